@@ -1,0 +1,54 @@
+// DatagramSource: where datagrams come from. One access point = one source, because every access
+// point sends from 10.10.10.10: only the port, interface or file they arrive on tells them apart.
+//
+// Implementations: UdpSource (udp_source.h), PcapFileSource and PcapLiveSource (pcap_source.h).
+// Thread safety: one thread reads; counters() may be called from another.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture/datagram.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// received = delivered + sum(rejected); what the kernel dropped was never received and is counted
+// apart.
+struct SourceCounters {
+  std::uint64_t received = 0;      // packets or datagrams read from the socket, interface or file
+  std::uint64_t delivered = 0;     // handed to the caller as Datagram
+  std::uint64_t bytes = 0;         // payload bytes delivered
+  std::uint64_t kernel_drops = 0;  // SO_RXQ_OVFL, pcap_stats
+  // By reason: "not_udp", "wrong_port", "ip_fragment", "truncated_capture", "length_mismatch",
+  // "oversized", "interface_not_allowed", ...
+  std::map<std::string, std::uint64_t> rejected;
+};
+
+struct DatagramBatch {
+  std::vector<Datagram> datagrams;  // in order of arrival
+  // No datagram with an earlier time will come from this source any more. Event time of idle
+  // sources advances by it; it is what lets several sources merge by time without a delay.
+  Timestamp watermark{};
+  bool ended = false;  // the file is read to its end; never of a live source
+};
+
+class DatagramSource {
+ public:
+  virtual ~DatagramSource() = default;
+
+  // Replaces the contents of `batch` by what has arrived. A live source waits up to `timeout` for
+  // the first datagram, and returns an empty batch with a new watermark if none came; a file
+  // returns its next packets at once. An Error ends the source: what was read before it has been
+  // delivered.
+  virtual Expected<void> read(DatagramBatch& batch, Duration timeout) = 0;
+
+  virtual SourceCounters counters() const = 0;
+
+  // For messages and logs: "udp 0.0.0.0:5500", "recording.pcap", "interface eth7".
+  virtual std::string description() const = 0;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,26 @@
+# Every library comes from a Debian 12 package (deploy/packages/build.txt). One imported target each.
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(tl-expected REQUIRED)    # tl::expected
+find_package(Eigen3 REQUIRED)         # Eigen3::Eigen
+find_package(Ceres REQUIRED)          # Ceres::ceres
+find_package(TBB REQUIRED)            # TBB::tbb
+find_package(embree 3 REQUIRED)       # embree
+find_package(pugixml REQUIRED)        # pugixml::pugixml
+find_package(assimp REQUIRED)         # assimp::assimp
+find_package(tomlplusplus REQUIRED)   # tomlplusplus::tomlplusplus
+find_package(CLI11 REQUIRED)          # CLI11::CLI11
+find_package(spdlog REQUIRED)         # spdlog::spdlog
+find_package(nlohmann_json REQUIRED)  # nlohmann_json::nlohmann_json
+find_package(Protobuf REQUIRED)       # protobuf::libprotobuf, protobuf_generate_cpp
+find_package(cppzmq REQUIRED)         # cppzmq
+find_package(ZLIB REQUIRED)           # ZLIB::ZLIB
+pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)         # PkgConfig::PCAP
+pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)   # PkgConfig::SYSTEMD
+if(RAYLOC_TESTS)
+  find_package(GTest REQUIRED)        # GTest::gmock_main
+  include(GoogleTest)
+endif()
+if(RAYLOC_BENCHMARKS)
+  find_package(benchmark REQUIRED)    # benchmark::benchmark
+endif()

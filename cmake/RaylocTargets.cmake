@@ -1,0 +1,97 @@
+# Compiler settings, and the three functions that declare every target of this project.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE RelWithDebInfo CACHE STRING "" FORCE)
+endif()
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
+
+find_program(RAYLOC_CCACHE ccache)
+if(RAYLOC_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${RAYLOC_CCACHE}")
+endif()
+
+# Debug information is a third of the build time and most of the link time; -g1 keeps the line
+# numbers of stack traces.
+string(REPLACE "-g" "-g1" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
+
+add_library(rayloc_warnings INTERFACE)
+target_compile_options(rayloc_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion
+  -Wold-style-cast -Wnon-virtual-dtor
+  # Replays are byte-identical: no contraction whose place the compiler may choose.
+  -ffp-contract=off)
+if(RAYLOC_WERROR)
+  target_compile_options(rayloc_warnings INTERFACE -Werror)
+endif()
+target_include_directories(rayloc_warnings INTERFACE "${PROJECT_SOURCE_DIR}")
+
+if(RAYLOC_SANITIZE)
+  if(RAYLOC_SANITIZE MATCHES "thread" AND RAYLOC_SANITIZE MATCHES "address")
+    message(FATAL_ERROR "RAYLOC_SANITIZE: thread and address exclude each other")
+  endif()
+  add_compile_options(-fsanitize=${RAYLOC_SANITIZE} -fno-omit-frame-pointer
+                      -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${RAYLOC_SANITIZE})
+endif()
+if(RAYLOC_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
+  endif()
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
+# rayloc_library(NAME SOURCES file... [DEPENDS target...]): one folder, one static library.
+function(rayloc_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(ARG_SOURCES)
+    add_library(${name} STATIC ${ARG_SOURCES})
+    target_link_libraries(${name} PRIVATE rayloc_warnings PUBLIC ${ARG_DEPENDS})
+    target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
+  else()
+    add_library(${name} INTERFACE)
+    target_link_libraries(${name} INTERFACE ${ARG_DEPENDS})
+    target_include_directories(${name} INTERFACE "${PROJECT_SOURCE_DIR}")
+  endif()
+endfunction()
+
+# rayloc_program(NAME SOURCES file... [DEPENDS target...])
+function(rayloc_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+endfunction()
+
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...]): a GoogleTest program.
+# The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by RAYLOC_BIN.
+function(rayloc_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS} GTest::gmock_main)
+  target_compile_definitions(${name} PRIVATE
+    RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
+    RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+                       PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300)
+endfunction()
+
+# rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ; in every
+# other build a program that replays tests/fuzz/corpus/NAME, run by ctest.
+function(rayloc_fuzzer name)
+  cmake_parse_arguments(ARG "" "SOURCE" "DEPENDS" ${ARGN})
+  if(RAYLOC_FUZZ)
+    add_executable(fuzz_${name} ${ARG_SOURCE})
+    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+  else()
+    add_executable(fuzz_${name} ${ARG_SOURCE} "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
+    add_test(NAME fuzz_corpus.${name}
+             COMMAND fuzz_${name} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
+    set_tests_properties(fuzz_corpus.${name} PROPERTIES LABELS fuzz TIMEOUT 300)
+  endif()
+  target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+endfunction()

@@ -1,0 +1,12 @@
+// The verbs there are; each is declared in the file of its name (frames.cpp, replay.cpp, ...).
+#pragma once
+
+#include <span>
+
+#include "daemon/cli/verb.h"
+
+namespace rayloc::cli {
+
+std::span<const Verb> verbs();
+
+}  // namespace rayloc::cli

@@ -1,0 +1,111 @@
+// Site: what an operator states of a place: the room, the carrier, the access points, the
+// transmitters that are known. Read from `site.toml` in a directory (CLI.md, "site.toml").
+//
+// load_site() validates everything; each error names file:line:column, what is wrong and what to
+// write instead. Unknown keys are errors with a suggestion. Lengths are metres, angles radians.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+#include "engine/channel/mac_address.h"
+#include "engine/channel/ofdm_grid.h"
+#include "engine/em/antenna_pattern.h"
+#include "engine/scene/antenna_array.h"
+
+namespace rayloc {
+
+struct Carrier {
+  int channel = 0;  // 802.11 channel number, 0 when not stated
+  int bandwidth_mhz = 0;
+  OfdmGrid grid;  // the active tones
+};
+
+struct SiteAccessPoint {
+  std::string id;
+  std::string format;               // wire format, empty: recognised
+  AntennaArray array;               // as surveyed
+  std::vector<std::uint8_t> cores;  // receive chain of each element of `array`
+};
+
+enum class TransmitterRole { kDevice, kFixed };
+
+struct SiteTransmitter {
+  TransmitterRole role = TransmitterRole::kDevice;
+  MacAddress mac;
+  std::string name;               // for people, may be empty
+  std::optional<Vec3d> position;  // of a fixed transmitter
+  double height = 1.2;            // [m], of a device
+  AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;
+  Polarization polarization = Polarization::kVertical;
+  bool constant_power = false;
+};
+
+struct SitePerson {
+  double radius = 0.165;  // [m]
+  double height = 1.7;    // [m]
+  std::optional<std::array<double, 2>> area_centre;
+  std::optional<double> area_radius;
+};
+
+// Values that replace those of the scene file or of the ITU table, by name of the material.
+struct MaterialOverride {
+  std::optional<double> relative_permittivity;
+  std::optional<double> conductivity;  // [S/m]
+  std::optional<double> thickness;     // [m]
+};
+
+struct Georeference {
+  double latitude = 0.0;   // [degrees], WGS 84, of the room's origin
+  double longitude = 0.0;  // [degrees]
+  double altitude = 0.0;   // [m]
+  double rotation = 0.0;   // [rad], of the room's +x from east, anticlockwise
+};
+
+struct SiteZone {
+  std::string name;
+  std::vector<std::array<double, 2>> polygon;
+};
+
+struct TargetDefaults {
+  bool track_unlisted = true;
+  double height = 1.2;  // [m]
+};
+
+struct Site {
+  std::string name;
+  std::filesystem::path directory;
+  std::filesystem::path scene_file;
+  Vec3d bounds_min;  // [m]; from [bounds], else from the scene when it is loaded
+  Vec3d bounds_max;
+  bool has_bounds = false;
+  Carrier carrier;
+  std::vector<SiteAccessPoint> access_points;
+  std::vector<SiteTransmitter> transmitters;
+  std::optional<SitePerson> person;
+  std::map<std::string, MaterialOverride> materials;
+  std::optional<Georeference> georeference;
+  std::vector<SiteZone> zones;
+  TargetDefaults targets;
+  std::optional<std::filesystem::path> calibration_file;  // [calibration] file
+  std::optional<std::filesystem::path> reference_file;    // [reference] file
+};
+
+// `directory` holds site.toml; a path to a .toml file itself is accepted as well.
+Expected<Site> load_site(const std::filesystem::path& directory);
+
+// Position in `access_points` of `id`; an error that lists the ids there are.
+Expected<int> find_access_point(const Site& site, const std::string& id);
+
+// The stated transmitter with that address, or nullptr.
+const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac);
+
+}  // namespace rayloc

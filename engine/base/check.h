@@ -1,0 +1,17 @@
+// RAYLOC_CHECK(condition): stops the program when one of our own assumptions is broken.
+//
+// Never for input: that is an Error (expected.h).
+#pragma once
+
+namespace rayloc {
+
+[[noreturn]] void check_failed(const char* condition, const char* file, int line);
+
+}  // namespace rayloc
+
+#define RAYLOC_CHECK(condition)                               \
+  do {                                                        \
+    if (!(condition)) {                                       \
+      ::rayloc::check_failed(#condition, __FILE__, __LINE__); \
+    }                                                         \
+  } while (false)

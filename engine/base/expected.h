@@ -1,0 +1,39 @@
+// Expected<T>: a value, or an Error that says what is wrong, where, and what to do about it.
+//
+// Everything that input can cause is returned as an Error. Our own mistakes are RAYLOC_CHECK.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+namespace rayloc {
+
+// What kind of failure it is; the command line turns it into the exit status of CLI.md.
+enum class ErrorKind {
+  kUsage,          // the call itself is wrong (exit 64)
+  kBadInput,       // data that was given is wrong (exit 65)
+  kUnavailable,    // a device, port or file cannot be opened (exit 69)
+  kInternal,       // our own fault (exit 70)
+  kConfiguration,  // a configuration or site file is wrong (exit 78)
+};
+
+// `message` begins with the place ("site.toml:12:3: ...", "x.pcap: byte 1204: ...") where there is
+// one, names what is wrong and says what to write or do instead. No trailing newline.
+struct Error {
+  ErrorKind kind = ErrorKind::kBadInput;
+  std::string message;
+};
+
+template <typename T>
+using Expected = tl::expected<T, Error>;
+
+inline tl::unexpected<Error> make_error(ErrorKind kind, std::string message) {
+  return tl::make_unexpected(Error{kind, std::move(message)});
+}
+inline tl::unexpected<Error> bad_input(std::string message) {
+  return make_error(ErrorKind::kBadInput, std::move(message));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,31 @@
+// AntennaArray: elements of one pattern on a rigid body somewhere in the room.
+//
+// Orientation is yaw, pitch, roll about z, y, x (R = Rz Ry Rx); boresight is local +x.
+#pragma once
+
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/em/antenna_pattern.h"
+
+namespace rayloc {
+
+struct Orientation {
+  double yaw = 0.0;    // [rad]
+  double pitch = 0.0;  // [rad]
+  double roll = 0.0;   // [rad]
+};
+
+struct Pose {
+  Vec3d position;  // [m], world
+  Orientation orientation;
+};
+
+struct AntennaArray {
+  Pose pose;                          // world from array
+  std::vector<Vec3d> element_offset;  // [m], array frame
+  AntennaPattern pattern = AntennaPattern::kIsotropic;
+  Polarization polarization = Polarization::kVertical;
+};
+
+}  // namespace rayloc
