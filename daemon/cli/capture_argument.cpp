@@ -1,0 +1,64 @@
+#include "daemon/cli/capture_argument.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace rayloc::cli {
+namespace {
+
+bool is_id(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+  });
+}
+
+std::string list_of(const std::vector<std::string>& ids) {
+  std::string list;
+  for (const std::string& id : ids) {
+    list += (list.empty() ? "" : ", ") + id;
+  }
+  return list;
+}
+
+}  // namespace
+
+CaptureArgument parse_capture_argument(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || !is_id(text.substr(0, equals))) {
+    return {"", text};
+  }
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::string>& arguments,
+                                                        const std::vector<std::string>& ids) {
+  std::vector<CaptureArgument> captures;
+  for (const std::string& argument : arguments) {
+    CaptureArgument capture = parse_capture_argument(argument);
+    if (capture.access_point.empty()) {
+      if (ids.size() != 1) {
+        return make_error(ErrorKind::kUsage,
+                          argument + ": which access point recorded it? Write AP=" + argument +
+                              " with one of: " + list_of(ids));
+      }
+      capture.access_point = ids.front();
+    }
+    if (std::find(ids.begin(), ids.end(), capture.access_point) == ids.end()) {
+      return make_error(ErrorKind::kUsage,
+                        argument + ": the site has no access point '" + capture.access_point +
+                            "'; it has: " + list_of(ids));
+    }
+    const bool named_twice = std::any_of(captures.begin(), captures.end(), [&](const auto& other) {
+      return other.access_point == capture.access_point;
+    });
+    if (named_twice) {
+      return make_error(ErrorKind::kUsage,
+                        argument + ": access point '" + capture.access_point +
+                            "' has a recording already; give each one file");
+    }
+    captures.push_back(std::move(capture));
+  }
+  return captures;
+}
+
+}  // namespace rayloc::cli
