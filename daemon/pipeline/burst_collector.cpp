@@ -1,0 +1,87 @@
+#include "daemon/pipeline/burst_collector.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace rayloc {
+
+Timestamp BurstCollector::end_of(const Burst& burst) const {
+  return std::min(burst.first + options_.length, burst.last + options_.gap);
+}
+
+void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
+  advance(frame.time, ended);
+  auto found = open_.find(frame.transmitter);
+  if (found == open_.end()) {
+    if (open_.size() >= options_.max_transmitters) {
+      ++refused_;
+      return;
+    }
+    found = open_.emplace(frame.transmitter, Burst{}).first;
+    found->second.transmitter = frame.transmitter;
+    found->second.first = frame.time;
+  }
+  Burst& burst = found->second;
+  burst.last = frame.time;
+  keep(burst, std::move(frame));
+}
+
+void BurstCollector::keep(Burst& burst, CsiFrame&& frame) const {
+  Burst::Sampling& sampling = burst.sampling[frame.access_point];
+  if (sampling.seen++ % sampling.stride != 0) {
+    ++burst.surplus;
+    return;
+  }
+  if (sampling.kept == options_.max_frames) {
+    // Leaves out every second frame of this access point, the first one stays.
+    const int access_point = frame.access_point;
+    std::size_t index = 0;
+    const auto left_out = [&](const CsiFrame& kept) {
+      return kept.access_point == access_point && index++ % 2 == 1;
+    };
+    burst.surplus += std::erase_if(burst.frames, left_out);
+    sampling.kept -= sampling.kept / 2;
+    sampling.stride *= 2;
+    if ((sampling.seen - 1) % sampling.stride != 0) {
+      ++burst.surplus;
+      return;
+    }
+  }
+  ++sampling.kept;
+  burst.frames.push_back(std::move(frame));
+}
+
+void BurstCollector::advance(Timestamp time, std::vector<Burst>& ended) {
+  const std::size_t before = ended.size();
+  for (auto it = open_.begin(); it != open_.end();) {
+    if (end_of(it->second) <= time) {
+      ended.push_back(std::move(it->second));
+      it = open_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+  std::sort(ended.begin() + static_cast<std::ptrdiff_t>(before),
+            ended.end(),
+            [&](const Burst& a, const Burst& b) {
+              return std::tuple(end_of(a), a.transmitter) < std::tuple(end_of(b), b.transmitter);
+            });
+}
+
+std::uint64_t BurstCollector::in_flight() const {
+  std::uint64_t frames = 0;
+  for (const auto& [mac, burst] : open_) {
+    frames += burst.frames.size() + burst.surplus;
+  }
+  return frames;
+}
+
+Timestamp BurstCollector::earliest_open(Timestamp time) const {
+  for (const auto& [mac, burst] : open_) {
+    time = std::min(time, burst.first);
+  }
+  return time;
+}
+
+}  // namespace rayloc

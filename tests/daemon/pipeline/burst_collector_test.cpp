@@ -1,0 +1,99 @@
+#include "daemon/pipeline/burst_collector.h"
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+CsiFrame frame_at(int ms, std::uint8_t transmitter = 1, int access_point = 0) {
+  CsiFrame frame;
+  frame.time = Timestamp(milliseconds(ms));
+  frame.transmitter.octets[5] = transmitter;
+  frame.access_point = access_point;
+  return frame;
+}
+
+class BurstCollectorTest : public ::testing::Test {
+ protected:
+  BurstOptions options_;
+  BurstCollector collector_{options_};
+  std::vector<Burst> ended_;
+};
+
+TEST_F(BurstCollectorTest, EndsAfterItsLength) {
+  for (int ms = 0; ms < 400; ms += 50) {
+    collector_.add(frame_at(ms), ended_);
+  }
+  ASSERT_EQ(ended_.size(), 1U);
+  EXPECT_EQ(ended_[0].frames.size(), 4U);  // 0, 50, 100, 150; 200 opens the next
+  EXPECT_EQ(collector_.in_flight(), 4U);
+  collector_.advance(Timestamp(milliseconds(400)), ended_);
+  ASSERT_EQ(ended_.size(), 2U);
+  EXPECT_EQ(ended_[1].first, Timestamp(milliseconds(200)));
+  EXPECT_EQ(ended_[1].last, Timestamp(milliseconds(350)));
+}
+
+TEST_F(BurstCollectorTest, EndsAtAGap) {
+  options_.length = milliseconds(2000);
+  BurstCollector collector(options_);
+  for (const int ms : {0, 249, 600, 700}) {
+    collector.add(frame_at(ms), ended_);
+  }
+  ASSERT_EQ(ended_.size(), 1U);
+  EXPECT_EQ(ended_[0].frames.size(), 2U);
+}
+
+TEST_F(BurstCollectorTest, KeepsTransmittersApartAndAccessPointsTogether) {
+  collector_.add(frame_at(0, 1, 0), ended_);
+  collector_.add(frame_at(1, 2, 0), ended_);
+  collector_.add(frame_at(2, 1, 1), ended_);
+  EXPECT_EQ(collector_.earliest_open(Timestamp(milliseconds(2))), Timestamp(milliseconds(0)));
+  collector_.advance(Timestamp(milliseconds(1000)), ended_);
+  ASSERT_EQ(ended_.size(), 2U);
+  EXPECT_EQ(ended_[0].frames.size(), 2U);
+  EXPECT_EQ(ended_[1].frames.size(), 1U);
+  EXPECT_EQ(collector_.earliest_open(Timestamp(milliseconds(5))), Timestamp(milliseconds(5)));
+}
+
+TEST_F(BurstCollectorTest, ThinsManyFramesEvenlyAndCountsTheRest) {
+  options_.max_frames = 8;
+  BurstCollector collector(options_);
+  for (int ms = 0; ms < 100; ++ms) {
+    collector.add(frame_at(ms, 1, 0), ended_);
+    if (ms % 25 == 0) {
+      collector.add(frame_at(ms, 1, 1), ended_);
+    }
+  }
+  collector.advance(Timestamp(milliseconds(1000)), ended_);
+  ASSERT_EQ(ended_.size(), 1U);
+  std::vector<Timestamp> first;
+  std::size_t second = 0;
+  for (const CsiFrame& frame : ended_[0].frames) {
+    if (frame.access_point == 0) {
+      first.push_back(frame.time);
+    } else {
+      ++second;
+    }
+  }
+  EXPECT_EQ(second, 4U);  // a slow access point loses nothing to a fast one
+  ASSERT_EQ(first.size(), 7U);
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    EXPECT_EQ(first[i], Timestamp(milliseconds(16 * static_cast<int>(i))));
+  }
+  EXPECT_EQ(ended_[0].surplus + ended_[0].frames.size(), 104U);
+}
+
+TEST_F(BurstCollectorTest, RefusesTransmittersBeyondTheLimit) {
+  options_.max_transmitters = 2;
+  BurstCollector collector(options_);
+  for (std::uint8_t transmitter = 1; transmitter <= 5; ++transmitter) {
+    collector.add(frame_at(0, transmitter), ended_);
+  }
+  EXPECT_EQ(collector.refused(), 3U);
+  EXPECT_EQ(collector.in_flight(), 2U);
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,114 @@
+#include "daemon/pipeline/frame_mailbox.h"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+namespace rayloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+Timestamp at(int ms) { return Timestamp(milliseconds(ms)); }
+
+CsiFrame frame_at(int ms, int access_point = 0) {
+  CsiFrame frame;
+  frame.time = at(ms);
+  frame.access_point = access_point;
+  return frame;
+}
+
+void put(FrameMailbox& mailbox, std::size_t source, std::vector<int> times, int safe) {
+  std::vector<CsiFrame> frames;
+  for (const int ms : times) {
+    frames.push_back(frame_at(ms, static_cast<int>(source)));
+  }
+  mailbox.put(source, frames, at(safe));
+}
+
+std::vector<int> times(const FrameMailbox::Taken& taken) {
+  std::vector<int> result;
+  for (const CsiFrame& frame : taken.frames) {
+    result.push_back(static_cast<int>(
+        std::chrono::duration_cast<milliseconds>(frame.time.time_since_epoch()).count()));
+  }
+  return result;
+}
+
+TEST(FrameMailbox, MergesSourcesByTime) {
+  FrameMailbox mailbox(2, 100, Overflow::kDropOldest);
+  put(mailbox, 0, {1, 4, 9}, 10);
+  put(mailbox, 1, {2, 3, 5}, 6);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{1, 2, 3, 4, 5}));
+  mailbox.end(1);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{9}));
+  mailbox.end(0);
+  EXPECT_TRUE(mailbox.take().ended);
+}
+
+TEST(FrameMailbox, HoldsAFrameThatAnEarlierOneMayStillPrecede) {
+  FrameMailbox mailbox(1, 100, Overflow::kDropOldest);
+  put(mailbox, 0, {20, 10}, 5);  // a partial frame after a younger complete one
+  EXPECT_TRUE(mailbox.take().frames.empty());
+  put(mailbox, 0, {7}, 15);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{7, 10}));
+  mailbox.end(0);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{20}));
+}
+
+TEST(FrameMailbox, DropsTheOldestAndCountsIt) {
+  FrameMailbox mailbox(1, 3, Overflow::kDropOldest);
+  put(mailbox, 0, {1, 2, 3, 4, 5}, 6);
+  const MailboxCounters before = mailbox.counters(0);
+  EXPECT_EQ(before.put, 5U);
+  EXPECT_EQ(before.dropped, 2U);
+  EXPECT_EQ(before.waiting, 3U);
+  EXPECT_EQ(times(mailbox.take()), (std::vector<int>{3, 4, 5}));
+  const MailboxCounters after = mailbox.counters(0);
+  EXPECT_EQ(after.put, after.dropped + after.taken + after.waiting);
+}
+
+TEST(FrameMailbox, ReplayWaitsAndLosesNothing) {
+  constexpr int kFrames = 2000;
+  FrameMailbox mailbox(2, 4, Overflow::kWait);
+  const auto run = [&](std::size_t source) {
+    for (int i = 0; i < kFrames; ++i) {
+      put(mailbox, source, {i}, i);
+    }
+    mailbox.end(source);
+  };
+  std::thread first(run, 0);
+  std::thread second(run, 1);
+  std::vector<int> all;
+  bool ended = false;
+  while (!ended) {
+    const auto taken = mailbox.take();
+    const std::vector<int> more = times(taken);
+    all.insert(all.end(), more.begin(), more.end());
+    ended = taken.ended;
+  }
+  first.join();
+  second.join();
+  ASSERT_EQ(all.size(), 2U * kFrames);
+  EXPECT_TRUE(std::is_sorted(all.begin(), all.end()));
+}
+
+TEST(FrameMailbox, ManyFramesOfOneInstantDoNotBlockAReplay) {
+  FrameMailbox mailbox(1, 4, Overflow::kWait);
+  std::thread source([&] {
+    put(mailbox, 0, std::vector<int>(50, 7), 7);
+    mailbox.end(0);
+  });
+  std::size_t taken_frames = 0;
+  bool ended = false;
+  while (!ended) {
+    const auto taken = mailbox.take();
+    taken_frames += taken.frames.size();
+    ended = taken.ended;
+  }
+  source.join();
+  EXPECT_EQ(taken_frames, 50U);
+}
+
+}  // namespace
+}  // namespace rayloc
