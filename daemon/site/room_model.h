@@ -1,0 +1,15 @@
+// load_room_model: the engine's RoomModel of a validated Site: reads the scene with the site's
+// material overrides, and the calibration file where the site names one.
+#pragma once
+
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// The device model is that of the site's first transmitter with role "device", else the default
+// height with a vertical half-wave dipole; change `RoomModel::device` for another one.
+Expected<RoomModel> load_room_model(const Site& site);
+
+}  // namespace rayloc

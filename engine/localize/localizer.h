@@ -1,0 +1,49 @@
+// Localizer: from a burst of frames of one transmitter, heard by any number of access points, to a
+// position with its uncertainty. The method `partial` of METHODS B2, B3, B7 on a grid of the room.
+//
+//   auto localizer = Localizer::create(room, {});
+//   LocationEstimate estimate = localizer->locate(frames_of_one_transmitter);
+//
+// create() traces the grid of the room once (seconds); locate() costs milliseconds and depends on
+// its arguments alone: the same frames give the same bytes, whatever the number of threads.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "engine/base/expected.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/localize/location_estimate.h"
+#include "engine/localize/room_model.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc {
+
+struct LocalizerOptions {
+  double accuracy_confidence = 0.95;
+  std::size_t max_hypotheses = 5;
+  BurstOptions burst;
+};
+
+class Localizer {
+ public:
+  // An Error when the room cannot be modelled at all (no scene, empty room, no access point).
+  // An access point without chain gains is left out, with a warning in every estimate.
+  static Expected<Localizer> create(std::shared_ptr<const RoomModel> room,
+                                    const LocalizerOptions& options);
+  ~Localizer();
+  Localizer(Localizer&&) noexcept;
+  Localizer& operator=(Localizer&&) noexcept;
+
+  // `frames`: one transmitter, any access points, in order of time.
+  LocationEstimate locate(std::span<const CsiFrame> frames) const;
+
+  const RoomModel& room() const;
+
+ private:
+  class Impl;
+  explicit Localizer(std::unique_ptr<const Impl> impl);
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,52 @@
+// LocationEstimate: where a target is, how sure that is, or why it cannot be said.
+//
+// World coordinates of the room, metres. A covariance is 3 x 3, row-major; its z entries are those
+// of the assumed height.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/timestamp.h"
+#include "engine/base/vec3.h"
+
+namespace rayloc {
+
+struct Hypothesis {
+  Vec3d position;
+  std::array<double, 9> covariance{};
+  double weight = 0.0;  // probability
+};
+
+struct LocationEstimate {
+  // Absent: NO_FIX, and `reason` says why. Never a sentinel.
+  std::optional<Vec3d> position;
+  std::string reason;
+
+  // Of the whole posterior about `position`; meaningless without one.
+  std::array<double, 9> covariance{};
+  double accuracy_m = 0.0;            // horizontal radius that contains the target ...
+  double accuracy_confidence = 0.95;  // ... with this probability
+
+  std::vector<Hypothesis> hypotheses;  // heaviest first, at most LocalizerOptions::max_hypotheses
+  double residual_probability = 1.0;   // 1 - sum of the weights: somewhere else
+  bool ambiguous = false;              // another hypothesis is nearly as likely
+
+  double loss = 0.0;    // negative log-likelihood of `position`, up to a constant of the site
+  double snr_db = 0.0;  // of one frame, median over the access points
+  double model_residual_db = 0.0;  // power that the model at `position` leaves unexplained
+
+  std::size_t frames_used = 0;
+  std::size_t access_points_used = 0;
+  std::size_t antennas_used = 0;
+  std::vector<std::string> warnings;
+
+  Timestamp time;           // middle of the first and the last frame used
+  Timestamp capture_start;  // first frame of the burst
+  Timestamp capture_end;    // last frame of the burst
+};
+
+}  // namespace rayloc
