@@ -64,20 +64,49 @@ function(rayloc_program name)
   target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
 endfunction()
 
+# Builds every test of the tree; `all` builds the programs as well.
+add_custom_target(rayloc_tests)
+
+# Tests of several trees meet in one summary (tests/run): those of a sanitizer's tree carry its name.
+set(RAYLOC_TEST_PREFIX "")
+if(RAYLOC_SANITIZE MATCHES "thread")
+  set(RAYLOC_TEST_PREFIX "tsan.")
+elseif(RAYLOC_SANITIZE)
+  set(RAYLOC_TEST_PREFIX "asan.")
+endif()
+
 # rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...]): a GoogleTest program.
 # The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by RAYLOC_BIN.
+# Labels: `threads` (the only tests built under ThreadSanitizer), `slow` and `e2e` (real processes,
+# one at a time; neither is built under a sanitizer), `replay`; `unit` when none is given.
 function(rayloc_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  if(RAYLOC_SANITIZE AND ("e2e" IN_LIST ARG_LABELS OR "slow" IN_LIST ARG_LABELS))
+    return()
+  endif()
+  if(RAYLOC_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST ARG_LABELS)
+    return()
+  endif()
   add_executable(${name} ${ARG_SOURCES})
+  add_dependencies(rayloc_tests ${name})
   target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS} GTest::gmock_main)
   target_compile_definitions(${name} PRIVATE
     RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
     RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
-  if(NOT ARG_LABELS)
-    set(ARG_LABELS unit)
+  set(serial FALSE)
+  if("e2e" IN_LIST ARG_LABELS)
+    set(serial TRUE)
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${RAYLOC_TEST_PREFIX}"
+                       PROPERTIES TIMEOUT 300 RUN_SERIAL ${serial})
+  # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
+  set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")
+  file(WRITE "${labels_file}"
+       "set_tests_properties(\${${name}_TESTS} PROPERTIES LABELS \"${ARG_LABELS}\")\n")
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${labels_file}")
 endfunction()
 
 # rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ; in every
@@ -88,10 +117,15 @@ function(rayloc_fuzzer name)
     add_executable(fuzz_${name} ${ARG_SOURCE})
     target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
   else()
+    if(RAYLOC_SANITIZE MATCHES "thread")
+      return()
+    endif()
     add_executable(fuzz_${name} ${ARG_SOURCE} "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
-    add_test(NAME fuzz_corpus.${name}
+    add_dependencies(rayloc_tests fuzz_${name})
+    set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
+    add_test(NAME ${test}
              COMMAND fuzz_${name} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
-    set_tests_properties(fuzz_corpus.${name} PROPERTIES LABELS fuzz TIMEOUT 300)
+    set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
   endif()
   target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
 endfunction()
