@@ -1,0 +1,37 @@
+// Recordings for tests: datagrams read from a file of tests/data, or made up.
+//
+// Reads classic little-endian Ethernet pcap files, gzip'd or not; shares no code with
+// capture/pcap_source, so that decoders are tested without it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "capture/csi_receiver.h"
+#include "capture/datagram.h"
+
+namespace rayloc::test {
+
+struct RecordedDatagram {
+  Timestamp time;
+  std::vector<std::byte> payload;
+
+  Datagram view() const { return {time, {}, payload}; }
+};
+using Recording = std::vector<RecordedDatagram>;
+
+// The file's bytes, uncompressed. Throws std::runtime_error when it cannot be read.
+std::vector<std::byte> read_file(const std::string& path);
+
+// `name` below tests/data/captures.
+Recording read_capture(const std::string& name);
+
+// Everything through one receiver, flushed at the end. Checks the conservation law after every
+// push (a GoogleTest failure if it does not hold).
+std::vector<CsiFrame> receive_all(CsiReceiver& receiver, const Recording& recording);
+
+// received = sum(rejected) + duplicates + late + in_frames + in_flight.
+void expect_conservation(const CsiReceiverCounters& counters);
+
+}  // namespace rayloc::test
