@@ -1,0 +1,68 @@
+// PcapInput: the bytes of a capture file, a pipe or standard input, unpacked if they are gzip'd,
+// in one window that grows at its end and is consumed at its beginning.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
+
+namespace rayloc::pcap {
+
+class PcapInput {
+ public:
+  // `path` "-" is standard input. kUnavailable when it cannot be opened.
+  static Expected<std::unique_ptr<PcapInput>> open(const std::string& path);
+  // Takes over the descriptor.
+  PcapInput(int fd, std::string name);
+  ~PcapInput();
+  PcapInput(const PcapInput&) = delete;
+  PcapInput& operator=(const PcapInput&) = delete;
+
+  // What has been read and not consumed. Invalidated by fill().
+  std::span<const std::byte> window() const {
+    return std::span<const std::byte>(buffer_).subspan(begin_, end_ - begin_);
+  }
+  void consume(std::size_t size);
+
+  enum class Fill { kMore, kTimeout, kEnd };
+  // Waits up to `timeout` for more bytes at the end of the window.
+  Expected<Fill> fill(Duration timeout);
+
+  // Where the window begins, in bytes of the unpacked file.
+  std::uint64_t offset() const { return offset_; }
+  // The gzip'd file ended inside its compressed data.
+  bool ends_within_gzip() const { return inside_gzip_; }
+  const std::string& name() const { return name_; }
+
+ private:
+  class Inflater;
+
+  Expected<Fill> read_more();
+  bool unpack(std::span<const std::byte> packed);
+  void make_room(std::size_t size);
+
+  int fd_;
+  std::string name_;
+  std::vector<std::byte> buffer_;
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  std::uint64_t offset_ = 0;
+
+  enum class Packing { kUnknown, kNone, kGzip };
+  Packing packing_ = Packing::kUnknown;
+  std::vector<std::byte> packed_;  // read from the file and not yet unpacked
+  std::uint64_t packed_offset_ = 0;
+  bool unpacking_stopped_ = false;
+  std::optional<Error> damage_;
+  std::unique_ptr<Inflater> inflater_;
+  bool inside_gzip_ = false;
+};
+
+}  // namespace rayloc::pcap
