@@ -1,0 +1,49 @@
+// EventClock: turns the kernel's time stamps into event times that never go back, whatever is done
+// to the machine's clock.
+//
+// CLOCK_REALTIME - CLOCK_MONOTONIC changes only when the clock is set, never when it is slewed.
+// When it is set back, event time goes on where it was, ahead of the clock; it falls in with the
+// clock again as far as that is later set forward. Setting it forward moves event time forward.
+#pragma once
+
+#include <cstdint>
+
+#include "engine/base/timestamp.h"
+
+namespace rayloc {
+
+class EventClock {
+ public:
+  // How much later than its stamp a datagram may become readable: the kernel stamps it first and
+  // queues it then, and other work of the same processor may come in between.
+  static constexpr Duration kQueueing = std::chrono::milliseconds(2);
+
+  // The clocks, read just before the socket is.
+  void observe(Timestamp realtime, Duration monotonic);
+  void observe_now();
+
+  // Of a datagram stamped by the kernel: truncated to microseconds, never before the watermark.
+  Timestamp event_time(Timestamp stamp) const;
+
+  // The socket was found empty after observe(): everything stamped before has been delivered.
+  void drained();
+  // More may be waiting; `last` is the event time of the last datagram delivered.
+  void not_drained(Timestamp last);
+
+  // No event time given from now on will be before this. In whole microseconds.
+  Timestamp watermark() const { return watermark_; }
+  // How often the clock was set.
+  std::uint64_t steps() const { return steps_; }
+
+ private:
+  void advance(Timestamp time);
+
+  bool started_ = false;
+  Duration offset_{};      // realtime - monotonic
+  Duration correction_{};  // event time - realtime, never negative
+  Timestamp observed_{};   // event time of the last observe()
+  Timestamp watermark_ = Timestamp::min();
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace rayloc
