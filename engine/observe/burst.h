@@ -27,10 +27,7 @@
 namespace rayloc {
 
 struct BurstOptions {
-  std::size_t max_frames = 64;
-  // A frame must have at least this share of the grid's tones; missing ones are left out of the
-  // average.
-  double min_tone_share = 0.9;
+  std::size_t max_frames = 32;
   // A frame whose normalised correlation with the average is below this is refused: it is another
   // transmitter's, or a broken one.
   double min_correlation = 0.5;

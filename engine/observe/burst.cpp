@@ -1,0 +1,252 @@
+#include "engine/observe/burst.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "engine/observe/alignment.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+struct Reading {
+  Timestamp time;
+  std::vector<Value> values;  // [core][tone] in the order of the request
+};
+
+// Position in `frame.tone_index` of every tone of the grid; nothing when one is missing.
+std::optional<std::vector<std::size_t>> tone_positions(const CsiFrame& frame,
+                                                       const OfdmGrid& grid) {
+  std::vector<std::size_t> positions;
+  positions.reserve(grid.size());
+  for (const std::int16_t tone : grid.tone_index) {
+    const auto found = std::lower_bound(frame.tone_index.begin(), frame.tone_index.end(), tone);
+    if (found == frame.tone_index.end() || *found != tone) {
+      return std::nullopt;
+    }
+    positions.push_back(static_cast<std::size_t>(found - frame.tone_index.begin()));
+  }
+  return positions;
+}
+
+// The values of a frame, or the name of the reason why it cannot be used.
+Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request) {
+  if (frame.csi.streams() != 1) {
+    return bad_input("several_streams");
+  }
+  if (std::abs(frame.tone_spacing_hz - request.grid.spacing_hz) > 1.0) {
+    return bad_input("wrong_grid");
+  }
+  const auto tones = tone_positions(frame, request.grid);
+  if (!tones) {
+    return bad_input("wrong_grid");
+  }
+  Reading reading{frame.time, {}};
+  reading.values.reserve(request.cores.size() * tones->size());
+  for (const std::uint8_t core : request.cores) {
+    const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
+    if (found == frame.cores.end()) {
+      return bad_input("missing_core");
+    }
+    const auto row = frame.csi.row(static_cast<std::size_t>(found - frame.cores.begin()), 0);
+    double power = 0.0;
+    for (const std::size_t tone : *tones) {
+      const Value value(static_cast<double>(row[tone].real()),
+                        static_cast<double>(row[tone].imag()));
+      power += std::norm(value);
+      reading.values.push_back(value);
+    }
+    if (!std::isfinite(power) || power <= 0.0) {
+      return bad_input("dead_core");
+    }
+  }
+  return reading;
+}
+
+void scale_to_unit(std::vector<Value>& values) {
+  double power = 0.0;
+  for (const Value& v : values) {
+    power += std::norm(v);
+  }
+  const double scale = std::sqrt(static_cast<double>(values.size()) / power);
+  for (Value& v : values) {
+    v *= scale;
+  }
+}
+
+std::vector<Value> mean_of(const std::vector<Reading>& readings,
+                           std::size_t begin,
+                           std::size_t end) {
+  std::vector<Value> mean(readings.front().values.size());
+  for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t j = 0; j < mean.size(); ++j) {
+      mean[j] += readings[i].values[j];
+    }
+  }
+  const double scale = 1.0 / static_cast<double>(end - begin);
+  for (Value& v : mean) {
+    v *= scale;
+  }
+  return mean;
+}
+
+// Aligns every reading to the running average, twice, the second time without those that do not
+// belong to it. The readings kept are aligned and on the scale of the result.
+std::vector<Value> average(std::vector<Reading>& readings,
+                           const Aligner& aligner,
+                           const BurstOptions& options,
+                           BurstObservation& result) {
+  std::vector<Value> reference = readings.front().values;
+  for (int pass = 0; pass < 2; ++pass) {
+    scale_to_unit(reference);
+    for (Reading& reading : readings) {
+      aligner.apply(aligner.align(reference, reading.values), reading.values);
+    }
+    reference = mean_of(readings, 0, readings.size());
+    if (pass == 0) {
+      const std::size_t before = readings.size();
+      std::erase_if(readings, [&](const Reading& reading) {
+        return aligner.align(reference, reading.values).correlation < options.min_correlation;
+      });
+      if (readings.size() < before) {
+        result.refused["different"] += before - readings.size();
+      }
+      if (readings.empty()) {
+        return {};
+      }
+      reference = mean_of(readings, 0, readings.size());
+    }
+  }
+  return reference;
+}
+
+double noise_of_frames(const std::vector<Reading>& readings, const std::vector<Value>& mean) {
+  double sum = 0.0;
+  for (const Reading& reading : readings) {
+    for (std::size_t j = 0; j < mean.size(); ++j) {
+      sum += std::norm(reading.values[j] - mean[j]);
+    }
+  }
+  return sum / (static_cast<double>(readings.size() - 1) * static_cast<double>(mean.size()));
+}
+
+// Second differences along the tones: noise has six times its variance there, a channel of a room
+// far less.
+double noise_of_tones(const std::vector<Value>& values, std::size_t tones) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < values.size(); row += tones) {
+    for (std::size_t k = 1; k + 1 < tones; ++k) {
+      sum += std::norm(values[row + k - 1] - 2.0 * values[row + k] + values[row + k + 1]);
+      ++count;
+    }
+  }
+  return count == 0 ? 1.0 : sum / (6.0 * static_cast<double>(count));
+}
+
+// 1 - |correlation|^2 of the averages of the first and of the second half, less what noise does.
+double motion_between_halves(const std::vector<Reading>& readings,
+                             const Aligner& aligner,
+                             double frame_noise) {
+  const std::size_t half = readings.size() / 2;
+  if (half == 0) {
+    return 0.0;
+  }
+  const auto early = mean_of(readings, 0, half);
+  const auto late = mean_of(readings, half, readings.size());
+  const double expected = frame_noise * (1.0 / static_cast<double>(half) +
+                                         1.0 / static_cast<double>(readings.size() - half));
+  return std::max(0.0, 1.0 - aligner.align(early, late).correlation - expected);
+}
+
+std::string describe(const std::map<std::string, std::size_t>& refused) {
+  std::string text;
+  for (const auto& [reason, count] : refused) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
+  }
+  return text;
+}
+
+// The frames of the access point, and of those at most `most`, evenly spread.
+std::vector<const CsiFrame*> choose(std::span<const CsiFrame> frames,
+                                    int access_point,
+                                    std::size_t most,
+                                    std::size_t& unread) {
+  std::vector<const CsiFrame*> own;
+  for (const CsiFrame& frame : frames) {
+    if (frame.access_point == access_point) {
+      own.push_back(&frame);
+    }
+  }
+  if (own.size() <= most) {
+    return own;
+  }
+  std::vector<const CsiFrame*> chosen;
+  for (std::size_t i = 0; i < most; ++i) {
+    chosen.push_back(own[i * (own.size() - 1) / (most > 1 ? most - 1 : 1)]);
+  }
+  unread = own.size() - chosen.size();
+  return chosen;
+}
+
+}  // namespace
+
+Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
+                                         const BurstRequest& request) {
+  BurstObservation result;
+  result.access_point = request.access_point;
+  const auto chosen = choose(frames,
+                             request.access_point,
+                             std::max<std::size_t>(request.options.max_frames, 1),
+                             result.frames_unread);
+  if (chosen.empty()) {
+    return bad_input("no frames");
+  }
+  if (request.grid.size() < 2 || request.cores.empty()) {
+    return bad_input("nothing is asked for: the grid or the list of cores is empty");
+  }
+  std::vector<Reading> readings;
+  for (const CsiFrame* frame : chosen) {
+    auto reading = read_frame(*frame, request);
+    if (reading) {
+      scale_to_unit(reading->values);
+      readings.push_back(*std::move(reading));
+    } else {
+      ++result.refused[reading.error().message];
+    }
+  }
+  if (readings.empty()) {
+    return bad_input("no usable frame among " + std::to_string(chosen.size()) + " (" +
+                     describe(result.refused) + ")");
+  }
+  const Aligner aligner(request.grid);
+  result.h = average(readings, aligner, request.options, result);
+  if (readings.empty()) {
+    return bad_input("the frames of the burst have nothing in common (" + describe(result.refused) +
+                     ")");
+  }
+  const double frame_noise = readings.size() > 1 ? noise_of_frames(readings, result.h)
+                                                 : noise_of_tones(result.h, request.grid.size());
+  result.motion_residual = motion_between_halves(readings, aligner, frame_noise);
+  double power = 0.0;
+  for (const Value& v : result.h) {
+    power += std::norm(v);
+  }
+  power /= static_cast<double>(result.h.size());
+  scale_to_unit(result.h);
+  const auto count = static_cast<double>(readings.size());
+  result.noise_variance = frame_noise / (count * power);
+  constexpr double kLeastNoise = 1e-12;  // a noiseless simulation has a finite level as well
+  result.snr_db = 10.0 * std::log10(power / std::max(frame_noise, kLeastNoise));
+  result.first = readings.front().time;
+  result.last = readings.back().time;
+  result.frames_used = readings.size();
+  result.grid = request.grid;
+  result.cores = request.cores;
+  return result;
+}
+
+}  // namespace rayloc
