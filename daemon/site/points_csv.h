@@ -1,0 +1,29 @@
+// Surveyed spots: where a target stood still, from when to when.
+//
+// `t_start,t_end,x,y,z`: seconds since 1970 by the clock of the recording, metres in the frame of
+// the site. Further columns are ignored.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
+#include "engine/base/vec3.h"
+
+namespace rayloc {
+
+class CsvTable;
+
+struct SurveyPoint {
+  Timestamp t_start;
+  Timestamp t_end;  // not before t_start
+  Vec3d position;   // [m]
+  int line = 0;     // of the file, for messages
+};
+
+// In the order of the file; at least one.
+Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& path);
+Expected<std::vector<SurveyPoint>> read_points(const CsvTable& table);
+
+}  // namespace rayloc
