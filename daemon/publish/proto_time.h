@@ -1,0 +1,16 @@
+// Times of messages from and to our own.
+#pragma once
+
+#include <google/protobuf/duration.pb.h>
+#include <google/protobuf/timestamp.pb.h>
+
+#include "engine/base/timestamp.h"
+
+namespace rayloc {
+
+google::protobuf::Timestamp to_proto(Timestamp time);
+google::protobuf::Duration to_proto(Duration duration);
+// What lies beyond the range of Timestamp (the year 2262) becomes its end.
+Timestamp from_proto(const google::protobuf::Timestamp& time);
+
+}  // namespace rayloc

@@ -1,0 +1,70 @@
+#include "daemon/publish/topic.h"
+
+#include "engine/base/check.h"
+#include "rayloc/v1/target.pb.h"
+
+namespace rayloc {
+namespace {
+
+bool is_plain(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '.' || c == '_' || c == ':' || c == '~';
+}
+
+void append_component(std::string& topic, std::string_view component) {
+  RAYLOC_CHECK(!component.empty());
+  constexpr std::string_view kHex = "0123456789ABCDEF";
+  for (const char c : component) {
+    if (is_plain(c)) {
+      topic += c;
+    } else {
+      const auto byte = static_cast<unsigned char>(c);
+      topic += '%';
+      topic += kHex[byte >> 4U];
+      topic += kHex[byte & 0xfU];
+    }
+  }
+  topic += '/';
+}
+
+}  // namespace
+
+std::string make_topic(std::string_view topic_class, std::string_view site) {
+  std::string topic = "v1/";
+  append_component(topic, topic_class);
+  append_component(topic, site);
+  return topic;
+}
+
+std::string make_topic(std::string_view topic_class, std::string_view site, std::string_view leaf) {
+  std::string topic = make_topic(topic_class, site);
+  append_component(topic, leaf);
+  return topic;
+}
+
+std::string_view topic_prefix(std::string_view topic) {
+  std::size_t end = 0;
+  for (int component = 0; component < 3; ++component) {
+    const std::size_t slash = topic.find('/', end);
+    if (slash == std::string_view::npos) {
+      return topic;
+    }
+    end = slash + 1;
+  }
+  return topic.substr(0, end);
+}
+
+std::string target_component(const v1::Target& target) {
+  if (target.has_mac()) {
+    return target.mac();
+  }
+  if (target.has_hashed_mac()) {
+    return target.hashed_mac();
+  }
+  if (target.has_track()) {
+    return "person-" + std::to_string(target.track());
+  }
+  return {};
+}
+
+}  // namespace rayloc
