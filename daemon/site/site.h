@@ -10,7 +10,9 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -99,8 +101,18 @@ struct Site {
   std::optional<std::filesystem::path> reference_file;    // [reference] file
 };
 
-// `directory` holds site.toml; a path to a .toml file itself is accepted as well.
+// `directory` holds site.toml; a path to a .toml file itself is accepted as well. The scene and the
+// other files that the site names must exist; they are read by load_room_model().
 Expected<Site> load_site(const std::filesystem::path& directory);
+
+// The same of a text; `file` is for messages and for relative paths.
+Expected<Site> parse_site(std::string_view text, const std::filesystem::path& file);
+
+// Whether `text` can be the id of an access point: letters, digits, '-' and '_'.
+bool is_access_point_id(std::string_view text);
+
+// Names of wire formats (AXCSI.md); what `format` of an access point or a source may be.
+std::span<const std::string_view> wire_format_names();
 
 // Position in `access_points` of `id`; an error that lists the ids there are.
 Expected<int> find_access_point(const Site& site, const std::string& id);

@@ -1,0 +1,141 @@
+#include "daemon/site/site.h"
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+
+#include "daemon/site/site_tables.h"
+#include "daemon/site/suggest.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kSiteFile = "site.toml";
+constexpr std::size_t kLongestName = 64;
+
+// A file that the table names under `key` and that is there.
+std::optional<fs::path> existing_file(const TomlTable& table, std::string_view key) {
+  const std::optional<fs::path> file = table.path(key);
+  if (!file) {
+    return std::nullopt;
+  }
+  std::error_code status;
+  if (!fs::is_regular_file(*file, status)) {
+    table.error_at(key,
+                   "'" + std::string(key) + "': no file " + file->string() +
+                       "; paths are relative to the folder of site.toml");
+    return std::nullopt;
+  }
+  return file;
+}
+
+void read_file_table(const TomlTable& root, std::string_view key, std::optional<fs::path>& file) {
+  if (const std::optional<TomlTable> table = root.table(key)) {
+    table->require({{"file", "file = \"" + std::string(key) + ".toml\""}});
+    file = existing_file(*table, "file");
+  }
+}
+
+void read_root(const TomlTable& root, Site& site) {
+  root.require({{"name", "name = \"office\""},
+                {"scene", "scene = \"scene.xml\""},
+                {"carrier", "[carrier] with bandwidth_mhz, centre_hz, tones, active"},
+                {"access_point", "[[access_point]] with id, position, [[access_point.antenna]]"}});
+  site.name = read_topic_name(root).value_or("");
+  site.scene_file = existing_file(root, "scene").value_or(fs::path());
+  if (const std::optional<TomlTable> bounds = root.table("bounds")) {
+    read_bounds(*bounds, site);
+  }
+  if (const std::optional<TomlTable> carrier = root.table("carrier")) {
+    read_carrier(*carrier, site.carrier);
+  }
+  if (const std::optional<TomlTable> targets = root.table("targets")) {
+    read_targets(*targets, site);
+  }
+  read_access_points(root, site);
+  read_transmitters(root, site);
+  if (const std::optional<TomlTable> person = root.table("person")) {
+    read_person(*person, site);
+  }
+  read_materials(root, site);
+  if (const std::optional<TomlTable> georeference = root.table("georeference")) {
+    read_georeference(*georeference, site);
+  }
+  read_zones(root, site);
+  read_file_table(root, "calibration", site.calibration_file);
+  read_file_table(root, "reference", site.reference_file);
+}
+
+Expected<Site> read_document(TomlDocument& document) {
+  Site site;
+  site.directory = document.file().parent_path();
+  if (site.directory.empty()) {
+    site.directory = ".";
+  }
+  read_root(document.root(), site);
+  if (const Expected<void> result = document.finish(); !result) {
+    return tl::make_unexpected(result.error());
+  }
+  return site;
+}
+
+}  // namespace
+
+std::optional<std::string> read_topic_name(const TomlTable& table) {
+  std::optional<std::string> name = table.string("name");
+  if (name && (name->find('/') != std::string::npos || name->size() > kLongestName)) {
+    table.error_at("name",
+                   "'name' is part of every topic: write at most " + std::to_string(kLongestName) +
+                       " bytes, without '/'");
+    return std::nullopt;
+  }
+  return name;
+}
+
+Expected<Site> parse_site(std::string_view text, const fs::path& file) {
+  const auto document = TomlDocument::parse(text, file);
+  return document ? read_document(**document) : tl::make_unexpected(document.error());
+}
+
+Expected<Site> load_site(const fs::path& directory) {
+  std::error_code status;
+  const bool is_file = !fs::is_directory(directory, status) && directory.extension() == ".toml";
+  const fs::path file = is_file ? directory : directory / kSiteFile;
+  if (!fs::exists(file, status)) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": there is no such file; a site is a directory with a " +
+                          std::string(kSiteFile));
+  }
+  const auto document = TomlDocument::read(file);
+  return document ? read_document(**document) : tl::make_unexpected(document.error());
+}
+
+bool is_access_point_id(std::string_view text) {
+  return !text.empty() && text.size() <= kLongestName &&
+         std::all_of(text.begin(), text.end(), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+         });
+}
+
+Expected<int> find_access_point(const Site& site, const std::string& id) {
+  std::vector<std::string_view> ids;
+  for (const SiteAccessPoint& access_point : site.access_points) {
+    if (access_point.id == id) {
+      return static_cast<int>(ids.size());
+    }
+    ids.emplace_back(access_point.id);
+  }
+  return make_error(ErrorKind::kConfiguration,
+                    "the site has no access point '" + id + "'; it has: " + list_of(ids));
+}
+
+const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac) {
+  const auto found = std::find_if(site.transmitters.begin(),
+                                  site.transmitters.end(),
+                                  [&](const SiteTransmitter& each) { return each.mac == mac; });
+  return found == site.transmitters.end() ? nullptr : &*found;
+}
+
+}  // namespace rayloc

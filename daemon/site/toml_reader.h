@@ -1,0 +1,162 @@
+// Reading TOML that people write: every access names what is wanted, every error its place.
+//
+//   auto document = TomlDocument::read("site.toml");
+//   TomlTable root = (*document)->root();
+//   root.require({{"name", "name = \"office\""}});
+//   const double height = root.number("height_m", {.min = 0.0, .unit = "m"}).value_or(1.2);
+//   return (*document)->finish();   // all errors, keys that nobody asked for among them
+//
+// Errors are collected, not thrown: an accessor that finds something wrong notes it and returns
+// nothing, as it does for a key that is absent. Reading goes on with a default, and finish() says
+// that the values are worth nothing. A key is known once it has been asked for, present or not.
+//
+// Included only by the .cpp files that read a file: it brings toml++.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <toml++/toml.h>
+
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+struct TomlPosition {
+  std::uint32_t line = 1;
+  std::uint32_t column = 1;  // in characters, from 1
+};
+
+struct NumberRange {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  std::string_view unit = {};  // for messages: "m", "degrees"
+};
+
+// A key that must be there, and what to write.
+struct RequiredKey {
+  std::string_view key;
+  std::string_view example;  // "id = \"ap1\""
+};
+
+class TomlDocument;
+
+// A table of a document; a cheap handle that lives no longer than its document.
+class TomlTable {
+ public:
+  TomlTable(TomlDocument& document, const toml::table& table, std::string name)
+      : document_(&document), table_(&table), name_(std::move(name)) {}
+
+  const std::string& name() const { return name_; }   // "[carrier]", for messages
+  TomlPosition position() const;                      // of its header
+  TomlPosition position(std::string_view key) const;  // of the key's value, else of the table
+  bool has(std::string_view key) const { return table_->contains(key); }
+
+  // Notes an error for each key that is absent.
+  void require(std::initializer_list<RequiredKey> keys) const;
+
+  std::optional<bool> boolean(std::string_view key) const;
+  std::optional<std::int64_t> integer(std::string_view key, const NumberRange& range) const;
+  // Integers are numbers as well. NaN and infinity are refused.
+  std::optional<double> number(std::string_view key, const NumberRange& range) const;
+  // Not empty, without control characters.
+  std::optional<std::string> string(std::string_view key) const;
+  // One of `names`.
+  std::optional<std::string> choice(std::string_view key,
+                                    std::span<const std::string_view> names) const;
+  // A path; relative ones from the folder of the document's file.
+  std::optional<std::filesystem::path> path(std::string_view key) const;
+
+  // An array of `count` numbers; `example` is a whole line to write instead.
+  template <std::size_t kCount>
+  std::optional<std::array<double, kCount>> numbers(std::string_view key,
+                                                    std::string_view example) const {
+    std::array<double, kCount> values{};
+    const toml::node* node = ask(key);
+    return node != nullptr && read_numbers(*node, key, values, example) ? std::optional(values)
+                                                                        : std::nullopt;
+  }
+  // An array of pairs of numbers, each with its position.
+  struct Pair {
+    std::array<double, 2> values{};
+    TomlPosition position;
+  };
+  std::optional<std::vector<Pair>> pairs(std::string_view key, std::string_view example) const;
+
+  std::optional<TomlTable> table(std::string_view key) const;
+  // [[key]]; none when absent.
+  std::vector<TomlTable> tables(std::string_view key) const;
+  // The tables [key.NAME], in order of the name.
+  std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
+
+  // Notes an error at the key's value, or at the table's header.
+  void error_at(std::string_view key, std::string message) const;
+  void error(std::string message) const;
+
+ private:
+  const toml::node* ask(std::string_view key) const;
+  std::string child_name(std::string_view key, bool array) const;
+  void wrong_type(const toml::node& node, std::string_view key, std::string_view wanted) const;
+  bool read_numbers(const toml::node& node,
+                    std::string_view key,
+                    std::span<double> values,
+                    std::string_view example) const;
+
+  TomlDocument* document_;
+  const toml::table* table_;
+  std::string name_;
+};
+
+class TomlDocument {
+ public:
+  // Errors: a file that cannot be read, is too large to be written by a person, or is not TOML.
+  static Expected<std::unique_ptr<TomlDocument>> read(const std::filesystem::path& file);
+  // `file` is for messages and for relative paths.
+  static Expected<std::unique_ptr<TomlDocument>> parse(std::string_view text,
+                                                       const std::filesystem::path& file);
+
+  TomlTable root() { return {*this, root_, ""}; }
+  const std::filesystem::path& file() const { return file_; }
+
+  void error(TomlPosition position, std::string message);
+
+  // All errors by line and column, one a line, unknown keys among them; kConfiguration.
+  Expected<void> finish();
+
+ private:
+  friend class TomlTable;
+  struct Note {
+    TomlPosition position;
+    std::string message;
+  };
+  struct Asked {
+    std::string name;
+    std::set<std::string, std::less<>> keys;
+  };
+
+  TomlDocument(std::filesystem::path file, toml::table root);
+  void note_unknown_keys();
+
+  std::filesystem::path file_;
+  toml::table root_;
+  std::map<const toml::table*, Asked> asked_;
+  std::vector<Note> notes_;
+};
+
+// The shortest text that reads back as the number: "0.2", "5190000000".
+std::string to_text(double value);
+
+}  // namespace rayloc
