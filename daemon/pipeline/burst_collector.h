@@ -14,7 +14,7 @@
 
 namespace rayloc {
 
-struct BurstOptions {
+struct CollectorOptions {
   Duration length = std::chrono::milliseconds(200);
   Duration gap = std::chrono::milliseconds(250);
   // Frames kept per burst and access point. When a transmitter sends more, every second one is
@@ -44,7 +44,7 @@ struct Burst {
 
 class BurstCollector {
  public:
-  explicit BurstCollector(const BurstOptions& options) : options_(options) {}
+  explicit BurstCollector(const CollectorOptions& options) : options_(options) {}
 
   // Adds a frame; appends the bursts that its time ends. REQUIRES: times never decrease.
   void add(CsiFrame&& frame, std::vector<Burst>& ended);
@@ -54,6 +54,7 @@ class BurstCollector {
 
   // Frames of transmitters beyond max_transmitters.
   std::uint64_t refused() const { return refused_; }
+  std::size_t open_bursts() const { return open_.size(); }
   // Frames in bursts that are still open.
   std::uint64_t in_flight() const;
   // No burst that ends later has an earlier first frame, if no frame before `time` comes any more.
@@ -63,7 +64,7 @@ class BurstCollector {
   Timestamp end_of(const Burst& burst) const;
   void keep(Burst& burst, CsiFrame&& frame) const;
 
-  BurstOptions options_;
+  CollectorOptions options_;
   std::map<MacAddress, Burst> open_;
   std::uint64_t refused_ = 0;
 };

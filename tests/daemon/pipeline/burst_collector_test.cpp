@@ -17,7 +17,7 @@ CsiFrame frame_at(int ms, std::uint8_t transmitter = 1, int access_point = 0) {
 
 class BurstCollectorTest : public ::testing::Test {
  protected:
-  BurstOptions options_;
+  CollectorOptions options_;
   BurstCollector collector_{options_};
   std::vector<Burst> ended_;
 };

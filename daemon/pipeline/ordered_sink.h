@@ -1,0 +1,34 @@
+// OrderedSink: passes locations on ordered by (time, target, kind), as `rayloc replay` writes them.
+//
+// Bursts of different transmitters overlap, so locations come nearly but not exactly in the order
+// of the instants they refer to; each is held until nothing earlier can come.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "daemon/pipeline/pipeline.h"
+#include "engine/base/timestamp.h"
+#include "rayloc/v1/location.pb.h"
+
+namespace rayloc {
+
+class OrderedSink : public LocationSink {
+ public:
+  explicit OrderedSink(std::function<void(const v1::Location&)> write) : write_(std::move(write)) {}
+
+  void location(v1::Location&& location) override;
+  void advance(Timestamp time) override;
+  // Passes on everything that is left.
+  void finish() { advance(Timestamp::max()); }
+
+ private:
+  using Key = std::tuple<Timestamp, std::string, int>;
+
+  std::function<void(const v1::Location&)> write_;
+  std::multimap<Key, v1::Location> held_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,114 @@
+// Pipeline: from datagrams to locations; owns every thread between a source and a LocationSink.
+//
+//   source threads (SourceWorker) -> FrameMailbox -> estimation thread: BurstCollector -> Estimator
+//                                                                                -> LocationSink
+//
+// raylocd and `rayloc replay` run this very class; only the sources, the overflow rule and the sink
+// differ. Event time is that of the datagrams; no stage reads a clock, so that the same datagrams
+// give the same locations at any speed.
+//
+// Conservation, per source: delivered datagrams = rejected + duplicates + late + in frames + in
+// flight (CsiReceiverCounters); frames = dropped + taken + waiting (MailboxCounters); over all
+// sources: taken = used + surplus + refused + in open bursts (EstimationCounters).
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/pipeline/burst_collector.h"
+#include "daemon/pipeline/frame_mailbox.h"
+#include "daemon/pipeline/source_worker.h"
+
+namespace rayloc {
+
+namespace v1 {
+class Location;
+}
+
+// Explains a burst. Called by the estimation thread alone.
+class Estimator {
+ public:
+  virtual ~Estimator() = default;
+  // Appends what is to be published: nothing for a transmitter that nobody looks for.
+  virtual void estimate(const Burst& burst, std::vector<v1::Location>& out) = 0;
+};
+
+// Takes the results. Called by the estimation thread alone, and must not block it for long.
+class LocationSink {
+ public:
+  virtual ~LocationSink() = default;
+  virtual void location(v1::Location&& location) = 0;
+  // No location that comes later refers to an instant before `time`.
+  virtual void advance(Timestamp /*time*/) {}
+};
+
+// taken = used + surplus + unwanted + refused + in_flight, in frames.
+struct EstimationCounters {
+  std::uint64_t taken = 0;
+  std::uint64_t used = 0;      // in bursts that an estimator explained, NO_FIX included
+  std::uint64_t surplus = 0;   // beyond what a burst keeps
+  std::uint64_t unwanted = 0;  // of transmitters that nobody looks for
+  std::uint64_t refused = 0;   // beyond the limit of transmitters
+  std::uint64_t in_flight = 0;
+  std::uint64_t bursts = 0;
+  std::uint64_t bursts_in_flight = 0;
+  std::uint64_t locations = 0;  // among them
+  std::uint64_t no_fix = 0;
+};
+
+struct PipelineOptions {
+  CollectorOptions burst;
+  std::size_t ring_frames = 8192;  // frames waiting per source
+  Overflow overflow = Overflow::kDropOldest;
+};
+
+class Pipeline {
+ public:
+  // `estimator` and `sink` outlive the pipeline.
+  Pipeline(const PipelineOptions& options,
+           std::vector<SourceWorker::Input> sources,
+           Estimator& estimator,
+           LocationSink& sink);
+  ~Pipeline();
+  Pipeline(const Pipeline&) = delete;
+  Pipeline& operator=(const Pipeline&) = delete;
+
+  void start();
+
+  // Every source has ended and everything that came has been estimated.
+  bool finished() const { return finished_; }
+
+  // Ends the sources; what has been received is still estimated. Returns when all is done.
+  void stop();
+  // Makes a stop() that another thread is in return soon: what waits is left unexplained.
+  void hurry();
+  // Waits for the sources to end by themselves (recordings).
+  void wait();
+
+  std::vector<SourceReport> source_reports() const;
+  std::vector<MailboxCounters> mailbox_counters() const;
+  EstimationCounters estimation_counters() const;
+
+ private:
+  void estimate_all();
+  void explain(std::vector<Burst>& bursts);
+  void join();
+
+  const PipelineOptions options_;
+  Estimator& estimator_;
+  LocationSink& sink_;
+  FrameMailbox mailbox_;
+  std::vector<std::unique_ptr<SourceWorker>> workers_;
+  std::atomic<bool> finished_ = false;
+  std::atomic<bool> hurried_ = false;
+  mutable std::mutex mutex_;
+  EstimationCounters counters_;  // guarded by mutex_
+  std::thread estimation_;
+};
+
+}  // namespace rayloc

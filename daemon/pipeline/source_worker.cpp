@@ -1,0 +1,101 @@
+#include "daemon/pipeline/source_worker.h"
+
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+// How long an idle source may sleep: the resolution of event time while nothing arrives, and the
+// longest that a stop waits.
+constexpr Duration kReadTimeout = std::chrono::milliseconds(20);
+
+// More than a receive buffer of 8 MiB holds, at 64 datagrams a read.
+constexpr int kReadsAfterStop = 256;
+
+}  // namespace
+
+SourceWorker::SourceWorker(Input input, FrameMailbox& mailbox, std::size_t slot)
+    : source_(std::move(input.source)),
+      receiver_(input.receiver),
+      mailbox_(mailbox),
+      slot_(slot),
+      tap_(input.tap) {
+  report_.access_point = std::move(input.access_point);
+  report_.description = source_->description();
+}
+
+SourceWorker::~SourceWorker() {
+  stop();
+  join();
+}
+
+void SourceWorker::start() {
+  thread_ = std::thread([this] { run(); });
+}
+
+void SourceWorker::join() {
+  if (thread_.joinable()) {
+    thread_.join();
+  }
+}
+
+void SourceWorker::run() {
+  DatagramBatch batch;
+  std::vector<CsiFrame> frames;
+  while (!stopping_ && step(batch, frames, kReadTimeout)) {
+  }
+  // What was in the socket when the stop came has been received: it is still taken, but not for as
+  // long as somebody goes on sending.
+  for (int reads = 0; stopping_ && reads < kReadsAfterStop; ++reads) {
+    if (!step(batch, frames, Duration::zero()) || batch.datagrams.empty()) {
+      break;
+    }
+  }
+  receiver_.flush(frames);
+  mailbox_.put(slot_, frames, batch.watermark);
+  publish_report(batch);
+  {
+    const std::lock_guard lock(mutex_);
+    report_.ended = true;
+  }
+  mailbox_.end(slot_);
+}
+
+bool SourceWorker::step(DatagramBatch& batch, std::vector<CsiFrame>& frames, Duration timeout) {
+  const Expected<void> read = source_->read(batch, timeout);
+  if (!read) {
+    batch.datagrams.clear();
+    const std::lock_guard lock(mutex_);
+    report_.error = read.error().message;
+    return false;
+  }
+  if (tap_ != nullptr && !batch.datagrams.empty()) {
+    tap_->tap(batch.datagrams);
+  }
+  for (const Datagram& datagram : batch.datagrams) {
+    receiver_.push(datagram, frames);
+  }
+  receiver_.advance(batch.watermark, frames);
+  const Timestamp safe_time = receiver_.safe_time(batch.watermark);
+  publish_report(batch);
+  mailbox_.put(slot_, frames, safe_time);
+  return !batch.ended;
+}
+
+void SourceWorker::publish_report(const DatagramBatch& batch) {
+  SourceCounters source = source_->counters();
+  CsiReceiverCounters receiver = receiver_.counters();
+  const std::lock_guard lock(mutex_);
+  report_.source = std::move(source);
+  report_.receiver = std::move(receiver);
+  if (!batch.datagrams.empty()) {
+    report_.last_datagram = batch.datagrams.back().time;
+  }
+}
+
+SourceReport SourceWorker::report() const {
+  const std::lock_guard lock(mutex_);
+  return report_;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,62 @@
+#include "daemon/pipeline/paced_source.h"
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+using std::chrono::milliseconds;
+
+// Gives all of its datagrams in one batch, as a file would.
+class OneBatch : public DatagramSource {
+ public:
+  explicit OneBatch(std::vector<int> times) : times_(std::move(times)) {}
+
+  Expected<void> read(DatagramBatch& batch, Duration /*timeout*/) override {
+    batch.datagrams.clear();
+    for (const int ms : times_) {
+      Datagram datagram;
+      datagram.time = Timestamp(milliseconds(ms));
+      batch.datagrams.push_back(datagram);
+      batch.watermark = std::max(batch.watermark, datagram.time);
+    }
+    batch.ended = true;
+    return {};
+  }
+  SourceCounters counters() const override { return {}; }
+  std::string description() const override { return "one batch"; }
+
+ private:
+  std::vector<int> times_;
+};
+
+TEST(PacedSource, GivesEveryDatagramInOrderAndNotBeforeItIsDue) {
+  const std::vector<int> times = {1000, 1010, 1030, 1060};
+  const auto pace = std::make_shared<Pace>(1.0);
+  PacedSource source(std::make_unique<OneBatch>(times), pace);
+  DatagramBatch batch;
+  std::vector<Timestamp> seen;
+  const auto start = std::chrono::steady_clock::now();
+  while (!batch.ended) {
+    ASSERT_TRUE(source.read(batch, milliseconds(5)).has_value());
+    for (const Datagram& datagram : batch.datagrams) {
+      seen.push_back(datagram.time);
+      EXPECT_GE(std::chrono::steady_clock::now() - start,
+                datagram.time - Timestamp(milliseconds(1000)));
+    }
+    if (seen.size() < times.size()) {
+      EXPECT_EQ(batch.watermark, Timestamp(milliseconds(times[seen.size()])));
+    }
+  }
+  ASSERT_EQ(seen.size(), times.size());
+  EXPECT_EQ(seen.back(), Timestamp(milliseconds(1060)));
+}
+
+TEST(PacedSource, SpeedShortensTheWait) {
+  Pace pace(1000.0);
+  const auto origin = pace.due(Timestamp(milliseconds(5000)));
+  EXPECT_EQ(pace.due(Timestamp(milliseconds(6000))) - origin, milliseconds(1));
+}
+
+}  // namespace
+}  // namespace rayloc

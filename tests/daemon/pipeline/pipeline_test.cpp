@@ -1,0 +1,131 @@
+// The whole way from datagrams to locations, with an estimator that only describes its bursts: what
+// the stages between must keep is that nothing is lost or changed by speed, threads or queues.
+#include "daemon/pipeline/pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "capture/pcap_source.h"
+#include "daemon/pipeline/ordered_sink.h"
+#include "daemon/pipeline/paced_source.h"
+#include "daemon/publish/proto_time.h"
+#include "rayloc/v1/location.pb.h"
+
+namespace rayloc {
+namespace {
+
+constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room/";
+
+// Says of each burst which frames it had: any change of order or content changes the text.
+class DescribingEstimator : public Estimator {
+ public:
+  void estimate(const Burst& burst, std::vector<v1::Location>& out) override {
+    v1::Location location;
+    location.set_mode(v1::FIX_MODE_NO_FIX);
+    location.mutable_target()->set_mac(to_string(burst.transmitter));
+    *location.mutable_time() = to_proto(burst.first + (burst.last - burst.first) / 2);
+    std::string text;
+    for (const CsiFrame& frame : burst.frames) {
+      double sum = 0.0;
+      for (const std::complex<float>& value : frame.csi.values()) {
+        sum += static_cast<double>(std::norm(value));
+      }
+      text += std::to_string(frame.access_point) + ":" + std::to_string(frame.sequence) + ":" +
+              std::to_string(frame.cores.size()) + ":" + std::to_string(sum) + " ";
+    }
+    location.set_event_id(text);
+    out.push_back(location);
+  }
+};
+
+struct Outcome {
+  std::string locations;
+  EstimationCounters counters;
+  std::vector<SourceReport> sources;
+  std::vector<MailboxCounters> mailbox;
+};
+
+Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace) {
+  std::vector<SourceWorker::Input> inputs;
+  for (int index = 0; index < 3; ++index) {
+    const std::string id = "ap" + std::to_string(index + 1);
+    SourceWorker::Input input;
+    input.access_point = id;
+    input.source = PcapFileSource::open(kSite + ("device_los-" + id + ".pcap.gz")).value();
+    if (pace) {
+      input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
+    }
+    input.receiver.access_point = index;
+    inputs.push_back(std::move(input));
+  }
+  Outcome outcome;
+  DescribingEstimator estimator;
+  OrderedSink sink([&](const v1::Location& location) {
+    outcome.locations += location.SerializeAsString() + "\n";
+  });
+  PipelineOptions options;
+  options.ring_frames = ring_frames;
+  options.overflow = Overflow::kWait;
+  Pipeline pipeline(options, std::move(inputs), estimator, sink);
+  pipeline.start();
+  pipeline.wait();
+  sink.finish();
+  EXPECT_TRUE(pipeline.finished());
+  outcome.counters = pipeline.estimation_counters();
+  outcome.sources = pipeline.source_reports();
+  outcome.mailbox = pipeline.mailbox_counters();
+  return outcome;
+}
+
+TEST(Pipeline, LosesNothingThatItDoesNotCount) {
+  const Outcome outcome = replay(8192, nullptr);
+  std::uint64_t taken = 0;
+  for (std::size_t i = 0; i < outcome.sources.size(); ++i) {
+    const SourceReport& report = outcome.sources[i];
+    EXPECT_EQ(report.error, "");
+    EXPECT_TRUE(report.ended);
+    EXPECT_GT(report.source.received, 100U);
+    EXPECT_EQ(report.source.received, report.source.delivered);
+    const CsiReceiverCounters& receiver = report.receiver;
+    EXPECT_EQ(receiver.received, report.source.delivered);
+    EXPECT_TRUE(receiver.rejected.empty());
+    EXPECT_EQ(receiver.received, receiver.in_frames + receiver.duplicates + receiver.late);
+    EXPECT_EQ(receiver.in_flight, 0U);
+    EXPECT_EQ(outcome.mailbox[i].put, receiver.frames);
+    EXPECT_EQ(outcome.mailbox[i].dropped, 0U);
+    taken += outcome.mailbox[i].taken;
+  }
+  EXPECT_EQ(outcome.counters.taken, taken);
+  EXPECT_EQ(outcome.counters.used, taken);
+  EXPECT_EQ(outcome.counters.in_flight, 0U);
+  EXPECT_EQ(outcome.counters.bursts_in_flight, 0U);
+  EXPECT_GT(outcome.counters.bursts, 20U);
+}
+
+TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
+  const Outcome reference = replay(8192, nullptr);
+  EXPECT_EQ(replay(8192, nullptr).locations, reference.locations);
+  EXPECT_EQ(replay(3, nullptr).locations, reference.locations);
+  EXPECT_EQ(replay(8192, std::make_shared<Pace>(200.0)).locations, reference.locations);
+}
+
+TEST(Pipeline, StopsWhileARecordingIsPlayed) {
+  DescribingEstimator estimator;
+  OrderedSink sink([](const v1::Location&) {});
+  std::vector<SourceWorker::Input> inputs(1);
+  inputs[0].access_point = "ap1";
+  inputs[0].source = std::make_unique<PacedSource>(
+      PcapFileSource::open(std::string(kSite) + "device_los-ap1.pcap.gz").value(),
+      std::make_shared<Pace>(1.0));
+  Pipeline pipeline({}, std::move(inputs), estimator, sink);
+  pipeline.start();
+  pipeline.stop();
+  EXPECT_TRUE(pipeline.finished());
+  const EstimationCounters counters = pipeline.estimation_counters();
+  EXPECT_EQ(counters.taken, counters.used + counters.in_flight);
+  EXPECT_EQ(counters.in_flight, 0U);
+}
+
+}  // namespace
+}  // namespace rayloc
