@@ -1,9 +1,17 @@
 #include "daemon/cli/verbs.h"
 
+#include <array>
+
 namespace rayloc::cli {
 
-// extern const Verb kFrames;  // frames.cpp
+// One row a verb, in the order of `rayloc --help`.
+extern const Verb kFrames;  // frames.cpp
 
-std::span<const Verb> verbs() { return {}; }
+std::span<const Verb> verbs() {
+  static const std::array kVerbs = {
+      kFrames,
+  };
+  return kVerbs;
+}
 
 }  // namespace rayloc::cli

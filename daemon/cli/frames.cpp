@@ -1,0 +1,307 @@
+// `rayloc frames`: the CSI frames of recordings, a line each.
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/csi_receiver.h"
+#include "capture/decoder_registry.h"
+#include "capture/pcap_source.h"
+#include "daemon/cli/capture_argument.h"
+#include "daemon/cli/verb.h"
+
+namespace rayloc::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FramesOptions {
+  std::vector<std::string> captures;
+  std::string format;
+  std::string out;
+  bool json = false;
+  bool values = false;
+  bool raw = false;
+  bool quiet = false;
+};
+
+// What became of all datagrams: datagrams = decoded + sum(rejected).
+struct Summary {
+  std::uint64_t datagrams = 0;
+  std::uint64_t decoded = 0;
+  std::uint64_t duplicates = 0;
+  std::uint64_t late = 0;
+  std::uint64_t frames = 0;
+  std::uint64_t partial = 0;
+  std::map<std::string, std::uint64_t> rejected;
+
+  void add(const SourceCounters& source, const CsiReceiverCounters& receiver) {
+    datagrams += source.received;
+    decoded += receiver.in_frames + receiver.duplicates + receiver.late;
+    duplicates += receiver.duplicates;
+    late += receiver.late;
+    frames += receiver.frames;
+    partial += receiver.partial;
+    for (const auto& counts : {source.rejected, receiver.rejected}) {
+      for (const auto& [reason, count] : counts) {
+        rejected[reason] += count;
+      }
+    }
+  }
+};
+
+// RFC 3339 in UTC, "2018-05-05T06:11:11.306626Z"; nine decimals where there are nanoseconds.
+std::string time_text(Timestamp time) {
+  const auto day = std::chrono::floor<std::chrono::days>(time);
+  const std::chrono::year_month_day date(day);
+  const auto since_midnight = time - day;
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(since_midnight);
+  const auto nanoseconds = (since_midnight - seconds).count();
+  const auto of_day = seconds.count();
+  const bool microseconds = nanoseconds % 1000 == 0;
+  std::array<char, 64> text{};
+  std::snprintf(text.data(),
+                text.size(),
+                "%04d-%02u-%02uT%02d:%02d:%02d.%0*dZ",
+                static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()),
+                static_cast<unsigned>(date.day()),
+                static_cast<int>(of_day / 3600),
+                static_cast<int>(of_day / 60 % 60),
+                static_cast<int>(of_day % 60),
+                microseconds ? 6 : 9,
+                static_cast<int>(microseconds ? nanoseconds / 1000 : nanoseconds));
+  return text.data();
+}
+
+Json values_of(const CsiFrame& frame) {
+  Json cores = Json::array();
+  for (std::size_t core = 0; core < frame.csi.antennas(); ++core) {
+    Json streams = Json::array();
+    for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
+      Json tones = Json::array();
+      for (const std::complex<float> h : frame.csi.row(core, stream)) {
+        tones.push_back(Json::array({h.real(), h.imag()}));
+      }
+      streams.push_back(std::move(tones));
+    }
+    cores.push_back(std::move(streams));
+  }
+  return cores;
+}
+
+std::string json_line(const CsiFrame& frame, const std::string& access_point, bool values) {
+  Json power = Json::array();
+  for (const std::optional<float>& dbm : frame.power_dbm) {
+    power.push_back(dbm ? Json(*dbm) : Json(nullptr));
+  }
+  Json line = {{"time", time_text(frame.time)},
+               {"ap", access_point},
+               {"transmitter", to_string(frame.transmitter)},
+               {"format", frame.format},
+               {"phy", to_string(frame.phy)},
+               {"bandwidth_mhz", frame.bandwidth_mhz},
+               {"sequence", frame.sequence},
+               {"sequence_control", frame.sequence_control},
+               {"cores", frame.cores},
+               {"streams", frame.csi.streams()},
+               {"tones", frame.csi.tones()},
+               {"power_dbm", std::move(power)},
+               {"complete", frame.complete},
+               {"flags", frame.flags}};
+  if (values) {
+    line["tone_index"] = frame.tone_index;
+    line["csi"] = values_of(frame);
+  }
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string text_line(const CsiFrame& frame, const std::string& access_point) {
+  std::string cores;
+  std::string power;
+  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
+    cores += (i == 0 ? "" : ",") + std::to_string(frame.cores[i]);
+    power += i == 0 ? "" : ",";
+    power += frame.power_dbm[i] ? std::to_string(static_cast<int>(*frame.power_dbm[i])) : "?";
+  }
+  std::string line = time_text(frame.time) + "  " + access_point + "  " +
+                     to_string(frame.transmitter) + "  " + std::string(frame.format) + "  " +
+                     std::string(to_string(frame.phy)) + " " + std::to_string(frame.bandwidth_mhz) +
+                     " MHz  sequence " + std::to_string(frame.sequence) + "/" +
+                     std::to_string(frame.sequence_control) + "  cores " + cores + "  streams " +
+                     std::to_string(frame.csi.streams()) + "  tones " +
+                     std::to_string(frame.csi.tones()) + "  " + power + " dBm";
+  line += frame.complete ? "" : "  incomplete";
+  for (const std::string_view flag : frame.flags) {
+    line += "  " + std::string(flag);
+  }
+  return line;
+}
+
+std::string summary_line(const Summary& summary, bool json) {
+  if (json) {
+    return Json{{"summary",
+                 {{"datagrams", summary.datagrams},
+                  {"decoded", summary.decoded},
+                  {"duplicates", summary.duplicates},
+                  {"late", summary.late},
+                  {"frames", summary.frames},
+                  {"partial", summary.partial},
+                  {"rejected", summary.rejected}}}}
+        .dump();
+  }
+  std::string line = std::to_string(summary.datagrams) + " datagrams, " +
+                     std::to_string(summary.decoded) + " decoded (" +
+                     std::to_string(summary.duplicates) + " duplicates, " +
+                     std::to_string(summary.late) + " late), " + std::to_string(summary.frames) +
+                     " frames, " + std::to_string(summary.partial) + " partial";
+  for (const auto& [reason, count] : summary.rejected) {
+    line += ", " + std::to_string(count) + " rejected: " + reason;
+  }
+  return line;
+}
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+Expected<File> open_output(const std::string& path) {
+  if (path.empty()) {
+    return File(stdout, [](std::FILE*) { return 0; });
+  }
+  File file(std::fopen(path.c_str(), "w"), std::fclose);
+  if (file == nullptr) {
+    return make_error(ErrorKind::kUnavailable, path + ": cannot be written; choose another --out");
+  }
+  return file;
+}
+
+Expected<void> print_line(std::FILE* out, const std::string& line) {
+  if (std::fputs(line.c_str(), out) < 0 || std::fputc('\n', out) == EOF) {
+    return make_error(ErrorKind::kUnavailable, "the output cannot be written");
+  }
+  return {};
+}
+
+Expected<void> print_frames(const std::vector<CsiFrame>& frames,
+                            const std::string& access_point,
+                            const FramesOptions& options,
+                            std::FILE* out) {
+  for (const CsiFrame& frame : frames) {
+    const auto printed =
+        print_line(out,
+                   options.json || options.values ? json_line(frame, access_point, options.values)
+                                                  : text_line(frame, access_point));
+    if (!printed) {
+      return printed;
+    }
+  }
+  if (std::fflush(out) != 0) {  // for whoever reads along
+    return make_error(ErrorKind::kUnavailable, "the output cannot be written");
+  }
+  return {};
+}
+
+Expected<void> run_capture(const CaptureArgument& capture,
+                           const FramesOptions& options,
+                           std::FILE* out,
+                           Summary& summary) {
+  PcapFileOptions file_options;
+  file_options.max_disorder = kAnyDisorder;  // a listing leaves nothing out
+  auto source = PcapFileSource::open(capture.file, file_options);
+  if (!source) {
+    return tl::make_unexpected(source.error());
+  }
+  CsiReceiverOptions receiver_options;
+  receiver_options.format = options.format;
+  receiver_options.raw = options.raw;
+  CsiReceiver receiver(receiver_options);
+  const std::string access_point =
+      capture.access_point.empty() ? capture.file : capture.access_point;
+  DatagramBatch batch;
+  std::vector<CsiFrame> frames;
+  Expected<void> result;
+  while (result && !batch.ended) {
+    result = (*source)->read(batch, std::chrono::seconds(1));
+    if (!result) {
+      batch.datagrams.clear();
+    }
+    for (const Datagram& datagram : batch.datagrams) {
+      receiver.push(datagram, frames);
+    }
+    if (!result || batch.ended) {
+      receiver.flush(frames);
+    }
+    const auto printed = print_frames(frames, access_point, options, out);
+    if (!printed) {
+      return printed;
+    }
+    frames.clear();
+  }
+  summary.add((*source)->counters(), receiver.counters());
+  if (const std::string warning = (*source)->warning(); !warning.empty() && !options.quiet) {
+    std::fprintf(stderr, "rayloc: %s\n", warning.c_str());
+  }
+  return result;
+}
+
+Expected<void> run(const FramesOptions& options) {
+  if (!options.format.empty() && !is_wire_format(options.format)) {
+    std::string known;
+    for (const std::string_view name : wire_formats()) {
+      known += (known.empty() ? "" : ", ") + std::string(name);
+    }
+    return make_error(ErrorKind::kUsage,
+                      "--format " + options.format + ": there is no such format; one of " + known);
+  }
+  auto out = open_output(options.out);
+  if (!out) {
+    return tl::make_unexpected(out.error());
+  }
+  Summary summary;
+  Expected<void> result;
+  for (const std::string& argument : options.captures) {
+    result = run_capture(parse_capture_argument(argument), options, out->get(), summary);
+    if (!result) {
+      break;
+    }
+  }
+  const auto printed =
+      print_line(out->get(), summary_line(summary, options.json || options.values));
+  if (result && !printed) {
+    return printed;
+  }
+  if (result && summary.datagrams > 0 && summary.decoded == 0) {
+    return bad_input("no CSI in " + std::to_string(summary.datagrams) +
+                     " packets; the summary says why each was rejected");
+  }
+  return result;
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto options = std::make_shared<FramesOptions>();
+  app.add_option("captures", options->captures, "recordings: [AP=]FILE, pcap or pcapng, .gz, -")
+      ->required();
+  app.add_flag("--json", options->json, "a JSON object a line");
+  app.add_flag("--values", options->values, "with tone_index and csi; implies --json");
+  app.add_flag(
+      "--raw", options->raw, "CSI as on the wire: FFT order, rotated, with unusable tones");
+  app.add_option("--format", options->format, "wire format, instead of recognising it");
+  app.add_option("--out", options->out, "write there instead of to stdout");
+  app.add_flag("--quiet", options->quiet, "no words on stderr");
+  return [options] { return run(*options); };
+}
+
+}  // namespace
+
+extern const Verb kFrames;
+const Verb kFrames = {"frames",
+                      "List the CSI frames of recordings",
+                      "rayloc frames --json ap1=recording.pcap.gz | jq .power_dbm",
+                      declare};
+
+}  // namespace rayloc::cli
