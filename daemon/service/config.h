@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "daemon/site/site.h"
@@ -30,7 +31,7 @@ struct SourceConfig {
   std::string access_point;
   int access_point_index = -1;
   std::string format;             // name of a wire format, empty: recognised
-  std::string listen_host;        // udp: numeric IPv4 or IPv6 address, without brackets
+  std::string listen_host;        // udp: numeric IPv4 address, "0.0.0.0" for all
   std::uint16_t listen_port = 0;  // udp
   std::filesystem::path file;     // pcap; "-" is standard input
   std::optional<double> speed;    // pcap: recorded seconds per second; empty: as fast as it goes
@@ -41,10 +42,8 @@ struct SourceConfig {
 };
 
 struct EngineConfig {
-  std::string method;                // "partial"
   Duration burst{};                  // length of a burst
-  double accuracy_confidence = 0.0;  // Location.accuracy_confidence
-  int threads = 0;                   // of the engine's parallel loops; 0: one per core
+  double accuracy_confidence = 0.0;  // of Location.accuracy_m
 };
 
 struct LimitsConfig {
@@ -53,9 +52,9 @@ struct LimitsConfig {
 };
 
 struct PublishConfig {
-  std::string endpoint;  // "tcp://127.0.0.1:5560", "ipc:///run/raylocd/publish"
+  std::string endpoint;   // "tcp://127.0.0.1:5560", "ipc:///run/raylocd/publish"
+  bool insecure = false;  // the endpoint may be beyond loopback
   Duration heartbeat{};
-  bool csi = false;                      // publish v1/csi/ as well
   std::size_t send_high_water_mark = 0;  // messages queued per subscriber before it counts as slow
 };
 
@@ -64,11 +63,8 @@ struct RecordConfig {
 };
 
 enum class LogLevel { kTrace, kDebug, kInfo, kWarning, kError };
-enum class LogFormat { kText, kJson };
-
 struct LogConfig {
   LogLevel level = LogLevel::kInfo;
-  LogFormat format = LogFormat::kText;
 };
 
 struct DaemonConfig {
@@ -86,11 +82,17 @@ struct DaemonConfig {
 Expected<DaemonConfig> load_config(const std::filesystem::path& file);
 
 // A configuration and the site that it names, checked against each other: every source is resolved
-// to an access point, and no access point has two.
+// to an access point, and no access point has two. An Error lists what is wrong in both files.
 struct DaemonSetup {
   DaemonConfig config;
   Site site;
 };
 Expected<DaemonSetup> load_daemon_setup(const std::filesystem::path& file);
+
+// The same of a text; `file` is for messages and for relative paths.
+Expected<DaemonConfig> parse_config(std::string_view text, const std::filesystem::path& file);
+
+// Every key with the value that holds, as TOML; those that the file does not state are marked.
+Expected<std::string> effective_config(const std::filesystem::path& file);
 
 }  // namespace rayloc

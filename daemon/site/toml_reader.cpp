@@ -71,6 +71,11 @@ TomlPosition TomlTable::position(std::string_view key) const {
   return node != nullptr ? begin_of(*node) : position();
 }
 
+bool TomlTable::is_string(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_string();
+}
+
 const toml::node* TomlTable::ask(std::string_view key) const {
   TomlDocument::Asked& asked = document_->asked_[table_];
   asked.name = name_;

@@ -18,7 +18,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -31,6 +30,7 @@
 
 #include <toml++/toml.h>
 
+#include "daemon/site/number_range.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
@@ -38,12 +38,6 @@ namespace rayloc {
 struct TomlPosition {
   std::uint32_t line = 1;
   std::uint32_t column = 1;  // in characters, from 1
-};
-
-struct NumberRange {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  std::string_view unit = {};  // for messages: "m", "degrees"
 };
 
 // A key that must be there, and what to write.
@@ -64,6 +58,9 @@ class TomlTable {
   TomlPosition position() const;                      // of its header
   TomlPosition position(std::string_view key) const;  // of the key's value, else of the table
   bool has(std::string_view key) const { return table_->contains(key); }
+  bool is_string(std::string_view key) const;
+  // Makes the key known without reading it.
+  void ask_for(std::string_view key) const { ask(key); }
 
   // Notes an error for each key that is absent.
   void require(std::initializer_list<RequiredKey> keys) const;
@@ -129,6 +126,8 @@ class TomlDocument {
                                                        const std::filesystem::path& file);
 
   TomlTable root() { return {*this, root_, ""}; }
+  // Stands for the table [name] where the document has none.
+  TomlTable empty_table(const std::string& name) { return {*this, empty_, "[" + name + "]"}; }
   const std::filesystem::path& file() const { return file_; }
 
   void error(TomlPosition position, std::string message);
@@ -152,6 +151,7 @@ class TomlDocument {
 
   std::filesystem::path file_;
   toml::table root_;
+  toml::table empty_;
   std::map<const toml::table*, Asked> asked_;
   std::vector<Note> notes_;
 };

@@ -1,0 +1,329 @@
+#include "daemon/service/config.h"
+
+#include <algorithm>
+#include <array>
+
+#include "daemon/service/config_reader.h"
+#include "daemon/service/endpoint.h"
+#include "daemon/site/suggest.h"
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <typename T>
+std::optional<ConfigValue> as_value(std::optional<T> value) {
+  return value ? std::optional(ConfigValue(*std::move(value))) : std::nullopt;
+}
+
+std::optional<ConfigValue> read_path(const TomlTable& table, const ConfigOption& option) {
+  const std::optional<std::string> text = table.string(option.key);
+  if (text && option.type == ConfigType::kFile && *text == "-") {
+    return *text;
+  }
+  const std::optional<fs::path> path = table.path(option.key);
+  return path ? std::optional(ConfigValue(path->string())) : std::nullopt;
+}
+
+std::optional<ConfigValue> read_speed(const TomlTable& table, const ConfigOption& option) {
+  constexpr std::array<std::string_view, 1> kMax = {"max"};
+  return table.is_string(option.key) ? as_value(table.choice(option.key, kMax))
+                                     : as_value(table.number(option.key, option.range));
+}
+
+std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption& option) {
+  switch (option.type) {
+    case ConfigType::kBoolean:
+      return as_value(table.boolean(option.key));
+    case ConfigType::kInteger:
+      return as_value(table.integer(option.key, option.range));
+    case ConfigType::kNumber:
+      return as_value(table.number(option.key, option.range));
+    case ConfigType::kText:
+      return as_value(table.string(option.key));
+    case ConfigType::kChoice:
+      return as_value(table.choice(option.key, option.choices));
+    case ConfigType::kFolder:
+    case ConfigType::kFile:
+      return read_path(table, option);
+    case ConfigType::kSpeed:
+      return read_speed(table, option);
+  }
+  RAYLOC_CHECK(false);
+}
+
+// The value of the file, else the default; nothing without either. A default is read as if it
+// stood in a file, so that it obeys the same rules.
+std::optional<ConfigEntry> read_entry(const TomlTable& table, const ConfigOption& option) {
+  if (const std::optional<ConfigValue> value = read_value(table, option)) {
+    return ConfigEntry{&option, *value, true};
+  }
+  if (option.preset.empty()) {
+    return std::nullopt;
+  }
+  const std::string line = std::string(option.key) + " = " + std::string(option.preset);
+  const auto document = TomlDocument::parse(line, "default");
+  RAYLOC_CHECK(document.has_value());
+  const std::optional<ConfigValue> value = read_value((*document)->root(), option);
+  RAYLOC_CHECK(value.has_value());
+  return ConfigEntry{&option, *value, false};
+}
+
+std::string assignment(const ConfigOption& option) {
+  return std::string(option.key) + " = " +
+         std::string(option.example.empty() ? option.preset : option.example);
+}
+
+void read_section(const TomlTable& table, std::string_view section, ConfigReading& reading) {
+  ConfigSection& entries = reading.sections.emplace_back();
+  entries.name = section;
+  for (const ConfigOption& option : config_options()) {
+    if (option.section != section) {
+      continue;
+    }
+    if (option.required) {
+      table.require({{option.key, assignment(option)}});
+    }
+    if (const std::optional<ConfigEntry> entry = read_entry(table, option)) {
+      option.store(reading.config, entry->value);
+      entries.entries.push_back(*entry);
+    }
+  }
+}
+
+void read_source(const TomlTable& table, ConfigReading& reading) {
+  SourceConfig source;
+  source.line = static_cast<int>(table.position().line);
+  source.column = static_cast<int>(table.position().column);
+  ConfigSection entries{"source", {}};
+  const ConfigOption* kinds = nullptr;
+  for (const ConfigOption& option : config_options()) {
+    kinds = option.section == "source" && option.key == "kind" ? &option : kinds;
+  }
+  RAYLOC_CHECK(kinds != nullptr);
+  table.require({{"kind", "kind = \"udp\""}});
+  const std::string kind = table.choice("kind", kinds->choices).value_or("");
+  for (const ConfigOption& option : config_options()) {
+    if (option.section != "source") {
+      continue;
+    }
+    if (!applies_to_kind(option, kind)) {
+      table.ask_for(option.key);
+      if (!kind.empty() && table.has(option.key)) {
+        table.error_at(option.key,
+                       "'" + std::string(option.key) + "' belongs to kind " +
+                           std::string(option.only_kinds) + "; this source is of kind " + kind);
+      }
+      continue;
+    }
+    // With kind "" every key is read once, for its own errors.
+    const std::optional<ConfigEntry> entry =
+        option.key == "kind" && kind.empty() ? std::nullopt : read_entry(table, option);
+    if (entry) {
+      option.store_source(source, entry->value);
+      entries.entries.push_back(*entry);
+    }
+  }
+  if (kind == "pcap") {
+    table.require({{"file", "file = \"recording.pcap\""}});
+  }
+  if (kind == "interface") {
+    table.require({{"interface", "interface = \"eth0\""}});
+  }
+  reading.config.sources.push_back(std::move(source));
+  reading.sections.push_back(std::move(entries));
+  reading.source_tables.push_back(table);
+}
+
+// Resolves each source to an access point of the site.
+void resolve_access_points(const Site& site, ConfigReading& reading) {
+  std::vector<std::string_view> ids;
+  for (const SiteAccessPoint& access_point : site.access_points) {
+    ids.emplace_back(access_point.id);
+  }
+  for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
+    SourceConfig& source = reading.config.sources[i];
+    const TomlTable& table = reading.source_tables[i];
+    if (source.access_point.empty() && !table.has("access_point") && ids.size() == 1) {
+      source.access_point = ids.front();
+    }
+    if (source.access_point.empty()) {
+      if (!table.has("access_point")) {
+        table.error("[[source]] lacks 'access_point', and the site has several; write one of: " +
+                    list_of(ids));
+      }
+      continue;
+    }
+    const auto found = std::find(ids.begin(), ids.end(), source.access_point);
+    if (found == ids.end()) {
+      table.error_at("access_point",
+                     "the site has no access point '" + source.access_point + "'" +
+                         suggestion(source.access_point, ids));
+      continue;
+    }
+    source.access_point_index = static_cast<int>(found - ids.begin());
+    for (std::size_t j = 0; j < i; ++j) {
+      if (reading.config.sources[j].access_point_index == source.access_point_index) {
+        table.error_at(
+            "access_point",
+            "access point '" + source.access_point + "' has a source already; give each its own");
+        break;
+      }
+    }
+  }
+}
+
+// An input that two sources would take from each other.
+std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
+  if (a.kind != b.kind) {
+    return {};
+  }
+  switch (a.kind) {
+    case SourceKind::kUdp:
+      return same_port({a.listen_host, a.listen_port}, {b.listen_host, b.listen_port})
+                 ? "UDP port " + std::to_string(a.listen_port)
+                 : "";
+    case SourceKind::kPcap:
+      return a.file == b.file ? a.file.string() : "";
+    case SourceKind::kInterface:
+      return a.interface == b.interface && a.filter == b.filter
+                 ? "interface " + a.interface + " with the same filter"
+                 : "";
+  }
+  return {};
+}
+
+void check_sources(const ConfigReading& reading) {
+  for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
+    const SourceConfig& source = reading.config.sources[i];
+    const TomlTable& table = reading.source_tables[i];
+    if (source.kind == SourceKind::kUdp && source.listen_host.empty()) {
+      if (table.has("listen")) {
+        table.error_at("listen",
+                       "'listen' is no ADDRESS:PORT; write, for example: listen = "
+                       "\"0.0.0.0:5500\", or one address of this machine");
+      }
+      continue;
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      const SourceConfig& other = reading.config.sources[j];
+      const std::string shared = shared_input(source, other);
+      if (!shared.empty() && table.has("kind")) {
+        constexpr std::array<std::string_view, 3> kInputs = {"listen", "file", "interface"};
+        table.error_at(kInputs.at(static_cast<std::size_t>(source.kind)),
+                       "a second source on " + shared + " (the first: line " +
+                           std::to_string(other.line) +
+                           "); every access point sends from the same address, only the port, "
+                           "file or interface tells them apart");
+        break;
+      }
+    }
+  }
+}
+
+void check_endpoint(const TomlTable& root, const PublishConfig& publish) {
+  const std::optional<TomlTable> table = root.table("publish");
+  if (!table || !table->is_string("endpoint")) {
+    return;
+  }
+  switch (endpoint_reach(publish.endpoint)) {
+    case EndpointReach::kInvalid:
+      table->error_at("endpoint",
+                      "'endpoint' is '" + publish.endpoint +
+                          "'; write tcp://ADDRESS:PORT or ipc://PATH, for example: "
+                          "endpoint = \"tcp://127.0.0.1:5560\"");
+      return;
+    case EndpointReach::kNetwork:
+      if (!publish.insecure) {
+        table->error_at("endpoint",
+                        "'endpoint' can be reached from the network, where everyone "
+                        "could read who is where; write tcp://127.0.0.1:PORT, or "
+                        "insecure = true if that is meant");
+      }
+      return;
+    case EndpointReach::kLoopback:
+      return;
+  }
+}
+
+Expected<DaemonConfig> finish_config(TomlDocument& document) {
+  ConfigReading reading = read_config(document);
+  if (const Expected<void> result = document.finish(); !result) {
+    return tl::make_unexpected(result.error());
+  }
+  return std::move(reading.config);
+}
+
+}  // namespace
+
+ConfigReading read_config(TomlDocument& document) {
+  ConfigReading reading;
+  reading.config.file = document.file();
+  const TomlTable root = document.root();
+  root.require(
+      {{"site", "[site] with directory = \"site\""}, {"source", "[[source]] with kind = \"udp\""}});
+  std::string_view section = "none";
+  for (const ConfigOption& option : config_options()) {
+    if (option.section == section) {
+      continue;
+    }
+    section = option.section;
+    if (section.empty()) {
+      read_section(root, section, reading);
+    } else if (section == "source") {
+      for (const TomlTable& table : root.tables(section)) {
+        read_source(table, reading);
+      }
+    } else if (const std::optional<TomlTable> table = root.table(section)) {
+      read_section(*table, section, reading);
+    } else if (!root.has(section) && section != "site") {
+      // All defaults.
+      read_section(document.empty_table(std::string(section)), section, reading);
+    }
+  }
+  check_sources(reading);
+  check_endpoint(root, reading.config.publish);
+  return reading;
+}
+
+Expected<DaemonConfig> parse_config(std::string_view text, const fs::path& file) {
+  const auto document = TomlDocument::parse(text, file);
+  return document ? finish_config(**document) : tl::make_unexpected(document.error());
+}
+
+Expected<DaemonConfig> load_config(const fs::path& file) {
+  const auto document = TomlDocument::read(file);
+  return document ? finish_config(**document) : tl::make_unexpected(document.error());
+}
+
+Expected<DaemonSetup> load_daemon_setup(const fs::path& file) {
+  const auto document = TomlDocument::read(file);
+  if (!document) {
+    return tl::make_unexpected(document.error());
+  }
+  ConfigReading reading = read_config(**document);
+  std::string site_errors;
+  DaemonSetup setup;
+  if (!reading.config.site_directory.empty()) {
+    Expected<Site> site = load_site(reading.config.site_directory);
+    if (site) {
+      resolve_access_points(*site, reading);
+      setup.site = std::move(*site);
+    } else {
+      site_errors = site.error().message;
+    }
+  }
+  if (const Expected<void> result = (*document)->finish(); !result) {
+    return make_error(ErrorKind::kConfiguration,
+                      result.error().message + (site_errors.empty() ? "" : "\n") + site_errors);
+  }
+  if (!site_errors.empty()) {
+    return make_error(ErrorKind::kConfiguration, site_errors);
+  }
+  setup.config = std::move(reading.config);
+  return setup;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,31 @@
+// Addresses as the configuration writes them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace rayloc {
+
+struct ListenAddress {
+  std::string host;  // numeric IPv4
+  std::uint16_t port = 0;
+};
+
+// "0.0.0.0:5500"; "*" and nothing stand for every address. Numeric, so that a start does not depend
+// on a name server.
+std::optional<ListenAddress> parse_listen(std::string_view text);
+
+// Whether two UDP sockets could not both be bound.
+bool same_port(const ListenAddress& a, const ListenAddress& b);
+
+// Where a ZeroMQ endpoint that we bind can be reached from.
+enum class EndpointReach {
+  kInvalid,   // neither tcp://HOST:PORT nor ipc://PATH
+  kLoopback,  // this machine only
+  kNetwork,   // other machines as well
+};
+EndpointReach endpoint_reach(std::string_view endpoint);
+
+}  // namespace rayloc
