@@ -28,9 +28,17 @@ std::optional<ConfigValue> read_path(const TomlTable& table, const ConfigOption&
 }
 
 std::optional<ConfigValue> read_speed(const TomlTable& table, const ConfigOption& option) {
-  constexpr std::array<std::string_view, 1> kMax = {"max"};
-  return table.is_string(option.key) ? as_value(table.choice(option.key, kMax))
-                                     : as_value(table.number(option.key, option.range));
+  if (!table.is_string(option.key)) {
+    return as_value(table.number(option.key, option.range));
+  }
+  const std::optional<std::string> text = table.string(option.key);
+  if (text && *text != "max") {
+    table.error_at(option.key,
+                   "'" + std::string(option.key) + "' is '" + *text +
+                       "'; write \"max\", or a number without quotes");
+    return std::nullopt;
+  }
+  return as_value(text);
 }
 
 std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption& option) {

@@ -39,7 +39,8 @@ std::string limits(const ConfigOption& option) {
   }
   if (option.type == ConfigType::kInteger || option.type == ConfigType::kNumber ||
       option.type == ConfigType::kSpeed) {
-    return to_text(option.range.min) + " to " + to_text(option.range.max) +
+    return to_text(option.range.min) +
+           (option.range.min < option.range.max ? " to " + to_text(option.range.max) : "") +
            (option.range.unit.empty() ? "" : " " + std::string(option.range.unit));
   }
   return "";
@@ -47,15 +48,13 @@ std::string limits(const ConfigOption& option) {
 
 std::string described_line(const ConfigOption& option) {
   std::string lines = "# " + std::string(option.description);
-  if (const std::string range = limits(option); !range.empty()) {
-    lines += " (" + range + ")";
-  }
   if (!option.only_kinds.empty()) {
-    lines += " Kind " + std::string(option.only_kinds) + " only.";
+    lines += " (kind " + std::string(option.only_kinds) + ")";
   }
-  // The example runs with one access point on the default port.
-  const bool stated = option.required;
-  return lines + "\n" + (stated ? "" : "#") + std::string(option.key) + " = " +
+  if (const std::string range = limits(option); !range.empty()) {
+    lines += ": " + range;
+  }
+  return lines + "\n" + (option.required ? "" : "#") + std::string(option.key) + " = " +
          std::string(option.preset.empty() ? option.example : option.preset) + "\n";
 }
 
