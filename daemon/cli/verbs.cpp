@@ -6,10 +6,12 @@ namespace rayloc::cli {
 
 // One row a verb, in the order of `rayloc --help`.
 extern const Verb kFrames;  // frames.cpp
+extern const Verb kSub;     // sub.cpp
 
 std::span<const Verb> verbs() {
   static const std::array kVerbs = {
       kFrames,
+      kSub,
   };
   return kVerbs;
 }

@@ -21,14 +21,15 @@ google::protobuf::Duration to_proto(Duration duration) {
 }
 
 Timestamp from_proto(const google::protobuf::Timestamp& time) {
-  constexpr auto kMost = std::chrono::floor<std::chrono::seconds>(Timestamp::max()) -
-                         std::chrono::seconds(4);  // nanos of either sign fit in an int32: 2.1 s
-  const std::int64_t limit = kMost.time_since_epoch().count();
-  if (time.seconds() > limit) {
-    return Timestamp::max();
+  // A day short of the end, so that nobody who rounds to a day overflows.
+  constexpr auto kLast =
+      std::chrono::floor<std::chrono::days>(Timestamp::max()) - std::chrono::days(1);
+  constexpr std::int64_t kLimit = std::chrono::seconds(kLast.time_since_epoch()).count();
+  if (time.seconds() > kLimit) {
+    return Timestamp(std::chrono::seconds(kLimit));
   }
-  if (time.seconds() < -limit) {
-    return Timestamp::min();
+  if (time.seconds() < -kLimit) {
+    return Timestamp(std::chrono::seconds(-kLimit));
   }
   return Timestamp(std::chrono::seconds(time.seconds()) + std::chrono::nanoseconds(time.nanos()));
 }

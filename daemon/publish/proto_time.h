@@ -10,7 +10,7 @@ namespace rayloc {
 
 google::protobuf::Timestamp to_proto(Timestamp time);
 google::protobuf::Duration to_proto(Duration duration);
-// What lies beyond the range of Timestamp (the year 2262) becomes its end.
+// What lies beyond the range of Timestamp (the year 2262) becomes its first or last day.
 Timestamp from_proto(const google::protobuf::Timestamp& time);
 
 }  // namespace rayloc

@@ -1,0 +1,189 @@
+// `rayloc sub` as a process of its own, against a real publisher.
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/publish/publisher.h"
+#include "rayloc/v1/envelope.pb.h"
+
+namespace rayloc {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Timestamp kNow{1718000000s};
+
+struct Finished {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+// A running `rayloc` whose output is read when it has ended; what it prints here fits into a pipe.
+class Process {
+ public:
+  explicit Process(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), RAYLOC_BIN "/rayloc");
+    EXPECT_EQ(::pipe(out_.data()), 0);
+    EXPECT_EQ(::pipe(err_.data()), 0);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) {
+      argv.push_back(argument.data());
+    }
+    argv.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::dup2(out_[1], STDOUT_FILENO);
+      ::dup2(err_[1], STDERR_FILENO);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    ::close(out_[1]);
+    ::close(err_[1]);
+  }
+
+  void signal(int number) const { ::kill(pid_, number); }
+
+  Finished wait() const {
+    Finished finished;
+    finished.out = read_all(out_[0]);
+    finished.err = read_all(err_[0]);
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return finished;
+  }
+
+ private:
+  static std::string read_all(int descriptor) {
+    std::string text;
+    std::array<char, 4096> buffer{};
+    for (ssize_t n = 0; (n = ::read(descriptor, buffer.data(), buffer.size())) > 0;) {
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    ::close(descriptor);
+    return text;
+  }
+
+  std::array<int, 2> out_{};
+  std::array<int, 2> err_{};
+  pid_t pid_ = -1;
+};
+
+Publisher publisher_on_loopback() {
+  PublisherOptions options;
+  options.endpoint = "tcp://127.0.0.1:*";
+  options.site = "office";
+  options.epoch = 7;
+  auto publisher = Publisher::bind(options);
+  EXPECT_TRUE(publisher) << publisher.error().message;
+  return std::move(*publisher);
+}
+
+void wait_for_subscriptions(Publisher& publisher, std::uint64_t subscriptions) {
+  const auto deadline = std::chrono::steady_clock::now() + 60s;
+  while (publisher.counters().subscriptions != subscriptions) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+v1::Location location_of(const std::string& mac) {
+  v1::Location location;
+  location.mutable_target()->set_mac(mac);
+  location.mutable_position()->set_x(1.5);
+  return location;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end == std::string::npos ? text.size() : end + 1;
+  }
+  return lines;
+}
+
+TEST(Sub, PrintsOneEnvelopePerLineAndStopsAtTheCount) {
+  Publisher publisher = publisher_on_loopback();
+  const Process process(
+      {"sub", "v1/location/", "--endpoint", publisher.endpoint(), "--json", "--count", "2"});
+  wait_for_subscriptions(publisher, 1);
+  publisher.publish(v1::TrackEvent(), kNow);
+  publisher.publish(location_of("a"), kNow);
+  publisher.publish(location_of("b"), kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_EQ(finished.err, "");
+  const auto lines = lines_of(finished.out);
+  ASSERT_EQ(lines.size(), 2U);
+  const auto envelope = nlohmann::json::parse(lines[0]);
+  EXPECT_EQ(envelope.at("epoch"), "7");
+  EXPECT_EQ(envelope.at("sequence"), "1");
+  EXPECT_EQ(envelope.at("location").at("target").at("mac"), "a");
+  EXPECT_EQ(envelope.at("location").at("position").at("x"), 1.5);
+}
+
+TEST(Sub, FollowsADaemonThatIsRestarted) {
+  Publisher publisher = publisher_on_loopback();
+  const Process process(
+      {"sub", "v1/location/", "--endpoint", publisher.endpoint(), "--count", "3"});
+  wait_for_subscriptions(publisher, 1);
+  publisher.publish(location_of("a"), kNow);
+  PublisherOptions options;
+  options.endpoint = publisher.endpoint();
+  options.site = "office";
+  options.epoch = 8;
+  { const Publisher ended = std::move(publisher); }
+  auto restarted = Publisher::bind(options);
+  for (int i = 0; !restarted && i < 1000; ++i) {  // the port is freed by a thread of libzmq
+    std::this_thread::sleep_for(10ms);
+    restarted = Publisher::bind(options);
+  }
+  ASSERT_TRUE(restarted) << restarted.error().message;
+  wait_for_subscriptions(*restarted, 1);
+  restarted->publish(location_of("a"), kNow);
+  restarted->publish(location_of("a"), kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_EQ(finished.err, "rayloc sub: the daemon was restarted\n");
+  ASSERT_EQ(lines_of(finished.out).size(), 3U);
+  EXPECT_EQ(lines_of(finished.out)[0],
+            "06:13:20.000  location   a snapshot: 1.50, 0.00, 0.00 m, 0 frames of 0 access points");
+}
+
+TEST(Sub, EndsCleanlyOnSigterm) {
+  Publisher publisher = publisher_on_loopback();
+  const Process process({"sub", "--endpoint", publisher.endpoint()});
+  wait_for_subscriptions(publisher, 1);
+  process.signal(SIGTERM);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0);
+  EXPECT_EQ(finished.out + finished.err, "");
+}
+
+TEST(Sub, GivesUpWhenNothingComes) {
+  const Process process({"sub", "--endpoint", "ipc:///nowhere/at/all", "--timeout", "0.3"});
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 69);
+  EXPECT_EQ(finished.err,
+            "rayloc: no message from ipc:///nowhere/at/all; is raylocd running there?\n");
+}
+
+TEST(Sub, AnEndpointThatCannotBeUnderstoodIsAUsageError) {
+  EXPECT_EQ(Process({"sub", "--endpoint", "localhost:5560"}).wait().status, 64);
+  EXPECT_EQ(Process({"sub", "--count", "many"}).wait().status, 64);
+}
+
+}  // namespace
+}  // namespace rayloc
