@@ -59,6 +59,12 @@ AxcsiHeader read_fields(const ByteReader& reader) {
   return header;
 }
 
+bool length_fits(const AxcsiHeader& header, std::size_t size) {
+  return header.first_tone <= header.last_tone &&
+         size ==
+             kHeaderBytes + kBytesPerWord * (header.last_tone - header.first_tone + std::size_t{1});
+}
+
 // Bandwidth of the channel, by the size of the transform: 0 where there is no such transform.
 int channel_bandwidth_mhz(unsigned encoding, unsigned total_tones) {
   const unsigned tones_of_20_mhz = encoding == kEncodingHe ? 256 : 64;
@@ -105,11 +111,7 @@ tl::expected<AxcsiHeader, RejectReason> read_axcsi_header(std::span<const std::b
     return tl::make_unexpected(RejectReason::kTooShort);
   }
   const AxcsiHeader header = read_fields(ByteReader(payload));
-  if (header.last_tone < header.first_tone) {
-    return tl::make_unexpected(RejectReason::kToneRange);
-  }
-  const std::size_t tones = header.last_tone - header.first_tone + std::size_t{1};
-  if (payload.size() != kHeaderBytes + kBytesPerWord * tones) {
+  if (!length_fits(header, payload.size())) {
     return tl::make_unexpected(RejectReason::kLengthMismatch);
   }
   if (header.encoding() > kEncodingHe) {
@@ -122,7 +124,7 @@ tl::expected<AxcsiHeader, RejectReason> read_axcsi_header(std::span<const std::b
     return tl::make_unexpected(RejectReason::kStreamRange);
   }
   if (header.last_tone >= header.total_tones || header.first_tone % kToneBlock != 0 ||
-      tones % kToneBlock != 0 ||
+      (header.last_tone + 1) % kToneBlock != 0 ||
       channel_bandwidth_mhz(header.encoding(), header.total_tones) == 0) {
     return tl::make_unexpected(RejectReason::kToneRange);
   }
@@ -167,6 +169,9 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
     return false;
   }
   const AxcsiHeader header = read_fields(ByteReader(payload));
+  if (length_fits(header, payload.size())) {
+    return true;
+  }
   return header.core < kMaxCores && header.stream < kMaxStreams &&
          header.encoding() <= kEncodingHe &&
          channel_bandwidth_mhz(header.encoding(), header.total_tones) != 0 &&

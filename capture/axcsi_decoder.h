@@ -45,8 +45,8 @@ class AxcsiDecoder final : public CsiDecoder {
   DecodeResult decode(std::span<const std::byte> payload) const override;
 };
 
-// Whether fields that have few legal values all have one, whatever the length says: tells a
-// damaged AX-CSI datagram from something else.
+// Whether the length is what the header says, or else the fields that have few legal values all
+// have one: tells a damaged AX-CSI datagram from something else.
 bool resembles_axcsi(std::span<const std::byte> payload);
 
 }  // namespace rayloc
