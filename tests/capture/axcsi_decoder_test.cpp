@@ -142,7 +142,7 @@ TEST(AxcsiDecoder, NamesWhatIsWrong) {
   EXPECT_EQ(reason_of({}), RejectReason::kTooShort);
   EXPECT_EQ(reason_of(with_field(8, 4)), RejectReason::kCoreRange);
   EXPECT_EQ(reason_of(with_field(10, 4)), RejectReason::kStreamRange);
-  EXPECT_EQ(reason_of(with_field(12, 200)), RejectReason::kToneRange);       // first > last
+  EXPECT_EQ(reason_of(with_field(12, 200)), RejectReason::kLengthMismatch);  // first > last
   EXPECT_EQ(reason_of(with_field(14, 126)), RejectReason::kLengthMismatch);  // one tone less
   EXPECT_EQ(reason_of(with_field(16, 100)), RejectReason::kToneRange);
   EXPECT_EQ(reason_of(with_field(16, 1024)), RejectReason::kToneRange);  // no VHT has that many
