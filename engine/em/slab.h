@@ -5,6 +5,8 @@
 //
 // References:
 //   [P2040] Rec. ITU-R P.2040-3, equations (37a), (37b), (43), (44).
+//
+// A slab of infinite thickness is a half space: reflection by (37a), (37b) alone, no transmission.
 #pragma once
 
 #include <numbers>
@@ -19,6 +21,21 @@ struct SlabCoefficients {
   Complex<T> r_te, r_tm;  // reflection, electric field perpendicular / parallel
   Complex<T> t_te, t_tm;  // transmission
 };
+
+// Reflection by a half space, for a wave arriving from vacuum; t_te and t_tm are 0, since nothing
+// comes out again. Arguments as below.
+template <typename T>
+SlabCoefficients<T> half_space_coefficients(const T& cos_theta,
+                                            const Complex<T>& relative_permittivity) {
+  const T sin2_theta = T(1) - cos_theta * cos_theta;
+  const Complex<T> c{cos_theta, T(0)};
+  const Complex<T> root = sqrt(relative_permittivity - Complex<T>{sin2_theta, T(0)});
+  // [P2040] (37a), (37b).
+  return {(c - root) / (c + root),
+          (relative_permittivity * c - root) / (relative_permittivity * c + root),
+          {},
+          {}};
+}
 
 // Coefficients for a wave arriving from vacuum.
 //

@@ -3,8 +3,10 @@
 // Orientation is yaw, pitch, roll about z, y, x (R = Rz Ry Rx); boresight is local +x.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
+#include "engine/base/mat3.h"
 #include "engine/base/vec3.h"
 #include "engine/em/antenna_pattern.h"
 
@@ -15,6 +17,10 @@ struct Orientation {
   double pitch = 0.0;  // [rad]
   double roll = 0.0;   // [rad]
 };
+
+inline Mat3d rotation(const Orientation& o) {
+  return rotation_from_yaw_pitch_roll(o.yaw, o.pitch, o.roll);
+}
 
 struct Pose {
   Vec3d position;  // [m], world
@@ -27,5 +33,10 @@ struct AntennaArray {
   AntennaPattern pattern = AntennaPattern::kIsotropic;
   Polarization polarization = Polarization::kVertical;
 };
+
+// Where element `i` is, world coordinates.
+inline Vec3d element_position(const AntennaArray& array, std::size_t i) {
+  return array.pose.position + rotation(array.pose.orientation) * array.element_offset[i];
+}
 
 }  // namespace rayloc

@@ -1,0 +1,63 @@
+// PcapRecorder: writes datagrams to a classic pcap file (microseconds, Ethernet) that Wireshark,
+// tcpreplay and PcapFileSource read; the Ethernet, IPv4 and UDP headers are made up around them as
+// the access point's firmware makes them.
+//
+// The file never ends inside a record: whole records go out in one write(2), and what a full disk
+// cut off is truncated away again. What a SIGKILL at the wrong instant can do is in
+// capture/README.md.
+// Thread safety: one thread.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "capture/datagram.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// given = written + lost.
+struct PcapRecorderCounters {
+  std::uint64_t given = 0;
+  std::uint64_t written = 0;
+  std::uint64_t lost = 0;    // in batches that could not be written
+  std::uint64_t errors = 0;  // such batches
+  std::uint64_t bytes = 0;   // length of the file
+};
+
+class PcapRecorder {
+ public:
+  // The file must not exist yet: a recording is never overwritten. kUnavailable otherwise.
+  static Expected<PcapRecorder> create(const std::string& path);
+  ~PcapRecorder();
+  PcapRecorder(PcapRecorder&& other) noexcept;
+  PcapRecorder& operator=(PcapRecorder&& other) = delete;
+
+  // Appends the whole batch by one write(2), or nothing of it: an Error means that all of it is
+  // lost, but the file is still whole, and the next batch may be tried (there may be room again).
+  // Times are truncated to microseconds. Call it some ten times a second with what has come since.
+  Expected<void> write(std::span<const Datagram> batch);
+
+  // Brings the file to the disk. write() does so every few seconds: what a power failure may cost.
+  Expected<void> sync();
+
+  const PcapRecorderCounters& counters() const { return counters_; }
+  const std::string& path() const { return path_; }
+
+ private:
+  PcapRecorder(int fd, std::string path);
+
+  Expected<void> append(std::span<const std::byte> records);
+
+  int fd_;
+  std::string path_;
+  std::vector<std::byte> records_;
+  std::chrono::steady_clock::time_point synced_;
+  PcapRecorderCounters counters_;
+};
+
+}  // namespace rayloc

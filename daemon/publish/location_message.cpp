@@ -1,0 +1,83 @@
+#include "daemon/publish/location_message.h"
+
+#include "daemon/publish/proto_time.h"
+#include "daemon/publish/topic.h"
+
+namespace rayloc {
+namespace {
+
+void set_point(const Vec3d& from, v1::Point* to) {
+  to->set_x(from.x);
+  to->set_y(from.y);
+  to->set_z(from.z);
+}
+
+// The same target, instant and kind give the same id, live and in every replay.
+std::string event_id(const LocationEstimate& estimate, const LocationContext& context) {
+  const char* kind = context.kind == v1::LOCATION_KIND_FILTERED ? "filtered" : "snapshot";
+  return target_component(context.target) + "-" +
+         std::to_string(estimate.time.time_since_epoch().count()) + "-" + kind;
+}
+
+void set_position(const LocationEstimate& estimate, v1::Location* message) {
+  message->set_mode(v1::FIX_MODE_2D);
+  set_point(*estimate.position, message->mutable_position());
+  message->mutable_position_covariance()->Add(estimate.covariance.begin(),
+                                              estimate.covariance.end());
+  message->set_accuracy_m(estimate.accuracy_m);
+  message->set_accuracy_confidence(estimate.accuracy_confidence);
+  for (const Hypothesis& hypothesis : estimate.hypotheses) {
+    v1::Hypothesis* to = message->add_hypotheses();
+    set_point(hypothesis.position, to->mutable_position());
+    to->mutable_position_covariance()->Add(hypothesis.covariance.begin(),
+                                           hypothesis.covariance.end());
+    to->set_weight(hypothesis.weight);
+  }
+  message->set_residual_probability(estimate.residual_probability);
+}
+
+void set_quality(const LocationEstimate& estimate,
+                 const LocationContext& context,
+                 v1::Quality* quality) {
+  quality->set_method(context.method);
+  quality->set_frames(static_cast<std::uint32_t>(estimate.frames_used));
+  quality->set_access_points(static_cast<std::uint32_t>(estimate.access_points_used));
+  quality->set_antennas(static_cast<std::uint32_t>(estimate.antennas_used));
+  if (estimate.frames_used > 0) {
+    quality->set_snr_db(estimate.snr_db);
+  }
+  if (estimate.position) {
+    quality->set_loss(estimate.loss);
+    quality->set_model_residual_db(estimate.model_residual_db);
+    quality->set_ambiguous(estimate.ambiguous);
+  } else {
+    quality->set_no_fix_reason(estimate.reason);
+  }
+  for (const std::string& warning : estimate.warnings) {
+    quality->add_warnings(warning);
+  }
+}
+
+}  // namespace
+
+v1::Location location_message(const LocationEstimate& estimate, const LocationContext& context) {
+  v1::Location message;
+  message.set_event_id(event_id(estimate, context));
+  message.set_kind(context.kind);
+  *message.mutable_time() = to_proto(estimate.time);
+  *message.mutable_capture_start() = to_proto(estimate.capture_start);
+  *message.mutable_capture_end() = to_proto(estimate.capture_end);
+  *message.mutable_target() = context.target;
+  *message.mutable_frame() = context.frame;
+  if (estimate.position) {
+    set_position(estimate, &message);
+  } else {
+    message.set_mode(v1::FIX_MODE_NO_FIX);
+    message.set_residual_probability(1.0);
+  }
+  *message.mutable_valid_for() = to_proto(context.valid_for);
+  set_quality(estimate, context, message.mutable_quality());
+  return message;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,25 @@
+// The engine's LocationEstimate as the public message Location (MESSAGES.md).
+#pragma once
+
+#include <string>
+
+#include "engine/base/timestamp.h"
+#include "engine/localize/location_estimate.h"
+#include "rayloc/v1/location.pb.h"
+
+namespace rayloc {
+
+// What is said of a location besides the estimate itself.
+struct LocationContext {
+  v1::Target target;
+  v1::Frame frame;
+  v1::LocationKind kind = v1::LOCATION_KIND_SNAPSHOT;
+  std::string method;
+  Duration valid_for{};
+};
+
+// A function of its arguments: a replay gives the same bytes. With NO_FIX there is neither a
+// position nor an accuracy, and `quality.no_fix_reason` says why.
+v1::Location location_message(const LocationEstimate& estimate, const LocationContext& context);
+
+}  // namespace rayloc

@@ -1,0 +1,181 @@
+#include "engine/scene/bvh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <embree3/rtcore.h>
+
+namespace rayloc {
+namespace {
+
+// Boxes are widened by this share of the largest coordinate: some 16 roundings of a float, where
+// origin, direction and traversal together make about 6.
+constexpr double kWidening = 2e-6;
+// Queries from further away than this many scene sizes would round by more than the widening.
+constexpr double kFarAway = 2.0;
+
+struct Primitive {
+  std::uint32_t surface;
+  std::uint32_t piece;
+};
+
+// What the callbacks see: Embree passes on a pointer to its context.
+struct Query {
+  RTCIntersectContext context;  // first, so that its address is the query's
+  const Segment* segment;
+  double length;
+  bool blocked;
+};
+
+}  // namespace
+
+class Bvh::Impl {
+ public:
+  explicit Impl(std::span<const Surface> surfaces) : surfaces_(surfaces) {
+    double reach = 1.0;  // [m]
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      const auto& pieces = surfaces[i].pieces();
+      for (std::size_t j = 0; j < pieces.size(); ++j) {
+        primitives_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
+        for (const Vec3d& corner : {pieces[j].lower, pieces[j].upper}) {
+          reach = std::max({reach, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+        }
+      }
+    }
+    largest_coordinate_ = kFarAway * reach;
+    widening_ = kWidening * largest_coordinate_;
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  Expected<void> build() {
+    device_ = rtcNewDevice("threads=1");
+    if (device_ == nullptr) {
+      return failed();
+    }
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_USER);
+    rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(primitives_.size()));
+    rtcSetGeometryUserData(geometry, this);
+    rtcSetGeometryBoundsFunction(geometry, &Impl::bounds, nullptr);
+    rtcSetGeometryOccludedFunction(geometry, &Impl::occluded);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+    if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
+      return failed();
+    }
+    return {};
+  }
+
+  bool is_blocked(const Segment& segment) const {
+    const Vec3d along = segment.to - segment.from;
+    Query query{};
+    rtcInitIntersectContext(&query.context);
+    query.segment = &segment;
+    query.length = norm(along);
+    for (const Vec3d& end : {segment.from, segment.to}) {
+      if (std::max({std::abs(end.x), std::abs(end.y), std::abs(end.z)}) > largest_coordinate_) {
+        return std::any_of(primitives_.begin(), primitives_.end(), [&](const Primitive& p) {
+          return crosses(query, p);
+        });
+      }
+    }
+    RTCRay ray{};
+    ray.org_x = static_cast<float>(segment.from.x);
+    ray.org_y = static_cast<float>(segment.from.y);
+    ray.org_z = static_cast<float>(segment.from.z);
+    ray.dir_x = static_cast<float>(along.x);
+    ray.dir_y = static_cast<float>(along.y);
+    ray.dir_z = static_cast<float>(along.z);
+    ray.tfar = 1.0F;
+    ray.mask = 0xffffffffU;
+    rtcOccluded1(scene_, &query.context, &ray);
+    return query.blocked;
+  }
+
+ private:
+  Expected<void> failed() const {
+    return make_error(ErrorKind::kInternal,
+                      "Embree cannot be used (error " +
+                          std::to_string(static_cast<int>(rtcGetDeviceError(device_))) + ")");
+  }
+
+  // The verdict, in double precision.
+  bool crosses(const Query& query, const Primitive& primitive) const {
+    const Segment& s = *query.segment;
+    if (primitive.surface == s.from_surface || primitive.surface == s.to_surface) {
+      return false;
+    }
+    const Surface& surface = surfaces_[primitive.surface];
+    const double from = distance(surface.plane(), s.from);
+    const double to = distance(surface.plane(), s.to);
+    if ((from > 0.0) == (to > 0.0) || from == to) {
+      return false;
+    }
+    const double share = from / (from - to);
+    if (share * query.length <= kEndTolerance || (1.0 - share) * query.length <= kEndTolerance) {
+      return false;
+    }
+    return surface.contains(surface.pieces()[primitive.piece], s.from + share * (s.to - s.from));
+  }
+
+  static void bounds(const RTCBoundsFunctionArguments* arguments) {
+    const auto* self = static_cast<const Impl*>(arguments->geometryUserPtr);
+    const Primitive& primitive = self->primitives_[arguments->primID];
+    const Surface::Piece& piece = self->surfaces_[primitive.surface].pieces()[primitive.piece];
+    RTCBounds* box = arguments->bounds_o;
+    box->lower_x = static_cast<float>(piece.lower.x - self->widening_);
+    box->lower_y = static_cast<float>(piece.lower.y - self->widening_);
+    box->lower_z = static_cast<float>(piece.lower.z - self->widening_);
+    box->upper_x = static_cast<float>(piece.upper.x + self->widening_);
+    box->upper_y = static_cast<float>(piece.upper.y + self->widening_);
+    box->upper_z = static_cast<float>(piece.upper.z + self->widening_);
+  }
+
+  static void occluded(const RTCOccludedFunctionNArguments* arguments) {
+    const auto* self = static_cast<const Impl*>(arguments->geometryUserPtr);
+    auto* query = reinterpret_cast<Query*>(arguments->context);
+    if (arguments->valid[0] == 0 || !self->crosses(*query, self->primitives_[arguments->primID])) {
+      return;
+    }
+    query->blocked = true;
+    // Embree's sign for "hit, stop": tfar = -infinity. N is 1: only rtcOccluded1 is called.
+    reinterpret_cast<RTCRay*>(arguments->ray)->tfar = -std::numeric_limits<float>::infinity();
+  }
+
+  std::span<const Surface> surfaces_;
+  std::vector<Primitive> primitives_;
+  double largest_coordinate_ = 0.0;  // [m]
+  double widening_ = 0.0;            // [m]
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+Expected<Bvh> Bvh::create(std::span<const Surface> surfaces) {
+  auto impl = std::make_unique<Impl>(surfaces);
+  if (auto built = impl->build(); !built) {
+    return tl::make_unexpected(built.error());
+  }
+  return Bvh(std::move(impl));
+}
+
+Bvh::Bvh(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+Bvh::~Bvh() = default;
+Bvh::Bvh(Bvh&&) noexcept = default;
+Bvh& Bvh::operator=(Bvh&&) noexcept = default;
+
+bool Bvh::is_blocked(const Segment& segment) const { return impl_->is_blocked(segment); }
+
+}  // namespace rayloc

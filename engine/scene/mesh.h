@@ -1,0 +1,17 @@
+// Mesh: triangles that share vertices, as a PLY or OBJ file holds them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/vec3.h"
+
+namespace rayloc {
+
+struct Mesh {
+  std::vector<Vec3d> vertices;                          // [m]
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // indices into `vertices`
+};
+
+}  // namespace rayloc

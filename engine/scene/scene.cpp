@@ -1,0 +1,129 @@
+#include "engine/scene/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+constexpr double kLeastHeight = 1e-6;    // [m], of a triangle
+constexpr double kFarthest = 100'000.0;  // [m]: beyond it this is no room, and floats mean little
+
+bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
+  const Vec3d ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
+  const Vec3d ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+  const Vec3d bc = mesh.vertices[t[2]] - mesh.vertices[t[1]];
+  const double longest = std::max({norm(ab), norm(ac), norm(bc)});
+  return !(norm(cross(ab, ac)) > kLeastHeight * longest);
+}
+
+bool is_usable(const Vec3d& v) {
+  const auto in_range = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
+  return in_range(v.x) && in_range(v.y) && in_range(v.z);
+}
+
+Expected<void> check_mesh(const SceneObject& object) {
+  const Mesh& mesh = object.mesh;
+  const auto refuse = [&](const std::string& what) {
+    return bad_input("object '" + object.name + "': " + what);
+  };
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!is_usable(mesh.vertices[i])) {
+      return refuse("vertex " + std::to_string(i) +
+                    " is not a finite number or further than 100 km away");
+    }
+  }
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (const std::uint32_t index : mesh.triangles[i]) {
+      if (index >= mesh.vertices.size()) {
+        return refuse("triangle " + std::to_string(i) + " refers to vertex " +
+                      std::to_string(index) + " of " + std::to_string(mesh.vertices.size()));
+      }
+    }
+  }
+  return {};
+}
+
+Expected<void> check_input(const Scene::Input& input) {
+  if (input.objects.empty()) {
+    return bad_input("the scene has no object; a room needs at least one");
+  }
+  if (!(input.carrier_hz > 0.0) || !std::isfinite(input.carrier_hz)) {
+    return bad_input("the carrier frequency must be more than 0 Hz");
+  }
+  for (const RadioMaterial& material : input.materials) {
+    if (auto valid = validate(material); !valid) {
+      return valid;
+    }
+  }
+  for (const SceneObject& object : input.objects) {
+    if (object.material >= input.materials.size()) {
+      return bad_input("object '" + object.name + "' has no material");
+    }
+    if (auto valid = check_mesh(object); !valid) {
+      return valid;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<Scene> Scene::create(Input input) {
+  if (auto valid = check_input(input); !valid) {
+    return tl::make_unexpected(valid.error());
+  }
+  std::size_t dropped = 0;
+  std::vector<Surface> surfaces;
+  std::vector<SurfaceOwner> owners;
+  for (std::size_t i = 0; i < input.objects.size(); ++i) {
+    Mesh& mesh = input.objects[i].mesh;
+    dropped += std::erase_if(mesh.triangles, [&](const auto& t) { return is_degenerate(mesh, t); });
+    if (mesh.triangles.empty()) {
+      return bad_input("object '" + input.objects[i].name +
+                       "' has no triangle that is at least a micrometre high");
+    }
+    for (MeshSurface& found : planar_surfaces(mesh)) {
+      surfaces.push_back(std::move(found.surface));
+      owners.push_back({static_cast<std::uint32_t>(i), found.one_facing});
+    }
+  }
+  auto bvh = Bvh::create(surfaces);
+  if (!bvh) {
+    return tl::make_unexpected(bvh.error());
+  }
+  Scene scene(std::move(input), std::move(surfaces), std::move(owners), std::move(*bvh));
+  scene.dropped_triangles_ = dropped;
+  return scene;
+}
+
+Scene::Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwner> owners, Bvh bvh)
+    : objects_(std::move(input.objects)),
+      materials_(std::move(input.materials)),
+      carrier_hz_(input.carrier_hz),
+      surfaces_(std::move(surfaces)),
+      owners_(std::move(owners)),
+      bvh_(std::move(bvh)) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  bounds_min_ = {kInfinity, kInfinity, kInfinity};
+  bounds_max_ = {-kInfinity, -kInfinity, -kInfinity};
+  for (const SceneObject& object : objects_) {
+    solids_.push_back(classify_solid(object.mesh));
+    triangle_count_ += object.mesh.triangles.size();
+    for (const auto& triangle : object.mesh.triangles) {
+      for (const std::uint32_t index : triangle) {
+        const Vec3d& v = object.mesh.vertices[index];
+        bounds_min_ = {std::min(bounds_min_.x, v.x),
+                       std::min(bounds_min_.y, v.y),
+                       std::min(bounds_min_.z, v.z)};
+        bounds_max_ = {std::max(bounds_max_.x, v.x),
+                       std::max(bounds_max_.y, v.y),
+                       std::max(bounds_max_.z, v.z)};
+      }
+    }
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,79 @@
+// Scene: the objects of a place, as planar surfaces with radio materials at one carrier frequency.
+//
+// Immutable; build a new one to change a wall or a material.
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/em/radio_material.h"
+#include "engine/scene/bvh.h"
+#include "engine/scene/mesh.h"
+#include "engine/scene/solid.h"
+#include "engine/scene/surface.h"
+
+namespace rayloc {
+
+struct SceneObject {
+  std::string name;
+  Mesh mesh;
+  std::uint32_t material = 0;  // index into the scene's materials
+};
+
+class Scene {
+ public:
+  // What a surface belongs to.
+  struct SurfaceOwner {
+    std::uint32_t object = 0;
+    bool one_facing = false;  // MeshSurface::one_facing
+  };
+  struct Input {
+    std::vector<SceneObject> objects;
+    std::vector<RadioMaterial> materials;  // at the carrier
+    double carrier_hz = 0.0;
+  };
+
+  // An Error for an empty scene, an object without a triangle, a vertex that is not finite, an
+  // index out of range, or an unphysical material; each names the object. Degenerate triangles
+  // (less than a micrometre high; exporters leave them behind) are dropped and counted.
+  static Expected<Scene> create(Input input);
+
+  const std::vector<SceneObject>& objects() const { return objects_; }
+  const std::vector<RadioMaterial>& materials() const { return materials_; }
+  double carrier_hz() const { return carrier_hz_; }
+
+  // Surfaces of all objects; those of one object are neighbours.
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+  const SurfaceOwner& owner(std::uint32_t surface) const { return owners_[surface]; }
+  const RadioMaterial& material_of(std::uint32_t surface) const {
+    return materials_[objects_[owners_[surface].object].material];
+  }
+  const Solid& solid(std::uint32_t object) const { return solids_[object]; }
+
+  bool is_blocked(const Segment& segment) const { return bvh_.is_blocked(segment); }
+
+  Vec3d bounds_min() const { return bounds_min_; }  // [m], over all vertices
+  Vec3d bounds_max() const { return bounds_max_; }
+  std::size_t triangle_count() const { return triangle_count_; }
+  std::size_t dropped_triangles() const { return dropped_triangles_; }
+
+ private:
+  Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwner> owners, Bvh bvh);
+
+  std::vector<SceneObject> objects_;
+  std::vector<RadioMaterial> materials_;
+  double carrier_hz_ = 0.0;
+  std::vector<Surface> surfaces_;  // on the heap, where the Bvh expects them also after a move
+  std::vector<SurfaceOwner> owners_;
+  std::vector<Solid> solids_;
+  Bvh bvh_;
+  Vec3d bounds_min_;
+  Vec3d bounds_max_;
+  std::size_t triangle_count_ = 0;
+  std::size_t dropped_triangles_ = 0;
+};
+
+}  // namespace rayloc

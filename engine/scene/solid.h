@@ -1,0 +1,25 @@
+// What a mesh says about inside and outside. A wave that does not cross surfaces stays on one side
+// of a closed object, so half of its faces need never be considered.
+#pragma once
+
+#include "engine/base/vec3.h"
+#include "engine/scene/mesh.h"
+
+namespace rayloc {
+
+// A mesh is closed when every edge belongs to as many triangles that run along it one way as the
+// other; vertices at the same place count as one.
+struct Solid {
+  // Connected shells; 0 when the mesh is not closed, or when some shells are turned inside out and
+  // others are not. A shell must not cut through itself.
+  int shells = 0;
+  int orientation = 0;  // +1: the triangles' normals point outwards, -1: inwards
+};
+
+Solid classify_solid(const Mesh& mesh);
+
+// Winding number about a point: `orientation` times the number of shells around it; a value between
+// on a face, an edge or a corner.
+double winding_number(const Mesh& mesh, const Vec3d& point);
+
+}  // namespace rayloc

@@ -1,0 +1,111 @@
+// Surface: all the coplanar triangles of one object, which together are one mirror.
+//
+// A surface knows its plane, its outline and whether a point of the plane lies on it. It need not
+// be convex nor connected and may have holes: it is a list of convex pieces (one when the whole is
+// convex, else its triangles).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/scene/mesh.h"
+
+namespace rayloc {
+
+// Points x with dot(normal, x) = offset; norm(normal) = 1.
+template <typename T>
+struct Plane {
+  Vec3<T> normal;
+  T offset{};
+};
+
+// Signed distance of a point, positive on the side that the normal points to.
+template <typename T>
+T distance(const Plane<T>& plane, const Vec3<T>& point) {
+  return dot(plane.normal, point) - plane.offset;
+}
+
+// How far outside an edge a point still counts as on the surface [m]; closes the seam between two
+// pieces, where rounding could let a ray through.
+inline constexpr double kEdgeTolerance = 1e-9;
+
+class Surface {
+ public:
+  // Edge of a convex piece, in the plane coordinates (u, v): a u + b v + c is the distance from the
+  // edge [m], positive inside.
+  struct Edge {
+    double a, b, c;
+  };
+  struct Piece {
+    std::uint32_t first_edge;
+    std::uint32_t edge_count;
+    Vec3d lower;  // bounds, world
+    Vec3d upper;
+  };
+
+  // REQUIRES: triangles are not degenerate and lie in `plane` up to rounding.
+  Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d, 3>>& triangles);
+
+  const Plane<double>& plane() const { return plane_; }
+  // Corners of the convex outline, anticlockwise seen from where the normal points to.
+  const std::vector<Vec3d>& outline() const { return outline_; }
+  const std::vector<Piece>& pieces() const { return pieces_; }
+  double area() const { return area_; }  // [m^2]
+
+  // Whether a point of the plane lies on the surface.
+  bool contains(const Vec3d& point) const {
+    for (const Piece& piece : pieces_) {
+      if (contains(piece, point)) {
+        return true;
+      }
+    }
+    return false;
+  }
+  bool contains(const Piece& piece, const Vec3d& point) const {
+    const Vec3d from_origin = point - origin_;
+    const double u = dot(u_axis_, from_origin);
+    const double v = dot(v_axis_, from_origin);
+    for (std::uint32_t i = 0; i < piece.edge_count; ++i) {
+      const Edge& edge = edges_[piece.first_edge + i];
+      if (edge.a * u + edge.b * v + edge.c < -kEdgeTolerance) {
+        return false;
+      }
+    }
+    return true;
+  }
+  // Distance from the nearest edge of any piece's outline [m]; tells how fragile a verdict is.
+  double distance_from_outline(const Vec3d& point) const;
+
+ private:
+  struct Point2 {
+    double u, v;
+  };
+
+  Point2 project(const Vec3d& point) const;
+  static std::vector<Point2> convex_hull(std::vector<Point2> points);
+  void add_piece(const std::vector<Point2>& corners);
+  Vec3d lift(const Point2& point) const;
+
+  Plane<double> plane_;
+  Vec3d origin_;  // a point of the plane amid the surface: keeps (u, v) small
+  Vec3d u_axis_;
+  Vec3d v_axis_;
+  double area_ = 0.0;
+  std::vector<Vec3d> outline_;
+  std::vector<Edge> edges_;
+  std::vector<Piece> pieces_;
+};
+
+// The surfaces of one mesh, largest first. REQUIRES: finite vertices, valid indices, no degenerate
+// triangle. Coplanar: all corners within `kCoplanarTolerance` of the plane of the largest triangle
+// and normals parallel within about 0.06 degrees. Which way a triangle faces does not matter.
+struct MeshSurface {
+  Surface surface;
+  bool one_facing = false;  // every triangle faces the way of the plane's normal
+};
+inline constexpr double kCoplanarTolerance = 1e-5;  // [m], a few roundings of float at 30 m
+std::vector<MeshSurface> planar_surfaces(const Mesh& mesh);
+
+}  // namespace rayloc

@@ -1,0 +1,66 @@
+// ImageTree: every chain of up to `max_depth` reflections that starts at a fixed point and could
+// reach anywhere: the mirror images of that point, and which part of each mirror it lights.
+//
+// The exhaustive candidate generator: no chain is missed. A chain is left out only when geometry
+// proves that no wave takes it: the mirror is seen from behind, lies behind the one before it, or
+// outside the beam that the one before it sends out (the beam is clipped polygon by polygon).
+// Occlusion is not used here; it is tested per path.
+//
+// The tree depends on the scene and the point alone, so it is built once for each antenna of an
+// access point and asked for any number of device positions. Its size grows with the number of
+// surfaces that see each other to the power of the depth; it is for rooms and flats.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+
+// A chain that the geometry allows and that nothing blocks.
+struct SpecularChain {
+  std::vector<std::uint32_t> surfaces;  // from the root on
+  std::vector<Vec3d> points;            // of reflection, from the root on
+};
+
+class ImageTree {
+ public:
+  // REQUIRES: max_depth >= 0. The scene must outlive the tree.
+  ImageTree(const Scene& scene, const Vec3d& root, int max_depth);
+
+  // All chains from the root to `target`, line of sight included (an empty chain). Fills `chains`,
+  // whose memory is used again, and returns how many there are.
+  std::size_t chains_to(const Vec3d& target, std::vector<SpecularChain>& chains) const;
+
+  const Vec3d& root() const { return root_; }
+  std::size_t size() const { return nodes_.size(); }  // images, the root not counted
+
+ private:
+  static constexpr std::uint32_t kRoot = 0xffffffff;
+
+  struct Node {
+    Vec3d image;            // of the root, through the whole chain
+    double image_distance;  // of `image` from the surface's plane; never 0
+    std::uint32_t surface;
+    std::uint32_t parent;  // index of a node, or kRoot
+  };
+
+  class Builder;
+
+  // Finds the points of reflection of node `leaf`; false when one is not on its surface.
+  bool back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChain& chain) const;
+  bool is_clear(const SpecularChain& chain, const Vec3d& target) const;
+
+  const Scene* scene_;
+  Vec3d root_;
+  std::vector<Node> nodes_;  // by depth; parents before children
+};
+
+}  // namespace rayloc

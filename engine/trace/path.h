@@ -1,0 +1,33 @@
+// Path: one way that a wave takes from a transmitter to a receiver.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/base/complex.h"
+#include "engine/base/vec3.h"
+
+namespace rayloc {
+
+enum class InteractionKind : std::uint8_t { kReflection };
+
+struct Interaction {
+  InteractionKind kind = InteractionKind::kReflection;
+  std::uint32_t object = 0;   // index into Scene::objects()
+  std::uint32_t surface = 0;  // index into Scene::surfaces()
+  Vec3d position;             // [m], world: the vertex of the path
+};
+
+struct Path {
+  // (lambda / 4 pi) C_R^H T C_T: antenna patterns, interactions and spreading at the carrier,
+  // WITHOUT the propagation phase. h(f) = sum a exp(-j 2 pi f tau), f absolute.
+  Complex<double> a;
+  double tau = 0.0;      // [s]
+  double theta_t = 0.0;  // [rad], departure: zenith and azimuth in the world
+  double phi_t = 0.0;
+  double theta_r = 0.0;  // [rad], arrival: from the receiver towards where the wave comes from
+  double phi_r = 0.0;
+  std::vector<Interaction> interactions;  // from the transmitter on; empty: line of sight
+};
+
+}  // namespace rayloc

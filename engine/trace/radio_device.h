@@ -1,0 +1,36 @@
+// Transmitter and Receiver: one antenna somewhere in the room.
+//
+// Two types, so that the ends of a link cannot be mixed up.
+#pragma once
+
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/em/antenna_pattern.h"
+#include "engine/scene/antenna_array.h"
+
+namespace rayloc {
+
+struct RadioDevice {
+  Vec3d position;           // [m], world
+  Orientation orientation;  // world from device
+  AntennaPattern pattern = AntennaPattern::kIsotropic;
+  Polarization polarization = Polarization::kVertical;
+};
+
+struct Transmitter : RadioDevice {};
+struct Receiver : RadioDevice {};
+
+// The elements of an array, each as a device of its own (no plane-wave shortcut).
+template <typename Device>
+std::vector<Device> array_elements(const AntennaArray& array) {
+  std::vector<Device> elements;
+  elements.reserve(array.element_offset.size());
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    elements.push_back(Device{
+        {element_position(array, i), array.pose.orientation, array.pattern, array.polarization}});
+  }
+  return elements;
+}
+
+}  // namespace rayloc
