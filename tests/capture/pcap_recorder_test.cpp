@@ -1,0 +1,211 @@
+// What the recorder writes is what the reader and Wireshark read, whatever happens to the process
+// or the disk.
+#include "capture/pcap_recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+
+#include "capture/pcap_source.h"
+#include "tests/support/pcap_files.h"
+
+namespace rayloc {
+namespace {
+
+using test::ByteString;
+using ::testing::HasSubstr;
+
+// A file that is gone with the test.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& name) : path_(test::temporary_path(name)) {
+    unlink(path_.c_str());
+  }
+  ~TemporaryFile() { unlink(path_.c_str()); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+struct Recorded {
+  Timestamp time;
+  DatagramAddress address;
+  ByteString payload;
+
+  friend bool operator==(const Recorded&, const Recorded&) = default;
+};
+
+Datagram as_datagram(const Recorded& recorded) {
+  return {recorded.time, recorded.address, std::as_bytes(std::span(recorded.payload))};
+}
+
+// Datagrams of every length from 0 on and at odd times, seeded.
+std::vector<Recorded> random_datagrams(std::size_t count) {
+  std::mt19937 random(20261121);
+  std::vector<Recorded> all;
+  std::int64_t microseconds = 1525500671306626;
+  for (std::size_t i = 0; i < count; ++i) {
+    microseconds += static_cast<std::int64_t>(random() % 2000);
+    Recorded one;
+    one.time = Timestamp(std::chrono::microseconds(microseconds));
+    one.address = {.source_ip = static_cast<std::uint32_t>(random()),
+                   .destination_ip = static_cast<std::uint32_t>(random()),
+                   .source_port = static_cast<std::uint16_t>(random()),
+                   .destination_port = static_cast<std::uint16_t>(random())};
+    for (std::size_t k = 0; k < i % 1500; ++k) {
+      one.payload.push_back(static_cast<char>(random()));
+    }
+    all.push_back(one);
+  }
+  return all;
+}
+
+Expected<void> write(PcapRecorder& recorder, std::span<const Recorded> all) {
+  std::vector<Datagram> batch;
+  for (const Recorded& one : all) {
+    batch.push_back(as_datagram(one));
+  }
+  return recorder.write(batch);
+}
+
+std::vector<Recorded> read_back(const std::string& path) {
+  std::vector<Recorded> all;
+  auto source = PcapFileSource::open(path);
+  if (!source) {
+    ADD_FAILURE() << source.error().message;
+    return all;
+  }
+  DatagramBatch batch;
+  while (!batch.ended) {
+    const auto read = (*source)->read(batch, Duration(0));
+    if (!read) {
+      ADD_FAILURE() << read.error().message;
+      break;
+    }
+    for (const Datagram& d : batch.datagrams) {
+      const auto* bytes = reinterpret_cast<const char*>(d.payload.data());
+      all.push_back({d.time, d.address, ByteString(bytes, d.payload.size())});
+    }
+  }
+  EXPECT_EQ((*source)->counters().rejected, (std::map<std::string, std::uint64_t>{}));
+  EXPECT_EQ((*source)->warning(), "");
+  return all;
+}
+
+TEST(PcapRecorder, ReadsBackWhatWasWritten) {
+  const TemporaryFile file("roundtrip.pcap");
+  const auto all = random_datagrams(1600);
+  {
+    auto recorder = PcapRecorder::create(file.path());
+    ASSERT_TRUE(recorder) << recorder.error().message;
+    ASSERT_TRUE(write(*recorder, std::span(all).first(1)));
+    ASSERT_TRUE(write(*recorder, std::span(all).subspan(1)));
+    EXPECT_EQ(recorder->counters().given, all.size());
+    EXPECT_EQ(recorder->counters().written, all.size());
+    EXPECT_EQ(recorder->counters().bytes, test::read_file(file.path()).size());
+  }
+  EXPECT_EQ(read_back(file.path()), all);
+}
+
+TEST(PcapRecorder, TruncatesTimesToMicroseconds) {
+  const TemporaryFile file("microseconds.pcap");
+  Recorded one;
+  one.time = Timestamp(Duration(1'999'999'999));
+  {
+    auto recorder = PcapRecorder::create(file.path());
+    ASSERT_TRUE(recorder && write(*recorder, {&one, 1}));
+  }
+  const auto back = read_back(file.path());
+  ASSERT_EQ(back.size(), 1U);
+  EXPECT_EQ(back[0].time, Timestamp(Duration(1'999'999'000)));
+}
+
+// The bytes of one record by hand: what other programs rely on.
+TEST(PcapRecorder, MakesUpTheHeadersOfTheAccessPoint) {
+  const TemporaryFile file("headers.pcap");
+  const Recorded one{Timestamp(std::chrono::microseconds(1525500671306626)), {}, "csi"};
+  {
+    auto recorder = PcapRecorder::create(file.path());
+    ASSERT_TRUE(recorder && write(*recorder, {&one, 1}));
+  }
+  const auto little = test::Endian::kLittle;
+  // IPv4 checksum: ~(4500+001f+0000+4000+4011+0a0a+0a0a+ffff+ffff) = 26bb.
+  // UDP checksum: ~(0a0a+0a0a+ffff+ffff+0011+000b + 157c+157c+000b+0000 + 6373+6900) = f458.
+  const ByteString packet = ByteString(
+                                "\xff\xff\xff\xff\xff\xff"
+                                "NEXMON"
+                                "\x08\x00",
+                                14) +
+                            ByteString("\x45\x00\x00\x1f\x00\x00\x40\x00\x40\x11\x26\xbb", 12) +
+                            ByteString("\x0a\x0a\x0a\x0a\xff\xff\xff\xff", 8) +
+                            ByteString("\x15\x7c\x15\x7c\x00\x0b\xf4\x58", 8) + "csi";
+  const ByteString expected =
+      test::pcap_header(little, false) + test::pcap_record(little, 1525500671, 306626, packet);
+  EXPECT_EQ(test::read_file(file.path()), expected);
+}
+
+TEST(PcapRecorder, NeverOverwritesAFile) {
+  const TemporaryFile file("exists.pcap");
+  test::write_file(file.path(), "precious");
+  const auto recorder = PcapRecorder::create(file.path());
+  ASSERT_FALSE(recorder);
+  EXPECT_EQ(recorder.error().kind, ErrorKind::kUnavailable);
+  EXPECT_THAT(recorder.error().message, HasSubstr(file.path()));
+  EXPECT_THAT(recorder.error().message, HasSubstr("does not exist yet"));
+  EXPECT_EQ(test::read_file(file.path()), "precious");
+}
+
+TEST(PcapRecorder, RefusesABatchWithATimeThatThePcapCannotHold) {
+  const TemporaryFile file("before1970.pcap");
+  auto all = random_datagrams(3);
+  all[1].time = Timestamp(std::chrono::seconds(-1));
+  auto recorder = PcapRecorder::create(file.path());
+  ASSERT_TRUE(recorder);
+  EXPECT_FALSE(write(*recorder, all));
+  EXPECT_TRUE(write(*recorder, std::span(all).first(1)));
+  EXPECT_EQ(recorder->counters().given, 4U);
+  EXPECT_EQ(recorder->counters().lost, 3U);
+  EXPECT_EQ(recorder->counters().written, 1U);
+  EXPECT_EQ(read_back(file.path()).size(), 1U);
+}
+
+// A full disk, by RLIMIT_FSIZE: the write that crosses the limit takes only a part of the batch.
+TEST(PcapRecorder, CutsOffThePartOfABatchThatAFullDiskTook) {
+  const TemporaryFile file("full.pcap");
+  const auto all = random_datagrams(60);
+  auto recorder = PcapRecorder::create(file.path());
+  ASSERT_TRUE(recorder && write(*recorder, std::span(all).first(50)));
+  const std::uint64_t whole = recorder->counters().bytes;
+
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit full{.rlim_cur = whole + 100, .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+  const auto failed = write(*recorder, std::span(all).subspan(50));
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, old_handler);
+
+  ASSERT_FALSE(failed);
+  EXPECT_THAT(failed.error().message, HasSubstr(file.path()));
+  EXPECT_EQ(recorder->counters().lost, 10U);
+  EXPECT_EQ(recorder->counters().errors, 1U);
+  EXPECT_EQ(test::read_file(file.path()).size(), whole);
+  // There is room again.
+  ASSERT_TRUE(write(*recorder, std::span(all).subspan(50)));
+  EXPECT_EQ(read_back(file.path()), all);
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,204 @@
+// The tracer against independently computed paths (tests/data/goldens/README.md), to the tolerances
+// stated there.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/base/constants.h"
+#include "engine/scene/load_scene.h"
+#include "engine/trace/path_tracer.h"
+#include "tests/support/scenes.h"
+
+namespace rayloc {
+namespace {
+
+using nlohmann::json;
+
+// Of the values; those of the furnished rooms are written with 12 digits.
+constexpr double kLengthTolerance = 1e-12;  // relative
+constexpr double kVertexTolerance = 1e-9;   // [m]
+constexpr double kAngleTolerance = 1e-10;   // [rad]
+constexpr double kFieldTolerance = 1e-10;   // of free space
+
+json golden(const std::string& name) {
+  std::ifstream in(std::string(RAYLOC_TEST_DATA) + "/goldens/" + name);
+  return json::parse(in);
+}
+
+Vec3d vec3(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
+Orientation orientation(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
+AntennaPattern pattern(const json& v) { return *parse_antenna_pattern(v.get<std::string>()); }
+Polarization polarization(const json& v) {
+  return v == "V" ? Polarization::kVertical : Polarization::kHorizontal;
+}
+
+// Which objects a path touches, in order.
+std::vector<std::string> objects_of(const Scene& scene, const Path& path) {
+  std::vector<std::string> names;
+  for (const Interaction& interaction : path.interactions) {
+    names.push_back(scene.objects()[interaction.object].name);
+  }
+  return names;
+}
+
+bool same_vertices(const Path& path, const json& vertices) {
+  if (vertices.size() != path.interactions.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (norm(path.interactions[i].position - vec3(vertices[i])) > kVertexTolerance) {
+      return false;
+    }
+  }
+  return true;
+}
+
+double angle_difference(double a, double b) {
+  return std::abs(std::remainder(a - b, 2.0 * std::numbers::pi));
+}
+
+void expect_same_path(const Path& path, const json& expected, double carrier_hz) {
+  const double tau = expected.at("tau");
+  EXPECT_NEAR(path.tau, tau, kLengthTolerance * tau);
+  const double free_space = 1.0 / (4.0 * std::numbers::pi * carrier_hz * tau);
+  const std::complex<double> a{expected.at("a").at(0), expected.at("a").at(1)};
+  EXPECT_LE(std::abs(std::complex<double>(path.a.re, path.a.im) - a), kFieldTolerance * free_space);
+  const std::array<double, 4> angles{path.theta_t, path.phi_t, path.theta_r, path.phi_r};
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    EXPECT_LE(angle_difference(angles[i], expected.at("angles").at(i)), kAngleTolerance);
+  }
+}
+
+// Every expected path is there, once, and nothing else.
+template <typename SameSurfaces>
+void expect_same_paths(const Paths& paths,
+                       const json& expected,
+                       double carrier_hz,
+                       SameSurfaces same_surfaces) {
+  EXPECT_EQ(paths.size(), expected.size());
+  std::vector<bool> used(paths.size(), false);
+  for (const json& wanted : expected) {
+    bool found = false;
+    for (std::size_t i = 0; i < paths.size() && !found; ++i) {
+      found = !used[i] && same_vertices(paths[i], wanted.at("vertices")) &&
+              same_surfaces(paths[i], wanted);
+      if (found) {
+        used[i] = true;
+        expect_same_path(paths[i], wanted, carrier_hz);
+      }
+    }
+    EXPECT_TRUE(found) << "missed: " << wanted.dump();
+  }
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    EXPECT_TRUE(used[i]) << "invented: path " << i << " with " << paths[i].interactions.size()
+                         << " reflections, tau " << paths[i].tau;
+  }
+}
+
+// Walls 0..5 = -x +x -y +y -z +z.
+std::size_t wall_number(const Scene& scene, const Interaction& interaction) {
+  const Vec3d outwards = scene.surfaces()[interaction.surface].plane().normal;
+  const std::array<double, 3> n{outwards.x, outwards.y, outwards.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (std::abs(n[axis]) > 0.5) {
+      return 2 * axis + (n[axis] > 0.0 ? 1 : 0);
+    }
+  }
+  return 6;
+}
+
+TEST(Goldens, RoomCasesMatchToTheLastDigits) {
+  const json doc = golden("room_cases.json");
+  const double carrier = doc.at("frequency");
+  std::size_t compared = 0;
+  for (const auto& [name, c] : doc.at("cases").items()) {
+    SCOPED_TRACE(name);
+    const RadioMaterial material{"wall", c.at("eps_r"), c.at("sigma"), c.at("thickness")};
+    const auto scene = test::make_scene(
+        {{"room", test::box_mesh(vec3(c.at("lo")), vec3(c.at("hi")))}}, material, carrier);
+    const PathTracer tracer(scene, 2);
+    const Transmitter transmitter{{vec3(c.at("tx")),
+                                   orientation(c.at("tx_orientation")),
+                                   pattern(c.at("pattern").at(0)),
+                                   polarization(c.at("polarization").at(0))}};
+    for (const json& element : c.at("elements")) {
+      const Receiver receiver{{vec3(element.at("position")),
+                               orientation(c.at("rx_orientation")),
+                               pattern(c.at("pattern").at(1)),
+                               polarization(c.at("polarization").at(1))}};
+      const Paths paths = tracer.trace(transmitter, receiver);
+      expect_same_paths(
+          paths, element.at("paths"), carrier, [&](const Path& path, const json& wanted) {
+            for (std::size_t i = 0; i < path.interactions.size(); ++i) {
+              if (wall_number(*scene, path.interactions[i]) != wanted.at("seq").at(i)) {
+                return false;
+              }
+            }
+            return true;
+          });
+      compared += paths.size();
+    }
+  }
+  EXPECT_GT(compared, 400U);
+}
+
+TEST(Goldens, ShoeboxHasOneSixEighteenPaths) {
+  const json doc = golden("room_cases.json");
+  const auto scene =
+      test::make_scene({{"room", test::box_mesh({-5, -5, 0}, {5, 5, 5})}}, test::kConcrete);
+  const Transmitter transmitter{{{-3.1, 1.2, 2.2}, {}}};
+  const Receiver receiver{{{2.7, -0.9, 1.3}, {}}};
+  const std::array<std::size_t, 6> counts{1, 6, 18, 38, 66, 102};
+  std::size_t total = 0;
+  for (std::size_t depth = 0; depth < counts.size(); ++depth) {
+    total += counts[depth];
+    EXPECT_EQ(PathTracer(scene, static_cast<int>(depth)).trace(transmitter, receiver).size(), total)
+        << "up to order " << depth;
+  }
+}
+
+void expect_furnished_room(const std::string& name, const std::string& scene_file) {
+  const json doc = golden(name);
+  const double carrier = doc.at("frequency");
+  SceneOptions options;
+  options.carrier_hz = carrier;
+  auto loaded = load_scene(std::string(RAYLOC_TEST_DATA) + scene_file, options);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto scene = std::make_shared<const Scene>(std::move(*loaded));
+  const PathTracer tracer(scene, 2);
+  std::size_t compared = 0;
+  for (const json& link : doc.at("links")) {
+    SCOPED_TRACE("receiver " + link.at("rx").dump() + ", element " + link.at("tx_element").dump());
+    const json& t = doc.at("transmitter");
+    const Transmitter transmitter{
+        {vec3(t.at("elements").at(link.at("tx_element").get<std::size_t>())),
+         orientation(t.at("orientation"))}};
+    const Receiver receiver{{vec3(doc.at("receivers").at(link.at("rx").get<std::size_t>())), {}}};
+    const Paths paths = tracer.trace(transmitter, receiver);
+    expect_same_paths(paths, link.at("paths"), carrier, [&](const Path& path, const json& wanted) {
+      return objects_of(*scene, path) == wanted.at("objects").get<std::vector<std::string>>();
+    });
+    compared += paths.size();
+  }
+  EXPECT_GT(compared, 400U);
+}
+
+TEST(Goldens, MeetingRoomMissesAndInventsNoPath) {
+  expect_furnished_room("meeting_room.json", "/sites/meeting_room/scene.xml");
+}
+
+TEST(Goldens, CorridorMissesAndInventsNoPath) {
+  expect_furnished_room("corridor.json", "/scenes/corridor/scene.xml");
+}
+
+}  // namespace
+}  // namespace rayloc
