@@ -1,0 +1,72 @@
+// `rayloc check-config FILE`: whether raylocd would start with it. Errors go to stderr, one a line,
+// as FILE:LINE:COLUMN: message; the exit status is 78 when there are any.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/service/config.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct Arguments {
+  std::string path;
+  bool quiet = false;
+};
+
+std::string count_of(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string describe(const Site& site) {
+  return "site '" + site.name + "', " +
+         count_of(site.access_points.size(), "access point", "access points");
+}
+
+Expected<std::string> check(const std::filesystem::path& path) {
+  std::error_code status;
+  if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
+    const Expected<Site> site = load_site(path);
+    return site ? Expected<std::string>(describe(*site)) : tl::make_unexpected(site.error());
+  }
+  const Expected<DaemonSetup> setup = load_daemon_setup(path);
+  if (!setup) {
+    return tl::make_unexpected(setup.error());
+  }
+  return describe(setup->site) + ", " + count_of(setup->config.sources.size(), "source", "sources");
+}
+
+Expected<void> run(const Arguments& arguments) {
+  const Expected<std::string> found = check(arguments.path);
+  if (!found) {
+    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
+    std::fprintf(stderr, "%s\n", found.error().message.c_str());
+    return exit_silently(found.error().kind);
+  }
+  if (!arguments.quiet) {
+    std::fprintf(stderr, "%s: good: %s\n", arguments.path.c_str(), found->c_str());
+  }
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("FILE", arguments->path, "raylocd.toml, or a site: a directory with site.toml")
+      ->required();
+  app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kCheckConfig;
+const Verb kCheckConfig = {"check-config",
+                           "Check a configuration of raylocd and its site",
+                           "rayloc check-config /etc/raylocd/raylocd.toml",
+                           declare};
+
+}  // namespace rayloc::cli

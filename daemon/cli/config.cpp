@@ -1,0 +1,46 @@
+// `rayloc config default|schema|show FILE`: raylocd's configuration in words.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/service/config_schema.h"
+
+namespace rayloc::cli {
+namespace {
+
+Expected<void> print(const Expected<std::string>& text) {
+  if (!text) {
+    std::fprintf(stderr, "%s\n", text.error().message.c_str());
+    return exit_silently(text.error().kind);
+  }
+  std::fputs(text->c_str(), stdout);
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto file = std::make_shared<std::string>();
+  const CLI::App* example = app.add_subcommand(
+      "default", "Print every key with its default and what it means, as a file to start from");
+  const CLI::App* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
+  CLI::App* show = app.add_subcommand("show", "Print the values that hold with a file");
+  show->add_option("FILE", *file, "raylocd.toml")->required();
+  app.require_subcommand(1);
+  return [file, example, schema] {
+    if (example->parsed()) {
+      return print(config_example());
+    }
+    return print(schema->parsed() ? config_json_schema() : effective_config(*file));
+  };
+}
+
+}  // namespace
+
+extern const Verb kConfig;
+const Verb kConfig = {"config",
+                      "Print the configuration of raylocd: defaults, in effect, schema",
+                      "rayloc config default > raylocd.toml",
+                      declare};
+
+}  // namespace rayloc::cli
