@@ -8,28 +8,10 @@
 
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/service/exit_status.h"
 
 namespace rayloc::cli {
 namespace {
-
-constexpr int kExitUsage = 64;
-constexpr int kExitInternal = 70;
-
-int exit_status(ErrorKind kind) {
-  switch (kind) {
-    case ErrorKind::kUsage:
-      return kExitUsage;
-    case ErrorKind::kBadInput:
-      return 65;
-    case ErrorKind::kUnavailable:
-      return 69;
-    case ErrorKind::kInternal:
-      return kExitInternal;
-    case ErrorKind::kConfiguration:
-      return 78;
-  }
-  return kExitInternal;
-}
 
 int run(int argc, const char* const* argv) {
   CLI::App app{"Wi-Fi localization from channel state information", "rayloc"};
@@ -64,6 +46,6 @@ int main(int argc, char** argv) {
     return rayloc::cli::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rayloc: internal error: %s\n", error.what());
-    return rayloc::cli::kExitInternal;
+    return rayloc::kExitInternal;
   }
 }
