@@ -37,6 +37,8 @@ class Localizer {
 
   // `frames`: one transmitter, any access points, in order of time.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
+  // With another exponent of the likelihood than RoomModel::temper: for fitting that.
+  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
 
   const RoomModel& room() const;
 

@@ -19,11 +19,13 @@ namespace rayloc {
 
 class Scene;
 
-// What the calibration's held-out points say about how far the model can be trusted.
+// How far the room may differ from its model; the terms of the observation model. The defaults are
+// those of a floor plan; calibration fits the diffuse power.
 struct ModelError {
-  // Share of the power that the model does not explain: 1 - |correlation|^2, median over held-out
-  // points. 1 means that nothing is known.
-  double residual = 0.3;
+  double plan_tolerance = 0.015;  // [m], standard deviation of a surface along its normal
+  double diffuse = 0.05;          // power of what is not traced at 3 m, share of the traced power
+  double diffuse_exponent = 0.0;  // it grows with distance to this power
+  double noise = 2e-3;            // share of the power that no part of the model explains
 };
 
 struct RoomAccessPoint {
@@ -51,6 +53,9 @@ struct RoomModel {
   OfdmGrid grid;
   std::vector<RoomAccessPoint> access_points;
   DeviceModel device;
+  // Exponent of the likelihood: what is wrong with the model is wrong in the same way all over the
+  // burst, so the raw likelihood is too sure of itself.
+  double temper = 0.6;
   std::string calibration_id;  // hash of the calibration's content, empty without one
   std::string scene_hash;      // hash of the scene's content
 };

@@ -1,0 +1,326 @@
+#include "engine/localize/localizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/localize/observation_model.h"
+#include "engine/localize/posterior.h"
+#include "engine/localize/ray.h"
+#include "engine/observe/alignment.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+namespace {
+
+// About this many cells a room: 5 cm in a small room, more in a large one.
+constexpr double kCells = 6000.0;
+constexpr double kFinestStep = 0.05;  // [m]
+constexpr std::size_t kMostRays = 64;
+// Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
+// search misses a delay by 3 ns at most, which costs about 10.
+constexpr double kCoarseMargin = 60.0;
+constexpr double kFarBelow = 1e4;
+// Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
+constexpr double kLeastCaptured = 0.5;
+constexpr double kMotionWarning = 0.1;
+constexpr double kLeastResidual = 1e-30;
+
+// One access point that can be used, and its part of the map.
+struct Station {
+  std::size_t index;  // in RoomModel::access_points
+  ObservationModel model;
+  std::vector<Vec3d> element_offset;
+  ReceiverTracer tracer;
+  std::vector<PlaceModel> cells;
+  PlaceModel nowhere;
+};
+
+// What a station hears in one burst.
+struct Heard {
+  const Station* station;
+  ObservedArray observed;
+  std::vector<std::complex<double>> h;
+  double weight;  // of its log-likelihood
+};
+
+std::vector<Vec3d> offsets_of(const AntennaArray& array) {
+  std::vector<Vec3d> offsets;
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    offsets.push_back(element_position(array, i) - array.pose.position);
+  }
+  return offsets;
+}
+
+Receiver centre_of(const AntennaArray& array) {
+  return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
+}
+
+std::string check(const RoomModel& room, const RoomAccessPoint& ap) {
+  if (ap.array.element_offset.size() != ap.cores.size() || ap.cores.empty()) {
+    return "has " + std::to_string(ap.cores.size()) + " cores for " +
+           std::to_string(ap.array.element_offset.size()) + " antennas";
+  }
+  if (ap.gains.empty()) {
+    return "has no chain gains: calibrate the site first (rayloc calibrate)";
+  }
+  if (ap.gains.grid != room.grid || ap.gains.cores != ap.cores ||
+      ap.gains.gain.size() != ap.cores.size() * room.grid.size()) {
+    return "was calibrated with other tones or cores: calibrate again";
+  }
+  return {};
+}
+
+// h / gain, in place.
+void remove_gains(const ChainGains& gains, std::vector<std::complex<double>>& h) {
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    const double power = std::norm(gains.gain[i]);
+    h[i] = power > 0.0 ? h[i] * std::conj(gains.gain[i]) / power : 0.0;
+  }
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+class Localizer::Impl {
+ public:
+  Impl(std::shared_ptr<const RoomModel> room, const LocalizerOptions& options)
+      : room_(std::move(room)), options_(options), grid_(make_grid(*room_)) {}
+
+  void build() {
+    const PathTracer tracer(room_->scene);
+    for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+      const RoomAccessPoint& ap = room_->access_points[i];
+      const std::string problem = check(*room_, ap);
+      if (!problem.empty()) {
+        warnings_.push_back("access point " + ap.id + " " + problem);
+        continue;
+      }
+      stations_.push_back({i,
+                           ObservationModel(room_->grid, ap.cores.size()),
+                           offsets_of(ap.array),
+                           tracer.at(centre_of(ap.array)),
+                           {},
+                           {}});
+      build_cells(stations_.back());
+    }
+  }
+
+  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+  const RoomModel& room() const { return *room_; }
+
+ private:
+  static RoomGrid make_grid(const RoomModel& room) {
+    const double area =
+        (room.bounds_max.x - room.bounds_min.x) * (room.bounds_max.y - room.bounds_min.y);
+    return {room.bounds_min,
+            room.bounds_max,
+            room.device.height,
+            std::max(kFinestStep, std::sqrt(area / kCells))};
+  }
+
+  std::vector<Ray> rays_to(const Station& station, const Vec3d& position) const {
+    const DeviceModel& device = room_->device;
+    const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
+    return rays_of(station.tracer.trace(transmitter), *room_->scene, position, kMostRays);
+  }
+
+  void build_cells(Station& station) const {
+    const ModelError& error = room_->access_points[station.index].error;
+    station.nowhere = station.model.nowhere(error);
+    station.cells.resize(grid_.size());
+    const double size = std::sqrt(grid_.step_x * grid_.step_y);
+    parallel_for(grid_.size(), 16, [&](std::size_t cell) {
+      const auto rays = rays_to(station, grid_.centre(cell));
+      station.cells[cell] = station.model.place({rays, station.element_offset, size}, error);
+    });
+  }
+
+  std::vector<Heard> listen(std::span<const CsiFrame> frames, LocationEstimate& estimate) const;
+  std::optional<Heard> hear(const Station& station,
+                            std::span<const CsiFrame> frames,
+                            LocationEstimate& estimate,
+                            std::vector<double>& snr) const;
+  std::vector<double> map_of(const std::vector<Heard>& heard) const;
+  double model_residual(const std::vector<Heard>& heard, const Vec3d& position) const;
+
+  std::shared_ptr<const RoomModel> room_;
+  LocalizerOptions options_;
+  RoomGrid grid_;
+  std::vector<Station> stations_;
+  std::vector<std::string> warnings_;
+};
+
+std::optional<Heard> Localizer::Impl::hear(const Station& station,
+                                           std::span<const CsiFrame> frames,
+                                           LocationEstimate& estimate,
+                                           std::vector<double>& snr) const {
+  const RoomAccessPoint& ap = room_->access_points[station.index];
+  const auto index = static_cast<int>(station.index);
+  if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
+        return frame.access_point == index;
+      })) {
+    return std::nullopt;
+  }
+  auto burst = combine_burst(frames, {index, room_->grid, ap.cores, options_.burst});
+  if (!burst) {
+    estimate.warnings.push_back("access point " + ap.id + ": " + burst.error().message);
+    return std::nullopt;
+  }
+  Heard heard{&station, {}, std::move(burst->h), 1.0};
+  remove_gains(ap.gains, heard.h);
+  heard.observed = station.model.observe(heard.h);
+  if (heard.observed.captured < kLeastCaptured) {
+    estimate.warnings.push_back("access point " + ap.id +
+                                ": what it heard is no channel of this room");
+    return std::nullopt;
+  }
+  if (burst->motion_residual > kMotionWarning) {
+    estimate.warnings.push_back("access point " + ap.id + ": the channel changes within the burst");
+  }
+  // The map's covariances hold the model's noise only; a weak burst counts less.
+  const double in_basis = burst->noise_variance * static_cast<double>(station.model.dimension()) /
+                          static_cast<double>(heard.h.size());
+  heard.weight = ap.error.noise / (ap.error.noise + in_basis);
+  const bool first = estimate.frames_used == 0;
+  estimate.capture_start = first ? burst->first : std::min(estimate.capture_start, burst->first);
+  estimate.capture_end = first ? burst->last : std::max(estimate.capture_end, burst->last);
+  estimate.frames_used += burst->frames_used;
+  estimate.antennas_used += ap.cores.size();
+  ++estimate.access_points_used;
+  snr.push_back(burst->snr_db);
+  return heard;
+}
+
+std::vector<Heard> Localizer::Impl::listen(std::span<const CsiFrame> frames,
+                                           LocationEstimate& estimate) const {
+  std::vector<Heard> heard;
+  std::vector<double> snr;
+  for (const Station& station : stations_) {
+    if (auto one = hear(station, frames, estimate, snr)) {
+      heard.push_back(*std::move(one));
+    }
+  }
+  if (!snr.empty()) {
+    estimate.snr_db = median(snr);
+  }
+  return heard;
+}
+
+// Log-likelihood of every cell above that of being nowhere in particular.
+std::vector<double> Localizer::Impl::map_of(const std::vector<Heard>& heard) const {
+  std::vector<double> nowhere;
+  for (const Heard& one : heard) {
+    nowhere.push_back(ObservationModel::log_likelihood(one.station->nowhere, one.observed));
+  }
+  const auto sum = [&](std::size_t cell, auto log_likelihood) {
+    double total = 0.0;
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      const PlaceModel& place = heard[i].station->cells[cell];
+      if (place.reachable) {
+        total += heard[i].weight * (log_likelihood(place, heard[i].observed) - nowhere[i]);
+      }
+    }
+    return total;
+  };
+  std::vector<double> map(grid_.size());
+  parallel_for(map.size(), 64, [&](std::size_t cell) {
+    map[cell] = sum(cell, ObservationModel::coarse_log_likelihood);
+  });
+  const double least = *std::max_element(map.begin(), map.end()) - kCoarseMargin;
+  parallel_for(map.size(), 64, [&](std::size_t cell) {
+    map[cell] =
+        map[cell] >= least ? sum(cell, ObservationModel::log_likelihood) : map[cell] - kFarBelow;
+  });
+  return map;
+}
+
+double Localizer::Impl::model_residual(const std::vector<Heard>& heard,
+                                       const Vec3d& position) const {
+  double residual = 0.0;
+  const Aligner aligner(room_->grid);
+  for (const Heard& one : heard) {
+    const auto rays = rays_to(*one.station, position);
+    const auto expected = one.station->model.expected(
+        {rays, one.station->element_offset, 0.0}, room_->access_points[one.station->index].error);
+    residual += 1.0 - aligner.align(expected, one.h).correlation;
+  }
+  return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
+}
+
+LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, double temper) const {
+  LocationEstimate estimate;
+  estimate.warnings = warnings_;
+  estimate.accuracy_confidence = options_.accuracy_confidence;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return estimate;
+  }
+  estimate.capture_start = frames.front().time;
+  estimate.capture_end = frames.back().time;
+  const auto heard = listen(frames, estimate);
+  estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
+  estimate.capture_start = frames.front().time;
+  estimate.capture_end = frames.back().time;
+  if (heard.empty()) {
+    estimate.reason = estimate.warnings.empty() ? "no access point of the site heard the burst"
+                                                : estimate.warnings.front();
+    return estimate;
+  }
+  const auto map = map_of(heard);
+  const double best = *std::max_element(map.begin(), map.end());
+  if (best <= 0.0) {
+    estimate.reason = "no place of the room explains the burst better than diffuse scattering";
+    estimate.loss = -best;
+    return estimate;
+  }
+  summarise_posterior(
+      grid_, map, {temper, options_.accuracy_confidence, options_.max_hypotheses}, estimate);
+  if (estimate.position) {
+    estimate.model_residual_db = model_residual(heard, *estimate.position);
+  }
+  return estimate;
+}
+
+Expected<Localizer> Localizer::create(std::shared_ptr<const RoomModel> room,
+                                      const LocalizerOptions& options) {
+  if (room == nullptr || room->scene == nullptr) {
+    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
+  }
+  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
+    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
+  }
+  if (room->access_points.empty() || room->grid.size() < 2) {
+    return make_error(ErrorKind::kConfiguration, "the site has no access point or no tones");
+  }
+  auto impl = std::make_unique<Impl>(std::move(room), options);
+  impl->build();
+  return Localizer(std::move(impl));
+}
+
+Localizer::Localizer(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+Localizer::~Localizer() = default;
+Localizer::Localizer(Localizer&&) noexcept = default;
+Localizer& Localizer::operator=(Localizer&&) noexcept = default;
+
+LocationEstimate Localizer::locate(std::span<const CsiFrame> frames) const {
+  return impl_->locate(frames, impl_->room().temper);
+}
+LocationEstimate Localizer::locate(std::span<const CsiFrame> frames, double temper) const {
+  return impl_->locate(frames, temper);
+}
+
+const RoomModel& Localizer::room() const { return impl_->room(); }
+
+}  // namespace rayloc

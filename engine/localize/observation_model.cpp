@@ -1,0 +1,309 @@
+#include "engine/localize/observation_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "engine/base/check.h"
+#include "engine/base/constants.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kDelayStep = 1.5e-9;  // [s]
+// The strongest echo is taken to come this much after the first ray, at least and at most.
+constexpr double kEarliest = -12e-9;
+constexpr double kDiffuseDecay = 18e-9;    // [s]
+constexpr double kDiffuseReference = 3.0;  // [m]
+// Uncertainty of a ray's power by number of reflections (materials, thickness).
+constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
+
+double strength_variance(int reflections) {
+  return kStrengthVariance[std::min<std::size_t>(static_cast<std::size_t>(reflections),
+                                                 kStrengthVariance.size() - 1)];
+}
+
+// The ray that arrives first.
+const Ray& first_of(std::span<const Ray> rays) {
+  return *std::min_element(
+      rays.begin(), rays.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
+}
+
+PlaceModel factorise(const Eigen::MatrixXcd& sigma, const Eigen::VectorXcd& mu) {
+  const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
+  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
+  const Index size = mu.size();
+  const Eigen::MatrixXcd whitener =
+      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(size, size));
+  const Eigen::VectorXcd mean = whitener * mu;
+  PlaceModel place;
+  place.whitener.reserve(static_cast<std::size_t>(size * (size + 1) / 2));
+  double log_determinant = 0.0;
+  for (Index i = 0; i < size; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      place.whitener.emplace_back(whitener(i, j));
+    }
+    place.mean.emplace_back(mean(i));
+    log_determinant -= 2.0 * std::log(whitener(i, i).real());
+  }
+  place.mean_power = static_cast<float>(mean.squaredNorm());
+  place.log_determinant = static_cast<float>(log_determinant);
+  place.reachable = true;
+  return place;
+}
+
+// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| at the best gain r.
+std::array<double, ObservedArray::kBlockSize> profile(const PlaceModel& place,
+                                                      const ObservedArray::Block& block) {
+  constexpr std::size_t kSize = ObservedArray::kBlockSize;
+  ObservedArray::Row power{};     // |W y|^2
+  ObservedArray::Row along_re{};  // (W mu)^H W y
+  ObservedArray::Row along_im{};
+  const std::size_t size = place.mean.size();
+  const std::complex<float>* w = place.whitener.data();
+  for (std::size_t i = 0; i < size; ++i) {
+    ObservedArray::Row re{};
+    ObservedArray::Row im{};
+    for (std::size_t j = 0; j <= i; ++j, ++w) {
+      const float a = w->real();
+      const float b = w->imag();
+      const ObservedArray::Row& y_re = block.re[j];
+      const ObservedArray::Row& y_im = block.im[j];
+      for (std::size_t t = 0; t < kSize; ++t) {
+        re[t] += a * y_re[t] - b * y_im[t];
+        im[t] += a * y_im[t] + b * y_re[t];
+      }
+    }
+    const float m_re = place.mean[i].real();
+    const float m_im = place.mean[i].imag();
+    for (std::size_t t = 0; t < kSize; ++t) {
+      power[t] += re[t] * re[t] + im[t] * im[t];
+      along_re[t] += m_re * re[t] + m_im * im[t];
+      along_im[t] += m_re * im[t] - m_im * re[t];
+    }
+  }
+  const auto d = static_cast<double>(size);
+  std::array<double, kSize> values{};
+  for (std::size_t t = 0; t < kSize; ++t) {
+    const double a = std::max<double>(static_cast<double>(power[t]), 1e-12);
+    const auto b_re = static_cast<double>(along_re[t]);
+    const auto b_im = static_cast<double>(along_im[t]);
+    const double b = std::sqrt(b_re * b_re + b_im * b_im);
+    const double r = (b + std::sqrt(b * b + 4.0 * a * d)) / (2.0 * a);
+    values[t] = 2.0 * d * std::log(r) - a * r * r + 2.0 * b * r;
+  }
+  return values;
+}
+
+}  // namespace
+
+ObservationModel::ObservationModel(const OfdmGrid& grid, std::size_t antennas)
+    : grid_(grid),
+      antennas_(antennas),
+      wave_number_(2.0 * std::numbers::pi * grid.centre_hz / kSpeedOfLight),
+      basis_(grid),
+      diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {}
+
+double ObservationModel::coherence(const Ray& ray,
+                                   const Ray& first,
+                                   double cell_size,
+                                   const ModelError& error) const {
+  const double surfaces = 2.0 * wave_number_ * error.plan_tolerance;
+  double variance = surfaces * surfaces * ray.cos2_incidence;
+  // Moving the device by x changes the length difference to the first ray by (e - e_first) x.
+  const Vec3d change = ray.at_device - first.at_device;
+  const double cell = wave_number_ * cell_size;
+  variance += cell * cell * (change.x * change.x + change.y * change.y) / 12.0;
+  return std::exp(-0.5 * variance);
+}
+
+PlaceModel ObservationModel::place(const Place& place, const ModelError& error) const {
+  if (place.rays.empty()) {
+    return {};
+  }
+  RAYLOC_CHECK(place.element_offset.size() == antennas_);
+  const auto q = static_cast<Index>(basis_.size());
+  const auto size = static_cast<Index>(dimension());
+  const Ray& first = first_of(place.rays);
+  double power = 0.0;
+  for (const Ray& ray : place.rays) {
+    power += std::norm(ray.amplitude);
+  }
+  Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
+  Eigen::VectorXcd mu = Eigen::VectorXcd::Zero(size);
+  Eigen::VectorXcd s(size);
+  std::vector<Value> tone(basis_.size());
+  const double per_antenna = 1.0 / std::sqrt(static_cast<double>(antennas_));
+  for (const Ray& ray : place.rays) {
+    basis_.tone((ray.length - first.length) / kSpeedOfLight, tone);
+    const Value amplitude = ray.amplitude / std::sqrt(power);
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
+      const Value phase =
+          amplitude * std::polar(per_antenna, -wave_number_ * (length - first.length));
+      for (Index i = 0; i < q; ++i) {
+        s(static_cast<Index>(m) * q + i) = phase * tone[static_cast<std::size_t>(i)];
+      }
+    }
+    const double known = coherence(ray, first, place.cell_size, error);
+    const double unknown = 1.0 - known * known + strength_variance(ray.reflections);
+    mu += known * s;
+    sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, unknown);
+  }
+  const double diffuse =
+      error.diffuse * std::pow(first.length / kDiffuseReference, error.diffuse_exponent);
+  for (Index m = 0; m < size; m += q) {
+    for (Index i = 0; i < q; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        sigma(m + i, m + j) +=
+            diffuse * per_antenna * per_antenna * diffuse_[static_cast<std::size_t>(i * q + j)];
+      }
+      sigma(m + i, m + i) += error.noise / static_cast<double>(size);
+    }
+  }
+  return factorise(sigma, mu);
+}
+
+PlaceModel ObservationModel::nowhere(const ModelError& error) const {
+  const auto q = static_cast<Index>(basis_.size());
+  const auto size = static_cast<Index>(dimension());
+  Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
+  for (Index m = 0; m < size; m += q) {
+    for (Index i = 0; i < q; ++i) {
+      for (Index j = 0; j < q; ++j) {
+        sigma(m + i, m + j) =
+            diffuse_[static_cast<std::size_t>(i * q + j)] / static_cast<double>(antennas_);
+      }
+      sigma(m + i, m + i) += error.noise / static_cast<double>(size);
+    }
+  }
+  return factorise(sigma, Eigen::VectorXcd::Zero(size));
+}
+
+double ObservationModel::first_delay(std::span<const Value> h) const {
+  // A quarter of the resolution of the band, over all delays that can be told apart.
+  const std::size_t tones = grid_.size();
+  const double band = grid_.spacing_hz * (grid_.tone_index.back() - grid_.tone_index.front());
+  const auto steps = static_cast<std::size_t>(std::ceil(4.0 * band / grid_.spacing_hz));
+  const double step = 1.0 / (grid_.spacing_hz * static_cast<double>(steps));
+  std::vector<Value> turned(h.begin(), h.end());
+  std::vector<Value> turn(tones);
+  for (std::size_t k = 0; k < tones; ++k) {
+    turn[k] = std::polar(1.0, 2.0 * std::numbers::pi * grid_.offset_hz(k) * step);
+  }
+  double best_power = -1.0;
+  double best = 0.0;
+  for (std::size_t i = 0; i < steps; ++i) {
+    double power = 0.0;
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      Value sum;
+      for (std::size_t k = 0; k < tones; ++k) {
+        Value& v = turned[m * tones + k];
+        sum += v;
+        v = Value(v.real() * turn[k].real() - v.imag() * turn[k].imag(),
+                  v.real() * turn[k].imag() + v.imag() * turn[k].real());
+      }
+      power += std::norm(sum);
+    }
+    if (power > best_power) {
+      best_power = power;
+      best = step * static_cast<double>(i);
+    }
+  }
+  return best;
+}
+
+ObservedArray ObservationModel::observe(std::span<const Value> h) const {
+  const std::size_t tones = grid_.size();
+  RAYLOC_CHECK(h.size() == antennas_ * tones);
+  double power = 0.0;
+  for (const Value& v : h) {
+    power += std::norm(v);
+  }
+  ObservedArray observed;
+  for (auto& block : observed.blocks) {
+    block.re.resize(dimension());
+    block.im.resize(dimension());
+  }
+  if (power <= 0.0) {
+    return observed;
+  }
+  const double scale = 1.0 / std::sqrt(power);
+  const double strongest = first_delay(h);
+  std::vector<Value> coordinates(basis_.size());
+  for (std::size_t t = 0; t < ObservedArray::kBlocks * ObservedArray::kBlockSize; ++t) {
+    ObservedArray::Block& block = observed.blocks[t % ObservedArray::kBlocks];
+    const std::size_t entry = t / ObservedArray::kBlocks;
+    const double delay = strongest - kEarliest - kDelayStep * static_cast<double>(t);
+    double captured = 0.0;
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      basis_.project(h.subspan(m * tones, tones), delay, coordinates);
+      for (std::size_t i = 0; i < basis_.size(); ++i) {
+        const Value v = scale * coordinates[i];
+        block.re[m * basis_.size() + i][entry] = static_cast<float>(v.real());
+        block.im[m * basis_.size() + i][entry] = static_cast<float>(v.imag());
+        captured += std::norm(v);
+      }
+    }
+    observed.captured = std::max(observed.captured, captured);
+  }
+  return observed;
+}
+
+double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedArray& observed) {
+  std::array<double, ObservedArray::kBlocks * ObservedArray::kBlockSize> values{};
+  for (std::size_t b = 0; b < ObservedArray::kBlocks; ++b) {
+    const auto block = profile(place, observed.blocks[b]);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      values[i * ObservedArray::kBlocks + b] = block[i];
+    }
+  }
+  const auto best =
+      static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  double peak = values[best];
+  if (best > 0 && best + 1 < values.size()) {
+    // The top of the parabola through the best delay and its neighbours.
+    const double slope = 0.5 * (values[best + 1] - values[best - 1]);
+    const double curvature = values[best + 1] - 2.0 * values[best] + values[best - 1];
+    if (curvature < 0.0) {
+      peak -= 0.5 * slope * slope / curvature;
+    }
+  }
+  return peak - static_cast<double>(place.mean_power) - static_cast<double>(place.log_determinant);
+}
+
+double ObservationModel::coarse_log_likelihood(const PlaceModel& place,
+                                               const ObservedArray& observed) {
+  const auto block = profile(place, observed.blocks[ObservedArray::kBlocks / 2]);
+  return *std::max_element(block.begin(), block.end()) - static_cast<double>(place.mean_power) -
+         static_cast<double>(place.log_determinant);
+}
+
+std::vector<Value> ObservationModel::expected(const Place& place, const ModelError& error) const {
+  std::vector<Value> h(antennas_ * grid_.size());
+  if (place.rays.empty()) {
+    return h;
+  }
+  const Ray& first = first_of(place.rays);
+  for (const Ray& ray : place.rays) {
+    const Value amplitude = ray.amplitude * coherence(ray, first, place.cell_size, error);
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      const double length =
+          norm(ray.length * ray.at_array - place.element_offset[m]) - first.length;
+      for (std::size_t k = 0; k < grid_.size(); ++k) {
+        h[m * grid_.size() + k] +=
+            amplitude *
+            std::polar(1.0,
+                       -2.0 * std::numbers::pi * grid_.frequency_hz(k) * length / kSpeedOfLight);
+      }
+    }
+  }
+  return h;
+}
+
+}  // namespace rayloc

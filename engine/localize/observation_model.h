@@ -1,0 +1,98 @@
+// ObservationModel: how likely an access point's burst is when the device stands at a place whose
+// rays are known. METHODS B2, `partial`: of every ray a part is known and a part is not.
+//
+// In the coordinates of DelayBasis, with s_p the unit space-delay vector of ray p and power 1 in
+// all:
+//   mu    = sum_p c_p a_p s_p
+//   Sigma = sum_p (1 - c_p^2 + u_p) |a_p|^2 s_p s_p^H + d R + n I / D
+// c_p = exp(-sigma_p^2 / 2) is what is left of a ray's mean when its phase, relative to the first
+// ray's, is uncertain by sigma_p: surfaces are displaced (2 k sigma_s cos per reflection), and the
+// device may be anywhere in its cell of the grid. u_p is the uncertainty of its strength, by number
+// of reflections; d R a diffuse exponential tail, n the rest.
+//
+// The measurement is known up to a complex factor and a delay: the factor is profiled out in closed
+// form, the delay by a search over the delays of ObservedArray.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/channel/ofdm_grid.h"
+#include "engine/localize/delay_basis.h"
+#include "engine/localize/ray.h"
+#include "engine/localize/room_model.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc {
+
+// A burst in the coordinates of the basis, at every delay of the search.
+struct ObservedArray {
+  // Delays 1.5 ns apart in kBlocks interleaved blocks: entry i of block b is delay i kBlocks + b.
+  static constexpr std::size_t kBlocks = 4;
+  static constexpr std::size_t kBlockSize = 8;
+  using Row = std::array<float, kBlockSize>;
+  struct Block {
+    std::vector<Row> re;  // [coordinate][delay]
+    std::vector<Row> im;
+  };
+  std::array<Block, kBlocks> blocks;
+  double captured = 0.0;  // largest share of the power that lies in the basis
+};
+
+// Distribution of the measurement at one place: the inverse Cholesky factor W of Sigma, and W mu.
+struct PlaceModel {
+  std::vector<std::complex<float>> whitener;  // lower triangle by rows
+  std::vector<std::complex<float>> mean;
+  float mean_power = 0.0F;       // |W mu|^2
+  float log_determinant = 0.0F;  // of Sigma
+  bool reachable = false;        // there is a ray
+};
+
+class ObservationModel {
+ public:
+  ObservationModel(const OfdmGrid& grid, std::size_t antennas);
+
+  // cell_size: how far the device may be from the place in x and in y, full width [m]; 0 at a
+  // surveyed point.
+  struct Place {
+    std::span<const Ray> rays;
+    std::span<const Vec3d> element_offset;  // [m] from the array's centre, world axes
+    double cell_size = 0.0;
+  };
+  PlaceModel place(const Place& place, const ModelError& error) const;
+
+  // Nothing known but the diffuse tail: what every place is compared with.
+  PlaceModel nowhere(const ModelError& error) const;
+
+  // h: [antenna][tone], chain gains removed.
+  ObservedArray observe(std::span<const std::complex<double>> h) const;
+
+  // Log-likelihood, maximised over gain, phase and delay; up to a constant of the measurement.
+  static double log_likelihood(const PlaceModel& place, const ObservedArray& observed);
+  // The same over every fourth delay: a lower bound, at a quarter of the cost.
+  static double coarse_log_likelihood(const PlaceModel& place, const ObservedArray& observed);
+
+  // The expected array at a place, [antenna][tone], without the unknown parts: for correlation.
+  std::vector<std::complex<double>> expected(const Place& place, const ModelError& error) const;
+
+  std::size_t dimension() const { return antennas_ * basis_.size(); }
+
+ private:
+  double first_delay(std::span<const std::complex<double>> h) const;
+  double coherence(const Ray& ray,
+                   const Ray& first,
+                   double cell_size,
+                   const ModelError& error) const;
+
+  OfdmGrid grid_;
+  std::size_t antennas_;
+  double wave_number_;  // [rad/m], at the centre
+  DelayBasis basis_;
+  std::vector<std::complex<double>> diffuse_;  // R of one antenna, [q][q]
+};
+
+}  // namespace rayloc

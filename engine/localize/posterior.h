@@ -1,0 +1,47 @@
+// Posterior: what a map of log-likelihoods over the cells of a room says about the position.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/localize/location_estimate.h"
+
+namespace rayloc {
+
+// Cells of equal size over the room at one height, x outermost.
+struct RoomGrid {
+  Vec3d first;  // [m], centre of cell (0, 0)
+  double step_x = 0.0;
+  double step_y = 0.0;
+  std::size_t count_x = 0;
+  std::size_t count_y = 0;
+
+  // Covers the bounds with cells of about `step`.
+  RoomGrid(const Vec3d& bounds_min, const Vec3d& bounds_max, double height, double step);
+
+  std::size_t size() const { return count_x * count_y; }
+  Vec3d centre(std::size_t cell) const {
+    return {first.x + step_x * static_cast<double>(cell / count_y),
+            first.y + step_y * static_cast<double>(cell % count_y),
+            first.z};
+  }
+};
+
+struct PosteriorOptions {
+  double temper = 1.0;  // exponent of the likelihood
+  double accuracy_confidence = 0.95;
+  std::size_t max_hypotheses = 5;
+};
+
+// Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
+// estimate. The position is the maximum of the posterior mass in a kernel of 0.1 m, not the highest
+// cell: a spike is more often wrong than a hill. Without a position, `reason` says that the map is
+// flat.
+void summarise_posterior(const RoomGrid& grid,
+                         const std::vector<double>& log_likelihood,
+                         const PosteriorOptions& options,
+                         LocationEstimate& estimate);
+
+}  // namespace rayloc

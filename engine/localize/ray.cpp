@@ -1,0 +1,49 @@
+#include "engine/localize/ray.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/constants.h"
+
+namespace rayloc {
+namespace {
+
+Vec3d direction(double theta, double phi) {
+  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
+}
+
+}  // namespace
+
+std::vector<Ray> rays_of(const Paths& paths,
+                         const Scene& scene,
+                         const Vec3d& device,
+                         std::size_t most) {
+  std::vector<Ray> rays;
+  rays.reserve(paths.size());
+  for (const Path& path : paths) {
+    Ray ray;
+    ray.amplitude = {path.a.re, path.a.im};
+    ray.length = path.tau * kSpeedOfLight;
+    ray.at_array = direction(path.theta_r, path.phi_r);
+    ray.at_device = direction(path.theta_t, path.phi_t);
+    ray.reflections = static_cast<int>(path.interactions.size());
+    Vec3d from = device;
+    for (const Interaction& interaction : path.interactions) {
+      const Vec3d leg = interaction.position - from;
+      const double along = dot(leg, scene.surfaces()[interaction.surface].plane().normal);
+      ray.cos2_incidence += along * along / dot(leg, leg);
+      from = interaction.position;
+    }
+    rays.push_back(ray);
+  }
+  // Stable, so that rays of equal strength keep the canonical order of the paths.
+  std::stable_sort(rays.begin(), rays.end(), [](const Ray& a, const Ray& b) {
+    return std::norm(a.amplitude) > std::norm(b.amplitude);
+  });
+  if (rays.size() > most) {
+    rays.resize(most);
+  }
+  return rays;
+}
+
+}  // namespace rayloc
