@@ -1,0 +1,315 @@
+#include "engine/calibrate/access_point_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include <Eigen/QR>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/observe/alignment.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr std::size_t kMostRays = 64;
+constexpr int kGainIterations = 6;
+// Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
+constexpr int kGainDegree = 4;
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
+constexpr double kYawRange = 3.0 * kDegree;
+constexpr double kYawStep = 0.5 * kDegree;
+constexpr int kErrorRounds = 3;
+// The tones of a point are no independent evidence about the model's errors; one point is.
+constexpr double kEvidence = 0.1;
+
+void scale_to_unit(std::vector<Value>& values) {
+  double power = 0.0;
+  for (const Value& v : values) {
+    power += std::norm(v);
+  }
+  if (power > 0.0) {
+    const double scale = std::sqrt(static_cast<double>(values.size()) / power);
+    for (Value& v : values) {
+      v *= scale;
+    }
+  }
+}
+
+// Replaces each row of [core][tone] by its least-squares polynomial over the tones.
+class ToneSmoother {
+ public:
+  explicit ToneSmoother(const OfdmGrid& grid) {
+    const auto tones = static_cast<Eigen::Index>(grid.size());
+    const double half = 0.5 * (grid.tone_index.back() - grid.tone_index.front());
+    const double middle = 0.5 * (grid.tone_index.back() + grid.tone_index.front());
+    const auto columns = std::min<Eigen::Index>(kGainDegree + 1, tones);
+    Eigen::MatrixXd powers(tones, columns);
+    for (Eigen::Index k = 0; k < tones; ++k) {
+      const double x = (grid.tone_index[static_cast<std::size_t>(k)] - middle) / half;
+      for (Eigen::Index degree = 0; degree < columns; ++degree) {
+        powers(k, degree) = std::pow(x, static_cast<double>(degree));
+      }
+    }
+    basis_ = powers.householderQr().householderQ() * Eigen::MatrixXd::Identity(tones, columns);
+  }
+
+  void smooth(std::vector<Value>& values) const {
+    const Eigen::Index tones = basis_.rows();
+    for (std::size_t row = 0; row < values.size(); row += static_cast<std::size_t>(tones)) {
+      Eigen::Map<Eigen::VectorXcd> v(values.data() + row, tones);
+      const Eigen::VectorXcd coordinates = basis_.transpose() * v;
+      v = basis_ * coordinates;
+    }
+  }
+
+ private:
+  Eigen::MatrixXd basis_;
+};
+
+void remove_gains(const ChainGains& gains, std::vector<Value>& h) {
+  for (std::size_t i = 0; i < h.size(); ++i) {
+    h[i] = h[i] * std::conj(gains.gain[i]) / std::max(std::norm(gains.gain[i]), 1e-12);
+  }
+}
+
+// The maximum of a function on a list of values: scans it, and takes the parabola through the best
+// and its neighbours for the maximum and its width.
+template <typename Function>
+FittedValue maximise(const std::vector<double>& values, double prior, const Function& function) {
+  std::vector<double> height;
+  height.reserve(values.size());
+  for (const double value : values) {
+    height.push_back(function(value));
+  }
+  const auto best =
+      static_cast<std::size_t>(std::max_element(height.begin(), height.end()) - height.begin());
+  FittedValue result{values[best], prior, 0.0};
+  if (best == 0 || best + 1 == values.size()) {
+    return result;
+  }
+  const double left = values[best] - values[best - 1];
+  const double right = values[best + 1] - values[best];
+  const double slope_left = (height[best] - height[best - 1]) / left;
+  const double slope_right = (height[best + 1] - height[best]) / right;
+  const double curvature = 2.0 * (slope_right - slope_left) / (left + right);
+  if (curvature < 0.0) {
+    const double slope = (slope_left * right + slope_right * left) / (left + right);
+    result.value += std::clamp(-slope / curvature, -left, right);
+    result.sigma = std::sqrt(-1.0 / curvature);
+  }
+  return result;
+}
+
+}  // namespace
+
+AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
+                                             std::size_t access_point,
+                                             std::vector<CalibrationSample> samples)
+    : grid_(room.grid),
+      access_point_(room.access_points.at(access_point)),
+      model_(room.grid, access_point_.cores.size()) {
+  const AntennaArray& array = access_point_.array;
+  const PathTracer tracer(room.scene);
+  const ReceiverTracer at_array = tracer.at(
+      Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+  std::vector<Sample> traced(samples.size());
+  parallel_for(samples.size(), 4, [&](std::size_t i) {
+    RAYLOC_CHECK(samples[i].h.size() == access_point_.cores.size() * grid_.size());
+    const Transmitter device{
+        {samples[i].position, {}, room.device.pattern, room.device.polarization}};
+    traced[i].h = std::move(samples[i].h);
+    scale_to_unit(traced[i].h);
+    traced[i].rays = rays_of(at_array.trace(device), *room.scene, samples[i].position, kMostRays);
+  });
+  for (Sample& sample : traced) {
+    if (!sample.rays.empty()) {
+      samples_.push_back(std::move(sample));
+    }
+  }
+}
+
+std::vector<Vec3d> AccessPointCalibrator::offsets(double yaw_offset) const {
+  AntennaArray array = access_point_.array;
+  array.pose.orientation.yaw += yaw_offset;
+  std::vector<Vec3d> result;
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    result.push_back(element_position(array, i) - array.pose.position);
+  }
+  return result;
+}
+
+// Alternates between the delay and factor of every sample and the gains, which are then the
+// weighted mean of measured over expected; the weight is the sample's correlation.
+ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,
+                                                  const ModelError& error,
+                                                  std::vector<double>* sigma) const {
+  const std::size_t tones = grid_.size();
+  const std::size_t size = access_point_.cores.size() * tones;
+  const Aligner aligner(grid_);
+  const ToneSmoother smoother(grid_);
+  std::vector<std::vector<Value>> expected(samples_.size());
+  parallel_for(samples_.size(), 4, [&](std::size_t i) {
+    expected[i] = model_.expected({samples_[i].rays, offsets, 0.0}, error);
+    scale_to_unit(expected[i]);
+  });
+  std::vector<Value> gain(size, Value(1.0));
+  std::vector<std::vector<Value>> ratio(samples_.size());
+  for (int iteration = 0; iteration < kGainIterations; ++iteration) {
+    parallel_for(samples_.size(), 4, [&](std::size_t i) {
+      // Measured times the conjugate of the expected, against the gains times its power.
+      std::vector<Value> target(size);
+      ratio[i].resize(size);
+      for (std::size_t j = 0; j < size; ++j) {
+        ratio[i][j] = samples_[i].h[j] * std::conj(expected[i][j]);
+        target[j] = gain[j] * std::norm(expected[i][j]);
+      }
+      Alignment alignment = aligner.align(target, ratio[i]);
+      const double magnitude = std::abs(alignment.factor);
+      // Both are of unit power, so the factor is a phase but for the misfit.
+      alignment.factor *= magnitude > 0.0 ? alignment.correlation / magnitude : 0.0;
+      aligner.apply(alignment, ratio[i]);
+    });
+    std::vector<Value> sum(size);
+    std::vector<double> weight(size, 1e-12);
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+      for (std::size_t j = 0; j < size; ++j) {
+        sum[j] += ratio[i][j];
+        weight[j] += std::norm(expected[i][j]);
+      }
+    }
+    for (std::size_t j = 0; j < size; ++j) {
+      gain[j] = sum[j] / weight[j];
+    }
+    smoother.smooth(gain);
+    scale_to_unit(gain);
+  }
+  if (sigma != nullptr) {
+    // Scatter of the samples' own gains about the mean, over the root of their number.
+    for (std::size_t row = 0; row < size; row += tones) {
+      double scatter = 0.0;
+      for (const auto& own : ratio) {
+        Value along;
+        double power = 0.0;
+        for (std::size_t j = row; j < row + tones; ++j) {
+          along += std::conj(gain[j]) * own[j];
+          power += std::norm(gain[j]);
+        }
+        const double magnitude = std::abs(along);
+        const double angle = magnitude > 0.0 ? std::arg(along) : std::numbers::pi;
+        scatter += angle * angle;
+      }
+      const auto count = static_cast<double>(samples_.size());
+      sigma->push_back(std::sqrt(scatter) / count);
+    }
+  }
+  return {grid_, access_point_.cores, std::move(gain)};
+}
+
+std::vector<ObservedArray> AccessPointCalibrator::observe(const ChainGains& gains) const {
+  std::vector<ObservedArray> observed(samples_.size());
+  parallel_for(samples_.size(), 4, [&](std::size_t i) {
+    auto h = samples_[i].h;
+    remove_gains(gains, h);
+    observed[i] = model_.observe(h);
+  });
+  return observed;
+}
+
+double AccessPointCalibrator::log_likelihood(const std::vector<ObservedArray>& observed,
+                                             const std::vector<Vec3d>& offsets,
+                                             const ModelError& error) const {
+  std::vector<double> each(samples_.size());
+  parallel_for(samples_.size(), 4, [&](std::size_t i) {
+    const PlaceModel place = model_.place({samples_[i].rays, offsets, 0.0}, error);
+    each[i] = ObservationModel::log_likelihood(place, observed[i]);
+  });
+  double sum = 0.0;
+  for (const double value : each) {
+    sum += value;
+  }
+  return sum;
+}
+
+void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
+  std::vector<double> scan;
+  for (double yaw = -kYawRange; yaw <= kYawRange + 0.5 * kYawStep; yaw += kYawStep) {
+    scan.push_back(yaw);
+  }
+  const ModelError error = fit.error();
+  fit.yaw_offset = maximise(scan, 0.0, [&](double yaw) {
+    const auto turned = offsets(yaw);
+    const auto gains = principal_gains(turned, error, nullptr);
+    const double prior = yaw / kYawPrior;
+    return kEvidence * log_likelihood(observe(gains), turned, error) - 0.5 * prior * prior;
+  });
+  fit.gain_sigma.clear();
+  fit.gains = principal_gains(offsets(fit.yaw_offset.value), error, &fit.gain_sigma);
+}
+
+void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
+  const auto turned = offsets(fit.yaw_offset.value);
+  const auto observed = observe(fit.gains);
+  const ModelError prior;
+  // Powers are scanned as logarithms to base 2: their scale is what is unknown.
+  const auto scan =
+      [&](FittedValue& value, double before, const std::vector<double>& steps, bool logarithmic) {
+        const auto found = maximise(steps, before, [&](double step) {
+          value.value = logarithmic ? std::exp2(step) : step;
+          return kEvidence * log_likelihood(observed, turned, fit.error());
+        });
+        value.value = logarithmic ? std::exp2(found.value) : found.value;
+        value.prior = before;
+        value.sigma = logarithmic ? value.value * std::numbers::ln2 * found.sigma : found.sigma;
+      };
+  for (int round = 0; round < kErrorRounds; ++round) {
+    scan(fit.diffuse, prior.diffuse, {-8, -7, -6, -5, -4, -3, -2, -1, 0}, true);
+    scan(fit.diffuse_exponent, prior.diffuse_exponent, {-0.5, 0, 0.5, 1, 1.5, 2}, false);
+    scan(fit.plan_tolerance, prior.plan_tolerance, {-8, -7.5, -7, -6.5, -6, -5.5, -5, -4.5}, true);
+    scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
+  }
+}
+
+Expected<AccessPointFit> AccessPointCalibrator::fit() const {
+  if (samples_.size() < kLeastSamples) {
+    return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
+                     " calibration points can be used, at least " + std::to_string(kLeastSamples) +
+                     " are needed");
+  }
+  AccessPointFit fit;
+  fit.samples_used = samples_.size();
+  const ModelError prior;
+  fit.plan_tolerance.value = prior.plan_tolerance;
+  fit.diffuse.value = prior.diffuse;
+  fit.diffuse_exponent.value = prior.diffuse_exponent;
+  fit.noise.value = prior.noise;
+  for (int round = 0; round < 2; ++round) {
+    fit_yaw(fit);
+    fit_errors(fit);
+  }
+  return fit;
+}
+
+double AccessPointCalibrator::correlation(const AccessPointFit* fit) const {
+  const Aligner aligner(grid_);
+  const auto turned = offsets(fit != nullptr ? fit->yaw_offset.value : 0.0);
+  const ModelError error = fit != nullptr ? fit->error() : ModelError{};
+  double sum = 0.0;
+  for (const Sample& sample : samples_) {
+    auto h = sample.h;
+    if (fit != nullptr) {
+      remove_gains(fit->gains, h);
+    }
+    sum += aligner.align(model_.expected({sample.rays, turned, 0.0}, error), h).correlation;
+  }
+  return samples_.empty() ? 0.0 : sum / static_cast<double>(samples_.size());
+}
+
+}  // namespace rayloc

@@ -1,0 +1,92 @@
+// fit_access_point: the chain gains of an access point, its yaw and the errors of its model, from
+// bursts of a device at surveyed points; in closed form but for a few one-dimensional scans
+// (METHODS B4, step 1).
+//
+// The rays of each point come from the scene as it is (the floor plan). A reflection's phase is
+// then uncertain by more than a turn, but not systematically: over all points the products of
+// measured and expected arrays have one principal direction, the gains.
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/localize/observation_model.h"
+#include "engine/localize/room_model.h"
+#include "engine/observe/chain_gains.h"
+
+namespace rayloc {
+
+// A burst of a device at a surveyed point, as one access point heard it.
+struct CalibrationSample {
+  Vec3d position;                       // [m]
+  std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+};
+
+// A fitted number, with what was assumed before and how sure the fit is.
+struct FittedValue {
+  double value = 0.0;
+  double prior = 0.0;
+  double sigma = 0.0;  // standard deviation; 0 when the data do not bound it
+};
+
+struct AccessPointFit {
+  ChainGains gains;
+  std::vector<double> gain_sigma;  // of each core, relative to the gain's magnitude
+  FittedValue yaw_offset;          // [rad], to be added to the surveyed yaw
+  FittedValue plan_tolerance;      // [m]
+  FittedValue diffuse;
+  FittedValue diffuse_exponent;
+  FittedValue noise;
+  std::size_t samples_used = 0;
+
+  ModelError error() const {
+    return {plan_tolerance.value, diffuse.value, diffuse_exponent.value, noise.value};
+  }
+};
+
+// One access point of a room and the points it was calibrated on.
+class AccessPointCalibrator {
+ public:
+  // Traces the rays to every sample. `room` is the uncalibrated one; samples that no ray reaches
+  // are not used. REQUIRES: every h has as many values as the access point has cores x tones.
+  AccessPointCalibrator(const RoomModel& room,
+                        std::size_t access_point,
+                        std::vector<CalibrationSample> samples);
+
+  // An Error when fewer than `kLeastSamples` samples can be used.
+  static constexpr std::size_t kLeastSamples = 4;
+  Expected<AccessPointFit> fit() const;
+
+  // Mean squared normalised correlation of measured and expected arrays over the samples: with the
+  // gains and the yaw of a fit, or (nullptr) with equal gains and the surveyed yaw.
+  double correlation(const AccessPointFit* fit) const;
+
+  std::size_t usable_samples() const { return samples_.size(); }
+
+ private:
+  struct Sample {
+    std::vector<std::complex<double>> h;
+    std::vector<Ray> rays;
+  };
+
+  std::vector<Vec3d> offsets(double yaw_offset) const;
+  ChainGains principal_gains(const std::vector<Vec3d>& offsets,
+                             const ModelError& error,
+                             std::vector<double>* sigma) const;
+  std::vector<ObservedArray> observe(const ChainGains& gains) const;
+  double log_likelihood(const std::vector<ObservedArray>& observed,
+                        const std::vector<Vec3d>& offsets,
+                        const ModelError& error) const;
+  void fit_yaw(AccessPointFit& fit) const;
+  void fit_errors(AccessPointFit& fit) const;
+
+  OfdmGrid grid_;
+  RoomAccessPoint access_point_;
+  ObservationModel model_;
+  std::vector<Sample> samples_;
+};
+
+}  // namespace rayloc
