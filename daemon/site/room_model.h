@@ -2,6 +2,8 @@
 // material overrides, and the calibration file where the site names one.
 #pragma once
 
+#include <string>
+
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/localize/room_model.h"
@@ -11,5 +13,8 @@ namespace rayloc {
 // The device model is that of the site's first transmitter with role "device", else the default
 // height with a vertical half-wave dipole; change `RoomModel::device` for another one.
 Expected<RoomModel> load_room_model(const Site& site);
+
+// Of names, geometry and materials: what a calibration depends on.
+std::string scene_hash(const Scene& scene);
 
 }  // namespace rayloc

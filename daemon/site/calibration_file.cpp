@@ -1,0 +1,193 @@
+#include "daemon/site/calibration_file.h"
+
+#include <utility>
+
+#include "daemon/site/toml_reader.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::int64_t kFormat = 1;
+
+std::string value_text(const CalibratedValue& value, const char* unit) {
+  return "{ value = " + to_text(value.value) + ", unit = \"" + unit +
+         "\", prior = " + to_text(value.prior) + ", sigma = " + to_text(value.sigma) + " }";
+}
+
+// [[-58, -2], [2, 58]]: first and last of each run of neighbouring tones.
+std::string tones_text(const std::vector<std::int16_t>& tones) {
+  std::string text = "[";
+  for (std::size_t i = 0; i < tones.size();) {
+    std::size_t last = i;
+    while (last + 1 < tones.size() && tones[last + 1] == tones[last] + 1) {
+      ++last;
+    }
+    text += (text.size() > 1 ? ", [" : "[") + std::to_string(tones[i]) + ", " +
+            std::to_string(tones[last]) + "]";
+    i = last + 1;
+  }
+  return text + "]";
+}
+
+std::string chain_text(const CalibratedAccessPoint& ap, std::size_t core) {
+  const std::size_t tones = ap.gains.grid.size();
+  std::string text = "[[access_point.chain]]\ncore = " + std::to_string(ap.gains.cores[core]) +
+                     "\nsigma_rad = " + to_text(ap.gain_sigma.at(core)) + "\ngain = [";
+  for (std::size_t k = 0; k < tones; ++k) {
+    const auto gain = ap.gains.gain[core * tones + k];
+    text +=
+        (k % 4 == 0 ? "\n  [" : " [") + to_text(gain.real()) + ", " + to_text(gain.imag()) + "],";
+  }
+  return text + "\n]\n";
+}
+
+CalibratedValue read_value(const TomlTable& table, std::string_view key, NumberRange range) {
+  CalibratedValue result;
+  const auto child = table.table(key);
+  if (!child) {
+    table.error_at(key, "'" + std::string(key) + "' is missing; calibrate again");
+    return result;
+  }
+  child->require({{"value", "value = 0.0"}});
+  result.value = child->number("value", range).value_or(0.0);
+  result.prior = child->number("prior", {}).value_or(0.0);
+  result.sigma = child->number("sigma", {}).value_or(0.0);
+  child->ask_for("unit");
+  return result;
+}
+
+void read_tones(const TomlTable& table, OfdmGrid& grid) {
+  grid.centre_hz = table.number("centre_hz", {}).value_or(0.0);
+  grid.spacing_hz = table.number("tone_spacing_hz", {}).value_or(0.0);
+  for (const auto& run : table.pairs("tones", "tones = [[-58, -2], [2, 58]]")
+                             .value_or(std::vector<TomlTable::Pair>())) {
+    constexpr double kMost = 4096.0;
+    if (!(run.values[0] >= -kMost && run.values[1] <= kMost && run.values[0] <= run.values[1])) {
+      table.error_at("tones", "'tones': each pair is the first and the last tone of a run");
+      return;
+    }
+    for (auto tone = static_cast<int>(run.values[0]); tone <= static_cast<int>(run.values[1]);
+         ++tone) {
+      if (!grid.tone_index.empty() && tone <= grid.tone_index.back()) {
+        table.error_at("tones", "'tones': the runs are not ascending");
+        return;
+      }
+      grid.tone_index.push_back(static_cast<std::int16_t>(tone));
+    }
+  }
+}
+
+void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
+  for (const TomlTable& chain : table.tables("chain")) {
+    chain.require({{"core", "core = 0"}, {"gain", "gain = [[1.0, 0.0], ...], one pair a tone"}});
+    ap.gains.cores.push_back(
+        static_cast<std::uint8_t>(chain.integer("core", {0.0, 255.0, ""}).value_or(0)));
+    ap.gain_sigma.push_back(chain.number("sigma_rad", {}).value_or(0.0));
+    const auto gains =
+        chain.pairs("gain", "gain = [[1.0, 0.0]]").value_or(std::vector<TomlTable::Pair>());
+    if (gains.size() != ap.gains.grid.size()) {
+      chain.error_at("gain",
+                     "'gain' has " + std::to_string(gains.size()) + " pairs for " +
+                         std::to_string(ap.gains.grid.size()) + " tones; calibrate again");
+    }
+    for (const auto& gain : gains) {
+      ap.gains.gain.emplace_back(gain.values[0], gain.values[1]);
+    }
+  }
+}
+
+CalibratedAccessPoint read_access_point(const TomlTable& table) {
+  table.require({{"id", "id = \"ap1\""},
+                 {"centre_hz", "centre_hz = 5190000000"},
+                 {"tone_spacing_hz", "tone_spacing_hz = 312500"},
+                 {"tones", "tones = [[-58, -2], [2, 58]]"},
+                 {"chain", "[[access_point.chain]] with core and gain"}});
+  CalibratedAccessPoint ap;
+  ap.id = table.string("id").value_or("");
+  ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
+  for (const NamedValue& named : calibrated_values()) {
+    ap.*named.value = read_value(table, named.name, {});
+  }
+  read_tones(table, ap.gains.grid);
+  read_chains(table, ap);
+  return ap;
+}
+
+Expected<CalibrationFile> read(TomlDocument& document) {
+  CalibrationFile calibration;
+  const TomlTable root = document.root();
+  root.require({{"format", "format = 1"}, {"id", "id = \"...\""}, {"scene", "scene = \"...\""}});
+  if (const auto format = root.integer("format", {}); format && *format != kFormat) {
+    root.error_at("format",
+                  "format " + std::to_string(*format) + " is not known; this program reads " +
+                      std::to_string(kFormat) + ": calibrate again");
+  }
+  calibration.id = root.string("id").value_or("");
+  calibration.scene_hash = root.string("scene").value_or("");
+  calibration.points_hash = root.string("points").value_or("");
+  calibration.temper = read_value(root, "temper", {0.0, 1.0, ""});
+  for (const TomlTable& table : root.tables("access_point")) {
+    calibration.access_points.push_back(read_access_point(table));
+  }
+  if (auto finished = document.finish(); !finished) {
+    return tl::make_unexpected(std::move(finished.error()));
+  }
+  return calibration;
+}
+
+}  // namespace
+
+const std::vector<NamedValue>& calibrated_values() {
+  using Ap = CalibratedAccessPoint;
+  static const std::vector<NamedValue> kValues = {
+      {"yaw_offset", "rad", &Ap::yaw_offset},
+      {"plan_tolerance", "m", &Ap::plan_tolerance},
+      {"diffuse", "share of the traced power at 3 m", &Ap::diffuse},
+      {"diffuse_exponent", "1", &Ap::diffuse_exponent},
+      {"noise", "share of the power", &Ap::noise},
+  };
+  return kValues;
+}
+
+std::string to_toml(const CalibrationFile& calibration) {
+  std::string text =
+      "# Written by `rayloc calibrate`; it belongs to the scene beside it. Do not edit: calibrate\n"
+      "# again instead. sigma 0: the data did not bound the value.\n"
+      "format = " +
+      std::to_string(kFormat) + "\nid = \"" + calibration.id + "\"  # of all inputs\nscene = \"" +
+      calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash +
+      "\"\ntemper = " + value_text(calibration.temper, "1") + "\n";
+  for (const CalibratedAccessPoint& ap : calibration.access_points) {
+    text +=
+        "\n[[access_point]]\nid = \"" + ap.id + "\"\npoints = " + std::to_string(ap.points) + "\n";
+    for (const NamedValue& named : calibrated_values()) {
+      text += std::string(named.name) + " = " + value_text(ap.*named.value, named.unit) + "\n";
+    }
+    text += "centre_hz = " + to_text(ap.gains.grid.centre_hz) +
+            "\ntone_spacing_hz = " + to_text(ap.gains.grid.spacing_hz) +
+            "\ntones = " + tones_text(ap.gains.grid.tone_index) + "\n";
+    for (std::size_t core = 0; core < ap.gains.cores.size(); ++core) {
+      text += chain_text(ap, core);
+    }
+  }
+  return text;
+}
+
+Expected<CalibrationFile> load_calibration_file(const std::filesystem::path& file) {
+  auto document = TomlDocument::read(file);
+  if (!document) {
+    return tl::make_unexpected(std::move(document.error()));
+  }
+  return read(**document);
+}
+
+Expected<CalibrationFile> parse_calibration_file(std::string_view text,
+                                                 const std::filesystem::path& file) {
+  auto document = TomlDocument::parse(text, file);
+  if (!document) {
+    return tl::make_unexpected(std::move(document.error()));
+  }
+  return read(**document);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,59 @@
+// The calibration file: what `rayloc calibrate` found out about the access points of a site, as
+// TOML: every number with its unit, what was assumed before and its standard deviation.
+//
+// It is valid for the scene it was made with: `scene_hash` is compared when a room is loaded.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// A fitted number. sigma 0: the data did not bound it.
+struct CalibratedValue {
+  double value = 0.0;
+  double prior = 0.0;
+  double sigma = 0.0;
+};
+
+struct CalibratedAccessPoint {
+  std::string id;
+  std::size_t points = 0;          // surveyed points that it rests on
+  CalibratedValue yaw_offset;      // [rad], added to the surveyed yaw
+  CalibratedValue plan_tolerance;  // [m]
+  CalibratedValue diffuse;
+  CalibratedValue diffuse_exponent;
+  CalibratedValue noise;
+  ChainGains gains;
+  std::vector<double> gain_sigma;  // of each core [rad]
+};
+
+struct CalibrationFile {
+  std::string id;  // hash of the inputs
+  std::string scene_hash;
+  std::string points_hash;  // of the surveyed points
+  CalibratedValue temper;
+  std::vector<CalibratedAccessPoint> access_points;
+};
+
+std::string to_toml(const CalibrationFile& calibration);
+
+// Errors name file:line:column.
+Expected<CalibrationFile> load_calibration_file(const std::filesystem::path& file);
+Expected<CalibrationFile> parse_calibration_file(std::string_view text,
+                                                 const std::filesystem::path& file);
+
+// The numbers of a calibrated access point by name, for the file and for reports.
+struct NamedValue {
+  const char* name;
+  const char* unit;
+  CalibratedValue CalibratedAccessPoint::*value;
+};
+const std::vector<NamedValue>& calibrated_values();
+
+}  // namespace rayloc

@@ -1,0 +1,121 @@
+#include "daemon/site/room_model.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "daemon/site/calibration_file.h"
+#include "daemon/site/content_hash.h"
+#include "engine/scene/load_scene.h"
+
+namespace rayloc {
+namespace {
+
+void add_vector(ContentHash& hash, const Vec3d& v) {
+  hash.add(v.x);
+  hash.add(v.y);
+  hash.add(v.z);
+}
+
+DeviceModel device_of(const Site& site) {
+  DeviceModel device;
+  device.height = site.targets.height;
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    if (transmitter.role == TransmitterRole::kDevice) {
+      return {transmitter.height, transmitter.pattern, transmitter.polarization};
+    }
+  }
+  return device;
+}
+
+Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& room) {
+  auto calibration = load_calibration_file(file);
+  if (!calibration) {
+    return tl::make_unexpected(std::move(calibration.error()));
+  }
+  if (calibration->scene_hash != room.scene_hash) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": made for another scene (" + calibration->scene_hash +
+                          ", this one is " + room.scene_hash +
+                          "); calibrate again, or restore the scene");
+  }
+  room.calibration_id = calibration->id;
+  room.temper = calibration->temper.value;
+  for (CalibratedAccessPoint& found : calibration->access_points) {
+    const auto ap = std::find_if(room.access_points.begin(),
+                                 room.access_points.end(),
+                                 [&](const RoomAccessPoint& one) { return one.id == found.id; });
+    if (ap == room.access_points.end()) {
+      return make_error(
+          ErrorKind::kConfiguration,
+          file.string() + ": the site has no access point '" + found.id + "'; calibrate again");
+    }
+    if (found.gains.cores != ap->cores || found.gains.grid != room.grid) {
+      return make_error(ErrorKind::kConfiguration,
+                        file.string() + ": access point '" + found.id +
+                            "' was calibrated with other cores or tones than site.toml states; "
+                            "calibrate again");
+    }
+    ap->array.pose.orientation.yaw += found.yaw_offset.value;
+    ap->error = {found.plan_tolerance.value,
+                 found.diffuse.value,
+                 found.diffuse_exponent.value,
+                 found.noise.value};
+    ap->gains = std::move(found.gains);
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string scene_hash(const Scene& scene) {
+  ContentHash hash;
+  for (const SceneObject& object : scene.objects()) {
+    hash.add(object.name);
+    for (const Vec3d& vertex : object.mesh.vertices) {
+      add_vector(hash, vertex);
+    }
+    for (const auto& triangle : object.mesh.triangles) {
+      for (const auto index : triangle) {
+        hash.add(static_cast<std::uint64_t>(index));
+      }
+    }
+    const RadioMaterial& material = scene.materials()[object.material];
+    hash.add(material.relative_permittivity);
+    hash.add(material.conductivity);
+    hash.add(material.thickness);
+  }
+  hash.add(scene.carrier_hz());
+  return hash.text();
+}
+
+Expected<RoomModel> load_room_model(const Site& site) {
+  SceneOptions options;
+  options.carrier_hz = site.carrier.grid.centre_hz;
+  for (const auto& [name, material] : site.materials) {
+    options.materials[name] = {
+        material.relative_permittivity, material.conductivity, material.thickness};
+  }
+  auto scene = load_scene(site.scene_file, options);
+  if (!scene) {
+    return tl::make_unexpected(std::move(scene.error()));
+  }
+  RoomModel room;
+  room.name = site.name;
+  room.scene = std::make_shared<const Scene>(*std::move(scene));
+  room.scene_hash = scene_hash(*room.scene);
+  room.bounds_min = site.has_bounds ? site.bounds_min : room.scene->bounds_min();
+  room.bounds_max = site.has_bounds ? site.bounds_max : room.scene->bounds_max();
+  room.grid = site.carrier.grid;
+  room.device = device_of(site);
+  for (const SiteAccessPoint& ap : site.access_points) {
+    room.access_points.push_back({ap.id, ap.array, ap.cores, {}, {}});
+  }
+  if (site.calibration_file) {
+    if (auto applied = apply_calibration(*site.calibration_file, room); !applied) {
+      return tl::make_unexpected(std::move(applied.error()));
+    }
+  }
+  return room;
+}
+
+}  // namespace rayloc
