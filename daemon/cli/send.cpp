@@ -1,0 +1,384 @@
+// rayloc send: a recording's datagrams, to a UDP port, as the access point would send them.
+#include <sys/prctl.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/pcap_source.h"
+#include "capture/udp_address.h"
+#include "daemon/cli/datagram_sender.h"
+#include "daemon/cli/stop_signal.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct SendArguments {
+  std::vector<std::string> files;
+  std::vector<std::string> destinations;
+  std::string speed = "1";
+  std::optional<double> rate;      // datagrams per second, whatever the recording says
+  std::optional<double> duration;  // seconds
+};
+
+// CLOCK_MONOTONIC
+Duration monotonic_now() {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return std::chrono::seconds(now.tv_sec) + Duration(now.tv_nsec);
+}
+
+// Returns early when a signal asks to stop.
+void sleep_until(Duration monotonic) {
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(monotonic);
+  const timespec until{.tv_sec = seconds.count(), .tv_nsec = (monotonic - seconds).count()};
+  while (!StopSignal::requested() &&
+         clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+// Several recordings as one, in order of time.
+class Recordings {
+ public:
+  static Expected<Recordings> open(const std::vector<std::string>& files) {
+    Recordings all;
+    for (const std::string& file : files) {
+      auto source = PcapFileSource::open(file, {.port = {}, .max_disorder = kAnyDisorder});
+      if (!source) {
+        return tl::make_unexpected(std::move(source.error()));
+      }
+      all.files_.push_back({std::move(*source), {}, 0});
+    }
+    return all;
+  }
+
+  struct Next {
+    std::size_t file = 0;
+    const Datagram* datagram = nullptr;  // nullptr: all files are at their end
+  };
+  // The earliest datagram; valid until the next call.
+  Expected<Next> next() {
+    if (last_ != nullptr) {
+      ++last_->next;
+    }
+    Next earliest;
+    for (std::size_t i = 0; i < files_.size(); ++i) {
+      if (auto filled = files_[i].fill(); !filled) {
+        return tl::make_unexpected(std::move(filled.error()));
+      }
+      const Datagram* candidate = files_[i].front();
+      if (candidate != nullptr &&
+          (earliest.datagram == nullptr || candidate->time < earliest.datagram->time)) {
+        earliest = {i, candidate};
+      }
+    }
+    last_ = earliest.datagram != nullptr ? &files_[earliest.file] : nullptr;
+    return earliest;
+  }
+
+  // What was rejected while reading, by reason.
+  std::map<std::string, std::uint64_t> rejected() const {
+    std::map<std::string, std::uint64_t> all;
+    for (const File& file : files_) {
+      for (const auto& [reason, count] : file.source->counters().rejected) {
+        all[reason] += count;
+      }
+    }
+    return all;
+  }
+
+  void print_warnings() const {
+    for (const File& file : files_) {
+      if (const std::string warning = file.source->warning(); !warning.empty()) {
+        std::fprintf(stderr, "rayloc send: %s\n", warning.c_str());
+      }
+    }
+  }
+
+ private:
+  struct File {
+    std::unique_ptr<PcapFileSource> source;
+    DatagramBatch batch;
+    std::size_t next = 0;
+
+    const Datagram* front() const {
+      return next < batch.datagrams.size() ? &batch.datagrams[next] : nullptr;
+    }
+    // Waits where a pipe has nothing yet.
+    Expected<void> fill() {
+      while (front() == nullptr && !batch.ended && !StopSignal::requested()) {
+        if (auto read = source->read(batch, std::chrono::milliseconds(200)); !read) {
+          return read;
+        }
+        next = 0;
+      }
+      return {};
+    }
+  };
+  std::vector<File> files_;
+  File* last_ = nullptr;
+};
+
+// The pace, and how well it was kept.
+struct Outcome {
+  Duration elapsed{};
+  Duration latest{};  // by how much the latest datagram was late
+};
+
+// What scripts read: one JSON object when sending begins, one at the end.
+void print_line(const nlohmann::ordered_json& line) {
+  std::printf("%s\n", line.dump().c_str());
+  std::fflush(stdout);
+}
+
+void announce(std::optional<Duration> time_offset, const SendArguments& arguments) {
+  nlohmann::ordered_json line;
+  line["event"] = "start";
+  line["time_offset_s"] = nullptr;
+  if (time_offset) {
+    line["time_offset_s"] = to_seconds(*time_offset);
+    std::fprintf(stderr,
+                 "rayloc send: time offset %.6f s (wall clock - recording)\n",
+                 to_seconds(*time_offset));
+  }
+  line["to"] = arguments.destinations;
+  print_line(line);
+}
+
+// Each datagram at the recording's time, divided by the speed (infinite: at once).
+Expected<Outcome> send_paced(Recordings& recordings,
+                             DatagramSender& sender,
+                             const SendArguments& arguments,
+                             double speed) {
+  // Time to get going, so that the first datagram is not late.
+  constexpr Duration kLead = std::chrono::milliseconds(20);
+  constexpr double kLongestWait = 1e9;  // seconds: no damaged time stamp overflows
+  auto next = recordings.next();
+  const Duration begin = monotonic_now() + kLead;
+  const Timestamp first = next && next->datagram != nullptr ? next->datagram->time : Timestamp{};
+  const Timestamp wall = std::chrono::system_clock::now() + kLead;
+  // At another speed no single offset tells where a datagram of the recording arrived.
+  announce(speed == 1.0 ? std::optional<Duration>(wall - first) : std::nullopt, arguments);
+  Outcome outcome;
+  const Duration end =
+      arguments.duration ? begin + from_seconds(*arguments.duration) : Duration::max();
+  while (next && next->datagram != nullptr && !StopSignal::requested()) {
+    const Datagram& datagram = *next->datagram;
+    const double after = std::min(to_seconds(datagram.time - first) / speed, kLongestWait);
+    const Duration due = begin + from_seconds(after);
+    if (due > end) {
+      break;
+    }
+    if (due > monotonic_now()) {
+      if (auto flushed = sender.flush(); !flushed) {
+        return tl::make_unexpected(std::move(flushed.error()));
+      }
+      sleep_until(due);
+    }
+    if (std::isfinite(speed)) {
+      outcome.latest = std::max(outcome.latest, monotonic_now() - due);
+    }
+    if (auto queued = sender.queue(next->file, datagram.payload); !queued) {
+      return tl::make_unexpected(std::move(queued.error()));
+    }
+    next = recordings.next();
+  }
+  if (auto flushed = sender.flush(); !flushed) {
+    return tl::make_unexpected(std::move(flushed.error()));
+  }
+  outcome.elapsed = monotonic_now() - begin;
+  return next ? Expected<Outcome>(outcome) : tl::make_unexpected(std::move(next.error()));
+}
+
+struct Kept {
+  std::size_t file;
+  std::vector<std::byte> payload;
+};
+
+Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
+  constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+  std::vector<Kept> all;
+  std::size_t bytes = 0;
+  for (auto next = recordings.next(); !next || next->datagram != nullptr;
+       next = recordings.next()) {
+    if (!next) {
+      return tl::make_unexpected(std::move(next.error()));
+    }
+    const auto& payload = next->datagram->payload;
+    bytes += payload.size() + sizeof(Kept);
+    if (bytes > kMaxBytes) {
+      return make_error(ErrorKind::kUsage,
+                        "--rate keeps the recording in memory, at most 1 GiB; send a part of it");
+    }
+    all.push_back({next->file, {payload.begin(), payload.end()}});
+  }
+  return all;
+}
+
+// So many datagrams a second, the recording over and over until the duration is over (once when
+// there is none). Counts what is due since the beginning: no error adds up.
+Expected<Outcome> send_at_rate(Recordings& recordings,
+                               DatagramSender& sender,
+                               const SendArguments& arguments) {
+  // How long datagrams may wait to leave together.
+  constexpr Duration kTick = std::chrono::milliseconds(1);
+  // A machine that cannot keep the rate does not go on sending much longer than it was told.
+  constexpr Duration kGrace = std::chrono::milliseconds(100);
+  auto kept = keep_all(recordings);
+  if (!kept) {
+    return tl::make_unexpected(std::move(kept.error()));
+  }
+  announce(std::nullopt, arguments);
+  const double rate = *arguments.rate;
+  const std::uint64_t total =
+      kept->empty()        ? 0
+      : arguments.duration ? static_cast<std::uint64_t>(std::llround(rate * *arguments.duration))
+                           : kept->size();
+  const auto time_of = [rate](std::uint64_t n) {
+    return from_seconds(static_cast<double>(n) / rate);
+  };
+  const Duration begin = monotonic_now();
+  Outcome outcome;
+  std::uint64_t sent = 0;
+  while (sent < total && !StopSignal::requested()) {
+    const Duration elapsed = monotonic_now() - begin;
+    if (elapsed > time_of(total) + kGrace) {
+      break;
+    }
+    const auto due = std::min(total, static_cast<std::uint64_t>(to_seconds(elapsed) * rate) + 1);
+    if (due > sent) {
+      outcome.latest = std::max(outcome.latest, elapsed - time_of(sent));
+    }
+    // In batches, so that a signal or the end of the time is seen when far behind.
+    for (std::size_t i = 0; i < DatagramSender::kBatch && sent < due; ++i, ++sent) {
+      const Kept& one = (*kept)[sent % kept->size()];
+      if (auto queued = sender.queue(one.file, one.payload); !queued) {
+        return tl::make_unexpected(std::move(queued.error()));
+      }
+    }
+    if (auto flushed = sender.flush(); !flushed) {
+      return tl::make_unexpected(std::move(flushed.error()));
+    }
+    if (sent == due && sent < total) {
+      sleep_until(begin + std::max(time_of(sent), elapsed + kTick));
+    }
+  }
+  outcome.elapsed = monotonic_now() - begin;
+  return outcome;
+}
+
+Expected<double> parse_speed(const std::string& text) {
+  if (text == "max") {
+    return std::numeric_limits<double>::infinity();
+  }
+  char* end = nullptr;
+  const double speed = std::strtod(text.c_str(), &end);
+  if (text.empty() || *end != '\0' || !std::isfinite(speed) || speed <= 0) {
+    return make_error(ErrorKind::kUsage, "--speed " + text + ": write a number above 0, or max");
+  }
+  return speed;
+}
+
+void report(const DatagramSender& sender, const Outcome& outcome, const Recordings& recordings) {
+  const double elapsed = to_seconds(outcome.elapsed);
+  const double rate = elapsed > 0 ? static_cast<double>(sender.sent()) / elapsed : 0;
+  nlohmann::ordered_json line;
+  line["event"] = "end";
+  line["datagrams"] = sender.sent();
+  line["bytes"] = sender.bytes();
+  line["elapsed_s"] = elapsed;
+  line["rate_hz"] = rate;
+  line["late_max_s"] = to_seconds(outcome.latest);
+  line["rejected"] = recordings.rejected();
+  print_line(line);
+  std::fprintf(stderr,
+               "rayloc send: sent %llu datagrams in %.3f s (%.1f/s, at most %.1f ms late)\n",
+               static_cast<unsigned long long>(sender.sent()),  // NOLINT(google-runtime-int)
+               elapsed,
+               rate,
+               to_seconds(outcome.latest) * 1e3);
+}
+
+Expected<void> run(const SendArguments& arguments) {
+  const auto speed = parse_speed(arguments.speed);
+  if (!speed) {
+    return tl::make_unexpected(speed.error());
+  }
+  if (arguments.files.size() != arguments.destinations.size()) {
+    return make_error(ErrorKind::kUsage,
+                      std::to_string(arguments.files.size()) + " files and " +
+                          std::to_string(arguments.destinations.size()) +
+                          " destinations; give one --to for each file, in the same order");
+  }
+  std::vector<sockaddr_in> destinations;
+  for (const std::string& text : arguments.destinations) {
+    const auto address = parse_udp_address(text);
+    if (!address) {
+      return tl::make_unexpected(address.error());
+    }
+    destinations.push_back(*address);
+  }
+  auto recordings = Recordings::open(arguments.files);
+  if (!recordings) {
+    return tl::make_unexpected(std::move(recordings.error()));
+  }
+  auto sender = DatagramSender::create(std::move(destinations));
+  if (!sender) {
+    return tl::make_unexpected(std::move(sender.error()));
+  }
+  StopSignal::install();
+  prctl(PR_SET_TIMERSLACK, 1);  // wake up when asked, not 50 us later
+  auto outcome = arguments.rate ? send_at_rate(*recordings, *sender, arguments)
+                                : send_paced(*recordings, *sender, arguments, *speed);
+  if (!outcome) {
+    return tl::make_unexpected(std::move(outcome.error()));
+  }
+  recordings->print_warnings();
+  report(*sender, *outcome, *recordings);
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  auto arguments = std::make_shared<SendArguments>();
+  app.add_option("FILE", arguments->files, "Recordings: pcap, pcapng, .gz, or - for standard input")
+      ->required();
+  app.add_option("--to", arguments->destinations, "HOST:PORT; one for each file, in order")
+      ->required()
+      ->allow_extra_args(false);
+  auto* speed = app.add_option("--speed",
+                               arguments->speed,
+                               "Times the recorded pace, or max (a receiver may lose datagrams)")
+                    ->capture_default_str();
+  app.add_option("--rate",
+                 arguments->rate,
+                 "Datagrams per second instead of the recorded pace. With --duration the recording "
+                 "is repeated, frame counters and all")
+      ->check(CLI::PositiveNumber)
+      ->excludes(speed);
+  app.add_option("--duration", arguments->duration, "Stop after so many seconds")
+      ->check(CLI::PositiveNumber);
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kSend;
+const Verb kSend{"send",
+                 "Send a recording to a UDP port, as the access point would",
+                 "rayloc send ap1.pcap ap2.pcap --to 127.0.0.1:5500 --to 127.0.0.1:5501",
+                 declare};
+
+}  // namespace rayloc::cli

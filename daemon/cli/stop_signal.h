@@ -1,0 +1,13 @@
+// StopSignal: lets a verb that runs until it is interrupted end cleanly on SIGINT and SIGTERM.
+#pragma once
+
+namespace rayloc::cli {
+
+class StopSignal {
+ public:
+  // From now on the two signals end no process but interrupt waiting calls (EINTR).
+  static void install();
+  static bool requested();
+};
+
+}  // namespace rayloc::cli
