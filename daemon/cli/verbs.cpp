@@ -8,6 +8,7 @@ namespace rayloc::cli {
 extern const Verb kCheckConfig;  // check_config.cpp
 extern const Verb kConfig;       // config.cpp
 extern const Verb kFrames;       // frames.cpp
+extern const Verb kRecord;       // record.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSub;          // sub.cpp
 
@@ -16,6 +17,7 @@ std::span<const Verb> verbs() {
       kCheckConfig,
       kConfig,
       kFrames,
+      kRecord,
       kSend,
       kSub,
   };

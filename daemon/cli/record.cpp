@@ -1,0 +1,185 @@
+// rayloc record: what arrives at a UDP port or passes an interface, into a pcap file.
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "capture/pcap_live_source.h"
+#include "capture/pcap_recorder.h"
+#include "capture/udp_source.h"
+#include "daemon/cli/stop_signal.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct RecordArguments {
+  std::string udp;
+  PcapLiveOptions live;
+  std::string only_interface;
+  std::string out;
+  std::optional<double> duration;      // seconds
+  std::optional<std::uint64_t> count;  // datagrams
+};
+
+template <typename Source>
+Expected<std::unique_ptr<DatagramSource>> as_source(Expected<std::unique_ptr<Source>> opened) {
+  if (!opened) {
+    return tl::make_unexpected(std::move(opened.error()));
+  }
+  return std::unique_ptr<DatagramSource>(std::move(*opened));
+}
+
+Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arguments) {
+  if (arguments.udp.empty() == arguments.live.interface.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "say where from: --udp HOST:PORT, or --interface IF (one of the two)");
+  }
+  if (!arguments.live.interface.empty()) {
+    return as_source(PcapLiveSource::open(arguments.live));
+  }
+  UdpSourceOptions options;
+  options.address = arguments.udp;
+  options.interface = arguments.only_interface;
+  auto source = UdpSource::open(options);
+  if (source && (*source)->receive_buffer_bytes() < options.receive_buffer_bytes) {
+    std::fprintf(stderr,
+                 "rayloc record: the receive buffer is %d KiB instead of %d; to lose nothing at "
+                 "high rates: sysctl net.core.rmem_max=%d\n",
+                 (*source)->receive_buffer_bytes() / 1024,
+                 options.receive_buffer_bytes / 1024,
+                 options.receive_buffer_bytes);
+  }
+  return as_source(std::move(source));
+}
+
+// Says that datagrams could not be written: at once, then every ten seconds while it lasts.
+class WriteErrors {
+ public:
+  void report(const Error& error) {
+    const auto now = Clock::now();
+    if (!reported_ || now - *reported_ > std::chrono::seconds(10)) {
+      reported_ = now;
+      std::fprintf(stderr, "rayloc record: %s\n", error.message.c_str());
+    }
+  }
+
+ private:
+  std::optional<Clock::time_point> reported_;
+};
+
+// An Error of the source ends the recording; one of the file does not: there may be room again.
+Expected<void> record(DatagramSource& source,
+                      PcapRecorder& recorder,
+                      const RecordArguments& arguments) {
+  constexpr Duration kTick = std::chrono::milliseconds(100);
+  const auto begin = Clock::now();
+  const std::uint64_t limit = arguments.count.value_or(UINT64_MAX);
+  DatagramBatch batch;
+  WriteErrors errors;
+  while (!StopSignal::requested() && recorder.counters().given < limit) {
+    Duration wait = kTick;
+    if (arguments.duration) {
+      const Duration left = from_seconds(*arguments.duration) - (Clock::now() - begin);
+      if (left <= Duration::zero()) {
+        break;
+      }
+      wait = std::min(wait, left);
+    }
+    if (auto read = source.read(batch, wait); !read) {
+      return read;
+    }
+    const std::uint64_t room = limit - recorder.counters().given;
+    const auto taken = std::min<std::uint64_t>(room, batch.datagrams.size());
+    if (auto written = recorder.write(std::span(batch.datagrams).first(taken)); !written) {
+      errors.report(written.error());
+    }
+  }
+  return {};
+}
+
+void report(const DatagramSource& source, const PcapRecorder& recorder) {
+  const SourceCounters from = source.counters();
+  const PcapRecorderCounters& to = recorder.counters();
+  nlohmann::ordered_json summary;
+  summary["received"] = from.received;
+  summary["rejected"] = from.rejected;
+  summary["kernel_drops"] = from.kernel_drops;
+  summary["recorded"] = to.written;
+  summary["lost"] = to.lost;
+  // Came in one batch with the last one that --count asked for.
+  summary["surplus"] = from.delivered - to.given;
+  summary["file_bytes"] = to.bytes;
+  nlohmann::ordered_json line;
+  line["summary"] = summary;
+  std::printf("%s\n", line.dump().c_str());
+}
+
+Expected<void> run(const RecordArguments& arguments) {
+  auto source = open_source(arguments);
+  if (!source) {
+    return tl::make_unexpected(std::move(source.error()));
+  }
+  auto recorder = PcapRecorder::create(arguments.out);
+  if (!recorder) {
+    return tl::make_unexpected(std::move(recorder.error()));
+  }
+  StopSignal::install();
+  std::fprintf(stderr,
+               "rayloc record: %s into %s%s\n",
+               (*source)->description().c_str(),
+               arguments.out.c_str(),
+               arguments.duration || arguments.count ? "" : "; Ctrl-C ends it");
+  auto result = record(**source, *recorder, arguments);
+  if (auto synced = recorder->sync(); result && !synced) {
+    result = synced;
+  }
+  report(**source, *recorder);
+  if (result && recorder->counters().lost > 0) {
+    return make_error(ErrorKind::kUnavailable,
+                      arguments.out + ": " + std::to_string(recorder->counters().lost) +
+                          " datagrams could not be written and are lost");
+  }
+  return result;
+}
+
+RunVerb declare(CLI::App& app) {
+  auto arguments = std::make_shared<RecordArguments>();
+  auto* udp = app.add_option("--udp", arguments->udp, "HOST:PORT to receive at");
+  app.add_option("--only-interface",
+                 arguments->only_interface,
+                 "With --udp: only what arrives on this interface")
+      ->needs(udp);
+  auto* interface = app.add_option("--interface",
+                                   arguments->live.interface,
+                                   "Capture what passes an interface (needs CAP_NET_RAW)")
+                        ->excludes(udp);
+  app.add_option("--filter", arguments->live.filter, "With --interface: a pcap-filter(7)")
+      ->needs(interface)
+      ->capture_default_str();
+  app.add_option("--out", arguments->out, "The pcap file to make; it must not exist yet")
+      ->required();
+  app.add_option("--duration", arguments->duration, "Stop after so many seconds")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--count", arguments->count, "Stop after so many datagrams")
+      ->check(CLI::PositiveNumber);
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kRecord;
+const Verb kRecord{"record",
+                   "Record the datagrams of an access point",
+                   "rayloc record --udp 0.0.0.0:5500 --out ap1.pcap --duration 60",
+                   declare};
+
+}  // namespace rayloc::cli
