@@ -75,12 +75,12 @@ std::string to_toml(const ConfigValue& value) {
 
 std::string config_example() {
   std::string text(kIntroduction);
-  std::string_view section;
+  std::string_view section = "none";
   for (const ConfigOption& option : config_options()) {
     if (option.section != section) {
       section = option.section;
+      text += section == "source" ? "\n# Once for each access point." : "";
       text += "\n" + header(section);
-      text += section == "source" ? "# Once for each access point.\n" : "";
     }
     text += described_line(option);
   }

@@ -159,7 +159,8 @@ std::optional<MacAddress> read_mac(const TomlTable& table, const Site& site) {
 SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
   table.require({{"role", "role = \"device\""}, {"mac", "mac = \"02:52:4c:00:00:01\""}});
   SiteTransmitter out;
-  const bool fixed = table.choice("role", kRoles).value_or("device") == "fixed";
+  const std::optional<std::string> role = table.choice("role", kRoles);
+  const bool fixed = role == "fixed";
   out.role = fixed ? TransmitterRole::kFixed : TransmitterRole::kDevice;
   out.mac = read_mac(table, site).value_or(MacAddress{});
   out.name = table.string("name").value_or("");
@@ -174,7 +175,7 @@ SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
       table.error_at("height_m",
                      "'height_m' of a fixed transmitter is in its 'position'; remove it");
     }
-  } else if (table.has("position") && table.has("role")) {
+  } else if (role && table.has("position")) {
     table.error_at("position",
                    "the 'position' of a device is what is looked for; remove it, or "
                    "write role = \"fixed\"");
@@ -200,28 +201,30 @@ void read_carrier(const TomlTable& carrier, Carrier& out) {
   out.bandwidth_mhz = static_cast<int>(bandwidth.value_or(0));
   out.grid.centre_hz = centre.value_or(0.0);
   out.grid.spacing_hz = spacing.value_or(out.grid.spacing_hz);
-  if (tones) {
-    out.grid.tone_index = read_active(carrier, *tones);
-  }
   const bool usual = out.bandwidth_mhz == 20 || out.bandwidth_mhz == 40 ||
                      out.bandwidth_mhz == 80 || out.bandwidth_mhz == 160;
+  carrier.ask_for("active");
   if (bandwidth && !usual) {
     carrier.error_at(
         "bandwidth_mhz",
         "'bandwidth_mhz' is " + std::to_string(*bandwidth) + "; write 20, 40, 80 or 160");
     return;
   }
-  if (bandwidth && tones &&
-      std::llround(static_cast<double>(*tones) * out.grid.spacing_hz) != *bandwidth * 1'000'000) {
-    const double wanted = static_cast<double>(*bandwidth) * 1e6 / out.grid.spacing_hz;
+  if (bandwidth && channel && centre) {
+    check_channel(carrier, out.channel, static_cast<double>(*bandwidth), *centre);
+  }
+  if (!bandwidth || !tones) {
+    return;
+  }
+  const double wanted = static_cast<double>(*bandwidth) * 1e6 / out.grid.spacing_hz;
+  if (static_cast<double>(*tones) != wanted) {
     carrier.error_at("tones",
                      "'tones' is " + std::to_string(*tones) + ", but " +
                          std::to_string(*bandwidth) + " MHz hold " + to_text(wanted) +
                          " tones of " + to_text(out.grid.spacing_hz) + " Hz");
+    return;
   }
-  if (channel && bandwidth && centre) {
-    check_channel(carrier, out.channel, static_cast<double>(*bandwidth), *centre);
-  }
+  out.grid.tone_index = read_active(carrier, *tones);
 }
 
 void read_access_points(const TomlTable& root, Site& site) {

@@ -1,0 +1,79 @@
+#include "daemon/service/endpoint.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+TEST(ParseListen, TakesNumericAddresses) {
+  const auto address = parse_listen("192.168.1.2:5501");
+  ASSERT_TRUE(address);
+  EXPECT_EQ(address->host, "192.168.1.2");
+  EXPECT_EQ(address->port, 5501);
+  EXPECT_EQ(parse_listen(":5500")->host, "0.0.0.0");
+  EXPECT_EQ(parse_listen("*:5500")->host, "0.0.0.0");
+}
+
+TEST(ParseListen, RefusesEverythingElse) {
+  for (const char* text : {"",
+                           "5500",
+                           "localhost:5500",
+                           "1.2.3:5500",
+                           "1.2.3.4:",
+                           "1.2.3.4:-1",
+                           "1.2.3.4:70000",
+                           "1.2.3.4:55x",
+                           "[::1]:5500"}) {
+    EXPECT_FALSE(parse_listen(text)) << text;
+  }
+}
+
+TEST(SamePort, EveryAddressMeetsEachOther) {
+  EXPECT_TRUE(same_port({"0.0.0.0", 5500}, {"127.0.0.1", 5500}));
+  EXPECT_FALSE(same_port({"127.0.0.1", 5500}, {"127.0.0.2", 5500}));
+  EXPECT_FALSE(same_port({"0.0.0.0", 5500}, {"0.0.0.0", 5501}));
+  EXPECT_FALSE(same_port({"0.0.0.0", 0}, {"0.0.0.0", 0})) << "0 takes a free port";
+}
+
+TEST(EndpointReach, KnowsLoopback) {
+  for (const char* text : {"tcp://127.0.0.1:5560",
+                           "tcp://127.1.2.3:1",
+                           "tcp://[::1]:5560",
+                           "tcp://localhost:5560",
+                           "tcp://127.0.0.1:*",
+                           "ipc:///run/raylocd/p"}) {
+    EXPECT_EQ(endpoint_reach(text), EndpointReach::kLoopback) << text;
+  }
+}
+
+TEST(EndpointReach, WhatIsNotSurelyLoopbackIsTheNetwork) {
+  // Names of interfaces among them: libzmq resolves them, we do not.
+  for (const char* text : {"tcp://*:5560",
+                           "tcp://0.0.0.0:5560",
+                           "tcp://[::]:5560",
+                           "tcp://lo:5560",
+                           "tcp://128.0.0.1:5560",
+                           "tcp://127.0.0.1.example.org:5560"}) {
+    EXPECT_EQ(endpoint_reach(text), EndpointReach::kNetwork) << text;
+  }
+}
+
+TEST(EndpointReach, RefusesOtherTransports) {
+  for (const char* text : {"",
+                           "tcp://",
+                           "tcp://127.0.0.1",
+                           "tcp://127.0.0.1:0",
+                           "tcp://:5560",
+                           "tcp://127.0.0.1:99999",
+                           "inproc://x",
+                           "ws://127.0.0.1:1",
+                           "ipc://"}) {
+    EXPECT_EQ(endpoint_reach(text), EndpointReach::kInvalid) << text;
+  }
+  EXPECT_EQ(endpoint_reach("ipc:///" + std::string(200, 'x')), EndpointReach::kInvalid);
+}
+
+}  // namespace
+}  // namespace rayloc

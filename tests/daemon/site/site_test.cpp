@@ -1,0 +1,127 @@
+#include "daemon/site/site.h"
+
+#include <filesystem>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/daemon/site/site_text.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::errors_of;
+using ::testing::HasSubstr;
+using testing::kSiteFile;
+using testing::site_text;
+
+TEST(Site, ReadsTheBundledSite) {
+  const Expected<Site> site = load_site(kSiteFile.parent_path());
+  ASSERT_TRUE(site) << site.error().message;
+  EXPECT_EQ(site->name, "meeting_room");
+  EXPECT_EQ(site->scene_file, kSiteFile.parent_path() / "scene.xml");
+  EXPECT_EQ(site->access_points.size(), 3U);
+  EXPECT_EQ(site->access_points[2].id, "ap3");
+  EXPECT_EQ(site->access_points[0].cores, (std::vector<std::uint8_t>{2, 0, 3}));
+  EXPECT_EQ(site->carrier.grid.size(), 114U);
+  EXPECT_EQ(site->materials.size(), 6U);
+}
+
+TEST(Site, ReadsEveryKey) {
+  const Expected<Site> site = parse_site(site_text(), kSiteFile);
+  ASSERT_TRUE(site) << site.error().message;
+  EXPECT_TRUE(site->has_bounds);
+  EXPECT_EQ(site->bounds_min, (Vec3d{-1.765, -1.425, 0}));
+  EXPECT_EQ(site->bounds_max, (Vec3d{1.765, 1.425, 2.7}));
+  EXPECT_EQ(site->carrier.channel, 36);
+  EXPECT_EQ(site->carrier.bandwidth_mhz, 40);
+  EXPECT_EQ(site->carrier.grid.centre_hz, 5.19e9);
+  EXPECT_EQ(site->carrier.grid.spacing_hz, 312'500.0);
+  EXPECT_EQ(site->carrier.grid.tone_index.front(), -58);
+  EXPECT_EQ(site->carrier.grid.tone_index.back(), 58);
+  ASSERT_EQ(site->access_points.size(), 1U);
+  const SiteAccessPoint& ap = site->access_points[0];
+  EXPECT_EQ(ap.format, "axcsi-v4");
+  EXPECT_EQ(ap.array.pose.position, (Vec3d{-1.4, 1.05, 1.2}));
+  EXPECT_DOUBLE_EQ(ap.array.pose.orientation.yaw, -37.0 * std::numbers::pi / 180.0);
+  EXPECT_EQ(ap.array.pattern, AntennaPattern::kHalfWaveDipole);
+  EXPECT_EQ(ap.cores, (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(ap.array.element_offset[0], (Vec3d{0, -0.089, 0}));
+  ASSERT_EQ(site->transmitters.size(), 2U);
+  EXPECT_EQ(site->transmitters[0].role, TransmitterRole::kDevice);
+  EXPECT_EQ(site->transmitters[0].height, 1.1);
+  EXPECT_FALSE(site->transmitters[0].position);
+  EXPECT_EQ(site->transmitters[1].position, (Vec3d{1.25, -0.45, 1.2}));
+  EXPECT_EQ(to_string(site->transmitters[1].mac), "02:52:4c:00:00:02");
+  EXPECT_EQ(site->person->area_radius, 4.5);
+  EXPECT_EQ(site->materials.at("glass").thickness, 0.004);
+  EXPECT_FALSE(site->materials.at("glass").conductivity);
+  EXPECT_DOUBLE_EQ(site->georeference->rotation, std::numbers::pi / 2.0);
+  EXPECT_EQ(site->zones.at(0).polygon.size(), 3U);
+  EXPECT_FALSE(site->targets.track_unlisted);
+}
+
+TEST(Site, TakesEveryTonePlanOfTheDatasets) {
+  const auto with_carrier = [](std::string_view lines) {
+    const std::string stated =
+        "bandwidth_mhz = 40\ncentre_hz = 5190000000\ntones = 128\ntone_spacing_hz = 312500\n"
+        "active = [[-58, -2], [2, 58]]\n";
+    return parse_site(site_text(stated, lines), kSiteFile);
+  };
+  const auto vht20 = with_carrier(
+      "bandwidth_mhz = 20\ncentre_hz = 5180000000\ntones = 64\nactive = [[-28, -1], [1, 28]]\n");
+  ASSERT_TRUE(vht20) << vht20.error().message;
+  EXPECT_EQ(vht20->carrier.grid.size(), 56U);
+  const auto vht80 = with_carrier(
+      "bandwidth_mhz = 80\ncentre_hz = 5210000000\ntones = 256\nactive = [[-122, -2], [2, 122]]\n");
+  ASSERT_TRUE(vht80) << vht80.error().message;
+  EXPECT_EQ(vht80->carrier.grid.size(), 242U);
+  const auto he20 = with_carrier(
+      "bandwidth_mhz = 20\ncentre_hz = 5180000000\ntones = 256\ntone_spacing_hz = 78125\n"
+      "active = [[-122, -2], [2, 122]]\n");
+  ASSERT_TRUE(he20) << he20.error().message;
+  EXPECT_EQ(he20->carrier.grid.spacing_hz, 78'125.0);
+}
+
+TEST(Site, HeightOfADeviceDefaultsToThatOfTargets) {
+  std::string text = site_text("height_m = 1.1\n", "");
+  text += "height_m = 0.8\n";  // the text ends with [targets]
+  const Expected<Site> site = parse_site(text, kSiteFile);
+  ASSERT_TRUE(site) << site.error().message;
+  EXPECT_EQ(site->transmitters[0].height, 0.8);
+}
+
+TEST(Site, CalibrationFileIsBesideSiteToml) {
+  EXPECT_EQ(errors_of(site_text() + "[calibration]\nfile = \"calibration.toml\"\n"),
+            "site.toml:54:8: 'file': no file calibration.toml; paths are relative to the folder of "
+            "site.toml");
+  const Expected<Site> site =
+      parse_site(site_text() + "[calibration]\nfile = \"scene.xml\"\n", kSiteFile);
+  ASSERT_TRUE(site) << site.error().message;
+  EXPECT_EQ(site->calibration_file, kSiteFile.parent_path() / "scene.xml");
+}
+
+TEST(Site, IsReadFromADirectoryOrAFile) {
+  EXPECT_TRUE(load_site(kSiteFile.parent_path()));
+  EXPECT_TRUE(load_site(kSiteFile));
+  const Expected<Site> nothing = load_site(fs::path(RAYLOC_TEST_DATA) / "sites");
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().kind, ErrorKind::kConfiguration);
+  EXPECT_THAT(nothing.error().message, HasSubstr("sites/site.toml: there is no such file"));
+}
+
+TEST(Site, FindsWhatItHas) {
+  const Expected<Site> site = load_site(kSiteFile);
+  ASSERT_TRUE(site);
+  EXPECT_EQ(find_access_point(*site, "ap2"), 1);
+  EXPECT_EQ(find_access_point(*site, "ap9").error().message,
+            "the site has no access point 'ap9'; it has: ap1, ap2, ap3");
+  EXPECT_EQ(find_transmitter(*site, *parse_mac_address("02-52-4C-00-00-02"))->role,
+            TransmitterRole::kFixed);
+  EXPECT_EQ(find_transmitter(*site, MacAddress{}), nullptr);
+}
+
+}  // namespace
+}  // namespace rayloc
