@@ -1,6 +1,5 @@
 // `rayloc sub`: prints what raylocd publishes.
 #include <chrono>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "daemon/cli/message_line.h"
+#include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/publish/gap_detector.h"
 #include "daemon/publish/json.h"
@@ -24,19 +24,6 @@ struct SubArguments {
   std::uint64_t count = 0;  // 0: no end
   double timeout = 0.0;     // [s]; 0: none
 };
-
-// Signal handlers can reach nothing but a global.
-volatile std::sig_atomic_t g_stop =
-    0;  // NOLINT(cppcoreguidelines-avoid-non-const-global-variables)
-
-void stop(int /*signal*/) { g_stop = 1; }
-
-void stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = stop;  // without SA_RESTART: a wait ends at once
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 Expected<void> print_line(const std::string& line) {
   if (std::fputs(line.c_str(), stdout) < 0 || std::fputc('\n', stdout) == EOF ||
@@ -66,15 +53,16 @@ Expected<void> run_sub(const SubArguments& arguments) {
   if (!subscriber) {
     return tl::make_unexpected(subscriber.error());
   }
-  stop_on_signals();
+  StopSignal::install();
   GapDetector gaps;
   std::uint64_t printed = 0;
   auto last = std::chrono::steady_clock::now();
-  while (g_stop == 0 && (arguments.count == 0 || printed < arguments.count)) {
+  while (!StopSignal::requested() && (arguments.count == 0 || printed < arguments.count)) {
     const auto message = subscriber->receive(std::chrono::milliseconds(200));
     if (!message) {
       const std::chrono::duration<double> silence = std::chrono::steady_clock::now() - last;
-      if (g_stop == 0 && arguments.timeout > 0.0 && silence.count() >= arguments.timeout) {
+      if (!StopSignal::requested() && arguments.timeout > 0.0 &&
+          silence.count() >= arguments.timeout) {
         return make_error(ErrorKind::kUnavailable,
                           "no message from " + arguments.endpoint + "; is raylocd running there?");
       }

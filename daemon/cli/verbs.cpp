@@ -7,6 +7,7 @@ namespace rayloc::cli {
 // One row a verb, in the order of `rayloc --help`.
 extern const Verb kCheckConfig;  // check_config.cpp
 extern const Verb kConfig;       // config.cpp
+extern const Verb kEvaluate;     // evaluate.cpp
 extern const Verb kFrames;       // frames.cpp
 extern const Verb kRecord;       // record.cpp
 extern const Verb kSend;         // send.cpp
@@ -16,6 +17,7 @@ std::span<const Verb> verbs() {
   static const std::array kVerbs = {
       kCheckConfig,
       kConfig,
+      kEvaluate,
       kFrames,
       kRecord,
       kSend,

@@ -1,9 +1,6 @@
 // `rayloc sub` as a process of its own, against a real publisher.
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <csignal>
 
-#include <array>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -14,6 +11,7 @@
 
 #include "daemon/publish/publisher.h"
 #include "rayloc/v1/envelope.pb.h"
+#include "tests/support/rayloc_process.h"
 
 namespace rayloc {
 namespace {
@@ -21,63 +19,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Timestamp kNow{1718000000s};
-
-struct Finished {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-// A running `rayloc` whose output is read when it has ended; what it prints here fits into a pipe.
-class Process {
- public:
-  explicit Process(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), RAYLOC_BIN "/rayloc");
-    EXPECT_EQ(::pipe(out_.data()), 0);
-    EXPECT_EQ(::pipe(err_.data()), 0);
-    std::vector<char*> argv;
-    for (std::string& argument : arguments) {
-      argv.push_back(argument.data());
-    }
-    argv.push_back(nullptr);
-    pid_ = ::fork();
-    if (pid_ == 0) {
-      ::dup2(out_[1], STDOUT_FILENO);
-      ::dup2(err_[1], STDERR_FILENO);
-      ::execv(argv[0], argv.data());
-      ::_exit(127);
-    }
-    ::close(out_[1]);
-    ::close(err_[1]);
-  }
-
-  void signal(int number) const { ::kill(pid_, number); }
-
-  Finished wait() const {
-    Finished finished;
-    finished.out = read_all(out_[0]);
-    finished.err = read_all(err_[0]);
-    int status = 0;
-    ::waitpid(pid_, &status, 0);
-    finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return finished;
-  }
-
- private:
-  static std::string read_all(int descriptor) {
-    std::string text;
-    std::array<char, 4096> buffer{};
-    for (ssize_t n = 0; (n = ::read(descriptor, buffer.data(), buffer.size())) > 0;) {
-      text.append(buffer.data(), static_cast<std::size_t>(n));
-    }
-    ::close(descriptor);
-    return text;
-  }
-
-  std::array<int, 2> out_{};
-  std::array<int, 2> err_{};
-  pid_t pid_ = -1;
-};
 
 Publisher publisher_on_loopback() {
   PublisherOptions options;
@@ -116,7 +57,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 TEST(Sub, PrintsOneEnvelopePerLineAndStopsAtTheCount) {
   Publisher publisher = publisher_on_loopback();
-  const Process process(
+  const RaylocProcess process(
       {"sub", "v1/location/", "--endpoint", publisher.endpoint(), "--json", "--count", "2"});
   wait_for_subscriptions(publisher, 1);
   publisher.publish(v1::TrackEvent(), kNow);
@@ -136,7 +77,7 @@ TEST(Sub, PrintsOneEnvelopePerLineAndStopsAtTheCount) {
 
 TEST(Sub, FollowsADaemonThatIsRestarted) {
   Publisher publisher = publisher_on_loopback();
-  const Process process(
+  const RaylocProcess process(
       {"sub", "v1/location/", "--endpoint", publisher.endpoint(), "--count", "3"});
   wait_for_subscriptions(publisher, 1);
   publisher.publish(location_of("a"), kNow);
@@ -164,7 +105,7 @@ TEST(Sub, FollowsADaemonThatIsRestarted) {
 
 TEST(Sub, EndsCleanlyOnSigterm) {
   Publisher publisher = publisher_on_loopback();
-  const Process process({"sub", "--endpoint", publisher.endpoint()});
+  const RaylocProcess process({"sub", "--endpoint", publisher.endpoint()});
   wait_for_subscriptions(publisher, 1);
   process.signal(SIGTERM);
   const Finished finished = process.wait();
@@ -173,7 +114,7 @@ TEST(Sub, EndsCleanlyOnSigterm) {
 }
 
 TEST(Sub, GivesUpWhenNothingComes) {
-  const Process process({"sub", "--endpoint", "ipc:///nowhere/at/all", "--timeout", "0.3"});
+  const RaylocProcess process({"sub", "--endpoint", "ipc:///nowhere/at/all", "--timeout", "0.3"});
   const Finished finished = process.wait();
   EXPECT_EQ(finished.status, 69);
   EXPECT_EQ(finished.err,
@@ -181,8 +122,8 @@ TEST(Sub, GivesUpWhenNothingComes) {
 }
 
 TEST(Sub, AnEndpointThatCannotBeUnderstoodIsAUsageError) {
-  EXPECT_EQ(Process({"sub", "--endpoint", "localhost:5560"}).wait().status, 64);
-  EXPECT_EQ(Process({"sub", "--count", "many"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"sub", "--endpoint", "localhost:5560"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"sub", "--count", "many"}).wait().status, 64);
 }
 
 }  // namespace

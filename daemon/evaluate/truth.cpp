@@ -1,0 +1,120 @@
+#include "daemon/evaluate/truth.h"
+
+#include <algorithm>
+
+#include "daemon/site/csv_table.h"
+#include "daemon/site/points_csv.h"
+
+namespace rayloc {
+namespace {
+
+constexpr Duration kAfterSpot = std::chrono::milliseconds(100);
+constexpr Duration kAroundInstant = std::chrono::milliseconds(60);
+
+Expected<std::vector<TruthPoint>> read_instants(const CsvTable& table) {
+  const auto columns = table.require({"t", "x", "y", "z"});
+  if (!columns) {
+    return tl::make_unexpected(columns.error());
+  }
+  std::vector<TruthPoint> truth;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto time = table.time(row, (*columns)[0]);
+    if (!time) {
+      return tl::make_unexpected(time.error());
+    }
+    TruthPoint point{*time, *time, true, {}};
+    std::size_t column = 1;
+    for (double* coordinate : {&point.position.x, &point.position.y, &point.position.z}) {
+      const auto value = table.number(row, (*columns)[column++]);
+      if (!value) {
+        return tl::make_unexpected(value.error());
+      }
+      *coordinate = *value;
+    }
+    truth.push_back(point);
+  }
+  return truth;
+}
+
+using Iterator = std::vector<const LocationEstimate*>::const_iterator;
+
+// The last in [begin, end], or `none`; of equal times the one that is last in the file.
+const LocationEstimate* last_within(Iterator first, Iterator last, Timestamp begin, Timestamp end) {
+  const auto after = std::upper_bound(
+      first, last, end, [](Timestamp t, const LocationEstimate* e) { return t < e->time; });
+  return after == first || (*std::prev(after))->time < begin ? nullptr : *std::prev(after);
+}
+
+const LocationEstimate* nearest(Iterator first, Iterator last, Timestamp time) {
+  const auto distance = [&](Iterator i) {
+    return (*i)->time < time ? time - (*i)->time : (*i)->time - time;
+  };
+  const auto after = std::lower_bound(
+      first, last, time, [](const LocationEstimate* e, Timestamp t) { return e->time < t; });
+  Iterator best = last;
+  if (after != first) {
+    best = std::prev(after);
+  }
+  if (after != last && (best == last || distance(after) < distance(best))) {
+    best = after;
+  }
+  return best == last || distance(best) > kAroundInstant ? nullptr : *best;
+}
+
+}  // namespace
+
+Expected<std::vector<TruthPoint>> load_truth(const std::filesystem::path& file) {
+  const auto table = CsvTable::load(file);
+  if (!table) {
+    return tl::make_unexpected(table.error());
+  }
+  auto truth = read_truth(*table);
+  if (truth && truth->empty()) {
+    return bad_input(file.string() + ": no points, only a header");
+  }
+  return truth;
+}
+
+Expected<std::vector<TruthPoint>> read_truth(const CsvTable& table) {
+  if (table.has_column("t") && !table.has_column("t_start")) {
+    return read_instants(table);
+  }
+  const auto points = read_points(table);
+  if (!points) {
+    return tl::make_unexpected(points.error());
+  }
+  std::vector<TruthPoint> truth;
+  for (const SurveyPoint& point : *points) {
+    truth.push_back({point.t_start, point.t_end, false, point.position});
+  }
+  return truth;
+}
+
+std::vector<TruthPoint> shifted(std::vector<TruthPoint> truth, Duration offset) {
+  for (TruthPoint& point : truth) {
+    point.begin += offset;
+    point.end += offset;
+  }
+  return truth;
+}
+
+std::vector<const LocationEstimate*> match(const std::vector<TruthPoint>& truth,
+                                           const std::vector<PublishedEstimate>& estimates) {
+  std::vector<const LocationEstimate*> by_time;
+  for (const PublishedEstimate& published : estimates) {
+    by_time.push_back(&published.estimate);
+  }
+  std::stable_sort(by_time.begin(), by_time.end(), [](const auto* a, const auto* b) {
+    return a->time < b->time;
+  });
+  std::vector<const LocationEstimate*> matches;
+  for (const TruthPoint& point : truth) {
+    matches.push_back(
+        point.instant
+            ? nearest(by_time.begin(), by_time.end(), point.begin)
+            : last_within(by_time.begin(), by_time.end(), point.begin, point.end + kAfterSpot));
+  }
+  return matches;
+}
+
+}  // namespace rayloc

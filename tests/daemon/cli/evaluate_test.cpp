@@ -1,0 +1,136 @@
+// `rayloc evaluate` as a process of its own.
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+class Evaluate : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("rayloc-evaluate-test." + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+
+  // 0.3 m off at the first spot, NO_FIX at the second, nothing at the third; the clock of the
+  // estimates is 100 s ahead.
+  std::string estimates() const {
+    return file("e.jsonl",
+                R"({"kind":"LOCATION_KIND_SNAPSHOT","time":"1970-01-01T00:01:50.5Z",)"
+                R"("mode":"FIX_MODE_2D","target":{"kind":"TARGET_KIND_DEVICE","mac":"a"},)"
+                R"("position":{"x":1.3,"y":2,"z":1},)"
+                R"("position_covariance":[1,0,0,0,1,0,0,0,1]})"
+                "\n"
+                R"({"kind":"LOCATION_KIND_SNAPSHOT","time":"1970-01-01T00:02:00.5Z",)"
+                R"("mode":"FIX_MODE_NO_FIX","target":{"kind":"TARGET_KIND_DEVICE","mac":"a"}})"
+                "\n");
+  }
+  std::string truth() const {
+    return file("t.csv", "t_start,t_end,x,y,z\n10,11,1,2,1\n20,21,1,2,1\n30,31,1,2,1\n");
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Evaluate, PrintsTheKeysOfTheContract) {
+  const Finished finished = RaylocProcess({"evaluate",
+                                           "--estimates",
+                                           estimates(),
+                                           "--truth",
+                                           truth(),
+                                           "--time-offset",
+                                           "100",
+                                           "--json",
+                                           "--site",
+                                           RAYLOC_TEST_DATA "/sites/meeting_room"})
+                                .wait();
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const auto json = nlohmann::json::parse(finished.out);
+  for (const char* key : {"n",
+                          "missed",
+                          "median_m",
+                          "mean_m",
+                          "rmse_m",
+                          "cep50_m",
+                          "cep90_m",
+                          "cep95_m",
+                          "below_0_5",
+                          "below_1",
+                          "coverage_50",
+                          "coverage_95",
+                          "anees",
+                          "best_of_5_median_m",
+                          "room_centre_median_m",
+                          "fingerprint_median_m",
+                          "ci95"}) {
+    EXPECT_TRUE(json.contains(key)) << key;
+  }
+  EXPECT_EQ(json["n"], 3);
+  EXPECT_EQ(json["missed"], 2);
+  EXPECT_TRUE(json["median_m"].is_null());
+  EXPECT_NEAR(json["located_mean_m"], 0.3, 1e-12);
+  EXPECT_NEAR(json["below_0_5"], 1.0 / 3.0, 1e-12);
+  EXPECT_NEAR(json["anees"], 0.045, 1e-12);
+  EXPECT_NEAR(json["room_centre_median_m"], 2.2360679774997896, 1e-12);
+}
+
+TEST_F(Evaluate, PrintsATable) {
+  const Finished finished =
+      RaylocProcess(
+          {"evaluate", "--estimates", estimates(), "--truth", truth(), "--time-offset", "100"})
+          .wait();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.out.find("located                      1 of 3\n"), std::string::npos)
+      << finished.out;
+  EXPECT_NE(finished.out.find("median (CEP50)             inf m    [0.300, inf]\n"),
+            std::string::npos)
+      << finished.out;
+}
+
+TEST_F(Evaluate, ExitsWith65WhenNothingMatches) {
+  const Finished no_offset =
+      RaylocProcess({"evaluate", "--estimates", estimates(), "--truth", truth()}).wait();
+  EXPECT_EQ(no_offset.status, 65);
+  EXPECT_NE(no_offset.err.find("estimates from 110.500 to 120.500, truth from 10.000 to 31.000"),
+            std::string::npos)
+      << no_offset.err;
+  const Finished other_kind =
+      RaylocProcess(
+          {"evaluate", "--estimates", estimates(), "--truth", truth(), "--kind", "person"})
+          .wait();
+  EXPECT_EQ(other_kind.status, 65);
+  EXPECT_NE(other_kind.err.find("none of 2 estimates is a snapshot of a person"), std::string::npos)
+      << other_kind.err;
+}
+
+TEST_F(Evaluate, ExitsWith65AtBadDataAnd64AtBadUsage) {
+  const Finished bad =
+      RaylocProcess({"evaluate", "--estimates", file("bad.jsonl", "{]"), "--truth", truth()})
+          .wait();
+  EXPECT_EQ(bad.status, 65);
+  EXPECT_NE(bad.err.find("bad.jsonl:1:2: not JSON"), std::string::npos) << bad.err;
+  EXPECT_EQ(RaylocProcess({"evaluate", "--estimates", estimates()}).wait().status, 64);
+  EXPECT_EQ(
+      RaylocProcess(
+          {"evaluate", "--estimates", estimates(), "--truth", truth(), "--time-offset", "soon"})
+          .wait()
+          .status,
+      64);
+}
+
+}  // namespace
+}  // namespace rayloc

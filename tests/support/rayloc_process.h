@@ -1,0 +1,73 @@
+// RaylocProcess: `rayloc` with arguments, as a process of its own, for the tests of its verbs.
+#pragma once
+
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+
+struct Finished {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+// Its output is read by wait(): it must fit into a pipe until then (64 KiB each).
+class RaylocProcess {
+ public:
+  explicit RaylocProcess(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), RAYLOC_BIN "/rayloc");
+    EXPECT_EQ(::pipe(out_.data()), 0);
+    EXPECT_EQ(::pipe(err_.data()), 0);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) {
+      argv.push_back(argument.data());
+    }
+    argv.push_back(nullptr);
+    pid_ = ::fork();
+    if (pid_ == 0) {
+      ::dup2(out_[1], STDOUT_FILENO);
+      ::dup2(err_[1], STDERR_FILENO);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    ::close(out_[1]);
+    ::close(err_[1]);
+  }
+
+  void signal(int number) const { ::kill(pid_, number); }
+
+  Finished wait() const {
+    Finished finished;
+    finished.out = read_all(out_[0]);
+    finished.err = read_all(err_[0]);
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    finished.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return finished;
+  }
+
+ private:
+  static std::string read_all(int descriptor) {
+    std::string text;
+    std::array<char, 4096> buffer{};
+    for (ssize_t n = 0; (n = ::read(descriptor, buffer.data(), buffer.size())) > 0;) {
+      text.append(buffer.data(), static_cast<std::size_t>(n));
+    }
+    ::close(descriptor);
+    return text;
+  }
+
+  std::array<int, 2> out_{};
+  std::array<int, 2> err_{};
+  pid_t pid_ = -1;
+};
+
+}  // namespace rayloc
