@@ -14,7 +14,7 @@
 namespace rayloc {
 
 struct PcapLiveOptions {
-  std::string interface;                 // "eth7"
+  std::string interface = {};            // "eth7"
   std::string filter = "udp port 5500";  // pcap-filter(7)
   int buffer_bytes = 8 << 20;
 };

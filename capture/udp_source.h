@@ -17,7 +17,7 @@ namespace rayloc {
 
 struct UdpSourceOptions {
   std::string address = "0.0.0.0:5500";  // HOST:PORT; port 0 takes a free one
-  std::string interface;                 // only what arrives on this one, when not empty
+  std::string interface = {};            // only what arrives on this one, when not empty
   // An open and bound UDP socket to take over (socket activation) instead of `address`.
   int adopted_fd = -1;
   // OPERATIONS.md trap 4: the default of 208 KiB loses datagrams at 10,000 a second.

@@ -4,11 +4,12 @@
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <net/if.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <cstring>
+#include <array>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -116,6 +117,136 @@ TEST(UdpSource, WatermarkOfAnIdleSocketAdvances) {
   EXPECT_GT(batch.watermark, first);
   EXPECT_GT(batch.watermark, before - std::chrono::milliseconds(10));
   EXPECT_LT(batch.watermark, now());
+}
+
+TEST(UdpSource, RejectsOversizedDatagrams) {
+  const auto source = open_source();
+  const Sender sender(source->port());
+  sender.send(std::string(UdpSource::kMaxDatagramBytes + 1, 'x'));
+  sender.send("good");
+  DatagramBatch batch;
+  ASSERT_TRUE(source->read(batch, kLong));
+  ASSERT_EQ(batch.datagrams.size(), 1U);
+  EXPECT_EQ(text(batch.datagrams[0]), "good");
+  const SourceCounters counters = source->counters();
+  EXPECT_EQ(counters.rejected.at("oversized"), 1U);
+  EXPECT_EQ(counters.received, counters.delivered + rejected(counters));
+}
+
+TEST(UdpSource, AcceptsOneInterfaceOnlyWhenTold) {
+  const auto source = open_source({.interface = "lo"});
+  const Sender sender(source->port());
+  sender.send("over lo");
+  DatagramBatch batch;
+  ASSERT_TRUE(source->read(batch, kLong));
+  EXPECT_EQ(batch.datagrams.size(), 1U);
+}
+
+TEST(UdpSource, RejectsWhatArrivesOnAnotherInterface) {
+  const unsigned other = if_nametoindex("lo") == 1 ? 2 : 1;
+  std::array<char, IF_NAMESIZE> name{};
+  if (if_indextoname(other, name.data()) == nullptr) {
+    GTEST_SKIP() << "this machine has no interface besides lo";
+  }
+  const auto source = open_source({.interface = name.data()});
+  const Sender sender(source->port());
+  sender.send("over lo");
+  DatagramBatch batch;
+  ASSERT_TRUE(source->read(batch, kLong));
+  EXPECT_TRUE(batch.datagrams.empty());
+  const SourceCounters counters = source->counters();
+  EXPECT_EQ(counters.received, 1U);
+  EXPECT_EQ(counters.rejected.at("interface_not_allowed"), 1U);
+}
+
+TEST(UdpSource, RefusesAnInterfaceThatIsNotThere) {
+  const auto source = UdpSource::open({.address = "127.0.0.1:0", .interface = "nowhere0"});
+  ASSERT_FALSE(source);
+  EXPECT_EQ(source.error().kind, ErrorKind::kUnavailable);
+  EXPECT_THAT(source.error().message, HasSubstr("'nowhere0'"));
+}
+
+TEST(UdpSource, RefusesAPortThatIsTaken) {
+  const auto first = open_source();
+  const std::string address = "127.0.0.1:" + std::to_string(first->port());
+  const auto second = UdpSource::open({.address = address});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, ErrorKind::kUnavailable);
+  EXPECT_THAT(second.error().message, HasSubstr(address));
+}
+
+TEST(UdpSource, CountsEveryDatagramThatTheKernelDrops) {
+  const auto source = open_source({.receive_buffer_bytes = 1});  // the kernel's least: 2304 bytes
+  const Sender sender(source->port());
+  constexpr std::uint64_t kSent = 1000;
+  DatagramBatch batch;
+  std::uint64_t delivered = 0;
+  for (std::uint64_t i = 0; i < kSent; ++i) {
+    sender.send(std::string(300, 'x'));
+    if (i == kSent / 2) {  // room again, and more drops after the last that fits
+      ASSERT_TRUE(source->read(batch, kLong));
+      delivered += batch.datagrams.size();
+    }
+  }
+  do {
+    ASSERT_TRUE(source->read(batch, kNoWait));
+    delivered += batch.datagrams.size();
+  } while (!batch.datagrams.empty());
+  const SourceCounters counters = source->counters();
+  EXPECT_GT(counters.kernel_drops, 0U);
+  EXPECT_GT(delivered, 0U);
+  EXPECT_EQ(counters.delivered, delivered);
+  EXPECT_EQ(counters.received + counters.kernel_drops, kSent);
+}
+
+TEST(UdpSource, IsWokenFromAnotherThread) {
+  const auto source = open_source();
+  std::thread waker([&source] { source->wake(); });
+  DatagramBatch batch;
+  ASSERT_TRUE(source->read(batch, std::chrono::hours(1)));  // would run into the test's time-out
+  EXPECT_TRUE(batch.datagrams.empty());
+  waker.join();
+}
+
+TEST(UdpSource, TakesOverASocketThatIsBoundToBothFamilies) {
+  const int fd = socket(AF_INET6, SOCK_DGRAM, 0);
+  if (fd < 0) {
+    GTEST_SKIP() << "this machine has no IPv6";
+  }
+  const int off = 0;
+  setsockopt(fd, IPPROTO_IPV6, IPV6_V6ONLY, &off, sizeof off);
+  sockaddr_in6 any{};
+  any.sin6_family = AF_INET6;
+  ASSERT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&any), sizeof any), 0);
+  auto source = UdpSource::open({.adopted_fd = fd});
+  ASSERT_TRUE(source) << source.error().message;
+  const Sender sender((*source)->port());
+  sender.send("mapped");
+  DatagramBatch batch;
+  ASSERT_TRUE((*source)->read(batch, kLong));
+  ASSERT_EQ(batch.datagrams.size(), 1U);
+  EXPECT_EQ(batch.datagrams[0].address.source_ip, INADDR_LOOPBACK);
+  EXPECT_EQ(batch.datagrams[0].address.source_port, sender.port());
+  EXPECT_EQ(batch.datagrams[0].address.destination_ip, INADDR_LOOPBACK);
+}
+
+TEST(UdpAddress, SaysWhatIsWrong) {
+  for (const char* text : {"",
+                           "5500",
+                           "127.0.0.1",
+                           "127.0.0.1:",
+                           "127.0.0.1:x",
+                           "1.2.3.4:65536",
+                           "1.2.3.4:5500 ",
+                           "no.such.host.invalid:1"}) {
+    const auto address = parse_udp_address(text);
+    ASSERT_FALSE(address) << text;
+    EXPECT_EQ(address.error().kind, ErrorKind::kUsage);
+    EXPECT_THAT(address.error().message, HasSubstr("HOST:PORT"));
+  }
+  EXPECT_EQ(to_string(*parse_udp_address("*:5500")), "0.0.0.0:5500");
+  EXPECT_EQ(to_string(*parse_udp_address(":1")), "0.0.0.0:1");
+  EXPECT_EQ(to_string(*parse_udp_address("255.255.255.255:65535")), "255.255.255.255:65535");
 }
 
 }  // namespace
