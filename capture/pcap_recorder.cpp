@@ -127,8 +127,10 @@ bool append_record(const Datagram& datagram, std::vector<std::byte>& out) {
   return true;
 }
 
-std::string failed(const std::string& path, const std::string& what) {
-  return path + ": " + what + ": " + std::strerror(errno);
+tl::unexpected<Error> cannot_write(const std::string& path, int error) {
+  return make_error(ErrorKind::kUnavailable,
+                    path + ": cannot be written: " + std::strerror(error) +
+                        (error == ENOSPC || error == EFBIG ? "; make room on the disk" : ""));
 }
 
 }  // namespace
@@ -139,24 +141,33 @@ Expected<PcapRecorder> PcapRecorder::create(const std::string& path) {
   if (fd < 0) {
     const bool exists = errno == EEXIST;
     return make_error(ErrorKind::kUnavailable,
-                      failed(path, "cannot be recorded to") +
+                      path + ": cannot be recorded to: " + std::strerror(errno) +
                           (exists ? "; name a file that does not exist yet" : ""));
   }
-  PcapRecorder recorder(fd, path);
-  if (auto written = recorder.append(file_header()); !written) {
+  auto writer = AppendProcess::start(fd);
+  const int error = writer ? writer->append(file_header()) : 0;
+  if (!writer || error != 0) {
     unlink(path.c_str());
-    return tl::make_unexpected(std::move(written.error()));
+    close(fd);
+    return writer ? cannot_write(path, error) : tl::make_unexpected(std::move(writer.error()));
   }
+  PcapRecorder recorder(fd, path, std::move(*writer));
+  recorder.counters_.bytes = file_header().size();
   return recorder;
 }
 
-PcapRecorder::PcapRecorder(int fd, std::string path)
-    : fd_(fd), path_(std::move(path)), synced_(std::chrono::steady_clock::now()) {}
+PcapRecorder::PcapRecorder(int fd, std::string path, AppendProcess writer)
+    : fd_(fd),
+      path_(std::move(path)),
+      writer_(std::move(writer)),
+      synced_(std::chrono::steady_clock::now()) {}
 
 PcapRecorder::PcapRecorder(PcapRecorder&& other) noexcept
     : fd_(std::exchange(other.fd_, -1)),
       path_(std::move(other.path_)),
+      writer_(std::move(other.writer_)),
       records_(std::move(other.records_)),
+      record_ends_(std::move(other.record_ends_)),
       synced_(other.synced_),
       counters_(other.counters_) {}
 
@@ -172,6 +183,7 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
     return {};
   }
   records_.clear();
+  record_ends_.clear();
   Expected<void> result;
   for (const Datagram& datagram : batch) {
     RAYLOC_CHECK(datagram.payload.size() <= kMaxPayloadBytes);
@@ -181,13 +193,14 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
                          " set the clock of the machine that received it");
       break;
     }
+    record_ends_.push_back(records_.size());
   }
   // Before the batch: an Error must mean that it is lost.
   if (result && std::chrono::steady_clock::now() - synced_ >= kSyncInterval) {
     result = sync();
   }
   if (result) {
-    result = append(records_);
+    result = append_records();
   }
   counters_.given += batch.size();
   (result ? counters_.written : counters_.lost) += batch.size();
@@ -195,28 +208,39 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
   return result;
 }
 
-Expected<void> PcapRecorder::append(std::span<const std::byte> records) {
-  const ssize_t written = ::write(fd_, records.data(), records.size());
-  if (written == static_cast<ssize_t>(records.size())) {
-    counters_.bytes += records.size();
-    return {};
+// The end of the append that begins at `begin`: as many whole records as one may have. `record` is
+// the first of them, and then the first of the next append.
+std::size_t PcapRecorder::next_append(std::size_t begin, std::size_t& record) const {
+  std::size_t end = record_ends_[record++];
+  while (record < record_ends_.size() && record_ends_[record] - begin <= AppendProcess::kMaxBytes) {
+    end = record_ends_[record++];
   }
-  if (written >= 0) {
-    errno = ENOSPC;  // the only reason why a file takes a part
+  return end;
+}
+
+Expected<void> PcapRecorder::append_records() {
+  const std::span<const std::byte> records(records_);
+  std::size_t begin = 0;
+  for (std::size_t record = 0; record < record_ends_.size();) {
+    const std::size_t end = next_append(begin, record);
+    const int error = writer_.append(records.subspan(begin, end - begin));
+    if (error != 0) {
+      // What of the batch is there goes again: lost is the whole of it.
+      if (begin > 0 && ftruncate(fd_, static_cast<off_t>(counters_.bytes)) != 0) {
+        return cannot_write(path_, errno);
+      }
+      return cannot_write(path_, error);
+    }
+    begin = end;
   }
-  const std::string what = failed(path_, "cannot be written") + "; make room on the disk";
-  // Back to the last whole record.
-  if (written > 0 && ftruncate(fd_, static_cast<off_t>(counters_.bytes)) != 0) {
-    return make_error(ErrorKind::kUnavailable,
-                      what + "; and " + failed(path_, "the torn record cannot be cut off"));
-  }
-  return make_error(ErrorKind::kUnavailable, what);
+  counters_.bytes += records_.size();
+  return {};
 }
 
 Expected<void> PcapRecorder::sync() {
   synced_ = std::chrono::steady_clock::now();
   if (fdatasync(fd_) != 0 && errno != EINVAL) {  // EINVAL: a pipe or a device, say /dev/null
-    return make_error(ErrorKind::kUnavailable, failed(path_, "cannot be brought to the disk"));
+    return cannot_write(path_, errno);
   }
   return {};
 }

@@ -2,9 +2,8 @@
 // tcpreplay and PcapFileSource read; the Ethernet, IPv4 and UDP headers are made up around them as
 // the access point's firmware makes them.
 //
-// The file never ends inside a record: whole records go out in one write(2), and what a full disk
-// cut off is truncated away again. What a SIGKILL at the wrong instant can do is in
-// capture/README.md.
+// The file never ends inside a record, also when the program is killed: a process of its own writes
+// whole records (append_process.h), and what a full disk cut off is truncated away again.
 // Thread safety: one thread.
 #pragma once
 
@@ -15,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/append_process.h"
 #include "capture/datagram.h"
 #include "engine/base/expected.h"
 
@@ -37,8 +37,8 @@ class PcapRecorder {
   PcapRecorder(PcapRecorder&& other) noexcept;
   PcapRecorder& operator=(PcapRecorder&& other) = delete;
 
-  // Appends the whole batch by one write(2), or nothing of it: an Error means that all of it is
-  // lost, but the file is still whole, and the next batch may be tried (there may be room again).
+  // Appends the whole batch, or nothing of it: an Error means that all of it is lost, but the file
+  // is still whole, and the next batch may be tried (there may be room again).
   // Times are truncated to microseconds. Call it some ten times a second with what has come since.
   Expected<void> write(std::span<const Datagram> batch);
 
@@ -49,13 +49,17 @@ class PcapRecorder {
   const std::string& path() const { return path_; }
 
  private:
-  PcapRecorder(int fd, std::string path);
+  PcapRecorder(int fd, std::string path, AppendProcess writer);
 
-  Expected<void> append(std::span<const std::byte> records);
+  Expected<void> append_records();
+  // Where records end: the appends that a batch is divided into.
+  std::size_t next_append(std::size_t begin, std::size_t& record) const;
 
   int fd_;
   std::string path_;
+  AppendProcess writer_;
   std::vector<std::byte> records_;
+  std::vector<std::size_t> record_ends_;
   std::chrono::steady_clock::time_point synced_;
   PcapRecorderCounters counters_;
 };
