@@ -11,9 +11,10 @@ namespace rayloc {
 
 class CsiReceiver::Impl {
  public:
-  explicit Impl(const CsiReceiverOptions& options)
+  explicit Impl(CsiReceiverOptions options)
       : registry_(options.format),
-        assembler_({options.expected_cores, options.assembly_timeout, options.max_pending}),
+        assembler_(
+            {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
         normalizer_(options.access_point, options.raw) {}
 
   void push(const Datagram& datagram, std::vector<CsiFrame>& out) {
@@ -85,7 +86,8 @@ class CsiReceiver::Impl {
   std::array<std::uint64_t, kRejectReasons> rejected_{};
 };
 
-CsiReceiver::CsiReceiver(CsiReceiverOptions options) : impl_(std::make_unique<Impl>(options)) {}
+CsiReceiver::CsiReceiver(CsiReceiverOptions options)
+    : impl_(std::make_unique<Impl>(std::move(options))) {}
 CsiReceiver::~CsiReceiver() = default;
 CsiReceiver::CsiReceiver(CsiReceiver&&) noexcept = default;
 CsiReceiver& CsiReceiver::operator=(CsiReceiver&&) noexcept = default;

@@ -25,7 +25,7 @@ bool is_high_efficiency(const AssembledFrame& frame) { return frame.header.phy =
 // Mean power of the tones first..last, which lie side by side on the wire.
 double mean_power(std::span<const std::complex<float>> row, int first, int last, bool he) {
   const std::size_t begin = wire_index(first, static_cast<int>(row.size()), he);
-  const auto count = static_cast<std::size_t>(last - first + 1);
+  const std::size_t count = static_cast<std::size_t>(last - first) + 1;
   // [complex.numbers.general]: an array of complex<float> may be read as pairs of float. Several
   // sums, because one alone would wait for itself at every step.
   const auto* values = reinterpret_cast<const float*>(row.subspan(begin, count).data());
@@ -52,7 +52,7 @@ PowerProfile profile_of_row(std::span<const std::complex<float>> row, bool he) {
   const int scale = he ? 4 : 1;
   const int total = static_cast<int>(row.size());
   PowerProfile profile;
-  profile.parts = static_cast<std::size_t>(total / (64 * scale));
+  profile.parts = row.size() / (scale == 1 ? 64U : 256U);
   for (std::size_t i = 0; i < profile.parts; ++i) {
     const int centre = -total / 2 + static_cast<int>(i) * 64 * scale + 32 * scale;
     profile.part[i] = (mean_power(row, centre - 24 * scale, centre - 4 * scale, he) +
@@ -116,7 +116,8 @@ std::size_t wire_index(int tone, int total_tones, bool high_efficiency) {
     const int block = tone < 0 ? kTonesOfHalf160 : 0;
     const int from_centre_of_half =
         tone < 0 ? tone + kTonesOfHalf160 / 2 : tone - kTonesOfHalf160 / 2;
-    return static_cast<std::size_t>(block + (from_centre_of_half & (kTonesOfHalf160 - 1)));
+    const int index = block + (from_centre_of_half & (kTonesOfHalf160 - 1));
+    return static_cast<std::size_t>(index);
   }
   return static_cast<std::size_t>(tone & (total_tones - 1));
 }
@@ -128,7 +129,7 @@ Occupancy find_occupancy(const AssembledFrame& frame, std::span<const std::uint8
     return whole;
   }
   const PowerProfile profile = profile_of(frame, rows);
-  const int tones_of_part = frame.header.total_tones / static_cast<int>(profile.parts);
+  const int tones_of_part = is_high_efficiency(frame) ? 256 : 64;
   Occupancy best = whole;
   double best_prominence = prominence(profile, 0, profile.parts);
   for (std::size_t count = profile.parts / 2; count >= 1; count /= 2) {
@@ -163,7 +164,7 @@ bool has_legacy_tones(const AssembledFrame& frame,
       if (index - frame.header.overwritten_first < frame.header.overwritten_count) {
         continue;
       }
-      const double power = static_cast<double>(std::norm(row[index]));
+      const auto power = static_cast<double>(std::norm(row[index]));
       const bool in_legacy = std::binary_search(legacy.begin(), legacy.end(), tone);
       (in_legacy ? both : only_vht) += power;
       ++(in_legacy ? count_both : count_only_vht);

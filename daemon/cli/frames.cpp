@@ -192,7 +192,7 @@ Expected<void> print_frames(const std::vector<CsiFrame>& frames,
                             const FramesOptions& options,
                             std::FILE* out) {
   for (const CsiFrame& frame : frames) {
-    const auto printed =
+    Expected<void> printed =
         print_line(out,
                    options.json || options.values ? json_line(frame, access_point, options.values)
                                                   : text_line(frame, access_point));
@@ -236,7 +236,7 @@ Expected<void> run_capture(const CaptureArgument& capture,
     if (!result || batch.ended) {
       receiver.flush(frames);
     }
-    const auto printed = print_frames(frames, access_point, options, out);
+    Expected<void> printed = print_frames(frames, access_point, options, out);
     if (!printed) {
       return printed;
     }
@@ -270,7 +270,7 @@ Expected<void> run(const FramesOptions& options) {
       break;
     }
   }
-  const auto printed =
+  Expected<void> printed =
       print_line(out->get(), summary_line(summary, options.json || options.values));
   if (result && !printed) {
     return printed;
