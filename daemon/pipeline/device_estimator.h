@@ -1,0 +1,48 @@
+// DeviceEstimator: locates the transmitters that the site wants located (device-based): those
+// listed with role "device" and, unless the site says otherwise, those not listed at all.
+//
+// Frames of a fixed transmitter are for the device-free estimator; this one leaves them alone.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+#include "engine/localize/localizer.h"
+#include "rayloc/v1/location.pb.h"
+
+namespace rayloc {
+
+class DeviceEstimator : public Estimator {
+ public:
+  struct Options {
+    LocalizerOptions localizer;
+    Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
+  };
+
+  // Reads the scene and prepares the room: seconds. Devices of different height or antenna need
+  // a room each.
+  static Expected<std::unique_ptr<DeviceEstimator>> create(const Site& site,
+                                                           const Options& options);
+
+  void estimate(const Burst& burst, std::vector<v1::Location>& out) override;
+
+  const RoomModel& room() const { return rooms_.front().localizer.room(); }
+
+ private:
+  struct Room {
+    DeviceModel device;
+    Localizer localizer;
+  };
+
+  DeviceEstimator(const Site& site, const Options& options) : site_(site), options_(options) {}
+  DeviceModel device_of(const SiteTransmitter* stated) const;
+
+  const Site site_;
+  const Options options_;
+  std::vector<Room> rooms_;  // the first is that of unlisted devices
+};
+
+}  // namespace rayloc
