@@ -10,6 +10,7 @@ extern const Verb kConfig;       // config.cpp
 extern const Verb kEvaluate;     // evaluate.cpp
 extern const Verb kFrames;       // frames.cpp
 extern const Verb kRecord;       // record.cpp
+extern const Verb kReplay;       // replay.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSub;          // sub.cpp
 
@@ -20,6 +21,7 @@ std::span<const Verb> verbs() {
       kEvaluate,
       kFrames,
       kRecord,
+      kReplay,
       kSend,
       kSub,
   };
