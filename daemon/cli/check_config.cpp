@@ -9,6 +9,7 @@
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
+#include "daemon/site/room_model.h"
 
 namespace rayloc::cli {
 namespace {
@@ -27,17 +28,30 @@ std::string describe(const Site& site) {
          count_of(site.access_points.size(), "access point", "access points");
 }
 
+// The scene and the calibration as raylocd will read them.
+Expected<std::string> check_room(const Site& site) {
+  const Expected<RoomModel> room = load_room_model(site);
+  if (!room) {
+    return tl::make_unexpected(room.error());
+  }
+  return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
+}
+
 Expected<std::string> check(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
     const Expected<Site> site = load_site(path);
-    return site ? Expected<std::string>(describe(*site)) : tl::make_unexpected(site.error());
+    return site ? check_room(*site) : tl::make_unexpected(site.error());
   }
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
-  return describe(setup->site) + ", " + count_of(setup->config.sources.size(), "source", "sources");
+  const Expected<std::string> room = check_room(setup->site);
+  if (!room) {
+    return room;
+  }
+  return *room + ", " + count_of(setup->config.sources.size(), "source", "sources");
 }
 
 Expected<void> run(const Arguments& arguments) {
@@ -45,7 +59,7 @@ Expected<void> run(const Arguments& arguments) {
   if (!found) {
     // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
     std::fprintf(stderr, "%s\n", found.error().message.c_str());
-    return exit_silently(found.error().kind);
+    return exit_silently(ErrorKind::kConfiguration);
   }
   if (!arguments.quiet) {
     std::fprintf(stderr, "%s: good: %s\n", arguments.path.c_str(), found->c_str());
