@@ -19,7 +19,7 @@ namespace rayloc {
 // Amplitude (square root of the gain) at a zenith angle of the antenna's own frame.
 template <typename T>
 T pattern_amplitude(AntennaPattern pattern, const T& cos_theta, const T& sin_theta) {
-  using std::cos;
+  using std::sin;
   switch (pattern) {
     case AntennaPattern::kDipole:
       return T(std::sqrt(1.5)) * sin_theta;
@@ -27,7 +27,12 @@ T pattern_amplitude(AntennaPattern pattern, const T& cos_theta, const T& sin_the
       if (!(sin_theta > T(0))) {
         return T(0);  // the limit on the axis
       }
-      return T(std::sqrt(1.643)) * cos(T(std::numbers::pi / 2) * cos_theta) / sin_theta;
+      {
+        // cos(pi/2 cos_theta) = sin(pi/2 (1 - cos_theta)), which does not cancel near the axis.
+        const T c = cos_theta < T(0) ? -cos_theta : cos_theta;
+        const T one_minus_c = sin_theta * sin_theta / (T(1) + c);
+        return T(std::sqrt(1.643)) * sin(T(std::numbers::pi / 2) * one_minus_c) / sin_theta;
+      }
     case AntennaPattern::kIsotropic:
       break;
   }
