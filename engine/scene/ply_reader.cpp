@@ -1,5 +1,4 @@
-// Own reader and not assimp's: that one keeps vertices as float, tells no place in its errors, and
-// its older PLY code is a known source of faults on damaged files.
+// Own reader and not assimp's: that one keeps vertices as float and tells no place in its errors.
 #include <algorithm>
 #include <array>
 #include <bit>
