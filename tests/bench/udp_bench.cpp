@@ -15,11 +15,14 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "capture/csi_receiver.h"
 #include "capture/pcap_source.h"
+#include "capture/udp_source.h"
 #include "tests/bench/udp_sender.h"
 
 namespace rayloc::bench {
@@ -79,6 +82,53 @@ class BareReceiver final : public Receiver {
   std::array<std::array<std::byte, 4096>, kBatch> buffers_;
   std::array<iovec, kBatch> vectors_{};
   std::array<mmsghdr, kBatch> messages_{};
+};
+
+class SourceReceiver : public Receiver {
+ public:
+  SourceReceiver() {
+    UdpSourceOptions options;
+    options.address = "127.0.0.1:0";
+    options.receive_buffer_bytes = kReceiveBufferBytes;
+    auto source = UdpSource::open(options);
+    if (!source) {
+      std::fprintf(stderr, "udp_bench: %s\n", source.error().message.c_str());
+      std::exit(69);
+    }
+    source_ = std::move(*source);
+  }
+  const char* name() const override { return "UdpSource"; }
+  std::uint16_t port() const override { return source_->port(); }
+  std::uint64_t receive() override {
+    if (!source_->read(batch_, std::chrono::milliseconds(10))) {
+      return 0;
+    }
+    return batch_.datagrams.size();
+  }
+
+ protected:
+  const DatagramBatch& batch() const { return batch_; }
+
+ private:
+  std::unique_ptr<UdpSource> source_;
+  DatagramBatch batch_;
+};
+
+class FrameReceiver final : public SourceReceiver {
+ public:
+  const char* name() const override { return "UdpSource and CsiReceiver"; }
+  std::uint64_t receive() override {
+    const std::uint64_t got = SourceReceiver::receive();
+    for (const Datagram& datagram : batch().datagrams) {
+      frames_.clear();
+      decoder_.push(datagram, frames_);
+    }
+    return got;
+  }
+
+ private:
+  CsiReceiver decoder_{CsiReceiverOptions{}};
+  std::vector<CsiFrame> frames_;
 };
 
 double cpu_seconds() {
@@ -167,6 +217,8 @@ int run_all(const std::string& recording) {
   }
   std::vector<std::unique_ptr<Receiver>> receivers;
   receivers.push_back(std::make_unique<BareReceiver>());
+  receivers.push_back(std::make_unique<SourceReceiver>());
+  receivers.push_back(std::make_unique<FrameReceiver>());
   double baseline = 0;
   for (const auto& receiver : receivers) {
     const double best = measure(*receiver, payloads);
