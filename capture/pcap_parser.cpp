@@ -55,7 +55,7 @@ Int128 to_nanoseconds(std::uint64_t ticks, std::uint8_t resolution) {
   if ((resolution & 0x80U) != 0) {
     return (static_cast<Int128>(ticks) * kNanoseconds) >> exponent;
   }
-  Int128 value = static_cast<Int128>(ticks);
+  auto value = static_cast<Int128>(ticks);
   for (unsigned i = exponent; i < 9; ++i) {
     value *= 10;
   }
