@@ -51,7 +51,7 @@ const LocationEstimate* nearest(Iterator first, Iterator last, Timestamp time) {
   };
   const auto after = std::lower_bound(
       first, last, time, [](const LocationEstimate* e, Timestamp t) { return e->time < t; });
-  Iterator best = last;
+  auto best = last;
   if (after != first) {
     best = std::prev(after);
   }
@@ -101,6 +101,7 @@ std::vector<TruthPoint> shifted(std::vector<TruthPoint> truth, Duration offset) 
 std::vector<const LocationEstimate*> match(const std::vector<TruthPoint>& truth,
                                            const std::vector<PublishedEstimate>& estimates) {
   std::vector<const LocationEstimate*> by_time;
+  by_time.reserve(estimates.size());
   for (const PublishedEstimate& published : estimates) {
     by_time.push_back(&published.estimate);
   }
@@ -108,6 +109,7 @@ std::vector<const LocationEstimate*> match(const std::vector<TruthPoint>& truth,
     return a->time < b->time;
   });
   std::vector<const LocationEstimate*> matches;
+  matches.reserve(truth.size());
   for (const TruthPoint& point : truth) {
     matches.push_back(
         point.instant

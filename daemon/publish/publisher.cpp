@@ -129,7 +129,7 @@ class Publisher::Impl {
   void count_subscriptions() {
     zmq::message_t message;
     while (receive(message)) {
-      if (message.size() == 0) {
+      if (message.empty()) {
         continue;
       }
       const std::byte first = *message.data<std::byte>();
