@@ -19,6 +19,7 @@ class CsiReceiver::Impl {
 
   void push(const Datagram& datagram, std::vector<CsiFrame>& out) {
     // First what this datagram's time ends, then the datagram: frames of earlier times come first.
+    assembler_.went_back_to(datagram.time);
     advance(datagram.time, out);
     ++counters_.received;
     const DecodeResult fragment = registry_.decode(datagram.payload);

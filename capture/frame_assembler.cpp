@@ -234,8 +234,21 @@ void FrameAssembler::remember(const Key& key, const AssembledFrame& frame) {
 }
 
 void FrameAssembler::advance(Timestamp now) {
+  close_if([&](const AssembledFrame& frame) {
+    return now > frame.time && now - frame.time > options_.timeout;
+  });
+}
+
+void FrameAssembler::went_back_to(Timestamp time) {
+  close_if([&](const AssembledFrame& frame) {
+    return frame.time > time && frame.time - time > kLateWindow;
+  });
+}
+
+template <typename Condition>
+void FrameAssembler::close_if(Condition condition) {
   for (std::size_t i = 0; i < pending_.size();) {
-    if (distance(pending_[i].frame->time, now) > options_.timeout) {
+    if (condition(*pending_[i].frame)) {
       close(i);
     } else {
       ++i;

@@ -81,8 +81,12 @@ class FrameAssembler {
   explicit FrameAssembler(FrameAssemblerOptions options);
 
   Outcome push(const CsiFragment& fragment, Timestamp time);
-  // Makes ready what `now` has timed out, also if time has jumped backwards past the time-out.
+  // Makes ready what `now` has timed out. `now` may lie before frames that are being assembled (a
+  // watermark stays behind what has been read).
   void advance(Timestamp now);
+  // A datagram of that time came: makes ready the frames that lie so far after it that the clock
+  // must have been set back.
+  void went_back_to(Timestamp time);
   // Makes everything ready.
   void flush();
 
@@ -121,6 +125,8 @@ class FrameAssembler {
   unsigned required_slots(const AssembledFrame& frame, unsigned learned) const;
   bool is_complete(const AssembledFrame& frame);
   void close(std::size_t position);
+  template <typename Condition>
+  void close_if(Condition condition);
   void remember(const Key& key, const AssembledFrame& frame);
 
   FrameAssemblerOptions options_;
