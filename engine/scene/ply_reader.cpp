@@ -346,7 +346,8 @@ class MeshReader {
       return refuse("the length of '" + property.name + "' is missing or beyond the file");
     }
     std::vector<std::uint32_t> corners;
-    for (double i = 0; i < *count; i += 1.0) {
+    const auto entries = static_cast<std::size_t>(*count);
+    for (std::size_t i = 0; i < entries; ++i) {
       const auto value = body_.next(property.type);
       if (!value) {
         return refuse("a number is missing in '" + property.name + "'");

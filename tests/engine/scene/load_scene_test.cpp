@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr char kTriangle[] =
+const std::string kTriangle =
     "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
     "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
@@ -23,12 +23,12 @@ SceneOptions options() { return {test::kCarrier, {}}; }
 
 // A scene of one shape, with the given <bsdf> and inside of the <shape>.
 std::string scene_of(const std::string& bsdf, const std::string& shape) {
-  return "<scene version=\"2.1.0\">\n" + bsdf + "\n" + shape + "\n</scene>\n";
+  return "<scene version='2.1.0'>\n" + bsdf + "\n" + shape + "\n</scene>\n";
 }
-const std::string kConcreteBsdf = "<bsdf type=\"diffuse\" id=\"mat-itu_concrete\"/>";
+const std::string kConcreteBsdf = "<bsdf type='diffuse' id='mat-itu_concrete'/>";
 const std::string kShape =
-    "<shape type=\"ply\" id=\"mesh-floor\"><string name=\"filename\" value=\"floor.ply\"/>"
-    "<ref id=\"mat-itu_concrete\" name=\"bsdf\"/></shape>";
+    "<shape type='ply' id='mesh-floor'><string name='filename' value='floor.ply'/>"
+    "<ref id='mat-itu_concrete' name='bsdf'/></shape>";
 
 Expected<Scene> parse(const std::string& xml,
                       const SceneOptions& scene_options = options(),
@@ -72,47 +72,47 @@ TEST(LoadScene, OverrideMakesAMaterialOfAnyBsdf) {
   SceneOptions changed = options();
   changed.materials["paint"] = {2.5, 0.01, std::nullopt};
   const auto scene =
-      parse(scene_of("<bsdf type=\"diffuse\" id=\"mat-paint\"/>",
-                     "<shape type=\"rectangle\"><ref id=\"mat-paint\" name=\"bsdf\"/></shape>"),
+      parse(scene_of("<bsdf type='diffuse' id='mat-paint'/>",
+                     "<shape type='rectangle'><ref id='mat-paint' name='bsdf'/></shape>"),
             changed);
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->materials()[0], (RadioMaterial{"paint", 2.5, 0.01, 0.1}));
 }
 
 TEST(LoadScene, RadioMaterialsAreRead) {
-  const auto itu = parse(scene_of(
-      "<bsdf type=\"itu-radio-material\" id=\"mat-outer\"><string name=\"type\" value=\"brick\"/>"
-      "<float name=\"thickness\" value=\"0.24\"/></bsdf>",
-      "<shape type=\"cube\"><ref id=\"mat-outer\" name=\"bsdf\"/></shape>"));
+  const auto itu = parse(
+      scene_of("<bsdf type='itu-radio-material' id='mat-outer'><string name='type' value='brick'/>"
+               "<float name='thickness' value='0.24'/></bsdf>",
+               "<shape type='cube'><ref id='mat-outer' name='bsdf'/></shape>"));
   ASSERT_TRUE(itu) << error_of(itu);
   EXPECT_EQ(itu->materials()[0].name, "outer");
   EXPECT_EQ(itu->materials()[0].relative_permittivity, 3.91);
   EXPECT_EQ(itu->materials()[0].thickness, 0.24);
 
-  const auto custom = parse(
-      scene_of("<bsdf type=\"twosided\" id=\"custom\"><bsdf type=\"radio-material\">"
-               "<float name=\"relative_permittivity\" value=\"4.5\"/><float name=\"conductivity\" "
-               "value=\"0.02\"/><float name=\"thickness\" value=\"0.05\"/></bsdf></bsdf>",
-               "<shape type=\"cube\"><ref id=\"custom\" name=\"bsdf\"/></shape>"));
+  const auto custom =
+      parse(scene_of("<bsdf type='twosided' id='custom'><bsdf type='radio-material'>"
+                     "<float name='relative_permittivity' value='4.5'/><float name='conductivity' "
+                     "value='0.02'/><float name='thickness' value='0.05'/></bsdf></bsdf>",
+                     "<shape type='cube'><ref id='custom' name='bsdf'/></shape>"));
   ASSERT_TRUE(custom) << error_of(custom);
   EXPECT_EQ(custom->materials()[0], (RadioMaterial{"custom", 4.5, 0.02, 0.05}));
 }
 
 TEST(LoadScene, BsdfInsideAShapeIsRead) {
-  const auto scene = parse(scene_of(
-      "", "<shape type=\"cube\" id=\"c\"><bsdf type=\"diffuse\" id=\"itu_metal\"/></shape>"));
+  const auto scene = parse(
+      scene_of("", "<shape type='cube' id='c'><bsdf type='diffuse' id='itu_metal'/></shape>"));
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->materials()[0].name, "metal");
   EXPECT_EQ(scene->objects()[0].name, "c");
 }
 
 TEST(LoadScene, TransformsApplyInTheOrderWritten) {
-  const auto scene = parse(scene_of(
-      kConcreteBsdf,
-      "<shape type=\"cube\"><transform name=\"to_world\"><scale x=\"2\" y=\"1\" z=\"0.5\"/>"
-      "<rotate z=\"1\" angle=\"90\"/><translate value=\"10 20 30\"/>"
-      "<matrix value=\"1 0 0 0  0 1 0 0  0 0 1 0.5  0 0 0 1\"/></transform>"
-      "<ref id=\"mat-itu_concrete\" name=\"bsdf\"/></shape>"));
+  const auto scene =
+      parse(scene_of(kConcreteBsdf,
+                     "<shape type='cube'><transform name='to_world'><scale x='2' y='1' z='0.5'/>"
+                     "<rotate z='1' angle='90'/><translate value='10 20 30'/>"
+                     "<matrix value='1 0 0 0  0 1 0 0  0 0 1 0.5  0 0 0 1'/></transform>"
+                     "<ref id='mat-itu_concrete' name='bsdf'/></shape>"));
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_NEAR(norm(scene->bounds_min() - Vec3d{9, 18, 30}), 0.0, 1e-12);
   EXPECT_NEAR(norm(scene->bounds_max() - Vec3d{11, 22, 31}), 0.0, 1e-12);
@@ -124,49 +124,49 @@ TEST(LoadScene, EachMistakeHasItsMessage) {
       {"<scene>\n  <shape", "scene.xml:2:8: this is not well-formed XML"},
       {"<room/>", "scene.xml:1:1: the file has no <scene> element"},
       {"<scene>\n</scene>", "scene.xml:1:1: the scene has no <shape>; a room needs at least one"},
-      {"<scene><include filename=\"x\"/></scene>", "scene.xml:1:8: <include> is not supported"},
-      {scene_of(kConcreteBsdf, "  <shape type=\"sphere\" id=\"ball\"/>"),
+      {"<scene><include filename='x'/></scene>", "scene.xml:1:8: <include> is not supported"},
+      {scene_of(kConcreteBsdf, "  <shape type='sphere' id='ball'/>"),
        "scene.xml:3:3: shape 'ball' has type 'sphere'; ply, obj, cube and rectangle are supported"},
-      {scene_of(kConcreteBsdf, "<shape type=\"ply\" id=\"mesh-a\"/>"),
-       "scene.xml:3:1: shape 'a' has no <string name=\"filename\">"},
-      {scene_of(kConcreteBsdf, "<shape type=\"cube\"/>"),
+      {scene_of(kConcreteBsdf, "<shape type='ply' id='mesh-a'/>"),
+       "scene.xml:3:1: shape 'a' has no <string name="},
+      {scene_of(kConcreteBsdf, "<shape type='cube'/>"),
        "scene.xml:3:1: shape 'shape0' has no material"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"cube\"><ref id=\"mat-itu_concret\" name=\"bsdf\"/></shape>"),
+                "<shape type='cube'><ref id='mat-itu_concret' name='bsdf'/></shape>"),
        "there is no <bsdf> with the id 'mat-itu_concret' (did you mean 'mat-itu_concrete'?)"},
-      {scene_of("<bsdf type=\"diffuse\" id=\"mat-itu_concret\"/>",
-                "<shape type=\"cube\"><ref id=\"mat-itu_concret\" name=\"bsdf\"/></shape>"),
+      {scene_of("<bsdf type='diffuse' id='mat-itu_concret'/>",
+                "<shape type='cube'><ref id='mat-itu_concret' name='bsdf'/></shape>"),
        "scene.xml:2:1: material 'concret': ITU-R P.2040-3 has no material 'concret' (did you mean "
        "'concrete'?)"},
-      {scene_of("<bsdf type=\"diffuse\" id=\"grey\"/>",
-                "<shape type=\"cube\"><ref id=\"grey\" name=\"bsdf\"/></shape>"),
+      {scene_of("<bsdf type='diffuse' id='grey'/>",
+                "<shape type='cube'><ref id='grey' name='bsdf'/></shape>"),
        "material 'grey': the <bsdf> says nothing about radio"},
-      {scene_of("<bsdf type=\"radio-material\" id=\"m\"><float name=\"relative_permittivity\" "
-                "value=\"0.2\"/></bsdf>",
-                "<shape type=\"cube\"><ref id=\"m\" name=\"bsdf\"/></shape>"),
+      {scene_of("<bsdf type='radio-material' id='m'><float name='relative_permittivity' "
+                "value='0.2'/></bsdf>",
+                "<shape type='cube'><ref id='m' name='bsdf'/></shape>"),
        "material 'm': relative_permittivity is 0.2, must be at least 1"},
-      {scene_of("<bsdf type=\"itu-radio-material\" id=\"m\"><string name=\"type\" "
-                "value=\"wood\"/><float name=\"thickness\" value=\"thick\"/></bsdf>",
-                "<shape type=\"cube\"><ref id=\"m\" name=\"bsdf\"/></shape>"),
+      {scene_of("<bsdf type='itu-radio-material' id='m'><string name='type' "
+                "value='wood'/><float name='thickness' value='thick'/></bsdf>",
+                "<shape type='cube'><ref id='m' name='bsdf'/></shape>"),
        "'thickness' must be a number, not 'thick'"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"cube\"><transform name=\"to_world\"><lookat/></transform></shape>"),
+                "<shape type='cube'><transform name='to_world'><lookat/></transform></shape>"),
        "<lookat> is not supported in a transform"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"cube\"><transform name=\"to_world\"><matrix value=\"1 2\"/>"
+                "<shape type='cube'><transform name='to_world'><matrix value='1 2'/>"
                 "</transform></shape>"),
        "a <matrix> needs 16 numbers"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"cube\"><transform name=\"to_world\"><rotate angle=\"3\"/>"
+                "<shape type='cube'><transform name='to_world'><rotate angle='3'/>"
                 "</transform></shape>"),
        "a <rotate> needs an axis"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"ply\" id=\"mesh-a\"><string name=\"filename\" "
-                "value=\"missing.ply\"/><ref id=\"mat-itu_concrete\"/></shape>"),
+                "<shape type='ply' id='mesh-a'><string name='filename' "
+                "value='missing.ply'/><ref id='mat-itu_concrete'/></shape>"),
        "scene.xml:3:1: shape 'a': missing.ply does not exist"},
       {scene_of(kConcreteBsdf,
-                "<shape type=\"ply\" id=\"mesh-a\"><string name=\"filename\" "
-                "value=\"a.stl\"/><ref id=\"mat-itu_concrete\"/></shape>"),
+                "<shape type='ply' id='mesh-a'><string name='filename' "
+                "value='a.stl'/><ref id='mat-itu_concrete'/></shape>"),
        "a.stl: a mesh is read from a .ply or .obj file"},
   };
   for (const auto& [xml, message] : cases) {
@@ -221,8 +221,8 @@ TEST(LoadScene, MissingFileIsNamed) {
 
 TEST(LoadScene, ObjIsReadLikePly) {
   const std::string xml = scene_of(kConcreteBsdf,
-                                   "<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/>"
-                                   "<ref id=\"mat-itu_concrete\"/></shape>");
+                                   "<shape type='obj'><string name='filename' value='a.obj'/>"
+                                   "<ref id='mat-itu_concrete'/></shape>");
   const auto scene = parse(xml, options(), "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nf 1 2 3 4\n");
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->triangle_count(), 2U);
