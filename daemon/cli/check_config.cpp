@@ -47,7 +47,7 @@ Expected<std::string> check(const std::filesystem::path& path) {
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
-  const Expected<std::string> room = check_room(setup->site);
+  Expected<std::string> room = check_room(setup->site);
   if (!room) {
     return room;
   }

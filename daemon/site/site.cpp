@@ -17,7 +17,7 @@ constexpr std::size_t kLongestName = 64;
 
 // A file that the table names under `key` and that is there.
 std::optional<fs::path> existing_file(const TomlTable& table, std::string_view key) {
-  const std::optional<fs::path> file = table.path(key);
+  std::optional<fs::path> file = table.path(key);
   if (!file) {
     return std::nullopt;
   }

@@ -188,7 +188,7 @@ std::optional<std::string> TomlTable::string(std::string_view key) const {
 
 std::optional<std::string> TomlTable::choice(std::string_view key,
                                              std::span<const std::string_view> names) const {
-  const std::optional<std::string> value = string(key);
+  std::optional<std::string> value = string(key);
   if (value && std::find(names.begin(), names.end(), *value) == names.end()) {
     error_at(key,
              in_quotes(*value) + " is no value of " + in_quotes(key) + suggestion(*value, names));
