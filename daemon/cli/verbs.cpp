@@ -5,6 +5,7 @@
 namespace rayloc::cli {
 
 // One row a verb, in the order of `rayloc --help`.
+extern const Verb kCalibrate;    // calibrate.cpp
 extern const Verb kCheckConfig;  // check_config.cpp
 extern const Verb kConfig;       // config.cpp
 extern const Verb kEvaluate;     // evaluate.cpp
@@ -16,6 +17,7 @@ extern const Verb kSub;          // sub.cpp
 
 std::span<const Verb> verbs() {
   static const std::array kVerbs = {
+      kCalibrate,
       kCheckConfig,
       kConfig,
       kEvaluate,

@@ -1,0 +1,218 @@
+#include "daemon/cli/calibration_inputs.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "capture/csi_receiver.h"
+#include "capture/pcap_source.h"
+#include "daemon/site/content_hash.h"
+
+namespace rayloc::cli {
+namespace {
+
+// By how much the clocks of access points and of the survey may differ.
+constexpr Duration kClockSlack = std::chrono::milliseconds(20);
+
+struct Extent {
+  std::size_t frames = 0;
+  Timestamp first{};
+  Timestamp last{};
+};
+
+std::string seconds_text(Timestamp time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", to_seconds(time.time_since_epoch()));
+  return text;
+}
+
+// The point at whose spot the frame was sent; its window is the survey's, slack included.
+SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
+  for (SurveyedFrames& spot : inputs.points) {
+    if (time >= spot.point.t_start - kClockSlack && time <= spot.point.t_end + kClockSlack) {
+      return &spot;
+    }
+  }
+  return nullptr;
+}
+
+bool is_fixed(const Site& site, const MacAddress& mac) {
+  const SiteTransmitter* transmitter = find_transmitter(site, mac);
+  return transmitter != nullptr && transmitter->role == TransmitterRole::kFixed;
+}
+
+void add_to_hash(ContentHash& hash, const CsiFrame& frame) {
+  hash.add(static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
+  for (const auto value : frame.csi.values()) {
+    hash.add(static_cast<double>(value.real()));
+    hash.add(static_cast<double>(value.imag()));
+  }
+}
+
+Expected<Extent> read_capture(const Site& site,
+                              const CaptureArgument& capture,
+                              int index,
+                              CalibrationInputs& inputs,
+                              ContentHash& hash) {
+  PcapFileOptions file_options;
+  file_options.max_disorder = kAnyDisorder;
+  auto source = PcapFileSource::open(capture.file, file_options);
+  if (!source) {
+    return tl::make_unexpected(std::move(source.error()));
+  }
+  const SiteAccessPoint& ap = site.access_points[static_cast<std::size_t>(index)];
+  CsiReceiverOptions options;
+  options.access_point = index;
+  options.format = ap.format;
+  options.expected_cores = ap.cores;
+  CsiReceiver receiver(options);
+  DatagramBatch batch;
+  std::vector<CsiFrame> frames;
+  Extent extent;
+  while (!batch.ended) {
+    frames.clear();
+    if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
+      return tl::make_unexpected(std::move(read.error()));
+    }
+    for (const Datagram& datagram : batch.datagrams) {
+      receiver.push(datagram, frames);
+    }
+    if (batch.ended) {
+      receiver.flush(frames);
+    }
+    for (CsiFrame& frame : frames) {
+      if (is_fixed(site, frame.transmitter)) {
+        continue;
+      }
+      extent.first = extent.frames == 0 ? frame.time : std::min(extent.first, frame.time);
+      extent.last = extent.frames == 0 ? frame.time : std::max(extent.last, frame.time);
+      ++extent.frames;
+      if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
+        add_to_hash(hash, frame);
+        spot->frames.push_back(std::move(frame));
+      }
+    }
+  }
+  return extent;
+}
+
+Expected<void> check_points(const Site& site,
+                            const std::string& file,
+                            const CalibrationInputs& inputs) {
+  for (const SurveyedFrames& spot : inputs.points) {
+    const Vec3d& p = spot.point.position;
+    const bool inside = !site.has_bounds || (p.x >= site.bounds_min.x && p.x <= site.bounds_max.x &&
+                                             p.y >= site.bounds_min.y && p.y <= site.bounds_max.y &&
+                                             p.z >= site.bounds_min.z && p.z <= site.bounds_max.z);
+    if (!inside) {
+      return bad_input(file + ":" + std::to_string(spot.point.line) + ": (" + std::to_string(p.x) +
+                       ", " + std::to_string(p.y) + ", " + std::to_string(p.z) +
+                       ") lies outside of the room; points are in metres in the frame of the site "
+                       "([bounds] of site.toml)");
+    }
+  }
+  return {};
+}
+
+// Where two transmitters are heard at one point, the one heard most stays.
+void keep_one_transmitter(const std::string& file,
+                          SurveyedFrames& spot,
+                          std::vector<RefusedInput>& refused) {
+  std::map<MacAddress, std::size_t> counts;
+  for (const CsiFrame& frame : spot.frames) {
+    ++counts[frame.transmitter];
+  }
+  if (counts.size() < 2) {
+    return;
+  }
+  const auto most =
+      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
+        return a.second < b.second;
+      });
+  std::erase_if(spot.frames, [&](const CsiFrame& f) { return f.transmitter != most->first; });
+  refused.push_back({file + ":" + std::to_string(spot.point.line),
+                     "several transmitters; only " + to_string(most->first) + " is used"});
+}
+
+// A recording of another time is a mistake; single points without frames are only left out.
+Expected<void> check_overlap(const Site& site,
+                             const CaptureArgument& capture,
+                             const Extent& extent,
+                             const std::string& points_file,
+                             CalibrationInputs& inputs) {
+  const auto index = find_access_point(site, capture.access_point);
+  std::vector<RefusedInput> empty;
+  for (const SurveyedFrames& spot : inputs.points) {
+    if (std::none_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
+          return frame.access_point == *index;
+        })) {
+      empty.push_back(
+          {points_file + ":" + std::to_string(spot.point.line) + " " + capture.access_point,
+           "no frames at that time"});
+    }
+  }
+  if (empty.size() == inputs.points.size()) {
+    if (extent.frames == 0) {
+      return bad_input(capture.file + ": no CSI frame of a device for access point '" +
+                       capture.access_point + "'");
+    }
+    return bad_input(capture.file + ": access point '" + capture.access_point +
+                     "' heard the device from " + seconds_text(extent.first) + " to " +
+                     seconds_text(extent.last) + ", the points of " + points_file + " are from " +
+                     seconds_text(inputs.points.front().point.t_start) + " to " +
+                     seconds_text(inputs.points.back().point.t_end) +
+                     ": no point has frames; give the recording of the survey");
+  }
+  inputs.refused.insert(inputs.refused.end(), empty.begin(), empty.end());
+  return {};
+}
+
+}  // namespace
+
+Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
+                                                    const std::vector<CaptureArgument>& captures,
+                                                    const std::string& points_file) {
+  auto points = load_points_csv(points_file);
+  if (!points) {
+    return tl::make_unexpected(std::move(points.error()));
+  }
+  CalibrationInputs inputs;
+  inputs.recorded.resize(site.access_points.size());
+  ContentHash points_hash;
+  for (const SurveyPoint& point : *points) {
+    inputs.points.push_back({point, {}});
+    points_hash.add(static_cast<std::uint64_t>(point.t_start.time_since_epoch().count()));
+    points_hash.add(point.position.x);
+    points_hash.add(point.position.y);
+    points_hash.add(point.position.z);
+  }
+  inputs.points_hash = points_hash.text();
+  if (auto checked = check_points(site, points_file, inputs); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  ContentHash content;
+  content.add(inputs.points_hash);
+  for (const CaptureArgument& capture : captures) {
+    const auto index = find_access_point(site, capture.access_point);
+    if (!index) {
+      return tl::make_unexpected(index.error());
+    }
+    inputs.recorded[static_cast<std::size_t>(*index)] = true;
+    const auto extent = read_capture(site, capture, *index, inputs, content);
+    if (!extent) {
+      return tl::make_unexpected(extent.error());
+    }
+    if (auto checked = check_overlap(site, capture, *extent, points_file, inputs); !checked) {
+      return tl::make_unexpected(std::move(checked.error()));
+    }
+  }
+  for (SurveyedFrames& spot : inputs.points) {
+    keep_one_transmitter(points_file, spot, inputs.refused);
+  }
+  inputs.content = content.text();
+  return inputs;
+}
+
+}  // namespace rayloc::cli

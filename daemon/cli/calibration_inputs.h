@@ -1,0 +1,42 @@
+// The measurements of a calibration: recordings cut into the spots of a survey.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "daemon/cli/capture_argument.h"
+#include "daemon/site/points_csv.h"
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+#include "engine/channel/csi_frame.h"
+
+namespace rayloc::cli {
+
+// What was heard while the device stood on one surveyed point: frames of all access points.
+struct SurveyedFrames {
+  SurveyPoint point;
+  std::vector<CsiFrame> frames;  // by access point, then by time
+};
+
+struct RefusedInput {
+  std::string what;  // "points.csv:17 ap2"
+  std::string reason;
+};
+
+struct CalibrationInputs {
+  std::vector<SurveyedFrames> points;  // one a row of the csv
+  std::vector<bool> recorded;          // of each access point of the site
+  std::vector<RefusedInput> refused;
+  std::string content;  // hash of the recordings' and the points' content
+  std::string points_hash;
+};
+
+// Reads the points and the recordings. Frames of fixed transmitters are left out; the clocks of the
+// access points may differ by `kClockSlack`. Errors name the row or the access point: a point
+// outside of the room, a recording that shares no time with the points.
+Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
+                                                    const std::vector<CaptureArgument>& captures,
+                                                    const std::string& points_file);
+
+}  // namespace rayloc::cli

@@ -1,0 +1,179 @@
+#include "daemon/site/site_copy.h"
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include <toml++/toml.h>
+
+#include "engine/scene/load_scene.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> cannot(const std::string& what,
+                             const fs::path& file,
+                             const std::string& why) {
+  return make_error(ErrorKind::kUnavailable, file.string() + ": cannot be " + what + ": " + why);
+}
+
+Expected<std::string> read_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  if (!in) {
+    return cannot("read", file, "is it there, and may you read it?");
+  }
+  return content.str();
+}
+
+// The original's text with the paths that the copy needs.
+Expected<std::string> site_text(const Site& site) {
+  const fs::path file = site.directory / "site.toml";
+  auto text = read_file(file);
+  if (!text) {
+    return tl::make_unexpected(std::move(text.error()));
+  }
+  try {
+    toml::table root = toml::parse(*text, file.string());
+    root.insert_or_assign("scene", "scene.xml");
+    root.insert_or_assign("calibration", toml::table{{"file", "calibration.toml"}});
+    if (site.reference_file) {
+      root.insert_or_assign("reference", toml::table{{"file", "reference.toml"}});
+    }
+    std::ostringstream out;
+    out << "# A calibrated copy of " << file.string() << "\n" << root << "\n";
+    return out.str();
+  } catch (const toml::parse_error& error) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": " + std::string(error.description()));
+  }
+}
+
+struct SceneFiles {
+  std::string xml;
+  std::map<std::string, std::string> meshes;  // content by file, relative to the copy
+};
+
+// The scene as text, with every mesh it names; names that leave the folder are changed.
+Expected<SceneFiles> read_scene(const Site& site) {
+  auto xml = read_file(site.scene_file);
+  if (!xml) {
+    return tl::make_unexpected(std::move(xml.error()));
+  }
+  SceneFiles files;
+  std::map<std::string, std::string> renamed;
+  SceneOptions options;
+  options.carrier_hz = site.carrier.grid.centre_hz;
+  const auto parsed = parse_scene(
+      *xml,
+      site.scene_file.string(),
+      options,
+      [&](const std::string& name) -> Expected<std::string> {
+        const fs::path path(name);
+        auto content = read_file(path.is_absolute() ? path : site.scene_file.parent_path() / path);
+        if (content) {
+          const fs::path normal = path.lexically_normal();
+          const bool outside =
+              path.is_absolute() || (!normal.empty() && *normal.begin() == fs::path(".."));
+          const std::string own =
+              outside ? "meshes/" + path.filename().string() : normal.generic_string();
+          const auto [known, added] = files.meshes.emplace(own, *content);
+          if (!added && known->second != *content) {
+            return bad_input(site.scene_file.string() + ": two meshes are called " + own +
+                             "; rename one");
+          }
+          if (own != name) {
+            renamed[name] = own;
+          }
+        }
+        return content;
+      });
+  if (!parsed) {
+    return tl::make_unexpected(parsed.error());
+  }
+  for (const auto& [name, own] : renamed) {
+    for (std::size_t at = 0; (at = xml->find('"' + name + '"', at)) != std::string::npos;) {
+      xml->replace(at + 1, name.size(), own);
+      at += own.size();
+    }
+  }
+  files.xml = *std::move(xml);
+  return files;
+}
+
+}  // namespace
+
+Expected<void> prepare_output(const fs::path& directory, bool force) {
+  std::error_code status;
+  if (fs::exists(directory, status)) {
+    if (!fs::is_directory(directory, status)) {
+      return make_error(ErrorKind::kUsage, directory.string() + " is a file; --out names a folder");
+    }
+    if (!fs::is_empty(directory, status) && !force) {
+      return make_error(ErrorKind::kUsage,
+                        directory.string() + " is not empty; choose another --out, or --force");
+    }
+  }
+  fs::create_directories(directory, status);
+  if (status) {
+    return cannot("created", directory, status.message());
+  }
+  return {};
+}
+
+Expected<void> write_file(const fs::path& file, const std::string& content) {
+  std::error_code status;
+  fs::create_directories(file.parent_path(), status);
+  const fs::path partial = file.string() + ".partial";
+  {
+    std::ofstream out(partial, std::ios::binary);
+    out << content;
+    out.flush();
+    if (!out) {
+      return cannot("written", partial, "is the disk full?");
+    }
+  }
+  fs::rename(partial, file, status);
+  if (status) {
+    return cannot("written", file, status.message());
+  }
+  return {};
+}
+
+Expected<void> write_site(const Site& site,
+                          const std::string& calibration,
+                          const fs::path& directory) {
+  const auto text = site_text(site);
+  if (!text) {
+    return tl::make_unexpected(text.error());
+  }
+  auto scene = read_scene(site);
+  if (!scene) {
+    return tl::make_unexpected(scene.error());
+  }
+  std::map<fs::path, std::string> files = {
+      {"site.toml", *text}, {"scene.xml", scene->xml}, {"calibration.toml", calibration}};
+  for (auto& [name, content] : scene->meshes) {
+    files[name] = std::move(content);
+  }
+  if (site.reference_file) {
+    auto reference = read_file(*site.reference_file);
+    if (!reference) {
+      return tl::make_unexpected(std::move(reference.error()));
+    }
+    files["reference.toml"] = *std::move(reference);
+  }
+  for (const auto& [name, content] : files) {
+    if (auto written = write_file(directory / name, content); !written) {
+      return written;
+    }
+  }
+  return {};
+}
+
+}  // namespace rayloc

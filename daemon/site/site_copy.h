@@ -1,0 +1,27 @@
+// write_site: a copy of a site that stands on its own: site.toml, scene.xml, meshes/, and a
+// calibration.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// Creates `directory`. An error when it exists and is not empty, unless `force`: then files of the
+// same names are replaced, others stay.
+Expected<void> prepare_output(const std::filesystem::path& directory, bool force);
+
+// Writes into `directory`: site.toml as the original states it but for `scene` and `[calibration]`,
+// the scene with every mesh it names, the reference if there is one, and `calibration` as
+// calibration.toml. Comments of site.toml are not kept.
+Expected<void> write_site(const Site& site,
+                          const std::string& calibration,
+                          const std::filesystem::path& directory);
+
+// Replaces the file in one step: a reader sees the old or the new one.
+Expected<void> write_file(const std::filesystem::path& file, const std::string& content);
+
+}  // namespace rayloc
