@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <tuple>
 
@@ -130,15 +129,6 @@ void Surface::add_piece(const std::vector<Point2>& corners) {
                    component_max(piece.upper.z, corner.z)};
   }
   pieces_.push_back(piece);
-}
-
-double Surface::distance_from_outline(const Vec3d& point) const {
-  const Point2 p = project(point);
-  double nearest = std::numeric_limits<double>::infinity();
-  for (const Edge& edge : edges_) {
-    nearest = std::min(nearest, std::abs(edge.a * p.u + edge.b * p.v + edge.c));
-  }
-  return nearest;
 }
 
 std::vector<MeshSurface> planar_surfaces(const Mesh& mesh) {

@@ -75,8 +75,6 @@ class Surface {
     }
     return true;
   }
-  // Distance from the nearest edge of any piece's outline [m]; tells how fragile a verdict is.
-  double distance_from_outline(const Vec3d& point) const;
 
  private:
   struct Point2 {
