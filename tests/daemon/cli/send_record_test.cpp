@@ -1,0 +1,217 @@
+// `rayloc send` and `rayloc record` as processes of their own, over real sockets.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "capture/udp_source.h"
+#include "tests/support/pcap_files.h"
+
+namespace rayloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int status = -1;
+  std::string output;
+};
+
+Outcome rayloc(const std::string& arguments) {
+  const std::string command = std::string(RAYLOC_BIN) + "/rayloc " + arguments;
+  std::FILE* pipe = popen(command.c_str(), "r");
+  Outcome outcome;
+  std::array<char, 4096> buffer{};
+  for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {
+    outcome.output.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+std::vector<nlohmann::json> json_lines(const std::string& text) {
+  std::vector<nlohmann::json> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = text.find('\n', begin);
+    lines.push_back(nlohmann::json::parse(text.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+// Payloads at milliseconds after kFirst.
+constexpr std::uint32_t kFirst = 1525500671;
+std::string recording(const std::string& name,
+                      const std::vector<std::pair<std::uint32_t, std::string>>& payloads) {
+  const auto little = test::Endian::kLittle;
+  std::string file = test::pcap_header(little, false);
+  for (const auto& [milliseconds, payload] : payloads) {
+    file += test::pcap_record(
+        little, kFirst, milliseconds * 1000, test::ethernet(test::ipv4({.payload = payload})));
+  }
+  const std::string path = test::temporary_path(name);
+  test::write_file(path, file);
+  return path;
+}
+
+struct Received {
+  Timestamp time;
+  std::string payload;
+};
+
+class Port {
+ public:
+  Port() {
+    auto source = UdpSource::open({.address = "127.0.0.1:0"});
+    EXPECT_TRUE(source) << source.error().message;
+    source_ = std::move(*source);
+  }
+  std::string address() const { return "127.0.0.1:" + std::to_string(source_->port()); }
+  // What is there by now.
+  std::vector<Received> receive() {
+    std::vector<Received> all;
+    DatagramBatch batch;
+    do {
+      EXPECT_TRUE(source_->read(batch, Duration(0)));
+      for (const Datagram& d : batch.datagrams) {
+        const auto* bytes = reinterpret_cast<const char*>(d.payload.data());
+        all.push_back({d.time, std::string(bytes, d.payload.size())});
+      }
+    } while (!batch.datagrams.empty());
+    return all;
+  }
+
+ private:
+  std::unique_ptr<UdpSource> source_;
+};
+
+Timestamp recorded(std::uint32_t milliseconds) {
+  return Timestamp(std::chrono::seconds(kFirst) + std::chrono::milliseconds(milliseconds));
+}
+
+// No datagram is early; how late one is depends on the machine.
+constexpr Duration kClockReading = std::chrono::milliseconds(1);
+
+TEST(Send, KeepsTheTimesOfSeveralRecordingsByOneOffset) {
+  Port a;
+  Port b;
+  const std::string file_a = recording("send_a.pcap", {{0, "a0"}, {120, "a120"}});
+  const std::string file_b = recording("send_b.pcap", {{60, "b60"}});
+  const Outcome outcome = rayloc("send " + file_a + " " + file_b + " --to " + a.address() +
+                                 " --to " + b.address() + " 2>/dev/null");
+  ASSERT_EQ(outcome.status, 0);
+  const auto lines = json_lines(outcome.output);
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_EQ(lines[0].at("event"), "start");
+  EXPECT_EQ(lines[1].at("event"), "end");
+  EXPECT_EQ(lines[1].at("datagrams"), 3);
+  EXPECT_EQ(lines[1].at("bytes"), 9);
+  const Duration offset = from_seconds(lines[0].at("time_offset_s").get<double>());
+  const auto at_a = a.receive();
+  const auto at_b = b.receive();
+  ASSERT_EQ(at_a.size(), 2U);
+  ASSERT_EQ(at_b.size(), 1U);
+  EXPECT_EQ(at_a[0].payload, "a0");
+  EXPECT_EQ(at_a[1].payload, "a120");
+  EXPECT_EQ(at_b[0].payload, "b60");
+  EXPECT_GE(at_a[0].time, recorded(0) + offset - kClockReading);
+  EXPECT_GE(at_b[0].time, recorded(60) + offset - kClockReading);
+  EXPECT_GE(at_a[1].time, recorded(120) + offset - kClockReading);
+  EXPECT_LE(at_a[1].time, recorded(120) + offset + std::chrono::minutes(1));
+  unlink(file_a.c_str());
+  unlink(file_b.c_str());
+}
+
+TEST(Send, RepeatsTheRecordingAtARate) {
+  Port port;
+  const std::string file = recording("send_rate.pcap", {{0, "x"}, {1, "y"}, {2, "z"}});
+  const Outcome outcome = rayloc("send " + file + " --to " + port.address() +
+                                 " --rate 1000 --duration 0.2 2>/dev/null");
+  ASSERT_EQ(outcome.status, 0);
+  const auto lines = json_lines(outcome.output);
+  ASSERT_EQ(lines.size(), 2U);
+  EXPECT_TRUE(lines[0].at("time_offset_s").is_null());
+  const auto all = port.receive();
+  EXPECT_EQ(lines[1].at("datagrams"), all.size());
+  EXPECT_LE(all.size(), 200U);
+  ASSERT_GE(all.size(), 4U);
+  EXPECT_EQ(all[0].payload + all[1].payload + all[2].payload + all[3].payload, "xyzx");
+  unlink(file.c_str());
+}
+
+TEST(Send, SaysWhatIsWrong) {
+  EXPECT_EQ(rayloc("send x.pcap y.pcap --to 127.0.0.1:1 2>/dev/null").status, 64);
+  EXPECT_EQ(rayloc("send x.pcap --to nowhere 2>/dev/null").status, 64);
+  EXPECT_EQ(rayloc("send x.pcap --to 127.0.0.1:1 --speed 0 2>/dev/null").status, 64);
+  const Outcome missing = rayloc("send /nowhere/x.pcap --to 127.0.0.1:1 2>&1");
+  EXPECT_EQ(missing.status, 69);
+  EXPECT_THAT(missing.output, HasSubstr("/nowhere/x.pcap"));
+  const std::string garbage = test::temporary_path("garbage.pcap");
+  test::write_file(garbage, "this is no capture");
+  const Outcome bad = rayloc("send " + garbage + " --to 127.0.0.1:1 2>&1");
+  EXPECT_EQ(bad.status, 65);
+  EXPECT_THAT(bad.output, HasSubstr(garbage + ": byte 0"));
+  unlink(garbage.c_str());
+}
+
+// A port that is free now; another program could take it, which the recorder would report.
+std::string free_address() { return Port().address(); }
+
+TEST(Record, WritesWhatSendSends) {
+  const std::string address = free_address();
+  const std::string sent = recording("record_in.pcap", {{0, "one"}, {1, ""}, {2, "three"}});
+  const std::string out = test::temporary_path("record_out.pcap");
+  unlink(out.c_str());
+  Outcome outcome;
+  std::thread recorder([&] {
+    outcome = rayloc("record --udp " + address + " --out " + out +
+                     " --count 3 --duration 120 2>/dev/null");
+  });
+  // The file is there once the port is open.
+  for (int i = 0; i < 6000 && access(out.c_str(), F_OK) != 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  EXPECT_EQ(rayloc("send " + sent + " --to " + address + " >/dev/null 2>&1").status, 0);
+  recorder.join();
+  ASSERT_EQ(outcome.status, 0);
+  const auto lines = json_lines(outcome.output);
+  ASSERT_EQ(lines.size(), 1U);
+  const auto& summary = lines[0].at("summary");
+  EXPECT_EQ(summary.at("received"), 3);
+  EXPECT_EQ(summary.at("recorded"), 3);
+  EXPECT_EQ(summary.at("lost"), 0);
+  EXPECT_EQ(summary.at("file_bytes"), test::read_file(out).size());
+
+  Port port;
+  EXPECT_EQ(
+      rayloc("send " + out + " --to " + port.address() + " --speed max >/dev/null 2>&1").status, 0);
+  const auto all = port.receive();
+  ASSERT_EQ(all.size(), 3U);
+  EXPECT_EQ(all[0].payload + "," + all[1].payload + "," + all[2].payload, "one,,three");
+  EXPECT_EQ(rayloc("record --udp " + address + " --out " + out + " 2>/dev/null").status, 69)
+      << "an existing recording is not overwritten";
+  unlink(sent.c_str());
+  unlink(out.c_str());
+}
+
+TEST(Record, SaysWhatIsWrong) {
+  EXPECT_EQ(rayloc("record --out x.pcap 2>/dev/null").status, 64);
+  EXPECT_EQ(rayloc("record --interface nowhere0 --out x.pcap 2>/dev/null").status, 69);
+  const Port taken;
+  EXPECT_EQ(rayloc("record --udp " + taken.address() + " --out x.pcap 2>/dev/null").status, 69);
+}
+
+}  // namespace
+}  // namespace rayloc
