@@ -51,20 +51,26 @@ DelayBasis::DelayBasis(const OfdmGrid& grid) {
       basis_.push_back(svd.matrixU()(k, static_cast<Eigen::Index>(q)));
     }
   }
-  const std::vector<Value> ones(grid.size(), Value(scale));
   table_.resize(kTableSize * size_);
   for (std::size_t i = 0; i < kTableSize; ++i) {
-    project(ones, -kTableStep * static_cast<double>(i), {table_.data() + i * size_, size_});
+    exact_tone(kTableStep * static_cast<double>(i), {table_.data() + i * size_, size_});
   }
+}
+
+void DelayBasis::exact_tone(double delay, std::span<Value> out) const {
+  const std::size_t tones = angular_offset_.size();
+  const double scale = 1.0 / std::sqrt(static_cast<double>(tones));
+  std::vector<Value> tone(tones);
+  for (std::size_t k = 0; k < tones; ++k) {
+    tone[k] = std::polar(scale, -angular_offset_[k] * delay);
+  }
+  project(tone, out);
 }
 
 void DelayBasis::tone(double delay, std::span<Value> out) const {
   const double position = delay / kTableStep;
   if (position < 0.0 || position >= static_cast<double>(kTableSize - 1)) {
-    const std::vector<Value> ones(
-        angular_offset_.size(),
-        Value(1.0 / std::sqrt(static_cast<double>(angular_offset_.size()))));
-    project(ones, -delay, out);
+    exact_tone(delay, out);
     return;
   }
   const auto i = static_cast<std::size_t>(position);
@@ -74,16 +80,17 @@ void DelayBasis::tone(double delay, std::span<Value> out) const {
   }
 }
 
-void DelayBasis::project(std::span<const Value> value, double delay, std::span<Value> out) const {
+void DelayBasis::project(std::span<const Value> value, std::span<Value> out) const {
   const std::size_t tones = angular_offset_.size();
-  std::fill(out.begin(), out.end(), Value());
-  for (std::size_t k = 0; k < tones; ++k) {
-    const Value moved = value[k] * std::polar(1.0, angular_offset_[k] * delay);
-    for (std::size_t q = 0; q < size_; ++q) {
-      const Value b = basis_[q * tones + k];
-      out[q] += Value(b.real() * moved.real() + b.imag() * moved.imag(),
-                      b.real() * moved.imag() - b.imag() * moved.real());
+  for (std::size_t q = 0; q < size_; ++q) {
+    const Value* basis = basis_.data() + q * tones;
+    double re = 0.0;
+    double im = 0.0;
+    for (std::size_t k = 0; k < tones; ++k) {
+      re += basis[k].real() * value[k].real() + basis[k].imag() * value[k].imag();
+      im += basis[k].real() * value[k].imag() - basis[k].imag() * value[k].real();
     }
+    out[q] = {re, im};
   }
 }
 

@@ -25,10 +25,8 @@ class DelayBasis {
   // Coordinates of the unit-norm tone vector with that delay [s]. REQUIRES: out.size() == size().
   void tone(double delay, std::span<std::complex<double>> out) const;
 
-  // out[q] = sum over tones conj(basis[tone][q]) value[tone] exp(+j 2 pi f_tone delay): coordinates
-  // of `value` moved to earlier times by `delay`.
+  // out[q] = sum over tones conj(basis[tone][q]) value[tone].
   void project(std::span<const std::complex<double>> value,
-               double delay,
                std::span<std::complex<double>> out) const;
 
   // Covariance of the coordinates of a diffuse tail: a power that sets in at delay 0 and decays
@@ -36,6 +34,8 @@ class DelayBasis {
   std::vector<std::complex<double>> diffuse_covariance(double decay) const;
 
  private:
+  void exact_tone(double delay, std::span<std::complex<double>> out) const;
+
   std::vector<double> angular_offset_;  // [rad/s] of each tone
   std::size_t size_ = 0;
   std::vector<std::complex<double>> basis_;  // [q][tone]

@@ -25,7 +25,7 @@ constexpr double kFinestStep = 0.05;  // [m]
 constexpr std::size_t kMostRays = 64;
 // Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
 // search misses a delay by 3 ns at most, which costs about 10.
-constexpr double kCoarseMargin = 60.0;
+constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;

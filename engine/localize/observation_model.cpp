@@ -186,10 +186,10 @@ PlaceModel ObservationModel::nowhere(const ModelError& error) const {
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {
-  // A quarter of the resolution of the band, over all delays that can be told apart.
+  // Half of the resolution of the band, over all delays that can be told apart.
   const std::size_t tones = grid_.size();
   const double band = grid_.spacing_hz * (grid_.tone_index.back() - grid_.tone_index.front());
-  const auto steps = static_cast<std::size_t>(std::ceil(4.0 * band / grid_.spacing_hz));
+  const auto steps = static_cast<std::size_t>(std::ceil(2.0 * band / grid_.spacing_hz));
   const double step = 1.0 / (grid_.spacing_hz * static_cast<double>(steps));
   std::vector<Value> turned(h.begin(), h.end());
   std::vector<Value> turn(tones);
@@ -233,21 +233,36 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   if (power <= 0.0) {
     return observed;
   }
+  // Moved to the first delay of the search, then on by one step after the other.
   const double scale = 1.0 / std::sqrt(power);
-  const double strongest = first_delay(h);
+  const double start = first_delay(h) - kEarliest;
+  std::vector<Value> moved(h.begin(), h.end());
+  std::vector<Value> step(tones);
+  for (std::size_t k = 0; k < tones; ++k) {
+    const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
+    step[k] = std::polar(1.0, -w * kDelayStep);
+    const Value turn = std::polar(scale, w * start);
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      moved[m * tones + k] *= turn;
+    }
+  }
   std::vector<Value> coordinates(basis_.size());
   for (std::size_t t = 0; t < ObservedArray::kBlocks * ObservedArray::kBlockSize; ++t) {
     ObservedArray::Block& block = observed.blocks[t % ObservedArray::kBlocks];
     const std::size_t entry = t / ObservedArray::kBlocks;
-    const double delay = strongest - kEarliest - kDelayStep * static_cast<double>(t);
     double captured = 0.0;
     for (std::size_t m = 0; m < antennas_; ++m) {
-      basis_.project(h.subspan(m * tones, tones), delay, coordinates);
+      basis_.project({moved.data() + m * tones, tones}, coordinates);
       for (std::size_t i = 0; i < basis_.size(); ++i) {
-        const Value v = scale * coordinates[i];
+        const Value v = coordinates[i];
         block.re[m * basis_.size() + i][entry] = static_cast<float>(v.real());
         block.im[m * basis_.size() + i][entry] = static_cast<float>(v.imag());
         captured += std::norm(v);
+      }
+      for (std::size_t k = 0; k < tones; ++k) {
+        Value& v = moved[m * tones + k];
+        v = Value(v.real() * step[k].real() - v.imag() * step[k].imag(),
+                  v.real() * step[k].imag() + v.imag() * step[k].real());
       }
     }
     observed.captured = std::max(observed.captured, captured);

@@ -1,0 +1,84 @@
+#include "daemon/site/calibration_file.h"
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+CalibrationFile example() {
+  CalibrationFile file;
+  file.id = "0123456789abcdef";
+  file.scene_hash = "fedcba9876543210";
+  file.points_hash = "00000000deadbeef";
+  file.temper = {0.45, 0.6, 0.0};
+  CalibratedAccessPoint ap;
+  ap.id = "ap1";
+  ap.points = 143;
+  ap.yaw_offset = {0.0113, 0.0, 0.0059};
+  ap.plan_tolerance = {0.022, 0.015, 0.011};
+  ap.diffuse = {0.0218, 0.05, 0.0035};
+  ap.diffuse_exponent = {1.12, 0.0, 0.22};
+  ap.noise = {7e-4, 2e-3, 0.0};
+  ap.gains = {{5.19e9, 312'500.0, {-3, -2, 2, 3}}, {2, 0}, {}};
+  for (int i = 0; i < 8; ++i) {
+    ap.gains.gain.emplace_back(1.0 / (1 + i), -0.1 * i);
+  }
+  ap.gain_sigma = {0.01, 0.02};
+  file.access_points = {ap};
+  return file;
+}
+
+TEST(CalibrationFile, ReadsBackWhatItWrote) {
+  const CalibrationFile written = example();
+  const auto read = parse_calibration_file(to_toml(written), "calibration.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->id, written.id);
+  EXPECT_EQ(read->scene_hash, written.scene_hash);
+  EXPECT_EQ(read->points_hash, written.points_hash);
+  EXPECT_EQ(read->temper.value, 0.45);
+  ASSERT_EQ(read->access_points.size(), 1U);
+  const CalibratedAccessPoint& ap = read->access_points[0];
+  EXPECT_EQ(ap.id, "ap1");
+  EXPECT_EQ(ap.points, 143U);
+  for (const NamedValue& named : calibrated_values()) {
+    EXPECT_EQ((ap.*named.value).value, (written.access_points[0].*named.value).value) << named.name;
+    EXPECT_EQ((ap.*named.value).sigma, (written.access_points[0].*named.value).sigma) << named.name;
+  }
+  EXPECT_EQ(ap.gains.grid, written.access_points[0].gains.grid);
+  EXPECT_EQ(ap.gains.cores, written.access_points[0].gains.cores);
+  EXPECT_EQ(ap.gains.gain, written.access_points[0].gains.gain);  // to the last bit
+  EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);
+}
+
+TEST(CalibrationFile, SaysWhereItIsWrong) {
+  std::string text = to_toml(example());
+  const std::size_t at = text.find("core = 0");
+  text.replace(at, 8, "kore = 0");
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::kConfiguration);
+  EXPECT_EQ(read.error().message.find("calibration.toml:"), 0U) << read.error().message;
+  EXPECT_NE(read.error().message.find("core"), std::string::npos) << read.error().message;
+}
+
+TEST(CalibrationFile, RefusesAnotherFormat) {
+  std::string text = to_toml(example());
+  text.replace(text.find("format = 1"), 10, "format = 9");
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("format 9 is not known"), std::string::npos)
+      << read.error().message;
+}
+
+TEST(CalibrationFile, RefusesGainsThatAreNotOneATone) {
+  CalibrationFile file = example();
+  std::string text = to_toml(file);
+  text.replace(text.find("[[-3, -2], [2, 3]]"), 18, "[[-3, -2], [2, 4]]");
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("4 pairs for 5 tones"), std::string::npos)
+      << read.error().message;
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,72 @@
+#include "engine/calibrate/access_point_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/observe/alignment.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// What access point 0 hears of a device on a grid of `per_axis` squared points.
+std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
+  std::vector<CalibrationSample> samples;
+  for (int i = 0; i < per_axis; ++i) {
+    for (int j = 0; j < per_axis; ++j) {
+      const Vec3d position{
+          -1.1 + 2.2 * (i + 0.5) / per_axis, -0.9 + 1.8 * (j + 0.5) / per_axis, 1.2};
+      const auto frames =
+          test::frames_at(room, position, {2, 30.0, static_cast<unsigned>(1 + per_axis * i + j)});
+      const auto burst = combine_burst(frames, {0, room.grid, room.access_points[0].cores, {}});
+      samples.push_back({position, burst.value().h});
+    }
+  }
+  return samples;
+}
+
+RoomModel uncalibrated(RoomModel room) {
+  room.access_points[0].gains = {};
+  return room;
+}
+
+TEST(AccessPointCalibrator, RecoversTheChainGains) {
+  const RoomModel room = test::make_room();
+  const AccessPointCalibrator calibrator(uncalibrated(room), 0, survey(room, 6));
+  const auto fit = calibrator.fit();
+  ASSERT_TRUE(fit) << fit.error().message;
+  const ChainGains truth = test::make_gains(room, 0);
+  // Up to one factor and one delay: 1 degree and 1 % would leave 4e-4.
+  EXPECT_GT(Aligner(room.grid).align(truth.gain, fit->gains.gain).correlation, 0.998);
+  EXPECT_EQ(fit->gains.cores, truth.cores);
+  EXPECT_EQ(fit->samples_used, 36U);
+  EXPECT_LT(calibrator.correlation(nullptr), 0.6);
+  EXPECT_GT(calibrator.correlation(&*fit), 0.9);
+}
+
+TEST(AccessPointCalibrator, RecoversTheYaw) {
+  const RoomModel room = test::make_room();
+  RoomModel surveyed = uncalibrated(room);
+  surveyed.access_points[0].array.pose.orientation.yaw -= 1.5 * kDegree;
+  const auto fit = AccessPointCalibrator(surveyed, 0, survey(room, 6)).fit();
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->yaw_offset.value, 1.5 * kDegree, 0.4 * kDegree);
+  EXPECT_GT(fit->yaw_offset.sigma, 0.0);
+}
+
+TEST(AccessPointCalibrator, RefusesTooFewPoints) {
+  const RoomModel room = test::make_room();
+  auto samples = survey(room, 2);
+  samples.resize(3);
+  const auto fit = AccessPointCalibrator(uncalibrated(room), 0, samples).fit();
+  ASSERT_FALSE(fit);
+  EXPECT_NE(fit.error().message.find("access point a: 3 calibration points"), std::string::npos)
+      << fit.error().message;
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,123 @@
+#include "engine/localize/observation_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "engine/observe/alignment.h"
+#include "engine/trace/path_tracer.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+std::vector<Vec3d> offsets_of(const AntennaArray& array) {
+  std::vector<Vec3d> offsets;
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    offsets.push_back(element_position(array, i) - array.pose.position);
+  }
+  return offsets;
+}
+
+std::vector<Ray> rays_to(const RoomModel& room, const AntennaArray& array, const Vec3d& position) {
+  const PathTracer tracer(room.scene);
+  return rays_of(
+      tracer.trace(
+          {{position, {}, room.device.pattern, room.device.polarization}},
+          {{array.pose.position, array.pose.orientation, array.pattern, array.polarization}}),
+      *room.scene,
+      position,
+      64);
+}
+
+TEST(DelayBasis, HoldsEveryEchoOfTheWindow) {
+  const RoomModel room = test::make_room();
+  const DelayBasis basis(room.grid);
+  EXPECT_LE(basis.size(), 8U);
+  std::vector<Value> s(basis.size());
+  for (const double delay : {-10e-9, 0.0, 0.333e-9, 20e-9, 70e-9}) {
+    basis.tone(delay, s);
+    double power = 0.0;
+    for (const Value& v : s) {
+      power += std::norm(v);
+    }
+    EXPECT_NEAR(power, 1.0, 2e-3) << delay;
+  }
+}
+
+// The rays of the array's centre stand for the traces of every element.
+TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
+  const RoomModel room = test::make_room();
+  const RoomAccessPoint& ap = room.access_points[0];
+  const Vec3d position{0.4, -0.5, 1.2};
+  ModelError exact;
+  exact.plan_tolerance = 0.0;
+  const auto rays = rays_to(room, ap.array, position);
+  const auto offsets = offsets_of(ap.array);
+  const ObservationModel model(room.grid, 3);
+  const auto expected = model.expected({rays, offsets, 0.0}, exact);
+  std::vector<Value> traced;
+  const PathTracer tracer(room.scene);
+  for (const Receiver& element : array_elements<Receiver>(ap.array)) {
+    const auto row =
+        tracer.trace({{position, {}, room.device.pattern, room.device.polarization}}, element)
+            .cfr(room.grid);
+    traced.insert(traced.end(), row.begin(), row.end());
+  }
+  // What is left is that patterns and angles of incidence are those of the centre.
+  EXPECT_GT(Aligner(room.grid).align(expected, traced).correlation, 0.999);
+}
+
+TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
+  const RoomModel room = test::make_room();
+  const RoomAccessPoint& ap = room.access_points[0];
+  const auto offsets = offsets_of(ap.array);
+  const ObservationModel model(room.grid, 3);
+  ModelError error;
+  // A room that is known well: one access point tells the places apart.
+  error.plan_tolerance = 0.001;
+  error.diffuse = 0.005;
+  const Vec3d truth{0.4, -0.5, 1.2};
+  const auto heard = model.expected({rays_to(room, ap.array, truth), offsets, 0.0}, error);
+  auto changed = heard;
+  Aligner(room.grid).apply({-200e-9, Value(0.0, 7.0), 0.0}, changed);
+  const auto observed = model.observe(heard);
+  const auto again = model.observe(changed);
+  EXPECT_GT(observed.captured, 0.98);
+  const auto at = [&](const Vec3d& p, const ObservedArray& y) {
+    const auto rays = rays_to(room, ap.array, p);
+    return ObservationModel::log_likelihood(model.place({rays, offsets, 0.05}, error), y);
+  };
+  const double here = at(truth, observed);
+  EXPECT_NEAR(at(truth, again), here, 2.0);
+  for (const Vec3d p : {Vec3d{0.4, 0.5, 1.2}, Vec3d{-0.4, -0.5, 1.2}, Vec3d{1.0, -0.9, 1.2}}) {
+    EXPECT_GT(here, at(p, observed) + 10.0);
+  }
+}
+
+TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
+  const RoomModel room = test::make_room();
+  const RoomAccessPoint& ap = room.access_points[1];
+  const auto offsets = offsets_of(ap.array);
+  const ObservationModel model(room.grid, 3);
+  const Vec3d truth{-0.2, 0.3, 1.2};
+  const auto rays = rays_to(room, ap.array, truth);
+  const PlaceModel place = model.place({rays, offsets, 0.05}, {});
+  const auto observed = model.observe(model.expected({rays, offsets, 0.0}, {}));
+  const double full = ObservationModel::log_likelihood(place, observed);
+  const double coarse = ObservationModel::coarse_log_likelihood(place, observed);
+  EXPECT_LE(coarse, full);
+  EXPECT_GT(coarse, full - 35.0);
+}
+
+TEST(ObservationModel, OfAPlaceWithoutRaysIsNotReachable) {
+  const RoomModel room = test::make_room();
+  const ObservationModel model(room.grid, 3);
+  EXPECT_FALSE(model.place({{}, {}, 0.05}, {}).reachable);
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,98 @@
+#include "engine/localize/posterior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace rayloc {
+namespace {
+
+RoomGrid grid() { return {{-2.0, -1.5, 0.0}, {2.0, 1.5, 2.5}, 1.2, 0.05}; }
+
+double gaussian(const Vec3d& p, double x, double y, double sigma) {
+  const double dx = (p.x - x) / sigma;
+  const double dy = (p.y - y) / sigma;
+  return -0.5 * (dx * dx + dy * dy);
+}
+
+template <typename Function>
+std::vector<double> map_of(const RoomGrid& g, const Function& function) {
+  std::vector<double> map;
+  for (std::size_t i = 0; i < g.size(); ++i) {
+    map.push_back(function(g.centre(i)));
+  }
+  return map;
+}
+
+TEST(Posterior, OfAGaussianHasItsMomentsAndItsRadius) {
+  const RoomGrid g = grid();
+  const double sigma = 0.2;
+  LocationEstimate estimate;
+  summarise_posterior(
+      g, map_of(g, [&](const Vec3d& p) { return gaussian(p, 0.31, -0.22, sigma); }), {}, estimate);
+  ASSERT_TRUE(estimate.position);
+  EXPECT_NEAR(estimate.position->x, 0.31, 0.03);
+  EXPECT_NEAR(estimate.position->y, -0.22, 0.03);
+  EXPECT_NEAR(std::sqrt(estimate.covariance[0]), sigma, 0.01);
+  EXPECT_NEAR(std::sqrt(estimate.covariance[4]), sigma, 0.01);
+  EXPECT_NEAR(estimate.accuracy_m, sigma * std::sqrt(-2.0 * std::log(0.05)), 0.03);
+  EXPECT_FALSE(estimate.ambiguous);
+}
+
+TEST(Posterior, TemperWidens) {
+  const RoomGrid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.15); });
+  LocationEstimate sharp;
+  LocationEstimate wide;
+  summarise_posterior(g, map, {1.0, 0.95, 5}, sharp);
+  summarise_posterior(g, map, {0.25, 0.95, 5}, wide);
+  EXPECT_NEAR(wide.accuracy_m / sharp.accuracy_m, 2.0, 0.15);
+}
+
+TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
+  const RoomGrid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) {
+    return std::log(2.0 * std::exp(gaussian(p, -1.0, 0.5, 0.06)) +
+                    std::exp(gaussian(p, 1.0, -0.5, 0.06)) + 1e-30);
+  });
+  LocationEstimate estimate;
+  summarise_posterior(g, map, {}, estimate);
+  ASSERT_EQ(estimate.hypotheses.size(), 2U);
+  EXPECT_NEAR(estimate.hypotheses[0].weight, 2.0 / 3.0, 0.01);
+  EXPECT_NEAR(estimate.hypotheses[1].weight, 1.0 / 3.0, 0.01);
+  EXPECT_NEAR(estimate.hypotheses[1].position.x, 1.0, 0.02);
+  EXPECT_NEAR(estimate.position->x, -1.0, 0.02);
+  EXPECT_TRUE(estimate.ambiguous);
+  EXPECT_GT(estimate.accuracy_m, 2.0);  // 95 % of the mass are not in one place
+}
+
+TEST(Posterior, PrefersAHillToASpike) {
+  const RoomGrid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) {
+    return std::log(3.0 * std::exp(gaussian(p, -1.0, 0.5, 0.01)) +
+                    std::exp(gaussian(p, 1.0, -0.5, 0.1)) + 1e-30);
+  });
+  LocationEstimate estimate;
+  summarise_posterior(g, map, {}, estimate);
+  EXPECT_NEAR(estimate.position->x, 1.0, 0.05);
+}
+
+TEST(Posterior, OfAFlatMapIsNoPosition) {
+  const RoomGrid g = grid();
+  LocationEstimate estimate;
+  summarise_posterior(g, std::vector<double>(g.size(), -7.0), {}, estimate);
+  EXPECT_FALSE(estimate.position);
+  EXPECT_NE(estimate.reason.find("flat"), std::string::npos);
+}
+
+TEST(RoomGrid, CoversTheRoomEvenly) {
+  const RoomGrid g({0.0, 0.0, 0.0}, {1.0, 0.32, 2.0}, 1.2, 0.1);
+  EXPECT_EQ(g.count_x, 10U);
+  EXPECT_EQ(g.count_y, 4U);
+  EXPECT_NEAR(g.centre(0).y, 0.04, 1e-12);
+  EXPECT_NEAR(g.centre(g.size() - 1).x, 0.95, 1e-12);
+  EXPECT_NEAR(g.centre(g.size() - 1).y, 0.28, 1e-12);
+}
+
+}  // namespace
+}  // namespace rayloc

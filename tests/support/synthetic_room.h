@@ -1,0 +1,34 @@
+// A small room with access points, and frames as their radios would report them: for tests of what
+// goes from frames to a position. Every antenna element is traced for itself.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "engine/channel/csi_frame.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc::test {
+
+// 3 x 2.4 x 2.5 m of concrete, three corners with an access point of three antennas; chain gains
+// are those that frames_at() applies, so the room counts as calibrated.
+RoomModel make_room();
+
+// The gains of each chain and tone of an access point: different levels, phases and a slope.
+ChainGains make_gains(const RoomModel& room, std::size_t access_point);
+
+struct FrameOptions {
+  int count = 4;
+  double snr_db = 30.0;
+  unsigned seed = 1;
+};
+
+// What the access points hear of a device at `position`: unknown gain, phase and timing offset in
+// every frame, chain gains, noise.
+std::vector<CsiFrame> frames_at(const RoomModel& room,
+                                const Vec3d& position,
+                                const FrameOptions& options = {});
+
+}  // namespace rayloc::test
