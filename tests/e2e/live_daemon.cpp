@@ -1,0 +1,160 @@
+#include "tests/e2e/live_daemon.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <stdexcept>
+
+namespace rayloc::e2e {
+namespace {
+
+constexpr std::chrono::seconds kPatience{60};
+
+sockaddr_in loopback(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
+bool can_bind(int type, std::uint16_t port) {
+  const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  if (type == SOCK_STREAM) {
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  }
+  sockaddr_in address = loopback(port);
+  const bool bound = bind(fd, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return bound;
+}
+
+// A port that nobody uses now. Below the range from which the kernel gives out its own, so that
+// none is taken by a connection before the daemon binds it; tests of one run differ by process.
+std::uint16_t free_port(int type) {
+  static int next = 15000 + static_cast<int>(getpid() % 1600) * 10;
+  for (; next < 32000; ++next) {
+    if (can_bind(type, static_cast<std::uint16_t>(next))) {
+      return static_cast<std::uint16_t>(next++);
+    }
+  }
+  throw std::runtime_error("no free port");
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+  std::string name = (std::filesystem::temp_directory_path() / "rayloc-e2e.XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) {
+    throw std::runtime_error("cannot make " + name);
+  }
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code error;
+  std::filesystem::remove_all(path_, error);
+}
+
+LiveDaemon::LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOptions& options) {
+  publish_port_ = free_port(SOCK_STREAM);
+  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(publish_port_);
+  const std::filesystem::path config = folder / "raylocd.toml";
+  std::ofstream toml(config);
+  toml << "[site]\ndirectory = \"" << options.site.string() << "\"\n";
+  for (const std::string& access_point : options.access_points) {
+    udp_ports_.push_back(free_port(SOCK_DGRAM));
+    toml << "[[source]]\nkind = \"udp\"\naccess_point = \"" << access_point
+         << "\"\nlisten = \"127.0.0.1:" << udp_ports_.back() << "\"\n";
+  }
+  toml << "[publish]\nendpoint = \"" << endpoint << "\"\n" << options.more_configuration;
+  toml.close();
+  daemon_ = std::make_unique<Process>(
+      folder, "raylocd", "raylocd", std::vector<std::string>{"--config", config.string()});
+  subscriber_ = std::make_unique<Process>(
+      folder,
+      "sub",
+      "rayloc",
+      std::vector<std::string>{"sub", "v1/", "--endpoint", endpoint, "--json"});
+}
+
+bool LiveDaemon::ready() {
+  return eventually(kPatience,
+                    [this] {
+                      if (!daemon_->running() || !subscriber_->running()) {
+                        return true;  // no use waiting any longer
+                      }
+                      const bool bound = std::none_of(
+                          udp_ports_.begin(), udp_ports_.end(), [](std::uint16_t port) {
+                            return can_bind(SOCK_DGRAM, port);
+                          });
+                      return bound && !bodies("heartbeat").empty();
+                    }) &&
+         daemon_->running() && subscriber_->running();
+}
+
+std::string LiveDaemon::address(std::size_t index) const {
+  return "127.0.0.1:" + std::to_string(udp_ports_.at(index));
+}
+
+std::optional<int> LiveDaemon::stop() {
+  daemon_->signal(SIGTERM);
+  const std::optional<int> status = daemon_->wait(kPatience);
+  // What was published last is still on its way to the subscriber's file.
+  eventually(std::chrono::seconds{10}, [this] { return !bodies("goodbye").empty(); });
+  return status;
+}
+
+std::vector<nlohmann::json> LiveDaemon::bodies(const std::string& kind) const {
+  std::vector<nlohmann::json> found;
+  for (const std::string& line : read_lines(subscriber_->out())) {
+    const nlohmann::json envelope = nlohmann::json::parse(line, nullptr, false);
+    if (envelope.is_object() && envelope.contains(kind)) {  // the last line may be half written
+      found.push_back(envelope.at(kind));
+    }
+  }
+  return found;
+}
+
+std::string LiveDaemon::errors() const { return daemon_->errors() + subscriber_->errors(); }
+
+std::uint64_t number(const nlohmann::json& value) {
+  return value.is_string() ? std::stoull(value.get<std::string>()) : value.get<std::uint64_t>();
+}
+
+std::filesystem::path bundled(const std::string& name) {
+  return std::filesystem::path(RAYLOC_TEST_DATA) / "sites/meeting_room" / name;
+}
+
+std::string bundled_recording(const std::string& name, const std::string& access_point) {
+  return bundled(name + "-" + access_point + ".pcap.gz").string();
+}
+
+std::filesystem::path calibrated_site(const std::filesystem::path& folder) {
+  std::filesystem::path out = folder / "calibrated";
+  std::vector<std::string> arguments = {"calibrate", bundled("").string(), "--gains-only"};
+  arguments.emplace_back("--capture");
+  for (const std::string access_point : {"ap1", "ap2", "ap3"}) {
+    arguments.push_back(access_point + "=" + bundled_recording("calibration", access_point));
+  }
+  for (const std::string& word : {std::string("--points"),
+                                  bundled("calibration.csv").string(),
+                                  std::string("--out"),
+                                  out.string()}) {
+    arguments.push_back(word);
+  }
+  Process calibrate(folder, "calibrate", "rayloc", arguments);
+  if (calibrate.wait(kPatience) != 0) {
+    throw std::runtime_error("rayloc calibrate failed\n" + calibrate.errors());
+  }
+  return out;
+}
+
+}  // namespace rayloc::e2e

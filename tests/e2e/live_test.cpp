@@ -1,0 +1,122 @@
+// The whole way with real processes and real sockets: rayloc send -> raylocd -> rayloc sub.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/e2e/live_daemon.h"
+
+namespace rayloc::e2e {
+namespace {
+
+constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
+// Eight times the recorded pace: a spot lasts 0.13 s, less than a burst, and the shortest way
+// between two takes 0.39 s, more than the gap that ends one. So each spot is one burst.
+const char* const kSpeed = "8";
+constexpr std::chrono::seconds kPatience{120};
+
+struct Spot {
+  double x;
+  double y;
+};
+
+std::vector<Spot> surveyed_spots() {
+  std::vector<Spot> spots;
+  const std::vector<std::string> lines = read_lines(bundled("device_los.csv"));
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    std::istringstream fields(lines[i]);
+    std::array<double, 4> value{};
+    char comma = 0;
+    for (double& v : value) {
+      fields >> v >> comma;
+    }
+    spots.push_back({value[2], value[3]});
+  }
+  return spots;
+}
+
+// Sends the recordings of all access points as one, in their common time; false when that fails.
+bool send_recordings(const std::filesystem::path& folder, const LiveDaemon& daemon) {
+  std::vector<std::string> arguments = {"send", "--speed", kSpeed};
+  for (const std::string access_point : kAccessPoints) {
+    arguments.push_back(bundled_recording("device_los", access_point));
+  }
+  for (std::size_t i = 0; i < kAccessPoints.size(); ++i) {
+    arguments.insert(arguments.end(), {"--to", daemon.address(i)});
+  }
+  Process sender(folder, "send", "rayloc", arguments);
+  return sender.wait(kPatience) == 0;
+}
+
+double horizontal_error(const nlohmann::json& location, const Spot& spot) {
+  const nlohmann::json& position = location.at("position");
+  return std::hypot(position.at("x").get<double>() - spot.x,
+                    position.at("y").get<double>() - spot.y);
+}
+
+TEST(Live, LocatesEverySpotOfARecordingSentOverUdp) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = calibrated_site(folder.path())});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_TRUE(send_recordings(folder.path(), daemon));
+  const std::vector<Spot> spots = surveyed_spots();
+  eventually(std::chrono::seconds{20},
+             [&] { return daemon.bodies("location").size() >= spots.size(); });
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+
+  const std::vector<nlohmann::json> locations = daemon.bodies("location");
+  ASSERT_EQ(locations.size(), spots.size()) << daemon.errors();
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    ASSERT_NE(locations[i].at("mode"), "FIX_MODE_NO_FIX") << locations[i].dump();
+    EXPECT_EQ(locations[i].at("quality").at("access_points"), 3);
+    errors.push_back(horizontal_error(locations[i], spots[i]));
+  }
+  std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
+  // Always answering the centre of the room has a median error of 1.01 m.
+  EXPECT_LT(errors[10], 0.5);
+  EXPECT_EQ(daemon.bodies("goodbye").size(), 1U);
+}
+
+TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {
+  const TemporaryFolder folder;
+  const std::filesystem::path recordings = folder.path() / "recordings";
+  std::filesystem::create_directory(recordings);
+  const std::filesystem::path site = calibrated_site(folder.path());
+  LiveDaemon daemon(
+      folder.path(),
+      {.site = site,
+       .more_configuration = "[record]\ndirectory = \"" + recordings.string() + "\"\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_TRUE(send_recordings(folder.path(), daemon));
+  ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
+  const std::vector<nlohmann::json> live = daemon.bodies("location");
+  ASSERT_EQ(live.size(), surveyed_spots().size());
+
+  std::vector<std::string> arguments = {"replay", site.string()};
+  for (const std::string access_point : kAccessPoints) {
+    for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
+      if (entry.path().filename().string().find(access_point) != std::string::npos) {
+        arguments.push_back(access_point + "=" + entry.path().string());
+      }
+    }
+  }
+  ASSERT_EQ(arguments.size(), 2 + kAccessPoints.size());
+  for (const std::string speed : {"max", "8"}) {
+    std::vector<std::string> words = arguments;
+    words.insert(words.end(), {"--speed", speed});
+    Process replay(folder.path(), "replay-" + speed, "rayloc", words);
+    ASSERT_EQ(replay.wait(kPatience), 0) << replay.errors();
+    const std::vector<std::string> lines = read_lines(replay.out());
+    ASSERT_EQ(lines.size(), live.size());
+    for (std::size_t i = 0; i < live.size(); ++i) {
+      EXPECT_EQ(nlohmann::json::parse(lines[i]).dump(), live[i].dump()) << "at speed " << speed;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace rayloc::e2e
