@@ -151,7 +151,7 @@ std::filesystem::path calibrated_site(const std::filesystem::path& folder) {
     arguments.push_back(word);
   }
   Process calibrate(folder, "calibrate", "rayloc", arguments);
-  if (calibrate.wait(kPatience) != 0) {
+  if (calibrate.wait(std::chrono::minutes{4}) != 0) {
     throw std::runtime_error("rayloc calibrate failed\n" + calibrate.errors());
   }
   return out;
