@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstdio>
@@ -189,7 +190,7 @@ double measure(Receiver& receiver, const Payloads& payloads) {
     if (!whole) {
       break;
     }
-    best = result.rate;
+    best = std::max(best, result.rate);
     if (result.rate < 0.9 * rate) {
       break;  // the sender can do no more
     }
