@@ -214,11 +214,11 @@ TEST(PcapFileSource, RejectsWithAReasonWhatIsNoUdpDatagram) {
   const std::vector<Case> cases = {
       {"not_udp", ethernet(ipv4({.payload = "x", .protocol = 6}))},
       {"not_udp", ethernet(udp("arp"), 0x0806)},
-      {"ipv6", ethernet("\x60" + ByteString(60, '\0'), 0x86dd)},
+      {"ipv6", ethernet(ByteString(1, 0x60) + ByteString(60, '\0'), 0x86dd)},
       {"ip_fragment", ethernet(ipv4({.payload = "x", .fragment = 0x2000}))},
       {"ip_fragment", ethernet(ipv4({.payload = "x", .fragment = 0x0007}))},
-      {"bad_ip_header", ethernet("\x44" + udp("x").substr(1))},
-      {"bad_ip_header", ethernet("\x55" + udp("x").substr(1))},
+      {"bad_ip_header", ethernet(ByteString(1, 0x44) + udp("x").substr(1))},
+      {"bad_ip_header", ethernet(ByteString(1, 0x55) + udp("x").substr(1))},
       {"length_mismatch", ethernet(ipv4({.payload = "x", .udp_length_error = 1}))},
       {"length_mismatch", ethernet(ipv4({.payload = "x", .udp_length_error = -2}))},
       {"length_mismatch", ethernet(ipv4({.payload = "x", .ip_length_error = 1}))},
@@ -262,9 +262,9 @@ TEST(PcapFileSource, AcceptsEveryPortUnlessOneIsGiven) {
 
 TEST(PcapFileSource, ReadsGzipOfSeveralMembersAndOfHighCompression) {
   // 6 MB of packets that pack to a few kB: the unpacked bytes do not fit a buffer at once.
-  std::vector<ByteString> packets;
-  for (int i = 0; i < 4000; ++i) {
-    packets.push_back(ethernet(udp(ByteString(static_cast<std::size_t>(i % 3000), 'z'))));
+  std::vector<ByteString> packets(4000);
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    packets[i] = ethernet(udp(ByteString(i % 3000, 'z')));
   }
   const ByteString file = classic(packets);
   const std::size_t half = file.size() / 2 + 11;

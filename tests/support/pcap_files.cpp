@@ -21,7 +21,11 @@ ByteString integer(std::uint64_t value, int width, Endian endian) {
 
 ByteString net16(int value) { return u16(static_cast<std::uint16_t>(value), Endian::kBig); }
 ByteString net32(std::uint32_t value) { return u32(value, Endian::kBig); }
-ByteString zeros(std::size_t count) { return ByteString(count, '\0'); }
+ByteString zeros(std::size_t count) {
+  ByteString bytes;
+  bytes.resize(count);
+  return bytes;
+}
 ByteString padded(ByteString data) {
   data.append((4 - data.size() % 4) % 4, '\0');
   return data;
@@ -167,7 +171,7 @@ void write_file(const std::string& path, const ByteString& data) {
 ByteString read_file(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   EXPECT_TRUE(in.good()) << path;
-  return ByteString((std::istreambuf_iterator<char>(in)), {});
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::string temporary_path(const std::string& name) {

@@ -61,7 +61,7 @@ std::string recording(const std::string& name,
     file += test::pcap_record(
         little, kFirst, milliseconds * 1000, test::ethernet(test::ipv4({.payload = payload})));
   }
-  const std::string path = test::temporary_path(name);
+  std::string path = test::temporary_path(name);
   test::write_file(path, file);
   return path;
 }
