@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/SVD>
+#include <Eigen/Eigenvalues>
 
 #include "engine/base/check.h"
 
@@ -39,8 +39,11 @@ DelayBasis::DelayBasis(const OfdmGrid& grid) {
       window(k, t) = std::polar(scale, -angular_offset_[static_cast<std::size_t>(k)] * delay);
     }
   }
-  const Eigen::BDCSVD<Eigen::MatrixXcd> svd(window, Eigen::ComputeThinU);
-  const Eigen::VectorXd power = svd.singularValues().array().square();
+  // The left singular vectors of the window, as eigenvectors of its Gram matrix: what is left out
+  // is far above the square root of the rounding error, and it compiles four times faster.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> gram(window * window.adjoint());
+  RAYLOC_CHECK(gram.info() == Eigen::Success);
+  const Eigen::VectorXd power = gram.eigenvalues().reverse();  // largest first
   double left = power.sum();
   const double most_left = kLeftOut * left;
   while (static_cast<Eigen::Index>(size_) < power.size() && left > most_left) {
@@ -48,7 +51,7 @@ DelayBasis::DelayBasis(const OfdmGrid& grid) {
   }
   for (std::size_t q = 0; q < size_; ++q) {
     for (Eigen::Index k = 0; k < tones; ++k) {
-      basis_.push_back(svd.matrixU()(k, static_cast<Eigen::Index>(q)));
+      basis_.push_back(gram.eigenvectors()(k, tones - 1 - static_cast<Eigen::Index>(q)));
     }
   }
   table_.resize(kTableSize * size_);
