@@ -1,6 +1,7 @@
 #include "daemon/cli/calibration_inputs.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -23,9 +24,9 @@ struct Extent {
 };
 
 std::string seconds_text(Timestamp time) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3f", to_seconds(time.time_since_epoch()));
-  return text;
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3f", to_seconds(time.time_since_epoch()));
+  return text.data();
 }
 
 // The point at whose spot the frame was sent; its window is the survey's, slack included.

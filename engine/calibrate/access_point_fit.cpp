@@ -24,8 +24,8 @@ constexpr int kGainIterations = 6;
 constexpr int kGainDegree = 4;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
-constexpr double kYawRange = 3.0 * kDegree;
 constexpr double kYawStep = 0.5 * kDegree;
+constexpr int kYawSteps = 6;  // to either side
 constexpr int kErrorRounds = 3;
 // The tones of a point are no independent evidence about the model's errors; one point is.
 constexpr double kEvidence = 0.1;
@@ -108,6 +108,46 @@ FittedValue maximise(const std::vector<double>& values, double prior, const Func
   return result;
 }
 
+// Measured times the conjugate of the expected, aligned to the gains times the expected power. Both
+// are of unit power, so the factor is a phase; its magnitude is the weight, the correlation.
+std::vector<Value> aligned_ratio(const Aligner& aligner,
+                                 const std::vector<Value>& measured,
+                                 const std::vector<Value>& expected,
+                                 const std::vector<Value>& gain) {
+  std::vector<Value> target(gain.size());
+  std::vector<Value> ratio(gain.size());
+  for (std::size_t j = 0; j < gain.size(); ++j) {
+    ratio[j] = measured[j] * std::conj(expected[j]);
+    target[j] = gain[j] * std::norm(expected[j]);
+  }
+  Alignment alignment = aligner.align(target, ratio);
+  const double magnitude = std::abs(alignment.factor);
+  alignment.factor *= magnitude > 0.0 ? alignment.correlation / magnitude : 0.0;
+  aligner.apply(alignment, ratio);
+  return ratio;
+}
+
+// Of each chain: the scatter of the samples' own phases about the gains', over the root of the
+// number of samples [rad].
+std::vector<double> phase_sigma(const std::vector<Value>& gain,
+                                const std::vector<std::vector<Value>>& ratio,
+                                std::size_t tones) {
+  std::vector<double> sigma;
+  for (std::size_t row = 0; row < gain.size(); row += tones) {
+    double scatter = 0.0;
+    for (const auto& own : ratio) {
+      Value along;
+      for (std::size_t j = row; j < row + tones; ++j) {
+        along += std::conj(gain[j]) * own[j];
+      }
+      const double angle = std::abs(along) > 0.0 ? std::arg(along) : std::numbers::pi;
+      scatter += angle * angle;
+    }
+    sigma.push_back(std::sqrt(scatter) / static_cast<double>(ratio.size()));
+  }
+  return sigma;
+}
+
 }  // namespace
 
 AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
@@ -164,18 +204,7 @@ ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offs
   std::vector<std::vector<Value>> ratio(samples_.size());
   for (int iteration = 0; iteration < kGainIterations; ++iteration) {
     parallel_for(samples_.size(), 4, [&](std::size_t i) {
-      // Measured times the conjugate of the expected, against the gains times its power.
-      std::vector<Value> target(size);
-      ratio[i].resize(size);
-      for (std::size_t j = 0; j < size; ++j) {
-        ratio[i][j] = samples_[i].h[j] * std::conj(expected[i][j]);
-        target[j] = gain[j] * std::norm(expected[i][j]);
-      }
-      Alignment alignment = aligner.align(target, ratio[i]);
-      const double magnitude = std::abs(alignment.factor);
-      // Both are of unit power, so the factor is a phase but for the misfit.
-      alignment.factor *= magnitude > 0.0 ? alignment.correlation / magnitude : 0.0;
-      aligner.apply(alignment, ratio[i]);
+      ratio[i] = aligned_ratio(aligner, samples_[i].h, expected[i], gain);
     });
     std::vector<Value> sum(size);
     std::vector<double> weight(size, 1e-12);
@@ -192,23 +221,7 @@ ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offs
     scale_to_unit(gain);
   }
   if (sigma != nullptr) {
-    // Scatter of the samples' own gains about the mean, over the root of their number.
-    for (std::size_t row = 0; row < size; row += tones) {
-      double scatter = 0.0;
-      for (const auto& own : ratio) {
-        Value along;
-        double power = 0.0;
-        for (std::size_t j = row; j < row + tones; ++j) {
-          along += std::conj(gain[j]) * own[j];
-          power += std::norm(gain[j]);
-        }
-        const double magnitude = std::abs(along);
-        const double angle = magnitude > 0.0 ? std::arg(along) : std::numbers::pi;
-        scatter += angle * angle;
-      }
-      const auto count = static_cast<double>(samples_.size());
-      sigma->push_back(std::sqrt(scatter) / count);
-    }
+    *sigma = phase_sigma(gain, ratio, tones);
   }
   return {grid_, access_point_.cores, std::move(gain)};
 }
@@ -240,8 +253,8 @@ double AccessPointCalibrator::log_likelihood(const std::vector<ObservedArray>& o
 
 void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
   std::vector<double> scan;
-  for (double yaw = -kYawRange; yaw <= kYawRange + 0.5 * kYawStep; yaw += kYawStep) {
-    scan.push_back(yaw);
+  for (int i = -kYawSteps; i <= kYawSteps; ++i) {
+    scan.push_back(kYawStep * i);
   }
   const ModelError error = fit.error();
   fit.yaw_offset = maximise(scan, 0.0, [&](double yaw) {

@@ -102,7 +102,9 @@ std::vector<Value> DelayBasis::diffuse_covariance(double decay) const {
   std::vector<Value> covariance(size_ * size_);
   std::vector<Value> s(size_);
   double total = 0.0;
-  for (double delay = 0.0; delay < 8.0 * decay; delay += kStep) {
+  const auto steps = static_cast<std::size_t>(8.0 * decay / kStep);
+  for (std::size_t step = 0; step < steps; ++step) {
+    const double delay = kStep * static_cast<double>(step);
     const double weight = std::exp(-delay / decay);
     total += weight;
     tone(delay, s);

@@ -221,6 +221,7 @@ std::vector<Heard> Localizer::Impl::listen(std::span<const CsiFrame> frames,
 // Log-likelihood of every cell above that of being nowhere in particular.
 std::vector<double> Localizer::Impl::map_of(const std::vector<Heard>& heard) const {
   std::vector<double> nowhere;
+  nowhere.reserve(heard.size());
   for (const Heard& one : heard) {
     nowhere.push_back(ObservationModel::log_likelihood(one.station->nowhere, one.observed));
   }

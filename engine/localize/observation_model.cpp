@@ -153,7 +153,7 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
     const double known = coherence(ray, first, place.cell_size, error);
     const double unknown = 1.0 - known * known + strength_variance(ray.reflections);
     mu += known * s;
-    sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, unknown);
+    sigma.noalias() += unknown * s * s.adjoint();
   }
   const double diffuse =
       error.diffuse * std::pow(first.length / kDiffuseReference, error.diffuse_exponent);

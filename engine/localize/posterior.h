@@ -23,8 +23,10 @@ struct RoomGrid {
 
   std::size_t size() const { return count_x * count_y; }
   Vec3d centre(std::size_t cell) const {
-    return {first.x + step_x * static_cast<double>(cell / count_y),
-            first.y + step_y * static_cast<double>(cell % count_y),
+    const std::size_t x = cell / count_y;
+    const std::size_t y = cell % count_y;
+    return {first.x + step_x * static_cast<double>(x),
+            first.y + step_y * static_cast<double>(y),
             first.z};
   }
 };
