@@ -24,8 +24,8 @@ constexpr int kGainIterations = 6;
 constexpr int kGainDegree = 4;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
-constexpr double kYawStep = 0.5 * kDegree;
-constexpr int kYawSteps = 6;  // to either side
+constexpr double kYawStep = 1.0 * kDegree;
+constexpr int kYawSteps = 3;  // to either side
 constexpr int kErrorRounds = 3;
 // The tones of a point are no independent evidence about the model's errors; one point is.
 constexpr double kEvidence = 0.1;

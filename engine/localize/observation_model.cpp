@@ -310,11 +310,19 @@ std::vector<Value> ObservationModel::expected(const Place& place, const ModelErr
     for (std::size_t m = 0; m < antennas_; ++m) {
       const double length =
           norm(ray.length * ray.at_array - place.element_offset[m]) - first.length;
+      // From tone to tone by turning, which is far cheaper than a sine each.
+      const double delay = length / kSpeedOfLight;
+      const Value turn = std::polar(1.0, -2.0 * std::numbers::pi * grid_.spacing_hz * delay);
+      Value v =
+          amplitude * std::polar(1.0, -2.0 * std::numbers::pi * grid_.frequency_hz(0) * delay);
       for (std::size_t k = 0; k < grid_.size(); ++k) {
-        h[m * grid_.size() + k] +=
-            amplitude *
-            std::polar(1.0,
-                       -2.0 * std::numbers::pi * grid_.frequency_hz(k) * length / kSpeedOfLight);
+        for (int tone = k == 0 ? grid_.tone_index[0] : grid_.tone_index[k - 1];
+             tone < grid_.tone_index[k];
+             ++tone) {
+          v = Value(v.real() * turn.real() - v.imag() * turn.imag(),
+                    v.real() * turn.imag() + v.imag() * turn.real());
+        }
+        h[m * grid_.size() + k] += v;
       }
     }
   }

@@ -1,0 +1,118 @@
+// `rayloc calibrate` as a process, on the bundled site.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+
+class CalibrateVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    out_ =
+        fs::path(testing::TempDir()) /
+        (std::string("calibrate_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(out_);
+  }
+  void TearDown() override { fs::remove_all(out_); }
+
+  Finished calibrate(std::vector<std::string> more) const {
+    std::vector<std::string> arguments = {"calibrate", kSite, "--gains-only", "--out", out_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RaylocProcess(arguments).wait();
+  }
+
+  // The first `rows` points of the survey, with `from` replaced by `to`.
+  std::string points(int rows, const std::string& from = "", const std::string& to = "") const {
+    std::ifstream in(kSite + "/calibration.csv");
+    const std::string file = out_.string() + ".csv";
+    std::ofstream copy(file);
+    std::string line;
+    for (int i = 0; i <= rows && std::getline(in, line); ++i) {
+      const std::size_t at = from.empty() ? std::string::npos : line.find(from);
+      copy << (at == std::string::npos ? line : line.replace(at, from.size(), to)) << '\n';
+    }
+    return file;
+  }
+
+  fs::path out_;
+};
+
+TEST_F(CalibrateVerb, WritesASiteWhoseGainsExplainTheHeldOutPoints) {
+  const Finished run = calibrate({"--capture",
+                                  "ap3=" + kSite + "/calibration-ap3.pcap.gz",
+                                  "--points",
+                                  kSite + "/calibration.csv"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_TRUE(run.out.empty());
+  for (const char* file : {"site.toml", "scene.xml", "meshes/floor.ply", "calibration.toml"}) {
+    EXPECT_TRUE(fs::is_regular_file(out_ / file)) << file;
+  }
+  std::ifstream in(out_ / "report.json");
+  const auto report = nlohmann::json::parse(in);
+  const auto& heldout = report.at("heldout").at("ap3");
+  EXPECT_GT(heldout.at("after").get<double>(), 0.6);
+  EXPECT_GT(heldout.at("after").get<double>(), heldout.at("before").get<double>() + 0.2);
+  EXPECT_FALSE(report.at("parameters").empty());
+}
+
+TEST_F(CalibrateVerb, SaysThatOnlyGainsAreBuilt) {
+  const Finished run = RaylocProcess({"calibrate",
+                                      kSite,
+                                      "--out",
+                                      out_,
+                                      "--points",
+                                      kSite + "/calibration.csv",
+                                      "--capture",
+                                      "ap1=" + kSite + "/calibration-ap1.pcap.gz"})
+                           .wait();
+  EXPECT_EQ(run.status, 64);
+  EXPECT_NE(run.err.find("--gains-only"), std::string::npos) << run.err;
+}
+
+TEST_F(CalibrateVerb, RefusesAPointOutsideOfTheRoomByItsRow) {
+  const Finished run = calibrate({"--capture",
+                                  "ap1=" + kSite + "/calibration-ap1.pcap.gz",
+                                  "--points",
+                                  points(5, ",1.2000", ",9.0000")});
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find(".csv:2: "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("outside of the room"), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(CalibrateVerb, RefusesTheRecordingOfAnotherTime) {
+  const Finished run = calibrate({"--capture",
+                                  "ap1=" + kSite + "/device_los-ap1.pcap.gz",
+                                  "--points",
+                                  kSite + "/calibration.csv"});
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find("access point 'ap1' heard the device from"), std::string::npos) << run.err;
+}
+
+TEST_F(CalibrateVerb, RefusesTooFewPoints) {
+  const Finished run =
+      calibrate({"--capture", "ap1=" + kSite + "/calibration-ap1.pcap.gz", "--points", points(3)});
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find("3 calibration points can be used"), std::string::npos) << run.err;
+}
+
+TEST_F(CalibrateVerb, RefusesAnAccessPointThatTheSiteDoesNotHave) {
+  const Finished run = calibrate({"--capture",
+                                  "attic=" + kSite + "/calibration-ap1.pcap.gz",
+                                  "--points",
+                                  kSite + "/calibration.csv"});
+  EXPECT_EQ(run.status, 64);
+  EXPECT_NE(run.err.find("no access point 'attic'"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace rayloc
