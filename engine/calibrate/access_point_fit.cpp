@@ -26,7 +26,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
 constexpr double kYawStep = 1.0 * kDegree;
 constexpr int kYawSteps = 3;  // to either side
-constexpr int kErrorRounds = 3;
 // The tones of a point are no independent evidence about the model's errors; one point is.
 constexpr double kEvidence = 0.1;
 
@@ -282,12 +281,10 @@ void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
         value.prior = before;
         value.sigma = logarithmic ? value.value * std::numbers::ln2 * found.sigma : found.sigma;
       };
-  for (int round = 0; round < kErrorRounds; ++round) {
-    scan(fit.diffuse, prior.diffuse, {-8, -7, -6, -5, -4, -3, -2, -1, 0}, true);
-    scan(fit.diffuse_exponent, prior.diffuse_exponent, {-0.5, 0, 0.5, 1, 1.5, 2}, false);
-    scan(fit.plan_tolerance, prior.plan_tolerance, {-8, -7.5, -7, -6.5, -6, -5.5, -5, -4.5}, true);
-    scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
-  }
+  scan(fit.diffuse, prior.diffuse, {-8, -7, -6, -5, -4, -3, -2, -1, 0}, true);
+  scan(fit.diffuse_exponent, prior.diffuse_exponent, {-0.5, 0, 0.5, 1, 1.5, 2}, false);
+  scan(fit.plan_tolerance, prior.plan_tolerance, {-8, -7.5, -7, -6.5, -6, -5.5, -5, -4.5}, true);
+  scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
 }
 
 Expected<AccessPointFit> AccessPointCalibrator::fit() const {
