@@ -1,16 +1,11 @@
 #include "daemon/cli/capture_argument.h"
 
 #include <algorithm>
-#include <cctype>
+
+#include "daemon/site/site.h"
 
 namespace rayloc::cli {
 namespace {
-
-bool is_id(const std::string& text) {
-  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-  });
-}
 
 std::string list_of(const std::vector<std::string>& ids) {
   std::string list;
@@ -24,7 +19,7 @@ std::string list_of(const std::vector<std::string>& ids) {
 
 CaptureArgument parse_capture_argument(const std::string& text) {
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || !is_id(text.substr(0, equals))) {
+  if (equals == std::string::npos || !is_access_point_id(text.substr(0, equals))) {
     return {"", text};
   }
   return {text.substr(0, equals), text.substr(equals + 1)};

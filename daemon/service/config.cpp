@@ -5,8 +5,8 @@
 
 #include "daemon/service/config_reader.h"
 #include "daemon/service/endpoint.h"
-#include "daemon/site/suggest.h"
 #include "engine/base/check.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "capture/decoder_registry.h"
 #include "daemon/service/endpoint.h"
 
 namespace rayloc {
@@ -119,7 +120,7 @@ const std::array kOptions = {
                  .key = "format",
                  .type = T::kChoice,
                  .example = "\"axcsi-v4\"",
-                 .choices = wire_format_names(),
+                 .choices = wire_formats(),
                  .description = "Wire format; recognised by datagram when left out",
                  .store_source = [](S& s, const V& v) { s.format = text(v); }},
 

@@ -5,7 +5,7 @@
 #include <system_error>
 
 #include "daemon/site/site_tables.h"
-#include "daemon/site/suggest.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {

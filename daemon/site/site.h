@@ -111,9 +111,6 @@ Expected<Site> parse_site(std::string_view text, const std::filesystem::path& fi
 // Whether `text` can be the id of an access point: letters, digits, '-' and '_'.
 bool is_access_point_id(std::string_view text);
 
-// Names of wire formats (AXCSI.md); what `format` of an access point or a source may be.
-std::span<const std::string_view> wire_format_names();
-
 // Position in `access_points` of `id`; an error that lists the ids there are.
 Expected<int> find_access_point(const Site& site, const std::string& id);
 

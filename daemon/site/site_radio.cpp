@@ -2,14 +2,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "capture/decoder_registry.h"
 #include "daemon/site/site_tables.h"
-#include "daemon/site/suggest.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {
 
-constexpr std::array<std::string_view, 4> kWireFormats = {
-    "axcsi-v4", "nexmon-v1", "nexmon-v2", "ubilocate"};
 constexpr std::array<std::string_view, 3> kPatterns = {"half_wave_dipole", "dipole", "isotropic"};
 constexpr std::array<std::string_view, 2> kPolarizations = {"V", "H"};
 constexpr std::array<std::string_view, 2> kRoles = {"device", "fixed"};
@@ -185,8 +184,6 @@ SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
 
 }  // namespace
 
-std::span<const std::string_view> wire_format_names() { return kWireFormats; }
-
 void read_carrier(const TomlTable& carrier, Carrier& out) {
   carrier.require({{"bandwidth_mhz", "bandwidth_mhz = 40"},
                    {"centre_hz", "centre_hz = 5190000000"},
@@ -234,7 +231,7 @@ void read_access_points(const TomlTable& root, Site& site) {
                    {"antenna", "[[access_point.antenna]] with core = 0, offset = [0, 0, 0]"}});
     SiteAccessPoint out;
     read_access_point_id(table, site, out);
-    out.format = table.choice("format", kWireFormats).value_or("");
+    out.format = table.choice("format", wire_formats()).value_or("");
     out.array.pose.position = read_position(table, site).value_or(Vec3d{});
     out.array.pose.orientation = {read_angle(table, "yaw_deg"),
                                   read_angle(table, "pitch_deg"),

@@ -2,8 +2,8 @@
 #include <fstream>
 #include <system_error>
 
-#include "daemon/site/suggest.h"
 #include "daemon/site/toml_reader.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {

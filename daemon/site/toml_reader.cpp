@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "daemon/site/suggest.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {

@@ -1,20 +1,21 @@
-// closest_name: what a writer may have meant, for messages ("did you mean 'concrete'?").
+// "Did you mean ...?": the known name that a mistyped one most likely stands for.
 #pragma once
 
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace rayloc {
 
-// The candidate with the smallest edit distance (insert, delete, replace), the first one of equals;
-// nothing when even that one differs in more than a third of its letters.
-std::optional<std::string> closest_name(std::string_view name,
-                                        std::span<const std::string> candidates);
+// The closest of `names`, or nothing when none is close: few typing errors away, or the same but
+// for '_', '-' and case, or an abbreviation of exactly one ("halfwave" of "half_wave_dipole").
+std::string_view closest_name(std::string_view word, std::span<const std::string_view> names);
 
-// " (did you mean 'X'?)", or " (there are: A, B, C)" when nothing is near; empty without
-// candidates.
-std::string suggestion(std::string_view name, std::span<const std::string> candidates);
+// "; did you mean 'NAME'?", or "; there are: a, b, c" when none is close, or nothing.
+std::string suggestion(std::string_view word, std::span<const std::string_view> names);
+std::string suggestion(std::string_view word, std::span<const std::string> names);
+
+// "a, b, c"
+std::string list_of(std::span<const std::string_view> names);
 
 }  // namespace rayloc

@@ -5,8 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/site/suggest.h"
-
 namespace rayloc {
 namespace {
 
@@ -106,25 +104,6 @@ TEST(TomlTable, PathsAreFromTheFoldersOfTheFile) {
   ASSERT_TRUE(document);
   EXPECT_EQ((*document)->root().path("a"), "/home/b/c");
   EXPECT_EQ((*document)->root().path("d"), "/e");
-}
-
-TEST(ClosestName, FindsTypingErrorsAndAbbreviations) {
-  constexpr std::array<std::string_view, 4> kNames = {
-      "half_wave_dipole", "dipole", "isotropic", "yaw_deg"};
-  EXPECT_EQ(closest_name("dipol", kNames), "dipole");
-  EXPECT_EQ(closest_name("dipoel", kNames), "dipole");
-  EXPECT_EQ(closest_name("Half-Wave-Dipole", kNames), "half_wave_dipole");
-  EXPECT_EQ(closest_name("halfwave", kNames), "half_wave_dipole");
-  EXPECT_EQ(closest_name("yaw", kNames), "yaw_deg");
-  EXPECT_EQ(closest_name("azimuth", kNames), "");
-  EXPECT_EQ(closest_name("", kNames), "");
-  EXPECT_EQ(closest_name(std::string(100'000, 'd'), kNames), "");
-}
-
-TEST(ClosestName, DoesNotGuessBetweenTwo) {
-  constexpr std::array<std::string_view, 2> kNames = {"nexmon-v1", "nexmon-v2"};
-  EXPECT_EQ(closest_name("nexmo", std::span(kNames).first(0)), "");
-  EXPECT_EQ(suggestion("tcpdump", kNames), "; there are: nexmon-v1, nexmon-v2");
 }
 
 TEST(ToText, IsTheShortestThatReadsBack) {

@@ -97,7 +97,7 @@ TEST(RadioMaterial, UnknownNameGetsASuggestion) {
   const auto material = itu_material("concret", 5.2e9);
   ASSERT_FALSE(material);
   EXPECT_EQ(material.error().message,
-            "ITU-R P.2040-3 has no material 'concret' (did you mean 'concrete'?)");
+            "ITU-R P.2040-3 has no material 'concret'; did you mean 'concrete'?");
 }
 
 TEST(RadioMaterial, FrequencyOutsideTheTableIsRefused) {

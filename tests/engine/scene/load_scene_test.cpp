@@ -133,11 +133,11 @@ TEST(LoadScene, EachMistakeHasItsMessage) {
        "scene.xml:3:1: shape 'shape0' has no material"},
       {scene_of(kConcreteBsdf,
                 "<shape type='cube'><ref id='mat-itu_concret' name='bsdf'/></shape>"),
-       "there is no <bsdf> with the id 'mat-itu_concret' (did you mean 'mat-itu_concrete'?)"},
+       "there is no <bsdf> with the id 'mat-itu_concret'; did you mean 'mat-itu_concrete'?"},
       {scene_of("<bsdf type='diffuse' id='mat-itu_concret'/>",
                 "<shape type='cube'><ref id='mat-itu_concret' name='bsdf'/></shape>"),
-       "scene.xml:2:1: material 'concret': ITU-R P.2040-3 has no material 'concret' (did you mean "
-       "'concrete'?)"},
+       "scene.xml:2:1: material 'concret': ITU-R P.2040-3 has no material 'concret'; did you mean "
+       "'concrete'?"},
       {scene_of("<bsdf type='diffuse' id='grey'/>",
                 "<shape type='cube'><ref id='grey' name='bsdf'/></shape>"),
        "material 'grey': the <bsdf> says nothing about radio"},
@@ -190,8 +190,8 @@ TEST(LoadScene, OverrideOfAnUnusedMaterialIsRefused) {
   ASSERT_FALSE(scene);
   EXPECT_EQ(scene.error().kind, ErrorKind::kConfiguration);
   EXPECT_EQ(error_of(scene),
-            "scene.xml: values are stated for the material 'concrte', which no shape uses (did you "
-            "mean 'concrete'?)");
+            "scene.xml: values are stated for the material 'concrte', which no shape uses; did you "
+            "mean 'concrete'?");
 }
 
 TEST(LoadScene, DegenerateTrianglesAreDroppedAndCounted) {
