@@ -1,4 +1,5 @@
 // `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
+#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -9,6 +10,8 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/util/delimited_message_util.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 
 #include "capture/pcap_source.h"
 #include "daemon/cli/capture_argument.h"
@@ -34,27 +37,39 @@ struct Options {
   std::string format = "jsonl";
   std::string out = "-";
   std::uint64_t seed = 1;
+  int threads = 0;
   bool quiet = false;
 };
 
+struct Quantity {
+  double value = 0.0;
+  std::string unit;
+};
+
+// Nothing when `text` does not begin with a number.
+std::optional<Quantity> parse_quantity(const std::string& text) {
+  Quantity quantity;
+  const auto [end, status] =
+      std::from_chars(text.data(), text.data() + text.size(), quantity.value);
+  if (status != std::errc()) {
+    return std::nullopt;
+  }
+  quantity.unit.assign(end, text.data() + text.size());
+  return quantity;
+}
+
 // "0.2s", "200ms" or plain seconds.
 Expected<Duration> parse_burst(const std::string& text) {
-  std::size_t used = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
+  const std::optional<Quantity> burst = parse_quantity(text);
+  if (burst && (burst->unit.empty() || burst->unit == "s" || burst->unit == "ms")) {
+    const double seconds = burst->value * (burst->unit == "ms" ? 1e-3 : 1.0);
+    if (seconds >= 1e-3 && seconds <= 60.0) {
+      return from_seconds(seconds);
+    }
   }
-  const std::string unit = text.substr(used);
-  const double scale = unit == "ms" ? 1e-3 : 1.0;
-  const bool known = used > 0 && (unit.empty() || unit == "s" || unit == "ms");
-  if (!known || !(value * scale >= 1e-3) || !(value * scale <= 60.0)) {
-    return make_error(
-        ErrorKind::kUsage,
-        "--burst " + text + ": write a duration from 1ms to 60s, for example 0.2s or 500ms");
-  }
-  return from_seconds(value * scale);
+  return make_error(
+      ErrorKind::kUsage,
+      "--burst " + text + ": write a duration from 1ms to 60s, for example 0.2s or 500ms");
 }
 
 // Nothing for "max".
@@ -62,18 +77,12 @@ Expected<std::optional<double>> parse_speed(const std::string& text) {
   if (text == "max") {
     return std::optional<double>();
   }
-  std::size_t used = 0;
-  double value = 0.0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = 0;
-  }
-  if (used != text.size() || !(value > 0.0) || value > 1e6) {
+  const std::optional<Quantity> speed = parse_quantity(text);
+  if (!speed || !speed->unit.empty() || !(speed->value > 0.0) || speed->value > 1e6) {
     return make_error(ErrorKind::kUsage,
                       "--speed " + text + ": write max, or how many times faster than recorded: 1");
   }
-  return std::optional<double>(value);
+  return std::optional<double>(speed->value);
 }
 
 Expected<std::vector<SourceWorker::Input>> open_captures(const Options& options, const Site& site) {
@@ -176,6 +185,11 @@ Expected<void> run(const Options& options) {
   if (!site) {
     return tl::make_unexpected(site.error());
   }
+  // Of the engine's parallel loops; the results are the same for any number.
+  const oneapi::tbb::global_control threads(
+      oneapi::tbb::global_control::max_allowed_parallelism,
+      static_cast<std::size_t>(options.threads > 0 ? options.threads
+                                                   : oneapi::tbb::info::default_concurrency()));
   Expected<std::vector<SourceWorker::Input>> inputs = open_captures(options, *site);
   if (!inputs) {
     return tl::make_unexpected(inputs.error());
@@ -222,6 +236,9 @@ RunVerb declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--out", options->out, "file to write instead of standard output");
   app.add_option("--seed", options->seed, "of random numbers; the method draws none")
+      ->capture_default_str();
+  app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
+      ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   app.add_flag("--quiet", options->quiet, "no summary on standard error");
   return [options] { return run(*options); };

@@ -109,7 +109,9 @@ int run(int argc, const char* const* argv) {
   }
   const Expected<void> served = serve(file);
   if (!served) {
-    std::fprintf(stderr, "raylocd: %s\n", served.error().message.c_str());
+    // Errors of a configuration begin with file:line:column, one a line, as editors read them.
+    const bool placed = served.error().kind == ErrorKind::kConfiguration;
+    std::fprintf(stderr, "%s%s\n", placed ? "" : "raylocd: ", served.error().message.c_str());
     return exit_status(served.error().kind);
   }
   return 0;

@@ -1,0 +1,56 @@
+// What `rayloc replay` says of a wrong call; what it computes is tested in tests/e2e.
+#include <gtest/gtest.h>
+
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kRecording = kSite + "/device_los-ap1.pcap.gz";
+
+Finished replay(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "replay");
+  return RaylocProcess(std::move(arguments)).wait();
+}
+
+TEST(Replay, NeedsToKnowWhichAccessPointRecorded) {
+  const Finished finished = replay({kSite, kRecording});
+  EXPECT_EQ(finished.status, 64);
+  EXPECT_NE(finished.err.find("ap1, ap2, ap3"), std::string::npos) << finished.err;
+}
+
+TEST(Replay, RefusesOptionsThatMeanNothing) {
+  const std::string capture = "ap1=" + kRecording;
+  for (const auto& [option, value] : {std::pair{"--burst", "fast"},
+                                      std::pair{"--burst", "2h"},
+                                      std::pair{"--burst", "nan"},
+                                      std::pair{"--speed", "0"},
+                                      std::pair{"--speed", "1x"},
+                                      std::pair{"--method", "magic"},
+                                      std::pair{"--kind", "person"}}) {
+    const Finished finished = replay({kSite, capture, option, value});
+    EXPECT_EQ(finished.status, 64) << option << " " << value;
+    EXPECT_NE(finished.err.find(option), std::string::npos) << finished.err;
+    EXPECT_EQ(finished.out, "");
+  }
+}
+
+TEST(Replay, NamesTheFileThatCannotBeRead) {
+  EXPECT_EQ(replay({kSite, "ap1=missing.pcap"}).status, 69);
+  const Finished finished = replay({kSite, "ap1=" + kSite + "/site.toml"});
+  EXPECT_EQ(finished.status, 65);
+  EXPECT_NE(finished.err.find("site.toml"), std::string::npos) << finished.err;
+  EXPECT_EQ(replay({"nowhere", "x.pcap"}).status, 78);
+}
+
+TEST(Replay, StatesNoFixWithoutACalibration) {
+  const Finished finished = replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--quiet"});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.out.find("FIX_MODE_NO_FIX"), std::string::npos);
+  EXPECT_EQ(finished.out.find("\"position\""), std::string::npos);
+  EXPECT_NE(finished.out.find("no_fix_reason"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rayloc
