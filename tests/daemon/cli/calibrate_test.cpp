@@ -33,7 +33,7 @@ class CalibrateVerb : public testing::Test {
   // The first `rows` points of the survey, with `from` replaced by `to`.
   std::string points(int rows, const std::string& from = "", const std::string& to = "") const {
     std::ifstream in(kSite + "/calibration.csv");
-    const std::string file = out_.string() + ".csv";
+    std::string file = out_.string() + ".csv";
     std::ofstream copy(file);
     std::string line;
     for (int i = 0; i <= rows && std::getline(in, line); ++i) {
