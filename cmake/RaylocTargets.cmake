@@ -102,6 +102,7 @@ function(rayloc_test name)
   set(serial FALSE)
   if("e2e" IN_LIST ARG_LABELS)
     set(serial TRUE)
+    add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${RAYLOC_TEST_PREFIX}"
                        PROPERTIES TIMEOUT 300 RUN_SERIAL ${serial})
