@@ -1,6 +1,7 @@
 #include "daemon/cli/capture_argument.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "daemon/site/site.h"
 
@@ -32,9 +33,10 @@ Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::s
     CaptureArgument capture = parse_capture_argument(argument);
     if (capture.access_point.empty()) {
       if (ids.size() != 1) {
-        return make_error(ErrorKind::kUsage,
-                          argument + ": which access point recorded it? Write AP=" + argument +
-                              " with one of: " + list_of(ids));
+        return make_error(
+            ErrorKind::kUsage,
+            argument +
+                ": which access point recorded it? Write AP=FILE with one of: " + list_of(ids));
       }
       capture.access_point = ids.front();
     }

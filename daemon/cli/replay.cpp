@@ -211,7 +211,7 @@ Expected<void> run(const Options& options) {
   pipeline.start();
   pipeline.wait();
   sink.finish();
-  if (const Expected<void> closed = out->close(); !closed) {
+  if (Expected<void> closed = out->close(); !closed) {
     return closed;
   }
   return report(pipeline, options.quiet);

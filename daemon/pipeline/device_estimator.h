@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
@@ -37,7 +38,8 @@ class DeviceEstimator : public Estimator {
     Localizer localizer;
   };
 
-  DeviceEstimator(const Site& site, const Options& options) : site_(site), options_(options) {}
+  DeviceEstimator(Site site, Options options)
+      : site_(std::move(site)), options_(std::move(options)) {}
   DeviceModel device_of(const SiteTransmitter* stated) const;
 
   const Site site_;

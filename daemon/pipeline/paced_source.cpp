@@ -20,7 +20,7 @@ Expected<void> PacedSource::read(DatagramBatch& batch, Duration timeout) {
   batch.datagrams.clear();
   batch.ended = false;
   if (next_ == pending_.datagrams.size()) {
-    if (const Expected<void> read = recording_->read(pending_, timeout); !read) {
+    if (Expected<void> read = recording_->read(pending_, timeout); !read) {
       return read;
     }
     next_ = 0;
