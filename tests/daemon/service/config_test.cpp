@@ -133,7 +133,7 @@ std::string example_with_every_key() {
 }
 
 TEST(ConfigExample, IsTheFileInDeploy) {
-  std::ifstream in(fs::path(RAYLOC_DEPLOY) / "raylocd.toml");
+  std::ifstream in(fs::path(RAYLOC_TEST_DATA) / "../../deploy/raylocd.toml");
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_EQ(text, config_example()) << "run: rayloc config default > deploy/raylocd.toml";
 }
