@@ -89,18 +89,21 @@ function(rayloc_test name)
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
+  add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS} GTest::gmock_main)
+  target_compile_definitions(${name} PRIVATE
+    RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
+    RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
+  # A test that does not belong into this tree is a target that nothing builds, so that what a
+  # folder says about it in addition holds everywhere.
   if(RAYLOC_SANITIZE AND ("e2e" IN_LIST ARG_LABELS OR "slow" IN_LIST ARG_LABELS))
     return()
   endif()
   if(RAYLOC_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST ARG_LABELS)
     return()
   endif()
-  add_executable(${name} ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL FALSE)
   add_dependencies(rayloc_tests ${name})
-  target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS} GTest::gmock_main)
-  target_compile_definitions(${name} PRIVATE
-    RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
-    RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
   set(serial FALSE)
   if("e2e" IN_LIST ARG_LABELS)
     set(serial TRUE)
