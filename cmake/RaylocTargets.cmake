@@ -24,9 +24,12 @@ target_compile_options(rayloc_warnings INTERFACE
   # Replays are byte-identical: no contraction whose place the compiler may choose.
   -ffp-contract=off
   # GCC 12 sees an impossible memcpy in std::string's operator+ at -O3 (GCC bug 105329).
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+if(RAYLOC_SANITIZE)
   # With sanitizers GCC loses track of what std::regex initialises (gcc(1), -fsanitize).
-  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${RAYLOC_SANITIZE}>>:-Wno-maybe-uninitialized>)
+  target_compile_options(rayloc_warnings INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+endif()
 if(RAYLOC_WERROR)
   target_compile_options(rayloc_warnings INTERFACE -Werror)
 endif()
