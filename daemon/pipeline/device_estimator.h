@@ -38,8 +38,7 @@ class DeviceEstimator : public Estimator {
     Localizer localizer;
   };
 
-  DeviceEstimator(Site site, Options options)
-      : site_(std::move(site)), options_(std::move(options)) {}
+  DeviceEstimator(Site site, const Options& options) : site_(std::move(site)), options_(options) {}
   DeviceModel device_of(const SiteTransmitter* stated) const;
 
   const Site site_;

@@ -1,11 +1,11 @@
 // RaylocProcess: `rayloc` with arguments, as a process of its own, for the tests of its verbs.
 #pragma once
 
-#include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -27,6 +27,7 @@ class RaylocProcess {
     EXPECT_EQ(::pipe(out_.data()), 0);
     EXPECT_EQ(::pipe(err_.data()), 0);
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) {
       argv.push_back(argument.data());
     }
