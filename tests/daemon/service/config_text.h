@@ -4,8 +4,10 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "daemon/service/config.h"
+#include "tests/support/edited_text.h"
 
 namespace rayloc::testing {
 
@@ -50,24 +52,12 @@ level = "debug"
 
 // kConfigText with the first `from` replaced by `to`.
 inline std::string config_text(std::string_view from = "", std::string_view to = "") {
-  std::string text(kConfigText);
-  if (!from.empty()) {
-    const std::size_t at = text.find(from);
-    if (at == std::string::npos) {
-      return "the test's text lacks: " + std::string(from);  // a syntax error, and so a failure
-    }
-    text.replace(at, from.size(), to);
-  }
-  return text;
+  return edited_text(std::string(kConfigText), from, to);
 }
 
 // The message, folders of files taken out: "raylocd.toml:3:1: ...".
 inline std::string without_folders(std::string message) {
-  const std::string folder = kConfigFile.parent_path().string() + "/";
-  for (std::size_t at = 0; (at = message.find(folder, at)) != std::string::npos;) {
-    message.erase(at, folder.size());
-  }
-  return message;
+  return without_folder(std::move(message), kConfigFile);
 }
 
 inline std::string errors_of(std::string_view text) {

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "daemon/site/site.h"
+#include "tests/support/edited_text.h"
 
 namespace rayloc::testing {
 
@@ -69,26 +70,13 @@ unlisted = "ignore"
 
 // kSiteText with the first `from` replaced by `to`.
 inline std::string site_text(std::string_view from = "", std::string_view to = "") {
-  std::string text(kSiteText);
-  if (!from.empty()) {
-    const std::size_t at = text.find(from);
-    if (at == std::string::npos) {
-      return "the test's text lacks: " + std::string(from);  // a syntax error, and so a failure
-    }
-    text.replace(at, from.size(), to);
-  }
-  return text;
+  return edited_text(std::string(kSiteText), from, to);
 }
 
 // The errors of a text, the folder taken from each line: "site.toml:3:1: ...".
 inline std::string errors_of(std::string_view text) {
   const Expected<Site> site = parse_site(text, kSiteFile);
-  std::string errors = site ? "" : site.error().message;
-  const std::string folder = kSiteFile.parent_path().string() + "/";
-  for (std::size_t at = 0; (at = errors.find(folder, at)) != std::string::npos;) {
-    errors.erase(at, folder.size());
-  }
-  return errors;
+  return site ? "" : without_folder(site.error().message, kSiteFile);
 }
 
 }  // namespace rayloc::testing
