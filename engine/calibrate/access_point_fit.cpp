@@ -156,7 +156,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
       access_point_(room.access_points.at(access_point)),
       model_(room.grid, access_point_.cores.size()) {
   const AntennaArray& array = access_point_.array;
-  const PathTracer tracer(room.scene);
+  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
   const ReceiverTracer at_array = tracer.at(
       Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
   std::vector<Sample> traced(samples.size());

@@ -99,7 +99,7 @@ class Localizer::Impl {
       : room_(std::move(room)), options_(options), grid_(make_grid(*room_)) {}
 
   void build() {
-    const PathTracer tracer(room_->scene);
+    const PathTracer tracer(room_->scene, {.max_depth = kRayDepth});
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
       const std::string problem = check(*room_, ap);

@@ -14,6 +14,8 @@
 
 namespace rayloc {
 
+inline constexpr int kRayDepth = 2;  // reflections of the rays that the likelihood knows
+
 struct Ray {
   std::complex<double> amplitude;  // without propagation phase
   double length = 0.0;             // [m], device to the array's centre

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "engine/base/expected.h"
 #include "engine/base/vec3.h"
@@ -36,15 +37,24 @@ struct Segment {
   std::uint32_t to_surface = kNoSurface;
 };
 
+// Where a segment crosses a surface.
+struct Crossing {
+  std::uint32_t surface = kNoSurface;
+  double share = 0.0;  // of the segment, from its start, in (0, 1)
+};
+
 class Bvh {
  public:
-  // `surfaces` must outlive the Bvh and stay where they are. An Error when Embree cannot work here.
-  static Expected<Bvh> create(std::span<const Surface> surfaces);
+  // `surfaces` must outlive the Bvh and stay where they are. `margin`: how far outside its edges a
+  // surface is still met [m]. An Error when Embree cannot work here.
+  static Expected<Bvh> create(std::span<const Surface> surfaces, double margin = 0.0);
   ~Bvh();
   Bvh(Bvh&&) noexcept;
   Bvh& operator=(Bvh&&) noexcept;
 
   bool is_blocked(const Segment& segment) const;
+  // Every surface that blocks the segment, once, in the order of the segment.
+  void crossings(const Segment& segment, std::vector<Crossing>& found) const;
 
  private:
   class Impl;

@@ -54,6 +54,9 @@ class Scene {
   const Solid& solid(std::uint32_t object) const { return solids_[object]; }
 
   bool is_blocked(const Segment& segment) const { return bvh_.is_blocked(segment); }
+  void crossings(const Segment& segment, std::vector<Crossing>& found) const {
+    bvh_.crossings(segment, found);
+  }
 
   Vec3d bounds_min() const { return bounds_min_; }  // [m], over all vertices
   Vec3d bounds_max() const { return bounds_max_; }

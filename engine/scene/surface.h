@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/base/vec3.h"
@@ -54,22 +55,32 @@ class Surface {
   const std::vector<Piece>& pieces() const { return pieces_; }
   double area() const { return area_; }  // [m^2]
 
-  // Whether a point of the plane lies on the surface.
-  bool contains(const Vec3d& point) const {
+  // Axes of the plane coordinates and where they are 0, world.
+  const Vec3d& origin() const { return origin_; }
+  const Vec3d& u_axis() const { return u_axis_; }
+  const Vec3d& v_axis() const { return v_axis_; }
+  std::span<const Edge> edges(const Piece& piece) const {
+    return std::span(edges_).subspan(piece.first_edge, piece.edge_count);
+  }
+
+  // Whether a point of the plane lies on the surface, or no further than `margin` [m] outside the
+  // edges of one of its pieces.
+  bool contains(const Vec3d& point, double margin = 0.0) const {
     for (const Piece& piece : pieces_) {
-      if (contains(piece, point)) {
+      if (contains(piece, point, margin)) {
         return true;
       }
     }
     return false;
   }
-  bool contains(const Piece& piece, const Vec3d& point) const {
+  bool contains(const Piece& piece, const Vec3d& point, double margin = 0.0) const {
     const Vec3d from_origin = point - origin_;
     const double u = dot(u_axis_, from_origin);
     const double v = dot(v_axis_, from_origin);
+    const double outside = -kEdgeTolerance - margin;
     for (std::uint32_t i = 0; i < piece.edge_count; ++i) {
       const Edge& edge = edges_[piece.first_edge + i];
-      if (edge.a * u + edge.b * v + edge.c < -kEdgeTolerance) {
+      if (edge.a * u + edge.b * v + edge.c < outside) {
         return false;
       }
     }

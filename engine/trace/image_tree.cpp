@@ -42,6 +42,22 @@ void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch) {
   polygon.swap(scratch);
 }
 
+// A convex outline, anticlockwise seen from where `normal` points to, with its edges moved
+// outwards.
+Polygon grown(const Polygon& outline, const Vec3d& normal, double margin) {
+  if (margin == 0.0) {
+    return outline;
+  }
+  const std::size_t n = outline.size();
+  Polygon result;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3d before = cross(normalized(outline[i] - outline[(i + n - 1) % n]), normal);
+    const Vec3d after = cross(normalized(outline[(i + 1) % n] - outline[i]), normal);
+    result.push_back(outline[i] + (margin / (1.0 + dot(before, after))) * (before + after));
+  }
+  return result;
+}
+
 // The planes through `apex` and the sides of `window`, looking inwards. A side seen end on bounds
 // nothing that rounding could not move, so it is left out.
 std::vector<Plane<double>> beam_planes(const Vec3d& apex, const Polygon& window) {
@@ -75,11 +91,15 @@ std::vector<Plane<double>> beam_planes(const Vec3d& apex, const Polygon& window)
 // Grows the tree level by level; needed only while it is built.
 class ImageTree::Builder {
  public:
-  Builder(const Scene& scene, const Vec3d& root) : scene_(scene) {
+  Builder(const Scene& scene, const Vec3d& root, const TraceOptions& options) : scene_(scene) {
     side_.reserve(scene.surfaces().size());
     std::vector<int> object_side;
     for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
-      object_side.push_back(lit_side(scene.solid(i), scene.objects()[i].mesh, root));
+      object_side.push_back(
+          options.transmission ? 0 : lit_side(scene.solid(i), scene.objects()[i].mesh, root));
+    }
+    for (const Surface& surface : scene.surfaces()) {
+      outlines_.push_back(grown(surface.outline(), surface.plane().normal, options.softness));
     }
     for (std::uint32_t i = 0; i < scene.surfaces().size(); ++i) {
       const Scene::SurfaceOwner& owner = scene.owner(i);
@@ -154,7 +174,7 @@ class ImageTree::Builder {
              double apex_distance,
              const Polygon* window,
              const std::vector<Plane<double>>& bounds) {
-    const Polygon& outline = scene_.surfaces()[i].outline();
+    const Polygon& outline = outlines_[i];
     const Plane<double> front =
         apex_distance > 0.0 ? plane : Plane<double>{-plane.normal, -plane.offset};
     if (window != nullptr && is_outside(front, *window)) {
@@ -176,14 +196,19 @@ class ImageTree::Builder {
   }
 
   const Scene& scene_;
-  std::vector<int> side_;         // of each surface, as lit_side()
-  std::vector<Polygon> windows_;  // of the nodes of the newest level
+  std::vector<int> side_;          // of each surface, as lit_side()
+  std::vector<Polygon> outlines_;  // of each surface
+  std::vector<Polygon> windows_;   // of the nodes of the newest level
   Polygon polygon_;
   Polygon scratch_;
 };
 
-ImageTree::ImageTree(const Scene& scene, const Vec3d& root, int max_depth)
-    : scene_(&scene), root_(root), nodes_(Builder(scene, root).grow(root, max_depth)) {}
+ImageTree::ImageTree(const Scene& scene, const Vec3d& root, const TraceOptions& options)
+    : scene_(&scene),
+      root_(root),
+      margin_(options.softness),
+      clear_only_(!options.transmission && options.softness == 0.0),
+      nodes_(Builder(scene, root, options).grow(root, options.max_depth)) {}
 
 bool ImageTree::back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChain& chain) const {
   chain.surfaces.clear();
@@ -198,7 +223,7 @@ bool ImageTree::back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChai
       return false;
     }
     point = point + (here / (here - node.image_distance)) * (node.image - point);
-    if (!surface.contains(point)) {
+    if (!surface.contains(point, margin_)) {
       return false;
     }
     chain.surfaces.push_back(node.surface);
@@ -235,12 +260,12 @@ std::size_t ImageTree::chains_to(const Vec3d& target, std::vector<SpecularChain>
   SpecularChain& direct = slot();
   direct.surfaces.clear();
   direct.points.clear();
-  if (norm(target - root_) > kOnPlane && is_clear(direct, target)) {
+  if (norm(target - root_) > kOnPlane && (!clear_only_ || is_clear(direct, target))) {
     ++count;
   }
   for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
     SpecularChain& chain = slot();
-    if (back_trace(i, target, chain) && is_clear(chain, target)) {
+    if (back_trace(i, target, chain) && (!clear_only_ || is_clear(chain, target))) {
       ++count;
     }
   }

@@ -6,6 +6,10 @@
 // outside the beam that the one before it sends out (the beam is clipped polygon by polygon).
 // Occlusion is not used here; it is tested per path.
 //
+// With transmission waves also reach the insides of objects, so both sides of every face reflect.
+// With soft edges (TraceOptions::softness) mirrors are that much larger. In both cases what stands
+// in the way does not end a path but changes it, so chains are then given whether clear or not.
+//
 // The tree depends on the scene and the point alone, so it is built once for each antenna of an
 // access point and asked for any number of device positions. Its size grows with the number of
 // surfaces that see each other to the power of the depth; it is for rooms and flats.
@@ -21,10 +25,12 @@
 
 #include "engine/base/vec3.h"
 #include "engine/scene/scene.h"
+#include "engine/trace/trace_options.h"
 
 namespace rayloc {
 
-// A chain that the geometry allows and that nothing blocks.
+// A chain that the geometry allows and, in a scene of opaque surfaces with hard edges, that nothing
+// blocks.
 struct SpecularChain {
   std::vector<std::uint32_t> surfaces;  // from the root on
   std::vector<Vec3d> points;            // of reflection, from the root on
@@ -32,8 +38,8 @@ struct SpecularChain {
 
 class ImageTree {
  public:
-  // REQUIRES: max_depth >= 0. The scene must outlive the tree.
-  ImageTree(const Scene& scene, const Vec3d& root, int max_depth);
+  // REQUIRES: options.max_depth >= 0. The scene must outlive the tree.
+  ImageTree(const Scene& scene, const Vec3d& root, const TraceOptions& options);
 
   // All chains from the root to `target`, line of sight included (an empty chain). Fills `chains`,
   // whose memory is used again, and returns how many there are.
@@ -60,6 +66,8 @@ class ImageTree {
 
   const Scene* scene_;
   Vec3d root_;
+  double margin_;            // of the mirrors [m]
+  bool clear_only_;          // chains that something blocks are left out
   std::vector<Node> nodes_;  // by depth; parents before children
 };
 

@@ -28,9 +28,9 @@ bool canonical_order(const Path& a, const Path& b) {
 
 }  // namespace
 
-PathTracer::PathTracer(std::shared_ptr<const Scene> scene, int max_depth)
-    : scene_(std::move(scene)), max_depth_(max_depth) {
-  RAYLOC_CHECK(scene_ != nullptr && max_depth >= 0);
+PathTracer::PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options)
+    : scene_(std::move(scene)), options_(options) {
+  RAYLOC_CHECK(scene_ != nullptr && options.max_depth >= 0);
   wavelength_ = kSpeedOfLight / scene_->carrier_hz();
   std::vector<Reflector<double>> reflectors;
   reflectors.reserve(scene_->surfaces().size());
@@ -55,7 +55,7 @@ ReceiverTracer::ReceiverTracer(const PathTracer& tracer, const Receiver& receive
       wavelength_(tracer.wavelength_),
       receiver_(receiver),
       receiver_end_(link_end(receiver)),
-      tree_(*scene_, receiver.position, tracer.max_depth_) {}
+      tree_(*scene_, receiver.position, tracer.options_) {}
 
 Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   std::vector<SpecularChain> chains;

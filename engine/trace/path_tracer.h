@@ -21,14 +21,12 @@
 
 namespace rayloc {
 
-inline constexpr int kDefaultMaxDepth = 2;  // reflections
-
 class ReceiverTracer;
 
 class PathTracer {
  public:
-  // REQUIRES: scene != nullptr, max_depth >= 0. The carrier is that of the scene.
-  explicit PathTracer(std::shared_ptr<const Scene> scene, int max_depth = kDefaultMaxDepth);
+  // REQUIRES: scene != nullptr, options.max_depth >= 0. The carrier is that of the scene.
+  explicit PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options = {});
 
   // Builds an image tree at the receiver for this one link; use at() for many.
   Paths trace(const Transmitter& transmitter, const Receiver& receiver) const;
@@ -37,14 +35,14 @@ class PathTracer {
   ReceiverTracer at(const Receiver& receiver) const;
 
   const Scene& scene() const { return *scene_; }
-  int max_depth() const { return max_depth_; }
+  const TraceOptions& options() const { return options_; }
   double wavelength() const { return wavelength_; }  // [m]
 
  private:
   friend class ReceiverTracer;
 
   std::shared_ptr<const Scene> scene_;
-  int max_depth_;
+  TraceOptions options_;
   double wavelength_;
   // Of each surface, shared with every ReceiverTracer.
   std::shared_ptr<const std::vector<Reflector<double>>> reflectors_;

@@ -30,7 +30,7 @@ void trace(rayloc::Scene scene) {
   const auto shared = std::make_shared<const rayloc::Scene>(std::move(scene));
   const rayloc::Vec3d lower = shared->bounds_min();
   const rayloc::Vec3d upper = shared->bounds_max();
-  const rayloc::PathTracer tracer(shared, 2);
+  const rayloc::PathTracer tracer(shared, {.max_depth = 2});
   const rayloc::Receiver receiver{{0.3 * lower + 0.7 * upper, {0.1, 0.2, 0.3}}};
   const rayloc::Transmitter transmitter{{0.6 * lower + 0.4 * upper, {}}};
   for (const rayloc::Path& path : tracer.trace(transmitter, receiver)) {

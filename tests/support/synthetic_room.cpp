@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/localize/ray.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 
@@ -41,7 +42,7 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
 std::vector<Value> channel(const RoomModel& room,
                            const RoomAccessPoint& ap,
                            const Vec3d& position) {
-  const PathTracer tracer(room.scene);
+  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
   const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
   std::vector<Value> h;
   for (const Receiver& element : array_elements<Receiver>(ap.array)) {

@@ -29,6 +29,19 @@ bool blocked_by_hand(const Scene& scene, const Segment& s) {
   return false;
 }
 
+std::size_t crossings_by_hand(const Scene& scene, const Segment& s, double margin) {
+  std::size_t count = 0;
+  for (const Surface& surface : scene.surfaces()) {
+    const double from = distance(surface.plane(), s.from);
+    const double to = distance(surface.plane(), s.to);
+    const Vec3d point = s.from + (from / (from - to)) * (s.to - s.from);
+    if ((from > 0.0) != (to > 0.0) && surface.contains(point, margin)) {
+      ++count;
+    }
+  }
+  return count;
+}
+
 std::shared_ptr<const Scene> boxes(double offset) {
   std::vector<test::NamedMesh> meshes;
   std::mt19937 random(7);
@@ -65,6 +78,33 @@ TEST_P(BvhAgrees, WithATestOfEverySurface) {
   }
   EXPECT_GT(blocked, kSegments / 10);
   EXPECT_LT(blocked, kSegments * 9 / 10);
+}
+
+// Every surface of a segment, once, in order; and those that it only just misses.
+TEST_P(BvhAgrees, OnAllCrossings) {
+  const auto scene = boxes(GetParam());
+  constexpr double kMargin = 0.05;
+  const auto wide = Bvh::create(scene->surfaces(), kMargin);
+  ASSERT_TRUE(wide.has_value());
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> uniform(-5.0, 5.0);
+  std::vector<Crossing> found;
+  std::size_t more = 0;
+  for (int i = 0; i < 2'000; ++i) {
+    const Segment segment{{GetParam() + uniform(random), uniform(random), uniform(random)},
+                          {GetParam() + uniform(random), uniform(random), uniform(random)}};
+    scene->crossings(segment, found);
+    EXPECT_EQ(!found.empty(), scene->is_blocked(segment));
+    ASSERT_EQ(found.size(), crossings_by_hand(*scene, segment, 0.0)) << "seed 13, segment " << i;
+    for (std::size_t j = 1; j < found.size(); ++j) {
+      EXPECT_LT(found[j - 1].share, found[j].share);
+    }
+    const std::size_t hard = found.size();
+    wide->crossings(segment, found);
+    ASSERT_EQ(found.size(), crossings_by_hand(*scene, segment, kMargin)) << "segment " << i;
+    more += found.size() - hard;
+  }
+  EXPECT_GT(more, 0U);
 }
 
 // Rays aimed at vertices, edges and seams, where single precision would be in doubt.

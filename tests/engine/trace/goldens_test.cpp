@@ -125,7 +125,7 @@ TEST(Goldens, RoomCasesMatchToTheLastDigits) {
     const RadioMaterial material{"wall", c.at("eps_r"), c.at("sigma"), c.at("thickness")};
     const auto scene = test::make_scene(
         {{"room", test::box_mesh(vec3(c.at("lo")), vec3(c.at("hi")))}}, material, carrier);
-    const PathTracer tracer(scene, 2);
+    const PathTracer tracer(scene, {.max_depth = 2});
     const Transmitter transmitter{{vec3(c.at("tx")),
                                    orientation(c.at("tx_orientation")),
                                    pattern(c.at("pattern").at(0)),
@@ -161,7 +161,10 @@ TEST(Goldens, ShoeboxHasOneSixEighteenPaths) {
   std::size_t total = 0;
   for (std::size_t depth = 0; depth < counts.size(); ++depth) {
     total += counts[depth];
-    EXPECT_EQ(PathTracer(scene, static_cast<int>(depth)).trace(transmitter, receiver).size(), total)
+    EXPECT_EQ(PathTracer(scene, {.max_depth = static_cast<int>(depth)})
+                  .trace(transmitter, receiver)
+                  .size(),
+              total)
         << "up to order " << depth;
   }
 }
@@ -174,7 +177,7 @@ void expect_furnished_room(const std::string& name, const std::string& scene_fil
   auto loaded = load_scene(std::string(RAYLOC_TEST_DATA) + scene_file, options);
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
-  const PathTracer tracer(scene, 2);
+  const PathTracer tracer(scene, {.max_depth = 2});
   std::size_t compared = 0;
   for (const json& link : doc.at("links")) {
     SCOPED_TRACE("receiver " + link.at("rx").dump() + ", element " + link.at("tx_element").dump());

@@ -40,7 +40,8 @@ TEST(PathTracer, LineOfSightIsFriis) {
   const auto scene = ground(test::kConcrete);
   const Vec3d tx{1, 2, 3};
   const Vec3d rx{4, -2, 3};
-  const Paths paths = PathTracer(scene, 0).trace(transmitter_at(tx), receiver_at(rx));
+  const Paths paths =
+      PathTracer(scene, {.max_depth = 0}).trace(transmitter_at(tx), receiver_at(rx));
   ASSERT_EQ(paths.size(), 1U);
   EXPECT_NEAR(paths[0].a.re, kWavelength / (4 * kPi * 5.0), 1e-17);
   EXPECT_EQ(paths[0].a.im, 0.0);
@@ -114,7 +115,7 @@ TEST(PathTracer, ColocatedEndsHearTheEcho) {
 }
 
 TEST(PathTracer, IsReciprocal) {
-  const PathTracer tracer(meeting_room(), 3);
+  const PathTracer tracer(meeting_room(), {.max_depth = 3});
   Transmitter tx{{{0.4, 1.0, 1.5},
                   {0.3, -0.2, 0.5},
                   AntennaPattern::kHalfWaveDipole,
