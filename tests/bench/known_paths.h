@@ -1,0 +1,34 @@
+// The baseline of a query: the paths of a link when somebody has said which surfaces they touch.
+//
+// Vertices by the image method and the field, nothing else: no search, no test of occlusion, no
+// memory taken. A tracer cannot be faster than this.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/trace/field_calculator.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc::bench {
+
+class KnownPaths {
+ public:
+  // The sequences of the paths that the tracer finds. REQUIRES: all interactions are reflections.
+  KnownPaths(const PathTracer& tracer, const Transmitter& transmitter, const Receiver& receiver);
+
+  std::size_t size() const { return ends_.size(); }
+
+  // The sum of a and tau of all paths, so that nothing is left out by a compiler.
+  double evaluate() const;
+
+ private:
+  Transmitter transmitter_;
+  Receiver receiver_;
+  double wavelength_;
+  std::vector<Plane<double>> planes_;  // of all paths, one after the other
+  std::vector<Reflector<double>> reflectors_;
+  std::vector<std::size_t> ends_;  // of each path in planes_
+};
+
+}  // namespace rayloc::bench

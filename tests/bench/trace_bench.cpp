@@ -1,0 +1,163 @@
+// The tracer, beside what it could not be faster than.
+//
+//   BM_BareEmbree     the segments of shot rays by Embree alone (bare_shooting.h)
+//   BM_KnownPaths     the paths of one position when their surfaces are known (known_paths.h)
+//   BM_ColdLink       tree and paths of a device in the laboratory, three antennas, depth 3
+//   BM_CachedLink     the same with the tree there
+//
+// The last lines are of least times. Build with the release preset and
+// -DRAYLOC_BENCHMARKS=ON; one core: `taskset -c 0 trace_bench`.
+#include <benchmark/benchmark.h>
+
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/trace/path_tracer.h"
+#include "tests/bench/bare_shooting.h"
+#include "tests/bench/best_times.h"
+#include "tests/bench/known_paths.h"
+#include "tests/support/laboratory.h"
+#include "tests/support/office_floor.h"
+
+namespace rayloc::bench {
+namespace {
+
+constexpr std::size_t kRays = 1U << 18U;
+constexpr std::size_t kSurveyed = 143;
+constexpr int kDepth = 3;
+
+struct Room {
+  std::shared_ptr<const Scene> scene;
+  Vec3d access_point;
+};
+
+// 0: the laboratory; else an office floor of so many triangles.
+Room room(std::int64_t triangles) {
+  if (triangles == 0) {
+    return {test::laboratory(), test::laboratory_access_point().pose.position};
+  }
+  return {test::office_floor(static_cast<std::size_t>(triangles)), test::office_access_point()};
+}
+
+Transmitter device_at(const Vec3d& position) { return Transmitter{{position, {}}}; }
+
+std::vector<Receiver> antennas() {
+  return array_elements<Receiver>(test::laboratory_access_point());
+}
+
+void BM_BareEmbree(benchmark::State& state) {
+  const Room where = room(state.range(0));
+  const BareShooting bare(*where.scene);
+  const auto directions = lattice_directions(kRays);
+  std::size_t segments = 0;
+  for (auto _ : state) {
+    segments = bare.shoot(where.access_point, directions, kDepth);
+    benchmark::DoNotOptimize(segments);
+  }
+  state.counters["segments"] = static_cast<double>(segments);
+}
+
+void BM_KnownPaths(benchmark::State& state) {
+  const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
+  const Vec3d position = test::laboratory_positions(1)[0];
+  std::vector<KnownPaths> links;
+  std::size_t paths = 0;
+  for (const Receiver& antenna : antennas()) {
+    links.emplace_back(tracer, device_at(position), antenna);
+    paths += links.back().size();
+  }
+  for (auto _ : state) {
+    for (const KnownPaths& link : links) {
+      benchmark::DoNotOptimize(link.evaluate());
+    }
+  }
+  state.counters["paths"] = static_cast<double>(paths);
+}
+
+// From nothing but the scene to the paths of `state.range(0)` positions.
+void BM_ColdLink(benchmark::State& state) {
+  const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
+  const auto positions = test::laboratory_positions(static_cast<std::size_t>(state.range(0)));
+  const std::vector<Receiver> receivers = antennas();
+  for (auto _ : state) {
+    parallel_for(receivers.size(), 1, [&](std::size_t i) {
+      const ReceiverTracer at = tracer.at(receivers[i]);
+      parallel_for(positions.size(), 1, [&](std::size_t j) {
+        benchmark::DoNotOptimize(at.trace(device_at(positions[j])));
+      });
+    });
+  }
+}
+
+void BM_CachedLink(benchmark::State& state) {
+  const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
+  const auto positions = test::laboratory_positions(kSurveyed);
+  std::vector<ReceiverTracer> trees;
+  for (const Receiver& antenna : antennas()) {
+    trees.push_back(tracer.at(antenna));
+  }
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const Transmitter device = device_at(positions[next++ % positions.size()]);
+    for (const ReceiverTracer& at : trees) {
+      benchmark::DoNotOptimize(at.trace(device));
+    }
+  }
+  state.counters["images"] = static_cast<double>(trees[0].tree().size());
+}
+
+void repeat(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Repetitions(7)->UseRealTime()->MeasureProcessCPUTime();
+}
+BENCHMARK(BM_BareEmbree)
+    ->Arg(0)
+    ->Arg(1000)
+    ->Arg(100'000)
+    ->Apply(repeat)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_KnownPaths)->Apply(repeat)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_ColdLink)->Arg(1)->Arg(kSurveyed)->Apply(repeat)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_CachedLink)->Apply(repeat)->Unit(benchmark::kMicrosecond);
+
+void print_summary(const BestTimes& best) {
+  for (const char* scene : {"0", "1000", "100000"}) {
+    if (const auto bare = best.find(std::string("BM_BareEmbree/") + scene)) {
+      const double millions = bare->counters.at("segments") / 1e6;
+      std::printf("bare Embree (%s): %.1f million segments/s of wall clock, %.1f a core\n",
+                  scene,
+                  millions / bare->wall,
+                  millions / bare->cpu);
+    }
+  }
+  for (const char* positions : {"1", "143"}) {
+    if (const auto cold = best.find(std::string("BM_ColdLink/") + positions)) {
+      std::printf("cold, %s positions: %.2f ms of wall clock, %.2f of CPU\n",
+                  positions,
+                  1e3 * cold->wall,
+                  1e3 * cold->cpu);
+    }
+  }
+  const auto known = best.find("BM_KnownPaths");
+  const auto cached = best.find("BM_CachedLink");
+  if (known && cached) {
+    std::printf("cached: %.0f us of CPU, known paths alone %.0f us: %.1f times\n",
+                1e6 * cached->cpu,
+                1e6 * known->cpu,
+                cached->cpu / known->cpu);
+  }
+}
+
+}  // namespace
+}  // namespace rayloc::bench
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 1;
+  }
+  rayloc::bench::BestTimes best;
+  benchmark::RunSpecifiedBenchmarks(&best);
+  rayloc::bench::print_summary(best);
+}
