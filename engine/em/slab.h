@@ -20,6 +20,10 @@ template <typename T>
 struct SlabCoefficients {
   Complex<T> r_te, r_tm;  // reflection, electric field perpendicular / parallel
   Complex<T> t_te, t_tm;  // transmission
+  // By what the parallel field differs from the perpendicular one, over sin^2(theta):
+  // (r_te + r_tm) / sin^2 and (t_tm - t_te) / sin^2. Both are regular at normal incidence, where
+  // the plane of incidence and with it te and tm lose their meaning (field_calculator.h).
+  Complex<T> r_excess, t_excess;
 };
 
 // Reflection by a half space, for a wave arriving from vacuum; t_te and t_tm are 0, since nothing
@@ -30,10 +34,15 @@ SlabCoefficients<T> half_space_coefficients(const T& cos_theta,
   const T sin2_theta = T(1) - cos_theta * cos_theta;
   const Complex<T> c{cos_theta, T(0)};
   const Complex<T> root = sqrt(relative_permittivity - Complex<T>{sin2_theta, T(0)});
-  // [P2040] (37a), (37b).
-  return {(c - root) / (c + root),
-          (relative_permittivity * c - root) / (relative_permittivity * c + root),
+  const Complex<T> te = c + root;
+  const Complex<T> tm = relative_permittivity * c + root;
+  // [P2040] (37a), (37b). Their sum: eta c^2 - root^2 = (1 - eta) sin^2 cancels by hand.
+  const Complex<T> one{T(1), T(0)};
+  return {(c - root) / te,
+          (relative_permittivity * c - root) / tm,
           {},
+          {},
+          Complex<T>{T(2), T(0)} * (one - relative_permittivity) / (te * tm),
           {}};
 }
 
@@ -52,12 +61,10 @@ SlabCoefficients<T> slab_coefficients(const T& cos_theta,
                                       const T& wavelength) {
   const T sin2_theta = T(1) - cos_theta * cos_theta;
   const Complex<T> one{T(1), T(0)};
-  const Complex<T> c{cos_theta, T(0)};
   const Complex<T> root = sqrt(relative_permittivity - Complex<T>{sin2_theta, T(0)});
-
-  // [P2040] (37a), (37b): half-space coefficients.
-  const Complex<T> p_te = (c - root) / (c + root);
-  const Complex<T> p_tm = (relative_permittivity * c - root) / (relative_permittivity * c + root);
+  const SlabCoefficients<T> half_space = half_space_coefficients(cos_theta, relative_permittivity);
+  const Complex<T>& p_te = half_space.r_te;
+  const Complex<T>& p_tm = half_space.r_tm;
 
   // [P2040] (44): phase and loss of one crossing.
   const T k_d = T(2.0 * std::numbers::pi) * thickness / wavelength;
@@ -66,9 +73,16 @@ SlabCoefficients<T> slab_coefficients(const T& cos_theta,
   const Complex<T> twice = once * once;                  // exp(-2jq)
 
   // [P2040] (43): sum over the internal reflections.
-  const auto reflect = [&](Complex<T> p) { return p * (one - twice) / (one - p * p * twice); };
-  const auto transmit = [&](Complex<T> p) { return (one - p * p) * once / (one - p * p * twice); };
-  return {reflect(p_te), reflect(p_tm), transmit(p_te), transmit(p_tm)};
+  const Complex<T> from_te = one / (one - p_te * p_te * twice);
+  const Complex<T> from_tm = one / (one - p_tm * p_tm * twice);
+  const Complex<T> r_te = p_te * (one - twice) * from_te;
+  const Complex<T> r_tm = p_tm * (one - twice) * from_tm;
+  const Complex<T> t_te = (one - p_te * p_te) * once * from_te;
+  const Complex<T> t_tm = (one - p_tm * p_tm) * once * from_tm;
+  // r_te + r_tm and t_tm - t_te with p_te + p_tm taken out.
+  const Complex<T> common = half_space.r_excess * (one - twice) * from_te * from_tm;
+  return {
+      r_te, r_tm, t_te, t_tm, common * (one - p_te * p_tm * twice), common * (p_te - p_tm) * once};
 }
 
 }  // namespace rayloc

@@ -16,8 +16,10 @@ struct SphericalAngles {
 };
 
 inline SphericalAngles spherical_angles(const Vec3d& direction) {
-  return {std::atan2(std::hypot(direction.x, direction.y), direction.z),
-          std::atan2(direction.y, direction.x)};
+  const double horizontal = std::hypot(direction.x, direction.y);
+  // atan2 would give pi for y = 0, x = -0.
+  return {std::atan2(horizontal, direction.z),
+          horizontal > 0.0 ? std::atan2(direction.y, direction.x) : 0.0};
 }
 
 template <typename T>

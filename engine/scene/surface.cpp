@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -62,6 +63,27 @@ Surface::Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d,
   }
   for (const Triangle& t : triangles) {
     add_piece(convex_hull({project(t[0]), project(t[1]), project(t[2])}));
+  }
+  find_boundary(triangles);
+}
+
+// Sides of triangles that no other triangle has: those that two share lie inside.
+void Surface::find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles) {
+  std::map<std::array<double, 4>, int> uses;
+  for (const Triangle& t : triangles) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+      Point2 a = project(t[i]);
+      Point2 b = project(t[(i + 1) % t.size()]);
+      if (std::tie(b.u, b.v) < std::tie(a.u, a.v)) {
+        std::swap(a, b);
+      }
+      ++uses[{a.u, a.v, b.u, b.v}];
+    }
+  }
+  for (const auto& [side, count] : uses) {
+    if (count == 1) {
+      boundary_.push_back({{side[0], side[1]}, {side[2], side[3]}});
+    }
   }
 }
 

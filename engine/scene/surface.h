@@ -6,7 +6,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -63,6 +65,12 @@ class Surface {
     return std::span(edges_).subspan(piece.first_edge, piece.edge_count);
   }
 
+  bool is_convex() const { return pieces_.size() == 1; }
+  // Distance of a point of the plane from the boundary [m], positive inside. Not smooth where two
+  // parts of the boundary are equally near.
+  template <typename T>
+  T inside_distance(const T& u, const T& v) const;
+
   // Whether a point of the plane lies on the surface, or no further than `margin` [m] outside the
   // edges of one of its pieces.
   bool contains(const Vec3d& point, double margin = 0.0) const {
@@ -91,11 +99,15 @@ class Surface {
   struct Point2 {
     double u, v;
   };
+  struct Side {  // of the boundary
+    Point2 from, to;
+  };
 
   Point2 project(const Vec3d& point) const;
   static std::vector<Point2> convex_hull(std::vector<Point2> points);
   void add_piece(const std::vector<Point2>& corners);
   Vec3d lift(const Point2& point) const;
+  void find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles);
 
   Plane<double> plane_;
   Vec3d origin_;  // a point of the plane amid the surface: keeps (u, v) small
@@ -105,7 +117,43 @@ class Surface {
   std::vector<Vec3d> outline_;
   std::vector<Edge> edges_;
   std::vector<Piece> pieces_;
+  std::vector<Side> boundary_;
 };
+
+template <typename T>
+T Surface::inside_distance(const T& u, const T& v) const {
+  using std::sqrt;
+  T least2(std::numeric_limits<double>::infinity());
+  for (const Side& side : boundary_) {
+    const double along_u = side.to.u - side.from.u;
+    const double along_v = side.to.v - side.from.v;
+    const T from_u = u - T(side.from.u);
+    const T from_v = v - T(side.from.v);
+    T share =
+        (T(along_u) * from_u + T(along_v) * from_v) / T(along_u * along_u + along_v * along_v);
+    if (share < T(0)) {
+      share = T(0);
+    } else if (share > T(1)) {
+      share = T(1);
+    }
+    const T off_u = from_u - share * T(along_u);
+    const T off_v = from_v - share * T(along_v);
+    const T distance2 = off_u * off_u + off_v * off_v;
+    if (distance2 < least2) {
+      least2 = distance2;
+    }
+  }
+  const T distance = least2 > T(0) ? T(sqrt(least2)) : T(0);
+  bool inside = false;
+  for (const Piece& piece : pieces_) {
+    bool within = true;
+    for (const Edge& edge : edges(piece)) {
+      within = within && !(T(edge.a) * u + T(edge.b) * v + T(edge.c) < T(-kEdgeTolerance));
+    }
+    inside = inside || within;
+  }
+  return inside ? distance : -distance;
+}
 
 // The surfaces of one mesh, largest first. REQUIRES: finite vertices, valid indices, no degenerate
 // triangle. Coplanar: all corners within `kCoplanarTolerance` of the plane of the largest triangle

@@ -9,13 +9,18 @@
 
 namespace rayloc {
 
-enum class InteractionKind : std::uint8_t { kReflection };
+enum class InteractionKind : std::uint8_t {
+  kReflection,
+  kTransmission,  // straight through one face; a wall has two
+  kShadowing,     // past the edge of an opaque surface, under soft visibility
+};
 
 struct Interaction {
   InteractionKind kind = InteractionKind::kReflection;
   std::uint32_t object = 0;   // index into Scene::objects()
   std::uint32_t surface = 0;  // index into Scene::surfaces()
-  Vec3d position;             // [m], world: the vertex of the path
+  Vec3d position;             // [m], world: where the path meets the surface
+  double weight = 1.0;        // below 1 only with soft visibility (visibility.h)
 };
 
 struct Path {

@@ -1,4 +1,5 @@
-// PathTracer: the paths of a link: line of sight and specular reflections, exactly.
+// PathTracer: the paths of a link: line of sight, specular reflections and, on request, straight
+// transmission through objects, exactly.
 //
 //   PathTracer tracer(scene);
 //   Paths paths = tracer.trace(transmitter, receiver);
@@ -11,13 +12,17 @@
 #pragma once
 
 #include <memory>
-#include <vector>
+#include <span>
 
+#include "engine/base/expected.h"
 #include "engine/scene/scene.h"
-#include "engine/trace/field_calculator.h"
 #include "engine/trace/image_tree.h"
+#include "engine/trace/parameter.h"
+#include "engine/trace/path_derivatives.h"
 #include "engine/trace/paths.h"
 #include "engine/trace/radio_device.h"
+#include "engine/trace/trace_context.h"
+#include "engine/trace/trace_options.h"
 
 namespace rayloc {
 
@@ -25,7 +30,8 @@ class ReceiverTracer;
 
 class PathTracer {
  public:
-  // REQUIRES: scene != nullptr, options.max_depth >= 0. The carrier is that of the scene.
+  // REQUIRES: scene != nullptr, options.max_depth >= 0, options.softness finite and >= 0. The
+  // carrier is that of the scene.
   explicit PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options = {});
 
   // Builds an image tree at the receiver for this one link; use at() for many.
@@ -34,18 +40,12 @@ class PathTracer {
   // A tracer for everything that this receiver may hear.
   ReceiverTracer at(const Receiver& receiver) const;
 
-  const Scene& scene() const { return *scene_; }
-  const TraceOptions& options() const { return options_; }
-  double wavelength() const { return wavelength_; }  // [m]
+  const Scene& scene() const { return *context_->scene; }
+  const TraceOptions& options() const { return context_->options; }
+  double wavelength() const { return context_->wavelength; }  // [m]
 
  private:
-  friend class ReceiverTracer;
-
-  std::shared_ptr<const Scene> scene_;
-  TraceOptions options_;
-  double wavelength_;
-  // Of each surface, shared with every ReceiverTracer.
-  std::shared_ptr<const std::vector<Reflector<double>>> reflectors_;
+  std::shared_ptr<const TraceContext> context_;
 };
 
 // Holds the image tree of one receiver. Independent of the PathTracer that made it.
@@ -53,20 +53,21 @@ class ReceiverTracer {
  public:
   Paths trace(const Transmitter& transmitter) const;
 
+  // Derivatives of every path by every parameter. `paths`: what trace(transmitter) gave. An Error
+  // when a parameter does not exist or has no derivative; never zero in silence.
+  Expected<PathDerivatives> differentiate(const Transmitter& transmitter,
+                                          const Paths& paths,
+                                          std::span<const Parameter> parameters) const;
+
   const Receiver& receiver() const { return receiver_; }
   const ImageTree& tree() const { return tree_; }
 
  private:
   friend class PathTracer;
-  ReceiverTracer(const PathTracer& tracer, const Receiver& receiver);
+  ReceiverTracer(std::shared_ptr<const TraceContext> context, const Receiver& receiver);
 
-  Path evaluate(const Transmitter& transmitter, const SpecularChain& chain) const;
-
-  std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<const std::vector<Reflector<double>>> reflectors_;
-  double wavelength_;
+  std::shared_ptr<const TraceContext> context_;
   Receiver receiver_;
-  LinkEnd<double> receiver_end_;
   ImageTree tree_;
 };
 

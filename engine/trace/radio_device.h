@@ -8,6 +8,7 @@
 #include "engine/base/vec3.h"
 #include "engine/em/antenna_pattern.h"
 #include "engine/scene/antenna_array.h"
+#include "engine/trace/field_calculator.h"
 
 namespace rayloc {
 
@@ -16,7 +17,12 @@ struct RadioDevice {
   Orientation orientation;  // world from device
   AntennaPattern pattern = AntennaPattern::kIsotropic;
   Polarization polarization = Polarization::kVertical;
+  Vec3d lever = {};  // [m], device frame: from the origin of the array that it belongs to
 };
+
+inline LinkEnd<double> link_end(const RadioDevice& device) {
+  return {device.position, device.pattern, device.polarization, rotation(device.orientation)};
+}
 
 struct Transmitter : RadioDevice {};
 struct Receiver : RadioDevice {};
@@ -27,8 +33,11 @@ std::vector<Device> array_elements(const AntennaArray& array) {
   std::vector<Device> elements;
   elements.reserve(array.element_offset.size());
   for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    elements.push_back(Device{
-        {element_position(array, i), array.pose.orientation, array.pattern, array.polarization}});
+    elements.push_back(Device{{element_position(array, i),
+                               array.pose.orientation,
+                               array.pattern,
+                               array.polarization,
+                               array.element_offset[i]}});
   }
   return elements;
 }

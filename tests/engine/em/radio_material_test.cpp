@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -12,16 +11,14 @@
 
 #include "engine/base/constants.h"
 #include "engine/em/slab.h"
+#include "tests/support/golden.h"
 
 namespace rayloc {
 namespace {
 
 using nlohmann::json;
 
-json reference() {
-  std::ifstream in(std::string(RAYLOC_TEST_DATA) + "/goldens/room_cases.json");
-  return json::parse(in);
-}
+json reference() { return test::golden("room_cases"); }
 
 void expect_same(const Complex<double>& value, const json& expected) {
   EXPECT_NEAR(value.re, expected.at(0), 1e-12);

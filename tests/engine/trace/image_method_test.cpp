@@ -43,6 +43,8 @@ TEST(ImageMethod, WithoutPlanesIsTheStraightLine) {
   EXPECT_EQ(v[1], (Vec3d{4, 5, 6}));
 }
 
+const std::array<Interaction, 2> kTwoReflections{};
+
 // A path over wall and floor as a function of everything that can move:
 // x[0..2] target, x[3] offset of the wall, x[4] permittivity, x[5] conductivity part, x[6]
 // thickness.
@@ -50,17 +52,16 @@ template <typename T>
 PathCoefficient<T> wall_floor_path(const std::array<T, 7>& x) {
   const std::array<Plane<T>, 2> planes{Plane<T>{{T(-1), T(0), T(0)}, -x[3]},
                                        Plane<T>{{T(0), T(0), T(1)}, T(0)}};
-  std::array<Vec3<T>, 4> vertices;
-  const Vec3<T> source{T(1.0), T(0.5), T(2.0)};
-  reflection_vertices<T>(source, planes, {x[0], x[1], x[2]}, vertices);
   const Complex<T> permittivity{x[4], x[5]};
-  const std::array<Reflector<T>, 2> reflectors{Reflector<T>{planes[0].normal, permittivity, x[6]},
-                                               Reflector<T>{planes[1].normal, permittivity, x[6]}};
+  const std::array<Facet<T>, 2> facets{Facet<T>{planes[0], permittivity, x[6], {}},
+                                       Facet<T>{planes[1], permittivity, x[6], {}}};
   LinkEnd<T> transmitter;
+  transmitter.position = {T(1.0), T(0.5), T(2.0)};
   transmitter.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.3), T(-0.2), T(0.5));
   LinkEnd<T> receiver;
+  receiver.position = {x[0], x[1], x[2]};
   receiver.pattern = AntennaPattern::kHalfWaveDipole;
-  return path_coefficient<T>(vertices, reflectors, transmitter, receiver, T(0.0578));
+  return path_coefficient<T>(kTwoReflections, facets, transmitter, receiver, T(0.0578));
 }
 
 constexpr std::array<double, 7> kAt{0.4, -0.3, 1.2, 3.0, 5.24, -0.58, 0.1};
@@ -95,14 +96,15 @@ TEST(FieldCalculator, GradientIsFiniteWithoutLoss) {
 TEST(FieldCalculator, GradientHoldsAtNormalIncidence) {
   const auto part = [](const auto& x) {
     using T = std::decay_t<decltype(x[0])>;
-    const std::array<Plane<T>, 1> planes{Plane<T>{{T(0), T(0), T(1)}, T(0)}};
-    std::array<Vec3<T>, 3> vertices;
-    reflection_vertices<T>({T(0), T(0), T(2.0)}, planes, {x[0], x[1], x[2]}, vertices);
-    const std::array<Reflector<T>, 1> floor{
-        Reflector<T>{planes[0].normal, {T(5.24), T(-0.58)}, T(0.1)}};
-    LinkEnd<T> ends;  // turned, so that straight down is broadside
-    ends.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.7), T(1.5), T(0.0));
-    return T(1e3) * path_coefficient<T>(vertices, floor, ends, ends, T(0.0578)).a.re;
+    const std::array<Facet<T>, 1> floor{
+        Facet<T>{{{T(0), T(0), T(1)}, T(0)}, {T(5.24), T(-0.58)}, T(0.1), {}}};
+    LinkEnd<T> from;  // turned, so that straight down is broadside
+    from.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.7), T(1.5), T(0.0));
+    LinkEnd<T> to = from;
+    from.position = {T(0), T(0), T(2.0)};
+    to.position = {x[0], x[1], x[2]};
+    const std::array<Interaction, 1> reflection{};
+    return T(1e3) * path_coefficient<T>(reflection, floor, from, to, T(0.0578)).a.re;
   };
   test::expect_gradient_matches<3>(part, {0.0, 0.0, 1.0}, 1e-6);
 }
@@ -125,12 +127,12 @@ TEST(FieldCalculator, LengthGradientIsTheUnitDirection) {
 }
 
 TEST(FieldCalculator, LosslessMirrorKeepsTheField) {
-  const Reflector<double> metal{{0, 0, 1}, {1.0, -3e10}, 0.1};
+  const Facet<double> metal{{{0, 0, 1}, 0.0}, {1.0, -3e10}, 0.1, {}};
   const Vec3d in = normalized(Vec3d{0.6, 0.2, -0.5});
   const Vec3d out{in.x, in.y, -in.z};
   const Vec3d across = normalized(cross(in, {0, 0, 1}));
   const ComplexVec3<double> field{0.3 * across + 0.8 * cross(across, in), {}};
-  const auto reflected = reflect_field(field, in, out, metal, 0.0578);
+  const auto reflected = reflect(Wave<double>{field, in}, metal, 0.0578).field;
   EXPECT_NEAR(norm(reflected.re), norm(field.re), 1e-4);
   EXPECT_NEAR(dot(reflected.re, out), 0.0, 1e-15);
   // A perfect conductor has no tangential field: incident and reflected cancel in the plane.

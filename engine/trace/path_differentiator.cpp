@@ -1,0 +1,213 @@
+#include "engine/trace/path_differentiator.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <ceres/jet.h>
+
+#include "engine/base/constants.h"
+#include "engine/trace/evaluate_path.h"
+
+namespace rayloc {
+namespace {
+
+using Kind = Parameter::Kind;
+
+constexpr int kLanes = 4;  // parameters at a time
+using Dual = ceres::Jet<double, kLanes>;
+
+Vec3<Dual> constant(const Vec3d& v) { return {Dual(v.x), Dual(v.y), Dual(v.z)}; }
+
+// The parameters of one block, each with the lane of the dual numbers that it varies.
+struct Block {
+  std::array<const Parameter*, kLanes> parameters{};
+  int size = 0;
+
+  // Unit derivative by a parameter of that kind, index and axis.
+  void seed(Dual& value, Kind kind, std::uint32_t index, int axis, double slope) const {
+    for (int lane = 0; lane < size; ++lane) {
+      if (*parameters[static_cast<std::size_t>(lane)] == Parameter{kind, index, axis}) {
+        value.v[lane] += slope;
+      }
+    }
+  }
+  void seed(Vec3<Dual>& value, Kind kind, std::uint32_t index) const {
+    seed(value.x, kind, index, 0, 1.0);
+    seed(value.y, kind, index, 1, 1.0);
+    seed(value.z, kind, index, 2, 1.0);
+  }
+};
+
+struct EndKinds {
+  Kind position;
+  Kind orientation;
+  Kind array_turn;
+};
+constexpr EndKinds kTransmitterKinds{
+    Kind::kTransmitterPosition, Kind::kTransmitterOrientation, Kind::kTransmitterArrayTurn};
+constexpr EndKinds kReceiverKinds{
+    Kind::kReceiverPosition, Kind::kReceiverOrientation, Kind::kReceiverArrayTurn};
+
+LinkEnd<Dual> dual_end(const RadioDevice& device, const EndKinds& kinds, const Block& block) {
+  const Orientation& o = device.orientation;
+  Vec3<Dual> array_turn{Dual(o.yaw), Dual(o.pitch), Dual(o.roll)};
+  block.seed(array_turn, kinds.array_turn, 0);
+  Vec3<Dual> turn = array_turn;
+  block.seed(turn, kinds.orientation, 0);
+
+  LinkEnd<Dual> end;
+  end.pattern = device.pattern;
+  end.polarization = device.polarization;
+  end.world_from_antenna = rotation_from_yaw_pitch_roll(turn.x, turn.y, turn.z);
+  const Vec3d origin = device.position - rotation(o) * device.lever;
+  end.position =
+      constant(origin) + rotation_from_yaw_pitch_roll(array_turn.x, array_turn.y, array_turn.z) *
+                             constant(device.lever);
+  block.seed(end.position, kinds.position, 0);
+  return end;
+}
+
+Facet<Dual> dual_facet(const TraceContext& context, std::uint32_t surface, const Block& block) {
+  const Facet<double>& facet = context.facets[surface];
+  const std::uint32_t object = context.scene->owner(surface).object;
+  const std::uint32_t material = context.scene->objects()[object].material;
+  const Vec3d& normal = facet.plane.normal;
+
+  Facet<Dual> dual;
+  block.seed(dual.shift, Kind::kObjectTranslation, object);
+  Dual offset(0.0);
+  block.seed(offset, Kind::kSurfaceOffset, surface, 0, 1.0);
+  dual.shift = dual.shift + offset * constant(normal);
+  dual.plane.normal = constant(normal);
+  dual.plane.offset = Dual(facet.plane.offset) + dot(dual.shift, dual.plane.normal);
+
+  const double omega = 2.0 * std::numbers::pi * context.scene->carrier_hz();
+  dual.relative_permittivity = {Dual(facet.relative_permittivity.re),
+                                Dual(facet.relative_permittivity.im)};
+  block.seed(dual.relative_permittivity.re, Kind::kRelativePermittivity, material, 0, 1.0);
+  block.seed(dual.relative_permittivity.im,
+             Kind::kConductivity,
+             material,
+             0,
+             -1.0 / (omega * kVacuumPermittivity));
+  dual.thickness = Dual(facet.thickness);
+  block.seed(dual.thickness, Kind::kThickness, material, 0, 1.0);
+  return dual;
+}
+
+}  // namespace
+
+Expected<void> PathDifferentiator::check(const Parameter& parameter) const {
+  const Scene& scene = *context_.scene;
+  std::size_t count = 1;
+  int axes = 3;
+  std::string what = "antenna";
+  switch (parameter.kind) {
+    case Kind::kObjectTranslation:
+      count = scene.objects().size();
+      what = "object";
+      break;
+    case Kind::kSurfaceOffset:
+      count = scene.surfaces().size();
+      axes = 1;
+      what = "surface";
+      break;
+    case Kind::kRelativePermittivity:
+    case Kind::kConductivity:
+    case Kind::kThickness:
+      count = scene.materials().size();
+      axes = 1;
+      what = "material";
+      break;
+    case Kind::kTransmitterGain:
+    case Kind::kReceiverGain:
+      axes = 1;
+      break;
+    default:
+      break;
+  }
+  if (parameter.index >= count || parameter.axis < 0 || parameter.axis >= axes) {
+    return bad_input("no derivative by axis " + std::to_string(parameter.axis) + " of " + what +
+                     " " + std::to_string(parameter.index) + ": the scene has " +
+                     std::to_string(count) + " of them with " + std::to_string(axes) +
+                     (axes == 1 ? " axis" : " axes"));
+  }
+  if (parameter.kind == Kind::kThickness &&
+      std::isinf(scene.materials()[parameter.index].thickness)) {
+    return bad_input("no derivative by the thickness of '" +
+                     scene.materials()[parameter.index].name +
+                     "': it is a half space; give the material a thickness");
+  }
+  return {};
+}
+
+bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) const {
+  const auto meets = [&](const auto& condition) {
+    return std::any_of(path.interactions.begin(), path.interactions.end(), condition);
+  };
+  switch (parameter.kind) {
+    case Kind::kObjectTranslation:
+      return meets([&](const Interaction& i) { return i.object == parameter.index; });
+    case Kind::kSurfaceOffset:
+      return meets([&](const Interaction& i) { return i.surface == parameter.index; });
+    case Kind::kRelativePermittivity:
+    case Kind::kConductivity:
+    case Kind::kThickness:
+      return meets([&](const Interaction& i) {
+        return context_.scene->objects()[i.object].material == parameter.index;
+      });
+    default:
+      return true;
+  }
+}
+
+Expected<PathDerivatives> PathDifferentiator::differentiate(
+    const Paths& paths, std::span<const Parameter> parameters) const {
+  for (const Parameter& parameter : parameters) {
+    if (auto valid = check(parameter); !valid) {
+      return tl::make_unexpected(valid.error());
+    }
+  }
+  PathDerivatives result(paths.size(), parameters.size());
+  std::vector<std::size_t> wanted;
+  std::vector<Facet<Dual>> facets;
+  for (std::size_t p = 0; p < paths.size(); ++p) {
+    const Path& path = paths[p];
+    wanted.clear();
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+      const Kind kind = parameters[i].kind;
+      if (kind == Kind::kTransmitterGain || kind == Kind::kReceiverGain) {
+        result.at(p, i) = {path.a, 0.0};  // a is proportional to it
+      } else if (depends(path, parameters[i])) {
+        wanted.push_back(i);
+      }
+    }
+    for (std::size_t first = 0; first < wanted.size(); first += kLanes) {
+      Block block;
+      for (std::size_t i = first; i < wanted.size() && i < first + kLanes; ++i) {
+        block.parameters[static_cast<std::size_t>(block.size++)] = &parameters[wanted[i]];
+      }
+      facets.clear();
+      for (const Interaction& interaction : path.interactions) {
+        facets.push_back(dual_facet(context_, interaction.surface, block));
+      }
+      const PathCoefficient<Dual> dual =
+          evaluate_path<Dual>(context_,
+                              path.interactions,
+                              facets,
+                              dual_end(transmitter_, kTransmitterKinds, block),
+                              dual_end(receiver_, kReceiverKinds, block));
+      for (int lane = 0; lane < block.size; ++lane) {
+        result.at(p, wanted[first + static_cast<std::size_t>(lane)]) = {
+            {dual.a.re.v[lane], dual.a.im.v[lane]}, dual.length.v[lane] / kSpeedOfLight};
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,38 @@
+// PathDifferentiator: derivatives of the paths of one link by dual numbers, a few parameters at a
+// time, and of each path only those that it depends on.
+#pragma once
+
+#include <span>
+
+#include "engine/base/expected.h"
+#include "engine/trace/parameter.h"
+#include "engine/trace/path_derivatives.h"
+#include "engine/trace/paths.h"
+#include "engine/trace/radio_device.h"
+#include "engine/trace/trace_context.h"
+
+namespace rayloc {
+
+class PathDifferentiator {
+ public:
+  // What is passed outlives the differentiator.
+  PathDifferentiator(const TraceContext& context,
+                     const Transmitter& transmitter,
+                     const Receiver& receiver)
+      : context_(context), transmitter_(transmitter), receiver_(receiver) {}
+
+  // An Error when a parameter does not exist in this scene, or has no derivative: the thickness of
+  // a half space.
+  Expected<PathDerivatives> differentiate(const Paths& paths,
+                                          std::span<const Parameter> parameters) const;
+
+ private:
+  Expected<void> check(const Parameter& parameter) const;
+  bool depends(const Path& path, const Parameter& parameter) const;
+
+  const TraceContext& context_;
+  const Transmitter& transmitter_;
+  const Receiver& receiver_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,158 @@
+// The coefficient of a path under soft visibility (visibility.h).
+//
+// A crossing that is in the way by a weight w lets 1 - w pass. With transmission w of the wave goes
+// through the slab instead, which is one more interaction: as `max_depth` counts interactions, the
+// field is kept apart by their number and what exceeds the depth is lost. The sum over these fields
+// is continuous where a cut by the number of crossings would jump.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/trace/field_calculator.h"
+#include "engine/trace/trace_options.h"
+#include "engine/trace/visibility.h"
+
+namespace rayloc {
+
+// What a path meets, in its order.
+template <typename T>
+struct SoftInteraction {
+  InteractionKind kind = InteractionKind::kReflection;
+  const Surface* surface = nullptr;
+  Facet<T> facet;
+};
+
+template <typename T>
+class SoftPath {
+ public:
+  // REQUIRES: options.softness > 0; what is passed outlives the SoftPath.
+  SoftPath(std::span<const SoftInteraction<T>> interactions,
+           const LinkEnd<T>& transmitter,
+           const LinkEnd<T>& receiver,
+           const T& wavelength,
+           const TraceOptions& options)
+      : interactions_(interactions),
+        transmitter_(transmitter),
+        receiver_(receiver),
+        wavelength_(wavelength),
+        options_(options) {
+    std::vector<Plane<T>> planes;
+    for (const SoftInteraction<T>& interaction : interactions) {
+      if (interaction.kind == InteractionKind::kReflection) {
+        planes.push_back(interaction.facet.plane);
+        mirrors_.push_back(&interaction);
+      }
+    }
+    vertices_.resize(planes.size() + 2);
+    reflection_vertices<T>(transmitter.position, planes, receiver.position, vertices_);
+  }
+
+  // Transmitter, points of reflection, receiver.
+  std::span<const Vec3<T>> vertices() const { return vertices_; }
+
+  // Of segment `i`, between vertices i and i + 1.
+  SoftSegment<T> segment(std::size_t i) const {
+    return {vertices_[i],
+            vertices_[i + 1],
+            i == 0 ? nullptr : &mirrors_[i - 1]->facet.plane.normal,
+            i == mirrors_.size() ? nullptr : &mirrors_[i]->facet.plane.normal};
+  }
+
+  // Of the path by its points of reflection and its shortest segments; 0: no path.
+  T mirror_weight() const {
+    T weight(1);
+    const double softness = options_.softness;
+    for (std::size_t i = 0; i < mirrors_.size(); ++i) {
+      const SoftInteraction<T>& mirror = *mirrors_[i];
+      weight = weight * edge_weight(*mirror.surface, mirror.facet, vertices_[i + 1], softness);
+      if (i > 0) {
+        weight = weight * corner_weight(vertices_[i],
+                                        vertices_[i + 1],
+                                        mirrors_[i - 1]->facet.plane.normal,
+                                        mirror.facet.plane.normal,
+                                        softness);
+      }
+    }
+    if (!mirrors_.empty()) {
+      weight = weight * end_weight(*mirrors_.front(), vertices_[0], vertices_[1]);
+      weight = weight * end_weight(*mirrors_.back(), vertices_.back(), vertices_[mirrors_.size()]);
+    }
+    return weight;
+  }
+
+  PathCoefficient<T> coefficient() const {
+    PathCoefficient<T> path;
+    for (std::size_t i = 0; i + 1 < vertices_.size(); ++i) {
+      path.length = path.length + norm(vertices_[i + 1] - vertices_[i]);
+    }
+    path.departure = normalized(vertices_[1] - vertices_[0]);
+    // By number of interactions so far.
+    std::vector<Wave<T>> waves{radiated(transmitter_, path.departure)};
+    std::size_t reflections = 0;
+    for (const SoftInteraction<T>& interaction : interactions_) {
+      if (interaction.kind == InteractionKind::kReflection) {
+        reflect_all(waves, interaction.facet);
+        ++reflections;
+      } else {
+        cross_all(waves, interaction, segment(reflections));
+      }
+    }
+    const T weight = mirror_weight();
+    path.arrival = waves.front().direction;
+    for (const Wave<T>& wave : waves) {
+      path.a = path.a + received(receiver_, wave, path.length, wavelength_);
+    }
+    path.a = {weight * path.a.re, weight * path.a.im};
+    return path;
+  }
+
+ private:
+  T end_weight(const SoftInteraction<T>& mirror,
+               const Vec3<T>& device,
+               const Vec3<T>& point) const {
+    return foot_weight(*mirror.surface, mirror.facet, device, point, options_.softness);
+  }
+
+  void reflect_all(std::vector<Wave<T>>& waves, const Facet<T>& facet) const {
+    for (Wave<T>& wave : waves) {
+      wave = reflect(wave, facet, wavelength_);
+    }
+  }
+
+  void cross_all(std::vector<Wave<T>>& waves,
+                 const SoftInteraction<T>& interaction,
+                 const SoftSegment<T>& along) const {
+    const Facet<T>& facet = interaction.facet;
+    const Vec3<T> point = meet(facet.plane, along.from, along.to);
+    const T weight = crossing_weight(*interaction.surface, facet, along, point, options_.softness);
+    const Complex<T> past{T(1) - weight, T(0)};
+    if (!options_.transmission) {
+      waves.front().field = past * waves.front().field;
+      return;
+    }
+    const std::size_t most = static_cast<std::size_t>(options_.max_depth) - mirrors_.size();
+    if (waves.size() <= most) {
+      waves.push_back({{}, waves.front().direction});
+    }
+    for (std::size_t i = waves.size(); i > 0; --i) {
+      Wave<T>& wave = waves[i - 1];
+      wave.field = past * wave.field;
+      if (i > 1) {
+        const Wave<T> through = transmit(waves[i - 2], facet, wavelength_);
+        wave.field = wave.field + Complex<T>{weight, T(0)} * through.field;
+      }
+    }
+  }
+
+  std::span<const SoftInteraction<T>> interactions_;
+  const LinkEnd<T>& transmitter_;
+  const LinkEnd<T>& receiver_;
+  T wavelength_;
+  TraceOptions options_;
+  std::vector<const SoftInteraction<T>*> mirrors_;
+  std::vector<Vec3<T>> vertices_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,33 @@
+// TraceContext: what all tracers of one scene share; immutable.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/scene/bvh.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/field_calculator.h"
+#include "engine/trace/trace_options.h"
+
+namespace rayloc {
+
+struct TraceContext {
+  // REQUIRES: scene != nullptr, options.max_depth >= 0, options.softness finite and >= 0.
+  TraceContext(std::shared_ptr<const Scene> scene, const TraceOptions& options);
+
+  // Every surface that the segment meets, soft edges included.
+  void crossings(const Segment& segment, std::vector<Crossing>& found) const;
+
+  std::shared_ptr<const Scene> scene;
+  TraceOptions options;
+  double wavelength = 0.0;            // [m]
+  std::vector<Facet<double>> facets;  // of each surface
+  std::vector<bool> opaque;           // of each surface: nothing that counts goes through it
+  // Whether two objects have faces in one plane (a door flush with its wall): both then reflect at
+  // the same place, and only one may.
+  bool has_coplanar_objects = false;
+  std::optional<Bvh> soft_bvh;  // only with soft edges
+};
+
+}  // namespace rayloc
