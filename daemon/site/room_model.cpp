@@ -5,7 +5,6 @@
 
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/content_hash.h"
-#include "engine/scene/load_scene.h"
 
 namespace rayloc {
 namespace {
@@ -88,14 +87,18 @@ std::string scene_hash(const Scene& scene) {
   return hash.text();
 }
 
-Expected<RoomModel> load_room_model(const Site& site) {
+SceneOptions scene_options(const Site& site) {
   SceneOptions options;
   options.carrier_hz = site.carrier.grid.centre_hz;
   for (const auto& [name, material] : site.materials) {
     options.materials[name] = {
         material.relative_permittivity, material.conductivity, material.thickness};
   }
-  auto scene = load_scene(site.scene_file, options);
+  return options;
+}
+
+Expected<RoomModel> load_room_model(const Site& site) {
+  auto scene = load_scene(site.scene_file, scene_options(site));
   if (!scene) {
     return tl::make_unexpected(std::move(scene.error()));
   }

@@ -7,12 +7,16 @@
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/localize/room_model.h"
+#include "engine/scene/load_scene.h"
 
 namespace rayloc {
 
 // The device model is that of the site's first transmitter with role "device", else the default
 // height with a vertical half-wave dipole; change `RoomModel::device` for another one.
 Expected<RoomModel> load_room_model(const Site& site);
+
+// The site's carrier and materials, for load_scene().
+SceneOptions scene_options(const Site& site);
 
 // Of names, geometry and materials: what a calibration depends on.
 std::string scene_hash(const Scene& scene);

@@ -1,0 +1,16 @@
+// build_room: from a RoomPlan to the scene that load_scene reads.
+#pragma once
+
+#include "daemon/scene/room_plan.h"
+#include "daemon/scene/scene_files.h"
+
+namespace rayloc {
+
+// Objects, in this order: the six sides of the room, the openings that have a material, the boxes.
+//
+// A side is a sheet at the inner face of the wall, its normal inwards: one slab of the material's
+// thickness, whichever way it is crossed. A box has six faces, each such a slab; one of its sizes
+// being 0, it is a sheet as well.
+StatedScene build_room(const RoomPlan& plan);
+
+}  // namespace rayloc

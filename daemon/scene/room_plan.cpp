@@ -1,0 +1,285 @@
+#include "daemon/scene/room_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "daemon/scene/plan_materials.h"
+#include "daemon/site/site_tables.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kLeastSize = 1e-3;       // [m]; smaller is a slip of the pen
+constexpr double kLargestRoom = 1'000.0;  // [m]
+constexpr double kFarthest = 10'000.0;    // [m], of any coordinate
+// Furniture and openings may touch a wall: sums of decimal numbers round.
+constexpr double kTouching = 1e-6;  // [m]
+constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
+
+// To the millimetre.
+std::string metres(double value) { return to_text(std::round(value * 1e3) / 1e3); }
+
+std::string span_text(double low, double high) {
+  return "[" + metres(low) + ", " + metres(high) + "]";
+}
+
+class PlanReader {
+ public:
+  explicit PlanReader(const TomlTable& root)
+      : root_(root), carrier_known_(read_plan_carrier()), materials_(root, carrier_hz()) {}
+
+  RoomPlan read() {
+    root_.require({{"name", "name = \"office\""},
+                   {"size", "size = [5.2, 3.4, 2.7]"},
+                   {"floor", "floor = \"concrete\""},
+                   {"ceiling", "ceiling = \"ceiling_board\""}});
+    plan_.name = read_topic_name(root_).value_or("");
+    read_size();
+    read_sides();
+    for (const TomlTable& table : root_.tables("opening")) {
+      read_opening(table);
+    }
+    for (const TomlTable& table : root_.tables("box")) {
+      read_box(table);
+    }
+    plan_.materials = materials_.finish();
+    read_access_points_of_plan();
+    return std::move(plan_);
+  }
+
+ private:
+  bool read_plan_carrier() {
+    if (const std::optional<TomlTable> table = root_.table("carrier")) {
+      read_carrier(*table, plan_.carrier);
+      return plan_.carrier.grid.centre_hz > 0.0;
+    }
+    plan_.carrier = {36, 40, {5.19e9, 312'500.0, {}}};
+    for (int tone = -58; tone <= 58; ++tone) {
+      if (std::abs(tone) >= 2) {
+        plan_.carrier.grid.tone_index.push_back(static_cast<std::int16_t>(tone));
+      }
+    }
+    return true;
+  }
+  // Where the carrier itself is wrong, materials are checked at some frequency of the band.
+  double carrier_hz() const { return carrier_known_ ? plan_.carrier.grid.centre_hz : 5.19e9; }
+
+  void read_size() {
+    const auto size = root_.numbers<3>("size", "size = [5.2, 3.4, 2.7]");
+    const auto corner = root_.numbers<3>("corner", "corner = [0, 0, 0]");
+    const std::array<double, 3> lower = corner.value_or(std::array<double, 3>{});
+    for (const double value : lower) {
+      if (std::abs(value) > kFarthest) {
+        root_.error_at("corner", "'corner' is further than 10 km away; write metres");
+        return;
+      }
+    }
+    if (!size) {
+      return;
+    }
+    for (const double value : *size) {
+      if (value < 0.1 || value > kLargestRoom) {
+        root_.error_at("size",
+                       "'size' has " + to_text(value) +
+                           " m; write the inside along x, y and z in metres, 0.1 to 1000 each");
+        return;
+      }
+    }
+    plan_.lower = {lower[0], lower[1], lower[2]};
+    plan_.upper = plan_.lower + Vec3d{(*size)[0], (*size)[1], (*size)[2]};
+    has_size_ = true;
+  }
+
+  void read_sides() {
+    const std::optional<std::string> walls = materials_.use(root_, "walls");
+    bool stated_alone = true;
+    for (std::size_t i = 0; i < kRoomSides.size(); ++i) {
+      const bool is_wall = i >= static_cast<std::size_t>(RoomSide::kWest);
+      stated_alone = stated_alone && (!is_wall || root_.has(kRoomSides.at(i)));
+      plan_.side_material.at(i) =
+          materials_.use(root_, kRoomSides.at(i)).value_or(is_wall ? walls.value_or("") : "");
+      names_.emplace(kRoomSides.at(i));
+    }
+    if (!root_.has("walls") && !stated_alone) {
+      root_.require({{"walls", "walls = \"plasterboard\""}});
+    }
+  }
+
+  // A name of an object: of a mesh file, and no second time.
+  std::string read_name(const TomlTable& table) {
+    const std::optional<std::string> name = table.string("name");
+    if (!name) {
+      return "";
+    }
+    if (!is_object_name(*name)) {
+      table.error_at("name", "'name' is '" + *name + "'; write letters, digits, '-' and '_' only");
+    } else if (!names_.insert(*name).second) {
+      table.error_at("name", "a second object '" + *name + "'; give each its own name");
+    }
+    return *name;
+  }
+
+  void read_opening(const TomlTable& table) {
+    table.require({{"name", "name = \"door\""},
+                   {"wall", "wall = \"east\""},
+                   {"centre", "centre = [1.0, 1.0]"},
+                   {"size", "size = [0.9, 2.0]"}});
+    PlanOpening opening;
+    opening.name = read_name(table);
+    opening.material = materials_.use(table, "material").value_or("");
+    const std::optional<std::string> wall = table.choice("wall", kWalls);
+    const auto centre = table.numbers<2>("centre", "centre = [1.0, 1.0]");
+    const auto size = table.numbers<2>("size", "size = [0.9, 2.0]");
+    if (!wall || !centre || !size || !has_size_) {
+      return;
+    }
+    const auto number = std::find(kWalls.begin(), kWalls.end(), *wall) - kWalls.begin();
+    opening.wall = static_cast<RoomSide>(static_cast<int>(RoomSide::kWest) + number);
+    if (place_opening(table, *centre, *size, opening)) {
+      plan_.openings.push_back(std::move(opening));
+    }
+  }
+
+  // Finds where the opening is; false, and an error, when that is not within its wall and clear of
+  // the wall's other openings.
+  bool place_opening(const TomlTable& table,
+                     const std::array<double, 2>& centre,
+                     const std::array<double, 2>& size,
+                     PlanOpening& opening) const {
+    const bool along_y = opening.wall == RoomSide::kWest || opening.wall == RoomSide::kEast;
+    const std::array<double, 2> low{along_y ? plan_.lower.y : plan_.lower.x, plan_.lower.z};
+    const std::array<double, 2> high{along_y ? plan_.upper.y : plan_.upper.x, plan_.upper.z};
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (size.at(i) < kLeastSize) {
+        table.error_at("size",
+                       "'size' has " + to_text(size.at(i)) + " m; write width and height, in m");
+        return false;
+      }
+      opening.lower.at(i) = centre.at(i) - 0.5 * size.at(i);
+      opening.upper.at(i) = centre.at(i) + 0.5 * size.at(i);
+      if (opening.lower.at(i) < low.at(i) - kTouching ||
+          opening.upper.at(i) > high.at(i) + kTouching) {
+        table.error_at("centre",
+                       "the opening is at " + span_text(opening.lower.at(i), opening.upper.at(i)) +
+                           " m " + (i == 0 ? (along_y ? "in y" : "in x") : "in height") +
+                           ", its wall at " + span_text(low.at(i), high.at(i)) +
+                           " m; correct 'centre' or 'size'");
+        return false;
+      }
+      opening.lower.at(i) = std::max(opening.lower.at(i), low.at(i));
+      opening.upper.at(i) = std::min(opening.upper.at(i), high.at(i));
+    }
+    for (const PlanOpening& other : plan_.openings) {
+      const auto overlap = [&](std::size_t i) {
+        return std::min(opening.upper.at(i), other.upper.at(i)) -
+                   std::max(opening.lower.at(i), other.lower.at(i)) >
+               kTouching;
+      };
+      if (other.wall == opening.wall && overlap(0) && overlap(1)) {
+        table.error_at("centre", "the opening overlaps the opening '" + other.name + "'");
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void read_box(const TomlTable& table) {
+    table.require({{"name", "name = \"table\""},
+                   {"material", "material = \"wood\""},
+                   {"centre", "centre = [2.0, 1.5, 0.73]"},
+                   {"size", "size = [1.8, 0.9, 0.05]"}});
+    PlanBox box;
+    box.name = read_name(table);
+    box.material = materials_.use(table, "material").value_or("");
+    const auto centre = table.numbers<3>("centre", "centre = [2.0, 1.5, 0.73]");
+    const auto size = table.numbers<3>("size", "size = [1.8, 0.9, 0.05]");
+    box.yaw = table.number("yaw_deg", {-360.0, 360.0, "degrees"}).value_or(0.0) * std::numbers::pi /
+              180.0;
+    if (!centre || !size) {
+      return;
+    }
+    const auto flat = std::count(size->begin(), size->end(), 0.0);
+    const bool thin = std::any_of(size->begin(), size->end(), [](double value) {
+      return value != 0.0 && (value < kLeastSize || value > kLargestRoom);
+    });
+    if (flat > 1 || thin) {
+      table.error_at("size",
+                     "'size' is the length along the box's x, y and z: write 0.001 to 1000 m; one "
+                     "of the three may be 0, for a sheet");
+      return;
+    }
+    box.centre = {(*centre)[0], (*centre)[1], (*centre)[2]};
+    box.size = {(*size)[0], (*size)[1], (*size)[2]};
+    if (check_inside(table, box)) {
+      plan_.boxes.push_back(std::move(box));
+    }
+  }
+
+  // Whether the box is in the room; else notes by how much it is not.
+  bool check_inside(const TomlTable& table, const PlanBox& box) const {
+    if (!has_size_) {
+      return false;
+    }
+    const double c = std::abs(std::cos(box.yaw));
+    const double s = std::abs(std::sin(box.yaw));
+    const Vec3d half{0.5 * (c * box.size.x + s * box.size.y),
+                     0.5 * (s * box.size.x + c * box.size.y),
+                     0.5 * box.size.z};
+    const Vec3d below = plan_.lower - (box.centre - half);
+    const Vec3d above = box.centre + half - plan_.upper;
+    const std::array<double, kRoomSides.size()> beyond{
+        below.z, above.z, below.x, above.x, below.y, above.y};  // in the order of RoomSide
+    for (std::size_t i = 0; i < beyond.size(); ++i) {
+      if (beyond.at(i) > kTouching) {
+        table.error_at("centre",
+                       "the box reaches " + metres(beyond.at(i)) + " m beyond the " +
+                           std::string(kRoomSides.at(i)) + "; correct 'centre' or 'size'");
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void read_access_points_of_plan() {
+    Site site;
+    site.bounds_min = plan_.lower;
+    site.bounds_max = plan_.upper;
+    site.has_bounds = has_size_;
+    read_access_points(root_, site);
+    plan_.access_points = std::move(site.access_points);
+  }
+
+  const TomlTable& root_;
+  RoomPlan plan_;
+  bool carrier_known_;
+  PlanMaterials materials_;
+  std::set<std::string> names_;
+  bool has_size_ = false;
+};
+
+Expected<RoomPlan> read_document(TomlDocument& document) {
+  const TomlTable root = document.root();
+  RoomPlan plan = PlanReader(root).read();
+  if (const Expected<void> result = document.finish(); !result) {
+    return tl::make_unexpected(result.error());
+  }
+  return plan;
+}
+
+}  // namespace
+
+Expected<RoomPlan> parse_room_plan(std::string_view text, const std::filesystem::path& file) {
+  const auto document = TomlDocument::parse(text, file);
+  return document ? read_document(**document) : tl::make_unexpected(document.error());
+}
+
+Expected<RoomPlan> load_room_plan(const std::filesystem::path& file) {
+  const auto document = TomlDocument::read(file);
+  return document ? read_document(**document) : tl::make_unexpected(document.error());
+}
+
+}  // namespace rayloc

@@ -1,0 +1,85 @@
+// RoomPlan: a room as a few lines of TOML state it, for a user who has a floor plan and no scene.
+//
+//   name = "office"
+//   size = [5.2, 3.4, 2.7]        # inside, along x, y, z
+//   corner = [0, 0, 0]            # optional: where x, y, z are smallest
+//   floor = "concrete"            # materials: names of ITU-R P.2040-3, or of [materials.NAME]
+//   ceiling = "ceiling_board"
+//   walls = "plasterboard"
+//   wall_north = "brick"          # optional, also wall_west (-x), wall_east (+x), wall_south (-y)
+//
+//   [[opening]]                   # a door, a window, a hole
+//   name = "door"
+//   wall = "east"
+//   centre = [1.0, 1.0]           # along the wall (its x or y), height
+//   size = [0.9, 2.0]
+//   material = "wood"             # left out: a hole
+//
+//   [[box]]                       # furniture
+//   name = "table"
+//   material = "wood"
+//   centre = [2.0, 1.5, 0.73]
+//   size = [1.8, 0.9, 0.05]       # one of them may be 0: a sheet
+//   yaw_deg = 20                  # optional
+//
+//   [materials.plasterboard]      # optional; 0.1 m thick unless stated
+//   thickness_m = 0.0125
+//   [materials.outer]
+//   itu = "brick"                 # or relative_permittivity and conductivity
+//
+// [carrier] and [[access_point]] may follow as in site.toml. Lengths are metres, z points up.
+// Errors name file:line:column, all of them at once; unknown keys are errors.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/scene/scene_files.h"
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+
+namespace rayloc {
+
+// The six sheets of the room, in the order of `kRoomSides`.
+enum class RoomSide : std::uint8_t { kFloor, kCeiling, kWest, kEast, kSouth, kNorth };
+inline constexpr std::array<std::string_view, 6> kRoomSides = {
+    "floor", "ceiling", "wall_west", "wall_east", "wall_south", "wall_north"};
+
+struct PlanOpening {
+  std::string name;
+  RoomSide wall = RoomSide::kWest;
+  std::array<double, 2> lower{};  // [m]: along the wall, height; room coordinates
+  std::array<double, 2> upper{};
+  std::string material;  // empty: a hole
+};
+
+struct PlanBox {
+  std::string name;
+  std::string material;
+  Vec3d centre;
+  Vec3d size;        // at most one is 0
+  double yaw = 0.0;  // [rad]
+};
+
+struct RoomPlan {
+  std::string name;
+  Vec3d lower;  // [m], the corners of the room
+  Vec3d upper;
+  std::array<std::string, kRoomSides.size()> side_material;
+  std::vector<PlanOpening> openings;
+  std::vector<PlanBox> boxes;
+  std::vector<StatedMaterial> materials;  // those in use, by name
+  Carrier carrier;                        // 40 MHz at channel 36 unless stated
+  std::vector<SiteAccessPoint> access_points;
+};
+
+Expected<RoomPlan> load_room_plan(const std::filesystem::path& file);
+// The same of a text; `file` is for messages.
+Expected<RoomPlan> parse_room_plan(std::string_view text, const std::filesystem::path& file);
+
+}  // namespace rayloc

@@ -1,0 +1,78 @@
+#include "daemon/scene/scene_files.h"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace rayloc {
+namespace {
+
+std::string mesh_file(const StatedObject& object) { return "meshes/" + object.name + ".ply"; }
+
+// Text, so that a person can read and a script can change it. `{}` of a double is the shortest text
+// that reads back as the same number.
+std::string ply(const Mesh& mesh) {
+  std::string text = fmt::format(
+      "ply\nformat ascii 1.0\n"
+      "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n"
+      "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(),
+      mesh.triangles.size());
+  for (const Vec3d& v : mesh.vertices) {
+    text += fmt::format("{} {} {}\n", v.x, v.y, v.z);
+  }
+  for (const auto& t : mesh.triangles) {
+    text += fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
+  }
+  return text;
+}
+
+std::string bsdf(const StatedMaterial& material) {
+  const auto number = [](const char* name, double value) {
+    return fmt::format("        <float name=\"{}\" value=\"{}\"/>\n", name, value);
+  };
+  std::string text = fmt::format("    <bsdf type=\"{}\" id=\"mat-{}\">\n",
+                                 material.itu.empty() ? "radio-material" : "itu-radio-material",
+                                 material.name);
+  if (material.itu.empty()) {
+    text += number("relative_permittivity", material.relative_permittivity) +
+            number("conductivity", material.conductivity);
+  } else {
+    text += fmt::format("        <string name=\"type\" value=\"{}\"/>\n", material.itu);
+  }
+  return text + number("thickness", material.thickness) + "    </bsdf>\n";
+}
+
+std::string shape(const StatedObject& object) {
+  return fmt::format(
+      "    <shape type=\"ply\" id=\"mesh-{}\">\n"
+      "        <string name=\"filename\" value=\"{}\"/>\n"
+      "        <boolean name=\"face_normals\" value=\"true\"/>\n"
+      "        <ref id=\"mat-{}\" name=\"bsdf\"/>\n"
+      "    </shape>\n",
+      object.name,
+      mesh_file(object),
+      object.material);
+}
+
+}  // namespace
+
+bool is_object_name(std::string_view text) {
+  return !text.empty() && text.find_first_not_of(
+                              "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") ==
+                              std::string_view::npos;
+}
+
+std::map<std::string, std::string> scene_files(const StatedScene& scene) {
+  std::map<std::string, std::string> files;
+  std::string xml = "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<scene version=\"2.1.0\">\n";
+  for (const StatedMaterial& material : scene.materials) {
+    xml += bsdf(material);
+  }
+  for (const StatedObject& object : scene.objects) {
+    xml += shape(object);
+    files[mesh_file(object)] = ply(object.mesh);
+  }
+  files["scene.xml"] = xml + "</scene>\n";
+  return files;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,174 @@
+#include "daemon/scene/scene_report.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/scene/solid_around.h"
+#include "daemon/scene/surface_overlap.h"
+
+namespace rayloc {
+namespace {
+
+// Rooms, flats, halls, floors of offices. Outside of this the unit is probably not the metre.
+constexpr double kSmallestPlace = 0.5;   // [m]
+constexpr double kLargestPlace = 2'000;  // [m]
+constexpr double kSameBounds = 1e-6;     // [m]
+// An antenna may be this far outside of all meshes: before the outer face of a wall, on a mast.
+constexpr double kOutsideSlack = 1.0;  // [m]
+
+Bounds bounds_of(const Scene& scene) { return {scene.bounds_min(), scene.bounds_max()}; }
+
+std::vector<ObjectReport> report_objects(const Scene& scene) {
+  std::vector<ObjectReport> reports;
+  for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
+    const SceneObject& object = scene.objects()[i];
+    ObjectReport report;
+    report.name = object.name;
+    report.material = scene.materials()[object.material].name;
+    report.triangles = object.mesh.triangles.size();
+    report.bounds = bounds_of(object.mesh);
+    reports.push_back(std::move(report));
+  }
+  for (std::uint32_t i = 0; i < scene.surfaces().size(); ++i) {
+    ++reports[scene.owner(i).object].surfaces;
+  }
+  for (std::uint32_t i = 0; i < reports.size(); ++i) {
+    const bool flat = reports[i].surfaces == 1;
+    reports[i].form = flat                        ? ObjectForm::kSheet
+                      : scene.solid(i).shells > 0 ? ObjectForm::kClosed
+                                                  : ObjectForm::kOpen;
+  }
+  return reports;
+}
+
+std::vector<MaterialReport> report_materials(const Scene& scene) {
+  std::vector<MaterialReport> reports;
+  for (const RadioMaterial& material : scene.materials()) {
+    reports.push_back({material, 0});
+  }
+  for (const SceneObject& object : scene.objects()) {
+    ++reports[object.material].objects;
+  }
+  return reports;
+}
+
+void warn_of_scale(const Scene& scene, std::vector<SceneWarning>& warnings) {
+  const Vec3d size = bounds_of(scene).size();
+  const double longest = std::max({size.x, size.y, size.z});
+  if (longest > kLargestPlace || longest < kSmallestPlace) {
+    warnings.push_back(
+        {"scale", fmt::format("the scene is {:.6g} m long; are its vertices in metres?", longest)});
+  }
+}
+
+void warn_of_objects(const Scene& scene,
+                     const std::vector<ObjectReport>& objects,
+                     std::vector<SceneWarning>& warnings) {
+  const Bounds all = bounds_of(scene);
+  for (std::uint32_t i = 0; i < objects.size(); ++i) {
+    const ObjectReport& object = objects[i];
+    const bool is_shell = norm(object.bounds.lower - all.lower) < kSameBounds &&
+                          norm(object.bounds.upper - all.upper) < kSameBounds;
+    if (object.form == ObjectForm::kClosed && scene.solid(i).orientation < 0 && !is_shell) {
+      warnings.push_back({"inside_out",
+                          fmt::format("object '{}' is turned inside out: its triangles face "
+                                      "inwards; turn their corners round",
+                                      object.name)});
+    }
+    if (object.form == ObjectForm::kOpen) {
+      warnings.push_back(
+          {"open_body",
+           fmt::format("object '{}' has {} surfaces and no inside: a face is missing, turned round "
+                       "or does not meet its neighbours; a box needs all six",
+                       object.name,
+                       object.surfaces)});
+    }
+  }
+}
+
+// Counts contacts; a doubled face is a warning.
+std::size_t report_overlaps(const Scene& scene, std::vector<SceneWarning>& warnings) {
+  std::size_t contacts = 0;
+  for (const SurfaceOverlap& overlap : find_overlaps(scene)) {
+    if (!overlap.doubled) {
+      ++contacts;
+      continue;
+    }
+    warnings.push_back(
+        {"overlap",
+         fmt::format("objects '{}' and '{}' share {:.3g} m^2 of one plane, where waves are "
+                     "reflected twice; move one of them by a millimetre, or cut a hole",
+                     scene.objects()[scene.owner(overlap.first).object].name,
+                     scene.objects()[scene.owner(overlap.second).object].name,
+                     overlap.area)});
+  }
+  return contacts;
+}
+
+void warn_of_antenna(const Scene& scene,
+                     const std::string& name,
+                     const Vec3d& position,
+                     std::vector<SceneWarning>& warnings) {
+  if (const auto around = solid_around(scene, position)) {
+    warnings.push_back({"antenna_inside",
+                        fmt::format("{} is inside of object '{}', where it hears nothing",
+                                    name,
+                                    scene.objects()[*around].name)});
+    return;
+  }
+  Bounds near = bounds_of(scene);
+  const Vec3d slack{kOutsideSlack, kOutsideSlack, kOutsideSlack};
+  near = {near.lower - slack, near.upper + slack};
+  if (!near.contains(position)) {
+    warnings.push_back(
+        {"antenna_outside",
+         fmt::format("{} is more than {:.0f} m outside of the scene", name, kOutsideSlack)});
+  }
+}
+
+void warn_of_antennas(const Scene& scene, const Site& site, std::vector<SceneWarning>& warnings) {
+  for (const SiteAccessPoint& ap : site.access_points) {
+    for (std::size_t i = 0; i < ap.cores.size(); ++i) {
+      warn_of_antenna(
+          scene,
+          fmt::format(
+              "the antenna of core {} of access point '{}'", static_cast<int>(ap.cores[i]), ap.id),
+          element_position(ap.array, i),
+          warnings);
+    }
+  }
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    if (transmitter.position) {
+      warn_of_antenna(scene,
+                      "the fixed transmitter " + to_string(transmitter.mac),
+                      *transmitter.position,
+                      warnings);
+    }
+  }
+}
+
+}  // namespace
+
+SceneReport inspect_scene(const SceneSource& source) {
+  const Scene& scene = *source.scene;
+  SceneReport report;
+  report.objects = report_objects(scene);
+  report.materials = report_materials(scene);
+  report.dropped_triangles = scene.dropped_triangles();
+  if (report.dropped_triangles > 0) {
+    report.warnings.push_back(
+        {"degenerate_triangle",
+         fmt::format("{} triangles without area were left out", report.dropped_triangles)});
+  }
+  warn_of_scale(scene, report.warnings);
+  warn_of_objects(scene, report.objects, report.warnings);
+  report.contacts = report_overlaps(scene, report.warnings);
+  if (source.site) {
+    warn_of_antennas(scene, *source.site, report.warnings);
+  }
+  return report;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,54 @@
+// inspect_scene: what a scene consists of, and what about it is probably a mistake.
+//
+// What makes a scene unusable (a missing mesh, a vertex that is no number, an unknown material) is
+// an error of load_scene. A warning is about a scene that can be traced and whose channels would
+// not be those of the place.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/scene/bounds.h"
+#include "daemon/scene/scene_source.h"
+#include "engine/em/radio_material.h"
+
+namespace rayloc {
+
+// kSheet: in one plane; kClosed: a body with an inside; kOpen: neither, or a body whose shells
+// disagree about what is inside.
+enum class ObjectForm : std::uint8_t { kSheet, kClosed, kOpen };
+
+struct ObjectReport {
+  std::string name;
+  std::string material;
+  ObjectForm form = ObjectForm::kSheet;
+  std::size_t surfaces = 0;
+  std::size_t triangles = 0;
+  Bounds bounds;  // [m]
+};
+
+struct MaterialReport {
+  RadioMaterial material;  // at the carrier
+  std::size_t objects = 0;
+};
+
+struct SceneWarning {
+  std::string kind;     // "overlap": for scripts
+  std::string message;  // for people
+};
+
+struct SceneReport {
+  std::vector<ObjectReport> objects;      // in the order of the file
+  std::vector<MaterialReport> materials;  // as well
+  std::size_t dropped_triangles = 0;
+  std::size_t contacts = 0;  // pairs of faces that touch and hide each other
+  // Of these kinds: degenerate_triangle, scale, inside_out, open_body, overlap, antenna_inside,
+  // antenna_outside.
+  std::vector<SceneWarning> warnings;
+};
+
+SceneReport inspect_scene(const SceneSource& source);
+
+}  // namespace rayloc

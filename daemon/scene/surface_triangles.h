@@ -1,0 +1,17 @@
+// The triangles of each surface of a scene: what a Surface (convex pieces, an outline) was made of.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+
+using Triangle = std::array<Vec3d, 3>;
+
+// One entry a surface, in their order; every triangle of the scene is in one of them.
+std::vector<std::vector<Triangle>> surface_triangles(const Scene& scene);
+
+}  // namespace rayloc
