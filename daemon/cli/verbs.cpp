@@ -12,6 +12,7 @@ extern const Verb kEvaluate;     // evaluate.cpp
 extern const Verb kFrames;       // frames.cpp
 extern const Verb kRecord;       // record.cpp
 extern const Verb kReplay;       // replay.cpp
+extern const Verb kScene;        // scene.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSub;          // sub.cpp
 
@@ -24,6 +25,7 @@ std::span<const Verb> verbs() {
       kFrames,
       kRecord,
       kReplay,
+      kScene,
       kSend,
       kSub,
   };

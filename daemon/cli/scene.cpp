@@ -1,0 +1,50 @@
+// `rayloc scene room|check`: scenes made and inspected.
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "daemon/cli/scene_verbs.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct Part {
+  const char* name;
+  const char* summary;
+  RunVerb (*declare)(CLI::App& app);
+};
+
+constexpr std::array kParts = {
+    Part{"check",
+         "Summarize a scene or site, and warn of what is probably a mistake",
+         declare_scene_check},
+    Part{"room",
+         "Make a scene from a few lines of TOML: a room, its walls and furniture",
+         declare_scene_room},
+};
+
+RunVerb declare(CLI::App& app) {
+  app.require_subcommand(1);
+  std::vector<std::pair<const CLI::App*, RunVerb>> parts;
+  for (const Part& part : kParts) {
+    CLI::App* sub = app.add_subcommand(part.name, part.summary);
+    RunVerb run = part.declare(*sub);
+    parts.emplace_back(sub, std::move(run));
+  }
+  return [parts = std::move(parts)]() -> Expected<void> {
+    for (const auto& [sub, run] : parts) {
+      if (sub->parsed()) {
+        return run();
+      }
+    }
+    return make_error(ErrorKind::kInternal, "no part of `rayloc scene` was chosen");
+  };
+}
+
+}  // namespace
+
+extern const Verb kScene;
+const Verb kScene = {"scene", "Make and check scenes", "rayloc scene room --help", declare};
+
+}  // namespace rayloc::cli

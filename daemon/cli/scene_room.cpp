@@ -1,0 +1,102 @@
+// `rayloc scene room`: a scene, and the site around it, from a plan of a few lines.
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "daemon/cli/scene_verbs.h"
+#include "daemon/scene/build_room.h"
+#include "daemon/scene/room_plan.h"
+#include "daemon/scene/room_site.h"
+#include "daemon/scene/scene_files.h"
+#include "daemon/site/site_copy.h"
+
+namespace rayloc::cli {
+namespace {
+
+// What the smallest plan looks like; the whole of it is in daemon/scene/room_plan.h.
+constexpr const char* kExample = R"(Example:
+  rayloc scene room office.toml --out office
+  rayloc scene check office/scene.xml
+
+office.toml (metres; materials of ITU-R P.2040-3):
+  name = "office"
+  size = [5.2, 3.4, 2.7]       # inside, along x, y, z
+  floor = "concrete"
+  ceiling = "ceiling_board"
+  walls = "plasterboard"
+  wall_north = "brick"         # also wall_west (-x), wall_east (+x), wall_south (-y)
+
+  [[opening]]
+  name = "door"
+  wall = "east"
+  centre = [1.0, 1.0]          # along the wall (its x or y), height
+  size = [0.9, 2.0]
+  material = "wood"            # left out: a hole
+
+  [[box]]
+  name = "table"
+  material = "wood"
+  centre = [2.0, 1.5, 0.73]
+  size = [1.8, 0.9, 0.05]      # one of them may be 0: a sheet
+  yaw_deg = 20
+
+  [materials.plasterboard]     # 0.1 m thick unless stated; every face is one such slab
+  thickness_m = 0.0125
+
+[carrier] and [[access_point]] may follow as in site.toml; with an access point the output is a
+site, without one it lacks only that.)";
+
+struct Arguments {
+  std::string plan;
+  std::string out;
+  bool force = false;
+  bool quiet = false;
+};
+
+Expected<void> run(const Arguments& arguments) {
+  const Expected<RoomPlan> plan = load_room_plan(arguments.plan);
+  if (!plan) {
+    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
+    std::fprintf(stderr, "%s\n", plan.error().message.c_str());
+    return exit_silently(plan.error().kind);
+  }
+  const std::filesystem::path directory = arguments.out;
+  if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
+    return prepared;
+  }
+  const StatedScene scene = build_room(*plan);
+  auto files = scene_files(scene);
+  files["site.toml"] = room_site(*plan);
+  for (const auto& [name, content] : files) {
+    if (auto written = write_file(directory / name, content); !written) {
+      return written;
+    }
+  }
+  if (!arguments.quiet) {
+    std::fprintf(stderr,
+                 "%s: %zu objects of %zu materials; %s\n",
+                 directory.c_str(),
+                 scene.objects.size(),
+                 scene.materials.size(),
+                 plan->access_points.empty()
+                     ? "to make it a site, name an access point in its site.toml"
+                     : "a site");
+  }
+  return {};
+}
+
+}  // namespace
+
+RunVerb declare_scene_room(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("FILE", arguments->plan, "The plan of the room, TOML")->required();
+  app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml")
+      ->required();
+  app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
+  app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
+  app.footer(kExample);
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,11 @@
+// The parts of `rayloc scene`, each in the file of its name (scene_room.cpp, ...).
+#pragma once
+
+#include "daemon/cli/verb.h"
+
+namespace rayloc::cli {
+
+RunVerb declare_scene_check(CLI::App& app);
+RunVerb declare_scene_room(CLI::App& app);
+
+}  // namespace rayloc::cli

@@ -1,0 +1,203 @@
+// `rayloc scene room` and `rayloc scene check` as processes of their own.
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlan = R"(name = "office"
+size = [5.2, 3.4, 2.7]
+floor = "concrete"
+ceiling = "ceiling_board"
+walls = "plasterboard"
+[[box]]
+name = "table"
+material = "wood"
+centre = [2.0, 1.5, 0.73]
+size = [1.8, 0.9, 0.05]
+)";
+constexpr const char* kAccessPoint = R"([[access_point]]
+id = "ap1"
+position = [0.3, 0.3, 2.2]
+[[access_point.antenna]]
+core = 0
+offset = [0, 0, 0]
+)";
+
+class SceneVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("rayloc-scene-test." + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string content(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+  Finished make_room(const std::string& plan) const {
+    return RaylocProcess({"scene", "room", file("office.toml", plan), "--out", out()}).wait();
+  }
+  std::string out() const { return folder_ / "office"; }
+
+  fs::path folder_;
+};
+
+TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
+  const Finished made = make_room(kPlan);
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_EQ(made.out, "");
+  EXPECT_EQ(made.err,
+            out() +
+                ": 7 objects of 4 materials; to make it a site, name an access point in its "
+                "site.toml\n");
+  const Finished checked =
+      RaylocProcess({"scene", "check", out() + "/scene.xml", "--json", "--frequency", "2.4e9"})
+          .wait();
+  ASSERT_EQ(checked.status, 0) << checked.err;
+  const auto json = nlohmann::json::parse(checked.out);
+  EXPECT_EQ(json["name"], "scene");
+  EXPECT_EQ(json["frequency"], 2.4e9);
+  EXPECT_EQ(json["bounds"]["max"], (nlohmann::json{5.2, 3.4, 2.7}));
+  EXPECT_EQ(json["surfaces"], 12);
+  EXPECT_EQ(json["triangles"], 24);
+  EXPECT_EQ(json["objects"].size(), 7U);
+  EXPECT_EQ(json["objects"][6]["form"], "closed");
+  EXPECT_EQ(json["materials"].size(), 4U);
+  EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
+}
+
+TEST_F(SceneVerb, RoomWithAnAccessPointIsASite) {
+  const Finished made = make_room(std::string(kPlan) + kAccessPoint);
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_EQ(RaylocProcess({"check-config", "--quiet", out()}).wait().status, 0);
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NE(checked.out.find("office: 5.200 x 3.400 x 2.700 m, 7 objects"), std::string::npos)
+      << checked.out;
+  EXPECT_NE(checked.out.find("\nno warning\n"), std::string::npos) << checked.out;
+}
+
+TEST_F(SceneVerb, RoomLacksOnlyAnAccessPointToBeASite) {
+  ASSERT_EQ(make_room(kPlan).status, 0);
+  std::ofstream(out() + "/site.toml", std::ios::app) << kAccessPoint;
+  const Finished checked = RaylocProcess({"check-config", "--quiet", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
+TEST_F(SceneVerb, RoomOverwritesNothingUnlessForced) {
+  ASSERT_EQ(make_room(kPlan).status, 0);
+  const Finished again = make_room(kPlan);
+  EXPECT_EQ(again.status, 64);
+  EXPECT_NE(again.err.find("is not empty; choose another --out, or --force"), std::string::npos)
+      << again.err;
+  EXPECT_EQ(RaylocProcess(
+                {"scene", "room", file("office.toml", kPlan), "--out", out(), "--force", "--quiet"})
+                .wait()
+                .err,
+            "");
+}
+
+TEST_F(SceneVerb, MistakesInThePlanAreLinesWithTheirPlace) {
+  const Finished made = make_room(std::string(kPlan) + "yaw = 3\n[[box]]\nname = \"table\"\n");
+  EXPECT_EQ(made.status, 78);
+  const std::string name = folder_ / "office.toml";
+  EXPECT_EQ(made.err.find(name + ":11:1: unknown key 'yaw' in [[box]]; did you mean 'yaw_deg'?\n"),
+            0U)
+      << made.err;
+  EXPECT_NE(made.err.find(name + ":13:8: a second object 'table'"), std::string::npos) << made.err;
+  EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(SceneVerb, CheckWarnsAndStillSucceeds) {
+  ASSERT_EQ(make_room(kPlan).status, 0);
+  const std::string site = content(out() + "/site.toml") +
+                           "[[access_point]]\nid = \"ap1\"\nposition = [2, 1.5, 0.73]\n"
+                           "[[access_point.antenna]]\ncore = 0\noffset = [0, 0, 0]\n";
+  std::ofstream(out() + "/site.toml") << site;
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NE(checked.out.find("warning: the antenna of core 0 of access point 'ap1' is inside of "
+                             "object 'table', where it hears nothing\n"),
+            std::string::npos)
+      << checked.out;
+}
+
+// A scene that cannot be used is named with its place, and nothing is printed as data.
+TEST_F(SceneVerb, UnusableScenesAreRefused) {
+  ASSERT_EQ(make_room(kPlan).status, 0);
+  const std::string xml = out() + "/scene.xml";
+  const std::string mesh = out() + "/meshes/table.ply";
+  const auto check = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"scene", "check", xml};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RaylocProcess(arguments).wait();
+  };
+  const auto expect_refused = [&](const Finished& finished, const std::string& message) {
+    EXPECT_EQ(finished.status, 65);
+    EXPECT_EQ(finished.out, "");
+    EXPECT_EQ(finished.err.find(xml), 0U) << finished.err;
+    EXPECT_NE(finished.err.find(message), std::string::npos) << finished.err;
+  };
+  expect_refused(check({"--frequency", "200e9"}),
+                 "ITU-R P.2040-3 states 'concrete' for 1 to 100 GHz, not for 200 GHz");
+
+  const std::string good_mesh = content(mesh);
+  std::string bad = good_mesh;
+  bad.replace(bad.find("end_header\n") + 11, 3, "nan");
+  std::ofstream(mesh) << bad;
+  expect_refused(check({}), "has a coordinate that is not a finite number");
+
+  bad = good_mesh.substr(0, good_mesh.find("end_header\n") + 11);
+  for (int i = 0; i < 8; ++i) {
+    bad += std::to_string(i) + " 0 0\n";
+  }
+  bad += good_mesh.substr(good_mesh.find("\n3 ") + 1);
+  std::ofstream(mesh) << bad;
+  expect_refused(check({}), "object 'table' has no triangle that is at least a micrometre high");
+
+  fs::remove(mesh);
+  expect_refused(check({}), "shape 'table': " + mesh + " does not exist");
+
+  std::string unknown = content(xml);
+  unknown.replace(unknown.find("value=\"wood\""), 12, "value=\"woood\"");
+  std::ofstream(xml) << unknown;
+  expect_refused(check({}), "has no material 'woood'; did you mean 'wood'?");
+}
+
+TEST_F(SceneVerb, NeedsToKnowWhat) {
+  EXPECT_EQ(RaylocProcess({"scene"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"scene", "room"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"scene", "check"}).wait().status, 64);
+  const Finished nowhere = RaylocProcess({"scene", "check", "/nowhere/scene.xml"}).wait();
+  EXPECT_EQ(nowhere.status, 65);
+  EXPECT_EQ(nowhere.err, "/nowhere/scene.xml does not exist\n");
+}
+
+TEST_F(SceneVerb, HelpHasAnExample) {
+  for (const char* part : {"room", "check"}) {
+    const Finished help = RaylocProcess({"scene", part, "--help"}).wait();
+    EXPECT_EQ(help.status, 0);
+    EXPECT_NE(help.out.find("Example:\n  rayloc scene " + std::string(part)), std::string::npos)
+        << help.out;
+  }
+}
+
+}  // namespace
+}  // namespace rayloc
