@@ -174,7 +174,8 @@ TEST(BuildRoom, EmptyRoomHasThePathsOfItsImages) {
   const Vec3d tx{1.1, 0.7, 1.2};
   const Vec3d rx{4.0, 2.9, 1.9};
   std::vector<double> lengths;
-  for (const Path& path : PathTracer(scene, 2).trace(Transmitter{{tx, {}}}, Receiver{{rx, {}}})) {
+  for (const Path& path :
+       PathTracer(scene, {.max_depth = 2}).trace(Transmitter{{tx, {}}}, Receiver{{rx, {}}})) {
     lengths.push_back(path.tau * kSpeedOfLight);
   }
   std::sort(lengths.begin(), lengths.end());
@@ -191,7 +192,8 @@ std::vector<std::string> single_bounces(const std::shared_ptr<const Scene>& scen
                                         const Vec3d& tx,
                                         const Vec3d& rx) {
   std::vector<std::string> names;
-  for (const Path& path : PathTracer(scene, 1).trace(Transmitter{{tx, {}}}, Receiver{{rx, {}}})) {
+  for (const Path& path :
+       PathTracer(scene, {.max_depth = 1}).trace(Transmitter{{tx, {}}}, Receiver{{rx, {}}})) {
     if (path.interactions.size() == 1) {
       names.push_back(scene->objects()[path.interactions[0].object].name);
     }
