@@ -71,9 +71,10 @@ bool InteractionFinder::find_soft(const LinkEnd<double>& transmitter,
                                   std::vector<Interaction>& interactions) {
   soft_mirrors_.clear();
   for (const Interaction& mirror : mirrors_) {
-    soft_mirrors_.push_back({InteractionKind::kReflection,
-                             &context_->scene->surfaces()[mirror.surface],
-                             context_->facets[mirror.surface]});
+    soft_mirrors_.push_back(soft_interaction<double>(
+        *context_, InteractionKind::kReflection, mirror.surface, [&](std::uint32_t surface) {
+          return context_->facets[surface];
+        }));
   }
   const SoftPath<double> path(
       soft_mirrors_, transmitter, receiver, context_->wavelength, context_->options);

@@ -146,23 +146,27 @@ Expected<void> PathDifferentiator::check(const Parameter& parameter) const {
 }
 
 bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) const {
-  const auto meets = [&](const auto& condition) {
-    return std::any_of(path.interactions.begin(), path.interactions.end(), condition);
+  const Scene& scene = *context_.scene;
+  const auto is_meant = [&](std::uint32_t surface) {
+    switch (parameter.kind) {
+      case Kind::kObjectTranslation:
+        return scene.owner(surface).object == parameter.index;
+      case Kind::kSurfaceOffset:
+        return surface == parameter.index;
+      case Kind::kRelativePermittivity:
+      case Kind::kConductivity:
+      case Kind::kThickness:
+        return scene.objects()[scene.owner(surface).object].material == parameter.index;
+      default:
+        return true;
+    }
   };
-  switch (parameter.kind) {
-    case Kind::kObjectTranslation:
-      return meets([&](const Interaction& i) { return i.object == parameter.index; });
-    case Kind::kSurfaceOffset:
-      return meets([&](const Interaction& i) { return i.surface == parameter.index; });
-    case Kind::kRelativePermittivity:
-    case Kind::kConductivity:
-    case Kind::kThickness:
-      return meets([&](const Interaction& i) {
-        return context_.scene->objects()[i.object].material == parameter.index;
-      });
-    default:
-      return true;
-  }
+  const bool by_an_end = parameter.kind < Kind::kObjectTranslation;
+  return by_an_end ||
+         std::any_of(path.interactions.begin(), path.interactions.end(), [&](const Interaction& i) {
+           const auto& covers = context_.covers[i.surface];
+           return is_meant(i.surface) || std::any_of(covers.begin(), covers.end(), is_meant);
+         });
 }
 
 Expected<PathDerivatives> PathDifferentiator::differentiate(
@@ -174,7 +178,6 @@ Expected<PathDerivatives> PathDifferentiator::differentiate(
   }
   PathDerivatives result(paths.size(), parameters.size());
   std::vector<std::size_t> wanted;
-  std::vector<Facet<Dual>> facets;
   for (std::size_t p = 0; p < paths.size(); ++p) {
     const Path& path = paths[p];
     wanted.clear();
@@ -191,16 +194,12 @@ Expected<PathDerivatives> PathDifferentiator::differentiate(
       for (std::size_t i = first; i < wanted.size() && i < first + kLanes; ++i) {
         block.parameters[static_cast<std::size_t>(block.size++)] = &parameters[wanted[i]];
       }
-      facets.clear();
-      for (const Interaction& interaction : path.interactions) {
-        facets.push_back(dual_facet(context_, interaction.surface, block));
-      }
-      const PathCoefficient<Dual> dual =
-          evaluate_path<Dual>(context_,
-                              path.interactions,
-                              facets,
-                              dual_end(transmitter_, kTransmitterKinds, block),
-                              dual_end(receiver_, kReceiverKinds, block));
+      const PathCoefficient<Dual> dual = evaluate_path<Dual>(
+          context_,
+          path.interactions,
+          [&](std::uint32_t surface) { return dual_facet(context_, surface, block); },
+          dual_end(transmitter_, kTransmitterKinds, block),
+          dual_end(receiver_, kReceiverKinds, block));
       for (int lane = 0; lane < block.size; ++lane) {
         result.at(p, wanted[first + static_cast<std::size_t>(lane)]) = {
             {dual.a.re.v[lane], dual.a.im.v[lane]}, dual.length.v[lane] / kSpeedOfLight};

@@ -39,7 +39,7 @@ bool at_the_same_places(const Path& a, const Path& b) {
                     });
 }
 
-// Where faces of two objects lie in one plane, the first one acts.
+// Where faces of two objects are at the same place, the first one acts.
 void drop_repeated(std::vector<Path>& paths) {
   std::vector<Path> kept;
   for (Path& path : paths) {
@@ -56,14 +56,13 @@ void drop_repeated(std::vector<Path>& paths) {
 Path evaluate(const TraceContext& context,
               const std::vector<Interaction>& interactions,
               const LinkEnd<double>& transmitter,
-              const LinkEnd<double>& receiver,
-              std::vector<Facet<double>>& facets) {
-  facets.clear();
-  for (const Interaction& interaction : interactions) {
-    facets.push_back(context.facets[interaction.surface]);
-  }
-  const PathCoefficient<double> found =
-      evaluate_path<double>(context, interactions, facets, transmitter, receiver);
+              const LinkEnd<double>& receiver) {
+  const PathCoefficient<double> found = evaluate_path<double>(
+      context,
+      interactions,
+      [&](std::uint32_t surface) -> const Facet<double>& { return context.facets[surface]; },
+      transmitter,
+      receiver);
   const SphericalAngles departure = spherical_angles(found.departure);
   const SphericalAngles arrival = spherical_angles(-found.arrival);
   return {found.a,
@@ -99,16 +98,15 @@ Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   const std::size_t count = tree_.chains_to(transmitter.position, chains);
   InteractionFinder finder(context_);
   std::vector<Interaction> interactions;
-  std::vector<Facet<double>> facets;
   std::vector<Path> paths;
   paths.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     if (finder.find(chains[i], from, to, interactions)) {
-      paths.push_back(evaluate(*context_, interactions, from, to, facets));
+      paths.push_back(evaluate(*context_, interactions, from, to));
     }
   }
   std::sort(paths.begin(), paths.end(), canonical_order);
-  if (context_->has_coplanar_objects) {
+  if (context_->has_covers && context_->options.softness == 0.0) {
     drop_repeated(paths);
   }
   return Paths(std::move(paths));

@@ -7,10 +7,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "engine/trace/field_calculator.h"
+#include "engine/trace/trace_context.h"
 #include "engine/trace/trace_options.h"
 #include "engine/trace/visibility.h"
 
@@ -22,7 +24,29 @@ struct SoftInteraction {
   InteractionKind kind = InteractionKind::kReflection;
   const Surface* surface = nullptr;
   Facet<T> facet;
+  // Of a mirror: surfaces at the same place that reflect in its stead (TraceContext::covers).
+  struct Cover {
+    const Surface* surface = nullptr;
+    Facet<T> facet;
+  };
+  std::vector<Cover> covers = {};
 };
+
+// `facet_of(surface)` gives a Facet<T>.
+template <typename T, typename FacetOf>
+SoftInteraction<T> soft_interaction(const TraceContext& context,
+                                    InteractionKind kind,
+                                    std::uint32_t surface,
+                                    const FacetOf& facet_of) {
+  const auto& surfaces = context.scene->surfaces();
+  SoftInteraction<T> interaction{kind, &surfaces[surface], facet_of(surface)};
+  if (kind == InteractionKind::kReflection) {
+    for (const std::uint32_t cover : context.covers[surface]) {
+      interaction.covers.push_back({&surfaces[cover], facet_of(cover)});
+    }
+  }
+  return interaction;
+}
 
 template <typename T>
 class SoftPath {
@@ -67,6 +91,10 @@ class SoftPath {
     for (std::size_t i = 0; i < mirrors_.size(); ++i) {
       const SoftInteraction<T>& mirror = *mirrors_[i];
       weight = weight * edge_weight(*mirror.surface, mirror.facet, vertices_[i + 1], softness);
+      for (const auto& cover : mirror.covers) {
+        weight =
+            weight * (T(1) - edge_weight(*cover.surface, cover.facet, vertices_[i + 1], softness));
+      }
       if (i > 0) {
         weight = weight * corner_weight(vertices_[i],
                                         vertices_[i + 1],

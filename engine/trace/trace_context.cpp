@@ -1,5 +1,6 @@
 #include "engine/trace/trace_context.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -27,16 +28,51 @@ bool are_coplanar(const Plane<double>& a, const Plane<double>& b) {
          std::abs(a.offset - (along > 0.0 ? b.offset : -b.offset)) < kSamePlane;
 }
 
-bool has_coplanar_objects(const Scene& scene) {
-  for (std::uint32_t i = 0; i < scene.surfaces().size(); ++i) {
+struct Box {
+  Vec3d lower;
+  Vec3d upper;
+};
+
+Box box_around(const Surface& surface, double margin) {
+  const Vec3d grow{margin, margin, margin};
+  Box box{surface.outline().front(), surface.outline().front()};
+  for (const Vec3d& p : surface.outline()) {
+    box.lower = {
+        std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
+    box.upper = {
+        std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
+  }
+  return {box.lower - grow, box.upper + grow};
+}
+
+bool overlap(const Box& a, const Box& b) {
+  return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y &&
+         b.lower.y <= a.upper.y && a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
+}
+
+// TraceContext::covers. Opaque bodies only reflect outwards, so faces back to back do not compete.
+std::vector<std::vector<std::uint32_t>> find_covers(const Scene& scene,
+                                                    const TraceOptions& options) {
+  const auto& surfaces = scene.surfaces();
+  std::vector<Box> boxes;
+  boxes.reserve(surfaces.size());
+  for (const Surface& surface : surfaces) {
+    boxes.push_back(box_around(surface, options.softness + kSamePlane));
+  }
+  std::vector<std::vector<std::uint32_t>> covers(surfaces.size());
+  for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
     for (std::uint32_t j = 0; j < i; ++j) {
-      if (scene.owner(i).object != scene.owner(j).object &&
-          are_coplanar(scene.surfaces()[i].plane(), scene.surfaces()[j].plane())) {
-        return true;
+      const Plane<double>& a = surfaces[i].plane();
+      const Plane<double>& b = surfaces[j].plane();
+      const bool back_to_back = !options.transmission && scene.owner(i).one_facing &&
+                                scene.owner(j).one_facing && dot(a.normal, b.normal) < 0.0;
+      if (scene.owner(i).object != scene.owner(j).object && !back_to_back &&
+          overlap(boxes[i], boxes[j]) && are_coplanar(a, b)) {
+        covers[i].push_back(j);
       }
     }
   }
-  return false;
+  return covers;
 }
 
 }  // namespace
@@ -55,7 +91,8 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
                       {}});
     opaque.push_back(is_opaque(facets.back(), wavelength));
   }
-  has_coplanar_objects = rayloc::has_coplanar_objects(*scene);
+  covers = find_covers(*scene, options);
+  has_covers = std::any_of(covers.begin(), covers.end(), [](const auto& c) { return !c.empty(); });
   if (options.softness > 0.0) {
     auto bvh = Bvh::create(scene->surfaces(), options.softness);
     RAYLOC_CHECK(bvh.has_value());  // Embree worked for the scene itself

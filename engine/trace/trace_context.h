@@ -1,6 +1,7 @@
 // TraceContext: what all tracers of one scene share; immutable.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -24,9 +25,10 @@ struct TraceContext {
   double wavelength = 0.0;            // [m]
   std::vector<Facet<double>> facets;  // of each surface
   std::vector<bool> opaque;           // of each surface: nothing that counts goes through it
-  // Whether two objects have faces in one plane (a door flush with its wall): both then reflect at
-  // the same place, and only one may.
-  bool has_coplanar_objects = false;
+  // Of each surface, those before it that other objects have at the same place (a door flush with
+  // its wall): they act where both would.
+  std::vector<std::vector<std::uint32_t>> covers;
+  bool has_covers = false;
   std::optional<Bvh> soft_bvh;  // only with soft edges
 };
 

@@ -7,18 +7,19 @@
 // Fresnel zone, sqrt(lambda d1 d2 / (d1 + d2)). As it goes to 0 the weights become those of hard
 // visibility.
 //
-// A weight is a product of smooth steps of
-//   - the signed distance inside each edge of the surface, from -softness to softness. Of a surface
-//     that is not convex: of the distance to its boundary;
-//   - where it could vanish or appear otherwise, the distance along the path:
-//     * a crossing that slides over the end of its segment. At an end on another mirror the
-//     distance
-//       counts by the sine of the angle between the planes: a crossing can only slide over an end
-//       where planes intersect, and a thin object in front of a wall stops waves as it should. At a
-//       device it counts near the edges only: to walk through the middle of a wall is no small
-//       step.
-//     * a segment between two mirrors, or between a mirror and a device near its edge, that shrinks
-//       to a point: what lies beyond would come from behind the mirror.
+// A weight is a product of smooth steps. First, of the signed distance inside each edge of the
+// surface, from -softness to softness (of a surface that is not convex: inside its boundary). Then,
+// where a path or a shadow could appear or vanish otherwise:
+//
+// A crossing slides over the end of its segment: the distance of that end from the plane. At an end
+// on another mirror the softness counts by the sine of the angle between the planes, since
+// crossings slide over ends where planes intersect, and a picture on a wall shall stop waves; but
+// by 1/50 at least, since they also come and go when parallel faces touch (an object that stands on
+// the floor). At a device it counts near edges only: to walk through the middle of a wall is no
+// small step.
+//
+// A segment between two mirrors, or between a mirror and a device near its edge, shrinks to a
+// point: its length. What lies beyond would come from behind the mirror.
 //
 // Written in a scalar T, so that with dual numbers weights carry derivatives.
 #pragma once
@@ -31,7 +32,7 @@
 
 namespace rayloc {
 
-// 0 for x <= 0, 1 for x >= 1, with two continuous derivatives.
+// 0 for x <= 0, 1 for x >= 1, with three continuous derivatives.
 template <typename T>
 T smooth_step(const T& x) {
   if (!(x > T(0))) {
@@ -40,7 +41,8 @@ T smooth_step(const T& x) {
   if (!(x < T(1))) {
     return T(1);
   }
-  return x * x * x * (T(10) + x * (T(6) * x - T(15)));
+  const T x2 = x * x;
+  return x2 * x2 * (T(35) + x * (T(-84) + x * (T(70) - T(20) * x)));
 }
 
 // Smooth step of the distance of a point of the plane inside the edges, from `from` to `to` [m].
@@ -79,6 +81,16 @@ struct SoftSegment {
   const Vec3<T>* to_normal = nullptr;
 };
 
+// Softness squared that counts for the distance of a point of one plane from the other.
+template <typename T>
+T slant_softness2(const Vec3<T>& normal, const Vec3<T>& other, double softness) {
+  constexpr double kLeastSlant = 0.02;
+  const T least(kLeastSlant * kLeastSlant);
+  const Vec3<T> across = cross(normal, other);
+  const T slant2 = dot(across, across);
+  return T(softness * softness) * (slant2 > least ? slant2 : least);
+}
+
 // How much the surface is in the way of the segment, which crosses its plane at `point`.
 template <typename T>
 T crossing_weight(const Surface& surface,
@@ -88,16 +100,14 @@ T crossing_weight(const Surface& surface,
                   double softness) {
   T weight = edge_weight(surface, facet, point, softness);
   const auto end = [&](const Vec3<T>& at, const Vec3<T>* normal) {
-    const Vec3<T> along = point - at;
-    const T away = dot(along, along);
+    const T behind = distance(facet.plane, at);
+    const T away = behind * behind;
     if (normal == nullptr) {
       const T near_edge = T(1) - inside_weight(surface, facet.shift, point, 0.0, softness);
       // near_edge = 0 in the middle of a surface: any distance will do.
       return T(1) - near_edge * (T(1) - smooth_step(away / T(softness * softness)));
     }
-    const Vec3<T> across = cross(*normal, facet.plane.normal);
-    const T scale = T(softness * softness) * dot(across, across);
-    return scale > T(0) ? smooth_step(away / scale) : T(1);
+    return smooth_step(T(away / slant_softness2(*normal, facet.plane.normal, softness)));
   };
   weight = weight * end(segment.from, segment.from_normal);
   return weight * end(segment.to, segment.to_normal);
@@ -110,10 +120,8 @@ T corner_weight(const Vec3<T>& from,
                 const Vec3<T>& from_normal,
                 const Vec3<T>& to_normal,
                 double softness) {
-  const Vec3<T> across = cross(from_normal, to_normal);
-  const T scale = T(softness * softness) * dot(across, across);
   const Vec3<T> along = to - from;
-  return scale > T(0) ? smooth_step(dot(along, along) / scale) : T(1);
+  return smooth_step(T(dot(along, along) / slant_softness2(from_normal, to_normal, softness)));
 }
 
 // What is left of a path by the length of the segment between a device and a mirror.
