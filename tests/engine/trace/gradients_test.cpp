@@ -225,7 +225,8 @@ void expect_reference_gradients(const TracedLink& link, const test::Csi& referen
     const double sign = name.rfind("lo.", 0) == 0 ? -1.0 : 1.0;
     const json& spread = value.at("spread");
     const auto tolerance = [&](const char* key, std::size_t k) {
-      return kTolerance * std::abs(value.at(key).get<double>()) + 10 * spread.at(k).get<double>() + 1e-13;
+      return kTolerance * std::abs(value.at(key).get<double>()) + 10 * spread.at(k).get<double>() +
+             1e-13;
     };
     EXPECT_NEAR(sign * dp[i], value.at("dP"), tolerance("dP", 0)) << name;
     EXPECT_NEAR(sign * dd[i], value.at("dD"), tolerance("dD", 1)) << name;
@@ -282,6 +283,42 @@ TEST(GradientsOfTheReference, HoldInTheMeetingRoom) {
     SCOPED_TRACE("receiver " + c.at("receiver").dump());
     const TracedLink link(input, elements, {{{vec3(c.at("rx")), {}}}}, {.max_depth = 3});
     expect_reference_gradients(link, link.reference(), c.at("d"));
+  }
+}
+
+// Where textbook formulas divide by zero: no loss, normal and grazing incidence, an end above the
+// other, both ends at one place, an end straight above an antenna.
+TEST(GradientsAtTheEdge, AreFinite) {
+  const RadioMaterial lossless{"glass", 6.31, 0.0, 0.01};
+  const RadioMaterial air{"air", 1.0, 0.0, 0.1};
+  const RadioMaterial metal{"metal", 1.0, 1e7, 0.1};
+  const Vec3d base{0.3, -0.2, 1.0};
+  const std::vector<Vec3d> others{base,
+                                  {0.3, -0.2, 2.0},
+                                  {0.3, 0.9, 1.0},
+                                  {2.9, -0.2, 1e-4},
+                                  {0.3 + 1e-8, -0.2, 1.0},
+                                  {0.3, -0.2, 3.0 - 1e-6}};
+  for (const RadioMaterial& material : {lossless, air, metal}) {
+    const Scene::Input input{
+        {{"room", test::box_mesh({-4, -4, 0}, {4, 4, 3}), 0}}, {material}, test::kCarrier};
+    for (const auto pattern : {AntennaPattern::kIsotropic, AntennaPattern::kHalfWaveDipole}) {
+      for (const Vec3d& other : others) {
+        for (const double softness : {0.0, 0.05}) {
+          const TracedLink link(input,
+                                {{{base, {}, pattern}}},
+                                {{{other, {}, pattern}}},
+                                {.max_depth = 2, .softness = softness});
+          const std::vector<Parameter> parameters = link.parameters();
+          const auto gradient = link.gradient(parameters, [](const test::Csi& h) { return h; });
+          for (std::size_t i = 0; i < gradient.size(); ++i) {
+            EXPECT_TRUE(std::isfinite(gradient[i]))
+                << material.name << " z " << other.z << " " << name_of(parameters[i].kind) << " "
+                << link.name_of(parameters[i]);
+          }
+        }
+      }
+    }
   }
 }
 
