@@ -15,6 +15,7 @@ find_package(nlohmann_json REQUIRED)  # nlohmann_json::nlohmann_json
 find_package(Protobuf REQUIRED)       # protobuf::libprotobuf, protobuf_generate_cpp
 find_package(cppzmq REQUIRED)         # cppzmq
 find_package(ZLIB REQUIRED)           # ZLIB::ZLIB
+find_package(hwy REQUIRED)            # hwy::hwy
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)         # PkgConfig::PCAP
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)   # PkgConfig::SYSTEMD
 if(RAYLOC_TESTS)
