@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "tests/bench/multiply_add_limit.cpp"
 #include <hwy/foreach_target.h>
-// foreach_target.h comes first.
+// Follows foreach_target.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -65,7 +65,7 @@ namespace rayloc::bench {
 
 ComplexFactors::ComplexFactors() {
   for (std::size_t i = 0; i < kSize; ++i) {
-    const double angle = static_cast<double>(i);
+    const auto angle = static_cast<double>(i);
     x[0].re[i] = std::cos(angle);
     x[0].im[i] = std::sin(angle);
     x[1].re[i] = std::cos(2.0 * angle);

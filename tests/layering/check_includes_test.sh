@@ -41,6 +41,7 @@ caught daemon/publish/a.cpp '#include "capture/datagram.h"' 'daemon/publish may 
 caught daemon/pipeline/a.cpp '#include "daemon/cli/verb.h"' 'daemon/pipeline may include'
 caught engine/em/a.cpp '#include "../scene/scene.h"' 'quoted includes'
 caught engine/scene/a.cpp '#include <embree3/rtcore.h>' 'Embree'
+caught engine/localize/a.cpp '#include <hwy/highway.h>' 'Highway'
 caught daemon/pipeline/a.cpp '#include <zmq.hpp>' 'ZeroMQ'
 caught engine/trace/a.cpp '#include <tbb/parallel_for.h>' 'parallel.h'
 caught engine/trace/a.cpp '#include <fstream>' 'files'
