@@ -1,0 +1,65 @@
+// CylinderSection: how the cross-section of an infinite cylinder scatters the wave of one line
+// source to one observer; the sum over the orders (circle) or pairs of orders (ellipse).
+//
+// In the frame of the cylinder: the axis is z, azimuths are counted from the first semi-axis. A
+// line source with phase exp(-j k sin_elevation z) sends out H_0^(2)(k_t distance), k_t = k
+// cos_elevation; the response is what the cylinder adds at the observer, for E_z and eta_0 H_z.
+//
+// Everything that depends on the cylinder alone is computed once, for elevations up to
+// kLowestCosine; steeper ones are answered as that one.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "engine/base/complex.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+inline constexpr double kLowestCosine = 0.15;  // of an elevation: 81 degrees
+// Of the larger semi-axis times the wavenumber; 0.9 m at 5.2 GHz.
+inline constexpr double kLargestSection = 100.0;
+
+struct SectionRays {
+  double kt_rho_in = 0.0;   // k_t times the distance of the source from the axis
+  double kt_rho_out = 0.0;  // of the observer
+  double phi_in = 0.0;      // [rad], azimuth of the source
+  double phi_out = 0.0;     // of the observer
+  double cos_elevation = 1.0;
+};
+
+// vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, whose sign they change with.
+enum SectionPart : std::size_t { kVv, kHh, kVh, kHv };
+inline constexpr std::size_t kSectionParts = 4;
+inline constexpr std::size_t kSectionArguments = 5;  // as they stand in SectionRays
+
+struct SectionResponse {
+  std::array<Complex<double>, kSectionParts> value{};
+  // Derivatives by each argument.
+  std::array<std::array<Complex<double>, kSectionParts>, kSectionArguments> slope{};
+};
+
+class CylinderSection {
+ public:
+  CylinderSection() = default;
+  CylinderSection(const CylinderSection&) = delete;
+  CylinderSection& operator=(const CylinderSection&) = delete;
+  virtual ~CylinderSection() = default;
+
+  // REQUIRES: both distances are larger than the larger semi-axis.
+  virtual SectionResponse respond(const SectionRays& rays) const = 0;
+};
+
+// k_radius, k_semi_axes: times the wavenumber of free space.
+// REQUIRES: 0 < k_radius <= kLargestSection; Im relative_permittivity <= 0, Re >= 1.
+std::unique_ptr<const CylinderSection> make_circular_section(
+    double k_radius, const Complex<double>& relative_permittivity);
+// An Error when the body is too large, flat and transparent for double precision.
+Expected<std::unique_ptr<const CylinderSection>> make_elliptic_section(
+    const std::array<double, 2>& k_semi_axes, const Complex<double>& relative_permittivity);
+
+}  // namespace rayloc
