@@ -98,8 +98,8 @@ std::size_t report_overlaps(const Scene& scene, std::vector<SceneWarning>& warni
     }
     warnings.push_back(
         {"overlap",
-         fmt::format("objects '{}' and '{}' share {:.3g} m^2 of one plane, where waves are "
-                     "reflected twice; move one of them by a millimetre, or cut a hole",
+         fmt::format("objects '{}' and '{}' share {:.3g} m^2 of one plane; it is undefined "
+                     "which of them a wave meets: move one by a millimetre, or cut a hole",
                      scene.objects()[scene.owner(overlap.first).object].name,
                      scene.objects()[scene.owner(overlap.second).object].name,
                      overlap.area)});

@@ -1,7 +1,8 @@
 // Faces of different objects that lie in one plane and cover each other.
 //
-// Where two such mirrors can both be seen from one side, a wave is reflected twice in one place and
-// the channel is wrong. Where they face each other (a cabinet on the floor) nothing sees either.
+// Where two such mirrors can both be seen from one side, which of them a wave meets is chance, and
+// the channel that of another room. Where they face each other (a cabinet on the floor) nothing
+// sees either.
 #pragma once
 
 #include <cstdint>
