@@ -15,6 +15,7 @@ extern const Verb kReplay;       // replay.cpp
 extern const Verb kScene;        // scene.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSub;          // sub.cpp
+extern const Verb kTrace;        // trace.cpp
 
 std::span<const Verb> verbs() {
   static const std::array kVerbs = {
@@ -28,6 +29,7 @@ std::span<const Verb> verbs() {
       kScene,
       kSend,
       kSub,
+      kTrace,
   };
   return kVerbs;
 }

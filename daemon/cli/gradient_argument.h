@@ -1,0 +1,29 @@
+// `--gradient power:WHAT`: which derivatives of the received power are wanted.
+//
+// WHAT is one or more of, separated by commas, each with ".0", ".1" or ".2" for one axis only:
+//   rx, tx                              position, x y z [1/m]
+//   rx_orientation, tx_orientation      yaw pitch roll [1/rad]
+//   rx_gain, tx_gain                    amplitude factor of the antenna
+//   NAME (or object.NAME)               translation of that object [1/m]
+//   offset.NAME                         of each surface of the object along its normal [1/m]
+//   eps_r.NAME, sigma.NAME, thickness.NAME   of that material
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/parameter.h"
+
+namespace rayloc::cli {
+
+struct NamedParameter {
+  std::string name;  // "rx.0", "table.2", "eps_r.wood"
+  Parameter parameter;
+};
+
+// Errors (kUsage) name what is unknown and the closest known name.
+Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene);
+
+}  // namespace rayloc::cli

@@ -1,0 +1,48 @@
+// The link that `rayloc trace` and `rayloc scene show` look at: a scene, two antennas, and which
+// paths between them are wanted.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/scene/scene_source.h"
+#include "engine/base/expected.h"
+#include "engine/trace/radio_device.h"
+#include "engine/trace/trace_options.h"
+
+namespace rayloc::cli {
+
+// As written on the command line.
+struct LinkArguments {
+  std::string scene;
+  std::optional<double> frequency;
+  std::string tx;
+  std::string rx;
+  TraceOptions options;
+  std::string pattern = "isotropic";
+  std::string polarization = "V";
+  std::string orientation_tx;
+  std::string orientation_rx;
+};
+
+// Adds SCENE, --frequency, --tx, --rx, --depth, --transmission and --soft; the first is required.
+void declare_link(CLI::App& app, LinkArguments& arguments);
+// Adds --pattern, --polarization, --orientation-tx and --orientation-rx.
+void declare_antennas(CLI::App& app, LinkArguments& arguments);
+
+struct Link {
+  Transmitter transmitter;
+  Receiver receiver;
+};
+
+// The antennas at the two places. Errors are of kUsage.
+Expected<Link> parse_link(const LinkArguments& arguments);
+
+// Says why a link has no path, or is not what was meant: "the transmitter is inside of object 'x',
+// where it hears nothing"; empty when all is well.
+std::string note_on_ends(const Scene& scene, const Link& link);
+
+}  // namespace rayloc::cli

@@ -1,0 +1,30 @@
+// The two forms in which `rayloc trace` prints what it found.
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "engine/trace/paths.h"
+
+namespace rayloc::cli {
+
+struct TraceReport {
+  Paths paths;
+  std::optional<std::vector<std::complex<double>>> cfr;
+  // Of the sum of |h|^2 over the grid, by parameter.
+  std::optional<double> power;
+  std::vector<std::pair<std::string, double>> gradient;
+  std::string note;  // what is remarkable about the link, may be empty
+};
+
+// One line with the keys of CLI.md; numbers with 17 significant digits, paths in canonical order.
+std::string trace_json(const TraceReport& report, const Scene& scene);
+
+// For people: a line a path, the strongest first.
+std::string trace_table(const TraceReport& report, const Scene& scene);
+
+}  // namespace rayloc::cli
