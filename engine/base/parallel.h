@@ -1,10 +1,13 @@
-// parallel_for: the only concurrency of the engine (oneTBB).
+// parallel_for and Lazy: the only concurrency of the engine (oneTBB).
 //
-// Every index is visited exactly once, in any order and on any thread; each call of `body` writes
-// only what belongs to its index. Results are then the same bytes whatever the number of threads.
+// parallel_for: every index is visited exactly once, in any order and on any thread; each call of
+// `body` writes only what belongs to its index. Results are then the same bytes whatever the number
+// of threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
+#include <memory>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -21,5 +24,36 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
                       }
                     });
 }
+
+// A value that whoever asks first makes. Threads that ask at the same time may each make one; all
+// use the one that is kept. No lock is held meanwhile.
+template <typename T>
+class Lazy {
+ public:
+  Lazy() = default;
+  ~Lazy() { delete value_.load(std::memory_order_relaxed); }
+  Lazy(const Lazy&) = delete;
+  Lazy& operator=(const Lazy&) = delete;
+
+  // make(): a std::unique_ptr to the T. REQUIRES: it always makes the same.
+  template <typename Make>
+  const T& get(const Make& make) const {
+    const T* value = value_.load(std::memory_order_acquire);
+    if (value == nullptr) {
+      std::unique_ptr<const T> made = make();
+      if (value_.compare_exchange_strong(
+              value, made.get(), std::memory_order_acq_rel, std::memory_order_acquire)) {
+        value = made.release();
+      }
+    }
+    return *value;
+  }
+
+  // nullptr when nobody has asked yet.
+  const T* if_made() const { return value_.load(std::memory_order_acquire); }
+
+ private:
+  mutable std::atomic<const T*> value_ = nullptr;
+};
 
 }  // namespace rayloc

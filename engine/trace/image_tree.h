@@ -1,10 +1,10 @@
 // ImageTree: every chain of up to `max_depth` reflections that starts at a fixed point and could
-// reach anywhere: the mirror images of that point, and which part of each mirror it lights.
+// reach anywhere: the mirror images of that point, and where each mirror sends its waves.
 //
 // The exhaustive candidate generator: no chain is missed. A chain is left out only when geometry
-// proves that no wave takes it: the mirror is seen from behind, lies behind the one before it, or
-// outside the beam that the one before it sends out (the beam is clipped polygon by polygon).
-// Occlusion is not used here; it is tested per path.
+// proves that no wave takes it: the mirror is seen from behind, lies behind the one before it,
+// outside the beam that the one before it sends out (the beam is clipped polygon by polygon), or
+// wholly behind another surface. What else stands in the way is tested per path.
 //
 // With transmission waves also reach the insides of objects, so both sides of every face reflect.
 // With soft edges (TraceOptions::softness) mirrors are that much larger. In both cases what stands
@@ -12,7 +12,8 @@
 //
 // The tree depends on the scene and the point alone, so it is built once for each antenna of an
 // access point and asked for any number of device positions. Its size grows with the number of
-// surfaces that see each other to the power of the depth; it is for rooms and flats.
+// surfaces that see each other to the power of the depth; it is for rooms and flats. It remembers
+// which beams come by where it was asked (beam_index.h); the answers do not depend on that.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -25,6 +26,8 @@
 
 #include "engine/base/vec3.h"
 #include "engine/scene/scene.h"
+#include "engine/trace/beam_index.h"
+#include "engine/trace/image_node.h"
 #include "engine/trace/trace_options.h"
 
 namespace rayloc {
@@ -49,26 +52,16 @@ class ImageTree {
   std::size_t size() const { return nodes_.size(); }  // images, the root not counted
 
  private:
-  static constexpr std::uint32_t kRoot = 0xffffffff;
-
-  struct Node {
-    Vec3d image;            // of the root, through the whole chain
-    double image_distance;  // of `image` from the surface's plane; never 0
-    std::uint32_t surface;
-    std::uint32_t parent;  // index of a node, or kRoot
-  };
-
-  class Builder;
-
   // Finds the points of reflection of node `leaf`; false when one is not on its surface.
   bool back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChain& chain) const;
   bool is_clear(const SpecularChain& chain, const Vec3d& target) const;
 
   const Scene* scene_;
   Vec3d root_;
-  double margin_;            // of the mirrors [m]
-  bool clear_only_;          // chains that something blocks are left out
-  std::vector<Node> nodes_;  // by depth; parents before children
+  double margin_;                 // of the mirrors [m]
+  bool clear_only_;               // chains that something blocks are left out
+  std::vector<ImageNode> nodes_;  // by depth; parents before children
+  std::shared_ptr<const BeamIndex> index_;
 };
 
 }  // namespace rayloc

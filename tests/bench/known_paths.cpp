@@ -12,33 +12,31 @@ namespace {
 
 constexpr std::size_t kMaxDepth = 8;
 
-LinkEnd<double> link_end(const RadioDevice& device) {
-  return {device.pattern, device.polarization, rotation(device.orientation)};
-}
-
 }  // namespace
 
 KnownPaths::KnownPaths(const PathTracer& tracer,
                        const Transmitter& transmitter,
                        const Receiver& receiver)
-    : transmitter_(transmitter), receiver_(receiver), wavelength_(tracer.wavelength()) {
+    : transmitter_(link_end(transmitter)),
+      receiver_(link_end(receiver)),
+      wavelength_(tracer.wavelength()) {
   const Scene& scene = tracer.scene();
   for (const Path& path : tracer.trace(transmitter, receiver)) {
     RAYLOC_CHECK(path.interactions.size() <= kMaxDepth);
     for (const Interaction& interaction : path.interactions) {
+      interactions_.push_back(interaction);
       const RadioMaterial& material = scene.material_of(interaction.surface);
-      const Plane<double>& plane = scene.surfaces()[interaction.surface].plane();
-      planes_.push_back(plane);
-      reflectors_.push_back(
-          {plane.normal, complex_permittivity(material, scene.carrier_hz()), material.thickness});
+      planes_.push_back(scene.surfaces()[interaction.surface].plane());
+      facets_.push_back({planes_.back(),
+                         complex_permittivity(material, scene.carrier_hz()),
+                         material.thickness,
+                         {}});
     }
     ends_.push_back(planes_.size());
   }
 }
 
 double KnownPaths::evaluate() const {
-  const LinkEnd<double> transmitter = link_end(transmitter_);
-  const LinkEnd<double> receiver = link_end(receiver_);
   std::array<Vec3d, kMaxDepth + 2> vertices;
   double sum = 0.0;
   std::size_t first = 0;
@@ -47,9 +45,13 @@ double KnownPaths::evaluate() const {
     const std::span<Vec3d> used(vertices.data(), depth + 2);
     reflection_vertices<double>(
         transmitter_.position, std::span(planes_).subspan(first, depth), receiver_.position, used);
-    const PathCoefficient<double> path = path_coefficient<double>(
-        used, std::span(reflectors_).subspan(first, depth), transmitter, receiver, wavelength_);
-    sum += path.a.re + path.a.im + path.length / kSpeedOfLight;
+    const PathCoefficient<double> path =
+        path_coefficient<double>(std::span(interactions_).subspan(first, depth),
+                                 std::span(facets_).subspan(first, depth),
+                                 transmitter_,
+                                 receiver_,
+                                 wavelength_);
+    sum += used[depth / 2].x + path.a.re + path.a.im + path.length / kSpeedOfLight;
     first = end;
   }
   return sum;

@@ -23,12 +23,14 @@ class KnownPaths {
   double evaluate() const;
 
  private:
-  Transmitter transmitter_;
-  Receiver receiver_;
+  LinkEnd<double> transmitter_;
+  LinkEnd<double> receiver_;
   double wavelength_;
-  std::vector<Plane<double>> planes_;  // of all paths, one after the other
-  std::vector<Reflector<double>> reflectors_;
-  std::vector<std::size_t> ends_;  // of each path in planes_
+  // Of all paths, one after the other.
+  std::vector<Interaction> interactions_;
+  std::vector<Facet<double>> facets_;
+  std::vector<Plane<double>> planes_;
+  std::vector<std::size_t> ends_;  // of each path in them
 };
 
 }  // namespace rayloc::bench

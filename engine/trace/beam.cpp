@@ -1,0 +1,74 @@
+#include "engine/trace/beam.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace rayloc {
+
+bool is_outside(const Plane<double>& plane, std::span<const Vec3d> polygon) {
+  return std::all_of(polygon.begin(), polygon.end(), [&](const Vec3d& corner) {
+    return distance(plane, corner) < -kBeamMargin;
+  });
+}
+
+// Sutherland and Hodgman, Commun. ACM 17 (1974) 32.
+void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch) {
+  const auto inside = [&](const Vec3d& corner) { return distance(plane, corner) + kBeamMargin; };
+  const auto first_out = std::find_if(
+      polygon.begin(), polygon.end(), [&](const Vec3d& corner) { return inside(corner) < 0.0; });
+  if (first_out == polygon.end()) {
+    return;
+  }
+  scratch.clear();
+  const Vec3d* p = &polygon.back();
+  double dp = inside(*p);
+  for (const Vec3d& q : polygon) {
+    const double dq = inside(q);
+    if ((dp >= 0.0) != (dq >= 0.0)) {
+      scratch.push_back(*p + (dp / (dp - dq)) * (q - *p));
+    }
+    if (dq >= 0.0) {
+      scratch.push_back(q);
+    }
+    p = &q;
+    dp = dq;
+  }
+  polygon.swap(scratch);
+}
+
+Polygon grown(std::span<const Vec3d> outline, const Vec3d& normal, double margin) {
+  constexpr double kSharpest = 1e-3;  // 1 + cos of the turn at a corner, 2.6 degrees wide
+  const std::size_t n = outline.size();
+  Polygon result;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3d before = cross(normalized(outline[i] - outline[(i + n - 1) % n]), normal);
+    const Vec3d after = cross(normalized(outline[(i + 1) % n] - outline[i]), normal);
+    const double turn = std::max(1.0 + dot(before, after), kSharpest);
+    result.push_back(outline[i] + (margin / turn) * (before + after));
+  }
+  return result;
+}
+
+void beam_planes(const Vec3d& apex,
+                 double apex_distance,
+                 std::span<const Vec3d> window,
+                 std::vector<Plane<double>>& planes) {
+  planes.clear();
+  const double inwards = apex_distance > 0.0 ? -1.0 : 1.0;
+  Vec3d a = window.back() - apex;
+  double length_a = norm(a);
+  for (const Vec3d& corner : window) {
+    const Vec3d b = corner - apex;
+    const double length_b = norm(b);
+    const Vec3d across = cross(a, b);
+    const double size = norm(across);
+    if (size > kBeamMargin * (length_a + length_b)) {
+      const Vec3d normal = (inwards / size) * across;
+      planes.push_back({normal, dot(normal, apex)});
+    }
+    a = b;
+    length_a = length_b;
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,122 @@
+#include "engine/trace/beam_index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+// Single precision decides within this share of the largest coordinate: some 30 roundings, where a
+// plane equation has 7.
+constexpr float kRounding = 2e-6F;
+// A cube is divided down to this half of its side [m], or while it has more beams than this.
+constexpr float kLeastHalf = 0.15F;
+constexpr std::size_t kFewBeams = 32;
+
+}  // namespace
+
+BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root) {
+  constexpr float kEverywhere = -1e30F;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const bool used = i < planes.size();
+    const Plane<double> plane = used ? planes[i] : Plane<double>{};
+    x[i] = static_cast<float>(plane.normal.x);
+    y[i] = static_cast<float>(plane.normal.y);
+    z[i] = static_cast<float>(plane.normal.z);
+    offset[i] = used ? static_cast<float>(plane.offset - dot(plane.normal, root)) : kEverywhere;
+  }
+}
+
+bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) const {
+  std::array<std::int32_t, kPlanes> outside;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const float inside = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i];
+    const float reach = half * (std::abs(x[i]) + std::abs(y[i]) + std::abs(z[i])) + margin;
+    outside[i] = inside + reach < 0.0F ? 1 : 0;
+  }
+  std::int32_t any = 0;
+  for (const std::int32_t bit : outside) {
+    any |= bit;
+  }
+  return any == 0;
+}
+
+BeamIndex::BeamIndex(std::vector<BeamBounds> beams,
+                     const Vec3d& root,
+                     const Vec3d& lower,
+                     const Vec3d& upper)
+    : beams_(std::move(beams)), root_(root) {
+  const Vec3d centre = 0.5 * (lower + upper) - root;
+  const Vec3d half = 0.5 * (upper - lower);
+  all_.centre = {
+      static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)};
+  all_.half = static_cast<float>(std::max({half.x, half.y, half.z}));
+  all_.beams.resize(beams_.size());
+  std::iota(all_.beams.begin(), all_.beams.end(), 0U);
+  reach_ = all_.half +
+           std::max({std::abs(all_.centre.x), std::abs(all_.centre.y), std::abs(all_.centre.z)});
+}
+
+std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
+                                                       std::size_t octant) const {
+  auto part = std::make_unique<Cube>();
+  const float half = 0.5F * whole.half;
+  const auto shifted = [&](float centre, std::size_t bit) {
+    return (octant & bit) != 0 ? centre + half : centre - half;
+  };
+  part->half = half;
+  part->centre = {
+      shifted(whole.centre.x, 1), shifted(whole.centre.y, 2), shifted(whole.centre.z, 4)};
+  const float margin = kRounding * reach_;
+  for (const std::uint32_t beam : whole.beams) {
+    if (beams_[beam].meets(part->centre, half, margin)) {
+      part->beams.push_back(beam);
+    }
+  }
+  part->beams.shrink_to_fit();
+  part->is_leaf = half <= kLeastHalf || part->beams.size() <= kFewBeams;
+  return part;
+}
+
+void BeamIndex::find(const Vec3d& point, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Vec3d offset = point - root_;
+  const Vec3<float> at{
+      static_cast<float>(offset.x), static_cast<float>(offset.y), static_cast<float>(offset.z)};
+  const Vec3<float> from_centre = at - all_.centre;
+  const float away =
+      std::max({std::abs(from_centre.x), std::abs(from_centre.y), std::abs(from_centre.z)});
+  const Cube* cube = &all_;
+  if (away <= all_.half) {
+    while (!cube->is_leaf) {
+      const std::size_t octant = (at.x > cube->centre.x ? 1U : 0U) |
+                                 (at.y > cube->centre.y ? 2U : 0U) |
+                                 (at.z > cube->centre.z ? 4U : 0U);
+      cube = &cube->parts[octant].get([&] { return part(*cube, octant); });
+    }
+  }
+  const float margin = kRounding * (reach_ + away);
+  for (const std::uint32_t beam : cube->beams) {
+    if (beams_[beam].meets(at, 0.0F, margin)) {
+      found.push_back(beam);
+    }
+  }
+}
+
+std::size_t BeamIndex::bytes(const Cube& cube) {
+  std::size_t sum = sizeof(Cube) + cube.beams.capacity() * sizeof(std::uint32_t);
+  for (const Lazy<Cube>& part : cube.parts) {
+    if (const Cube* made = part.if_made(); made != nullptr) {
+      sum += bytes(*made);
+    }
+  }
+  return sum;
+}
+
+std::size_t BeamIndex::bytes() const {
+  return beams_.capacity() * sizeof(BeamBounds) + bytes(all_);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,94 @@
+// MirrorGrower: which mirrors the beam of one mirror lights, and what becomes of them in a tree of
+// images (image_tree.h). One a thread: it holds scratch memory.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "engine/trace/beam.h"
+#include "engine/trace/beam_index.h"
+#include "engine/trace/image_node.h"
+#include "engine/trace/mirror_table.h"
+#include "engine/trace/trace_options.h"
+
+namespace rayloc {
+
+// What the next level needs to know of the nodes of one level.
+struct LitWindows {
+  std::vector<std::uint8_t> crossings;  // on the way to each node, for certain
+  std::vector<std::size_t> ends;        // in corners, of each node's window
+  std::vector<Vec3d> corners;
+
+  std::span<const Vec3d> window(std::size_t i) const {
+    const std::size_t first = i == 0 ? 0 : ends[i - 1];
+    return std::span(corners).subspan(first, ends[i] - first);
+  }
+  void append(const LitWindows& other);
+};
+
+// Some nodes of one level.
+struct GrownNodes {
+  std::vector<ImageNode> nodes;
+  std::vector<BeamBounds> beams;  // where the waves go after each node
+  LitWindows windows;             // none at the last level
+};
+
+class MirrorGrower {
+ public:
+  // Whose children are wanted.
+  struct Parent {
+    std::uint32_t node = kRootNode;  // number in the tree
+    Vec3d image;                     // of the root; for the root itself, the root
+    double image_distance = 0.0;     // as ImageNode; of no meaning for the root
+    std::uint32_t surface = kNoSurface;
+    std::span<const Vec3d> window = {};  // the part of the surface that the chain so far lights
+    int crossings = 0;
+    int depth = 0;  // mirrors so far
+  };
+
+  // All must outlive the grower.
+  MirrorGrower(const Scene& scene, const MirrorTable& table, const TraceOptions& options)
+      : scene_(scene), table_(table), options_(options) {}
+
+  // Appends the children of a parent to `grown`, by number of their surfaces.
+  void grow(const Parent& parent, const Vec3d& root, GrownNodes& grown);
+
+ private:
+  // A mirror that the beam lights.
+  struct Lit {
+    std::uint32_t surface;
+    double apex_distance;      // of the parent's image from the plane
+    std::size_t first, count;  // corners of the window, in corners_
+    double size;               // about the solid angle of the window
+  };
+  // What may stand in the way of others.
+  struct Occluder {
+    std::uint32_t surface;
+    const Surface* shape;
+    double size;
+  };
+
+  void find_lit(const Parent& parent);
+  bool light(std::uint32_t surface, double apex_distance, std::span<const Vec3d> window);
+  void choose_occluders();
+  void add(const Parent& parent, const Lit& lit, const Vec3d& root, GrownNodes& grown);
+
+  const Scene& scene_;
+  const MirrorTable& table_;
+  const TraceOptions& options_;
+
+  std::vector<Plane<double>> bounds_;  // of the parent's beam
+  std::vector<std::uint32_t> found_;
+  std::vector<Lit> lit_;
+  std::vector<Vec3d> corners_;
+  std::vector<std::size_t> order_;  // of lit_
+  std::vector<Occluder> occluders_;
+  Polygon polygon_;
+  Polygon scratch_;
+  std::vector<Plane<double>> planes_;
+};
+
+}  // namespace rayloc

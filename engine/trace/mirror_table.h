@@ -1,0 +1,66 @@
+// MirrorTable: the surfaces of a scene as mirrors for waves from one point, laid out so that a beam
+// finds those that it may light without looking at each closely.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "engine/trace/beam.h"
+#include "engine/trace/trace_options.h"
+
+namespace rayloc {
+
+class MirrorTable {
+ public:
+  // The scene must outlive the table.
+  MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptions& options);
+
+  const Plane<double>& plane(std::uint32_t surface) const {
+    return scene_->surfaces()[surface].plane();
+  }
+  // Of the mirror: the surface's, a little larger (kBeamMargin and the softness).
+  const Polygon& outline(std::uint32_t surface) const { return outlines_[surface]; }
+
+  // Whether waves from the root can come to a face from the side where `image_distance`, the signed
+  // distance of a point from its plane, says that they come from.
+  bool is_lit(std::uint32_t surface, double image_distance) const {
+    return image_distance * side_[surface] >= 0.0;
+  }
+
+  // The surfaces, ascending, of which no bound cuts off all. Some others are among them: single
+  // precision with a margin decides. Fills `found`, whose memory is used again.
+  void find(std::span<const Plane<double>> bounds, std::vector<std::uint32_t>& found) const;
+
+ private:
+  static constexpr std::size_t kBlock = 16;
+  using Lane = float[kBlock];
+
+  // Single precision, relative to the root.
+  struct Vectors {
+    alignas(64) Lane x, y, z;
+  };
+  // The rectangles around outlines: centres and halves of their sides.
+  struct Block {
+    Vectors centre, half_u, half_v;
+  };
+  struct PlaneF {
+    float x, y, z, offset;
+  };
+
+  void add(std::uint32_t surface);
+  unsigned within(const Block& block, std::span<const PlaneF> bounds) const;
+
+  const Scene* scene_;
+  Vec3d root_;
+  double reach_ = 0.0;  // the largest coordinate, relative to the root [m]
+  std::vector<Polygon> outlines_;
+  std::vector<int> side_;  // +1: that of the normal; -1: the other; 0: both
+  std::vector<Block> blocks_;
+};
+
+}  // namespace rayloc
