@@ -72,10 +72,10 @@ std::string path_json(const Path& path, const Scene& scene) {
       number(path.tau),
       number(path.a.re),
       number(path.a.im),
-      number(path.theta_t),
-      number(path.phi_t),
-      number(path.theta_r),
-      number(path.phi_r));
+      number(path.theta_t()),
+      number(path.phi_t()),
+      number(path.theta_r()),
+      number(path.phi_r()));
 }
 
 std::string path_line(const Path& path, const Scene& scene) {
@@ -89,10 +89,10 @@ std::string path_line(const Path& path, const Scene& scene) {
       power_db(path),
       path.tau * 1e9,
       path.tau * kSpeedOfLight,
-      path.theta_t * kDegreesPerRadian,
-      path.phi_t * kDegreesPerRadian,
-      path.theta_r * kDegreesPerRadian,
-      path.phi_r * kDegreesPerRadian,
+      path.theta_t() * kDegreesPerRadian,
+      path.phi_t() * kDegreesPerRadian,
+      path.theta_r() * kDegreesPerRadian,
+      path.phi_r() * kDegreesPerRadian,
       objects);
 }
 

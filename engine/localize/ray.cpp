@@ -1,18 +1,10 @@
 #include "engine/localize/ray.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/base/constants.h"
 
 namespace rayloc {
-namespace {
-
-Vec3d direction(double theta, double phi) {
-  return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-}
-
-}  // namespace
 
 std::vector<Ray> rays_of(const Paths& paths,
                          const Scene& scene,
@@ -24,8 +16,8 @@ std::vector<Ray> rays_of(const Paths& paths,
     Ray ray;
     ray.amplitude = {path.a.re, path.a.im};
     ray.length = path.tau * kSpeedOfLight;
-    ray.at_array = direction(path.theta_r, path.phi_r);
-    ray.at_device = direction(path.theta_t, path.phi_t);
+    ray.at_array = path.arrival;
+    ray.at_device = path.departure;
     ray.reflections = static_cast<int>(path.interactions.size());
     Vec3d from = device;
     for (const Interaction& interaction : path.interactions) {

@@ -1,6 +1,5 @@
 #include "engine/trace/array_tracer.h"
 
-#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -16,11 +15,8 @@ Paths as_plane_waves(const Paths& paths, const Vec3d& offset) {
   std::vector<Path> moved;
   moved.reserve(paths.size());
   for (const Path& path : paths) {
-    const Vec3d towards{std::sin(path.theta_r) * std::cos(path.phi_r),
-                        std::sin(path.theta_r) * std::sin(path.phi_r),
-                        std::cos(path.theta_r)};
     moved.push_back(path);
-    moved.back().tau -= dot(towards, offset) / kSpeedOfLight;
+    moved.back().tau -= dot(path.arrival, offset) / kSpeedOfLight;
   }
   return Paths(std::move(moved));
 }

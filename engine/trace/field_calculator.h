@@ -20,10 +20,12 @@
 
 #include "engine/base/check.h"
 #include "engine/base/complex.h"
+#include "engine/base/dual.h"
 #include "engine/base/mat3.h"
 #include "engine/base/vec3.h"
 #include "engine/em/antenna_field.h"
 #include "engine/em/slab.h"
+#include "engine/em/slab_table.h"
 #include "engine/scene/surface.h"
 #include "engine/trace/image_method.h"
 #include "engine/trace/path.h"
@@ -37,6 +39,8 @@ struct Facet {
   Complex<T> relative_permittivity;
   T thickness{};    // [m]; infinite: half space
   Vec3<T> shift{};  // [m], of its edges; the plane has its own
+  // Of exactly this permittivity and thickness, neither of which is varied; nullptr: none.
+  const SlabTable* table = nullptr;
 };
 
 template <typename T>
@@ -78,16 +82,36 @@ struct Wave {
 };
 
 template <typename T>
-SlabCoefficients<T> facet_coefficients(const Vec3<T>& direction,
+T cosine_of_incidence(const Vec3<T>& direction, const Facet<T>& facet) {
+  const T along = dot(direction, facet.plane.normal);
+  return along < T(0) ? -along : along;
+}
+
+template <typename T>
+SlabCoefficients<T> facet_coefficients(const T& cos_theta_i,
                                        const Facet<T>& facet,
                                        const T& wavelength) {
   using std::isinf;
-  const T along = dot(direction, facet.plane.normal);
-  const T cos_theta_i = along < T(0) ? -along : along;
   return isinf(facet.thickness)
              ? half_space_coefficients(cos_theta_i, facet.relative_permittivity)
              : slab_coefficients(
                    cos_theta_i, facet.relative_permittivity, facet.thickness, wavelength);
+}
+
+// By the table, where there is one.
+template <typename T>
+SlabTable::Pair<T> facet_pair(const Vec3<T>& direction,
+                              const Facet<T>& facet,
+                              const T& wavelength,
+                              InteractionKind kind) {
+  const T cos_theta_i = cosine_of_incidence(direction, facet);
+  const bool reflects = kind == InteractionKind::kReflection;
+  if (facet.table != nullptr && facet.table->covers(value_of(cos_theta_i))) {
+    return reflects ? facet.table->reflection(cos_theta_i) : facet.table->transmission(cos_theta_i);
+  }
+  const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
+  return reflects ? SlabTable::Pair<T>{slab.r_te, slab.r_excess}
+                  : SlabTable::Pair<T>{slab.t_te, slab.t_excess};
 }
 
 // (E . from) to, scaled.
@@ -108,21 +132,23 @@ Vec3<T> mirrored(const Vec3<T>& v, const Vec3<T>& normal) {
 template <typename T>
 Wave<T> reflect(const Wave<T>& in, const Facet<T>& facet, const T& wavelength) {
   const Vec3<T>& normal = facet.plane.normal;
-  const SlabCoefficients<T> slab = facet_coefficients(in.direction, facet, wavelength);
+  const SlabTable::Pair<T> slab =
+      facet_pair(in.direction, facet, wavelength, InteractionKind::kReflection);
   const Vec3<T> out = mirrored(in.direction, normal);
   const Vec3<T> across = cross(in.direction, normal);
   const ComplexVec3<T> image{mirrored(in.field.re, normal), mirrored(in.field.im, normal)};
-  return {slab.r_te * image +
-              turned(in.field, cross(across, in.direction), cross(across, out), slab.r_excess),
+  return {slab.te * image +
+              turned(in.field, cross(across, in.direction), cross(across, out), slab.excess),
           out};
 }
 
 // Straight on to the other face.
 template <typename T>
 Wave<T> transmit(const Wave<T>& in, const Facet<T>& facet, const T& wavelength) {
-  const SlabCoefficients<T> slab = facet_coefficients(in.direction, facet, wavelength);
+  const SlabTable::Pair<T> slab =
+      facet_pair(in.direction, facet, wavelength, InteractionKind::kTransmission);
   const Vec3<T> q = cross(cross(in.direction, facet.plane.normal), in.direction);
-  return {slab.t_te * in.field + turned(in.field, q, q, slab.t_excess), in.direction};
+  return {slab.te * in.field + turned(in.field, q, q, slab.excess), in.direction};
 }
 
 // What leaves the transmitter in that direction.

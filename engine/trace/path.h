@@ -6,6 +6,7 @@
 
 #include "engine/base/complex.h"
 #include "engine/base/vec3.h"
+#include "engine/em/spherical.h"
 
 namespace rayloc {
 
@@ -27,12 +28,16 @@ struct Path {
   // (lambda / 4 pi) C_R^H T C_T: antenna patterns, interactions and spreading at the carrier,
   // WITHOUT the propagation phase. h(f) = sum a exp(-j 2 pi f tau), f absolute.
   Complex<double> a;
-  double tau = 0.0;      // [s]
-  double theta_t = 0.0;  // [rad], departure: zenith and azimuth in the world
-  double phi_t = 0.0;
-  double theta_r = 0.0;  // [rad], arrival: from the receiver towards where the wave comes from
-  double phi_r = 0.0;
+  double tau = 0.0;  // [s]
+  Vec3d departure;   // unit, world: the way that the wave leaves the transmitter
+  Vec3d arrival;     // unit, world: from the receiver towards where the wave comes from
   std::vector<Interaction> interactions;  // from the transmitter on; empty: line of sight
+
+  // Zenith and azimuth of the two directions [rad].
+  double theta_t() const { return spherical_angles(departure).theta; }
+  double phi_t() const { return spherical_angles(departure).phi; }
+  double theta_r() const { return spherical_angles(arrival).theta; }
+  double phi_r() const { return spherical_angles(arrival).phi; }
 };
 
 }  // namespace rayloc

@@ -17,25 +17,34 @@ namespace {
 
 using Kind = Parameter::Kind;
 
-constexpr int kLanes = 4;  // parameters at a time
-using Dual = ceres::Jet<double, kLanes>;
+template <int N>
+using Dual = ceres::Jet<double, N>;
 
-Vec3<Dual> constant(const Vec3d& v) { return {Dual(v.x), Dual(v.y), Dual(v.z)}; }
+template <int N>
+Vec3<Dual<N>> constant(const Vec3d& v) {
+  return {Dual<N>(v.x), Dual<N>(v.y), Dual<N>(v.z)};
+}
 
-// The parameters of one block, each with the lane of the dual numbers that it varies.
+// Parameters that are varied together, each by a lane of the dual numbers.
+template <int N>
 struct Block {
-  std::array<const Parameter*, kLanes> parameters{};
+  std::array<const Parameter*, static_cast<std::size_t>(N)> parameters{};
   int size = 0;
 
   // Unit derivative by a parameter of that kind, index and axis.
-  void seed(Dual& value, Kind kind, std::uint32_t index, int axis, double slope) const {
+  void seed(Dual<N>& value, Kind kind, std::uint32_t index, int axis, double slope) const {
     for (int lane = 0; lane < size; ++lane) {
       if (*parameters[static_cast<std::size_t>(lane)] == Parameter{kind, index, axis}) {
         value.v[lane] += slope;
       }
     }
   }
-  void seed(Vec3<Dual>& value, Kind kind, std::uint32_t index) const {
+  bool varies_material(std::uint32_t material) const {
+    return std::any_of(parameters.begin(), parameters.begin() + size, [&](const Parameter* p) {
+      return p->kind >= Kind::kRelativePermittivity && p->index == material;
+    });
+  }
+  void seed(Vec3<Dual<N>>& value, Kind kind, std::uint32_t index) const {
     seed(value.x, kind, index, 0, 1.0);
     seed(value.y, kind, index, 1, 1.0);
     seed(value.z, kind, index, 2, 1.0);
@@ -52,52 +61,89 @@ constexpr EndKinds kTransmitterKinds{
 constexpr EndKinds kReceiverKinds{
     Kind::kReceiverPosition, Kind::kReceiverOrientation, Kind::kReceiverArrayTurn};
 
-LinkEnd<Dual> dual_end(const RadioDevice& device, const EndKinds& kinds, const Block& block) {
+template <int N>
+LinkEnd<Dual<N>> dual_end(const RadioDevice& device, const EndKinds& kinds, const Block<N>& block) {
   const Orientation& o = device.orientation;
-  Vec3<Dual> array_turn{Dual(o.yaw), Dual(o.pitch), Dual(o.roll)};
+  Vec3<Dual<N>> array_turn{Dual<N>(o.yaw), Dual<N>(o.pitch), Dual<N>(o.roll)};
   block.seed(array_turn, kinds.array_turn, 0);
-  Vec3<Dual> turn = array_turn;
+  Vec3<Dual<N>> turn = array_turn;
   block.seed(turn, kinds.orientation, 0);
 
-  LinkEnd<Dual> end;
+  LinkEnd<Dual<N>> end;
   end.pattern = device.pattern;
   end.polarization = device.polarization;
   end.world_from_antenna = rotation_from_yaw_pitch_roll(turn.x, turn.y, turn.z);
   const Vec3d origin = device.position - rotation(o) * device.lever;
   end.position =
-      constant(origin) + rotation_from_yaw_pitch_roll(array_turn.x, array_turn.y, array_turn.z) *
-                             constant(device.lever);
+      constant<N>(origin) + rotation_from_yaw_pitch_roll(array_turn.x, array_turn.y, array_turn.z) *
+                                constant<N>(device.lever);
   block.seed(end.position, kinds.position, 0);
   return end;
 }
 
-Facet<Dual> dual_facet(const TraceContext& context, std::uint32_t surface, const Block& block) {
+template <int N>
+Facet<Dual<N>> dual_facet(const TraceContext& context,
+                          std::uint32_t surface,
+                          const Block<N>& block) {
   const Facet<double>& facet = context.facets[surface];
   const std::uint32_t object = context.scene->owner(surface).object;
   const std::uint32_t material = context.scene->objects()[object].material;
   const Vec3d& normal = facet.plane.normal;
 
-  Facet<Dual> dual;
+  Facet<Dual<N>> dual;
   block.seed(dual.shift, Kind::kObjectTranslation, object);
-  Dual offset(0.0);
+  Dual<N> offset(0.0);
   block.seed(offset, Kind::kSurfaceOffset, surface, 0, 1.0);
-  dual.shift = dual.shift + offset * constant(normal);
-  dual.plane.normal = constant(normal);
-  dual.plane.offset = Dual(facet.plane.offset) + dot(dual.shift, dual.plane.normal);
+  dual.shift = dual.shift + offset * constant<N>(normal);
+  dual.plane.normal = constant<N>(normal);
+  dual.plane.offset = Dual<N>(facet.plane.offset) + dot(dual.shift, dual.plane.normal);
 
   const double omega = 2.0 * std::numbers::pi * context.scene->carrier_hz();
-  dual.relative_permittivity = {Dual(facet.relative_permittivity.re),
-                                Dual(facet.relative_permittivity.im)};
+  dual.relative_permittivity = {Dual<N>(facet.relative_permittivity.re),
+                                Dual<N>(facet.relative_permittivity.im)};
   block.seed(dual.relative_permittivity.re, Kind::kRelativePermittivity, material, 0, 1.0);
   block.seed(dual.relative_permittivity.im,
              Kind::kConductivity,
              material,
              0,
              -1.0 / (omega * kVacuumPermittivity));
-  dual.thickness = Dual(facet.thickness);
+  dual.thickness = Dual<N>(facet.thickness);
   block.seed(dual.thickness, Kind::kThickness, material, 0, 1.0);
+  dual.table = block.varies_material(material) ? nullptr : facet.table;
   return dual;
 }
+
+// The derivatives of `path` by the parameters of a block.
+template <int N>
+class BlockEvaluator {
+ public:
+  BlockEvaluator(const TraceContext& context,
+                 const RadioDevice& transmitter,
+                 const RadioDevice& receiver)
+      : context_(context), transmitter_(transmitter), receiver_(receiver) {}
+
+  PathCoefficient<Dual<N>> evaluate(const Path& path, const Block<N>& block) {
+    if (block.parameters != last_.parameters || last_.size == 0) {
+      last_ = block;  // neighbouring paths mostly share their blocks
+      transmitter_end_ = dual_end<N>(transmitter_, kTransmitterKinds, block);
+      receiver_end_ = dual_end<N>(receiver_, kReceiverKinds, block);
+    }
+    return evaluate_path<Dual<N>>(
+        context_,
+        path.interactions,
+        [&](std::uint32_t surface) { return dual_facet<N>(context_, surface, block); },
+        transmitter_end_,
+        receiver_end_);
+  }
+
+ private:
+  const TraceContext& context_;
+  const RadioDevice& transmitter_;
+  const RadioDevice& receiver_;
+  Block<N> last_;
+  LinkEnd<Dual<N>> transmitter_end_;
+  LinkEnd<Dual<N>> receiver_end_;
+};
 
 }  // namespace
 
@@ -176,7 +222,15 @@ Expected<PathDerivatives> PathDifferentiator::differentiate(
       return tl::make_unexpected(valid.error());
     }
   }
+  // Two lanes are half the work of four: enough for a position in plan.
+  return parameters.size() <= 2 ? run<2>(paths, parameters) : run<4>(paths, parameters);
+}
+
+template <int N>
+PathDerivatives PathDifferentiator::run(const Paths& paths,
+                                        std::span<const Parameter> parameters) const {
   PathDerivatives result(paths.size(), parameters.size());
+  BlockEvaluator<N> evaluator(context_, transmitter_, receiver_);
   std::vector<std::size_t> wanted;
   for (std::size_t p = 0; p < paths.size(); ++p) {
     const Path& path = paths[p];
@@ -189,17 +243,12 @@ Expected<PathDerivatives> PathDifferentiator::differentiate(
         wanted.push_back(i);
       }
     }
-    for (std::size_t first = 0; first < wanted.size(); first += kLanes) {
-      Block block;
-      for (std::size_t i = first; i < wanted.size() && i < first + kLanes; ++i) {
+    for (std::size_t first = 0; first < wanted.size(); first += N) {
+      Block<N> block;
+      for (std::size_t i = first; i < wanted.size() && i < first + N; ++i) {
         block.parameters[static_cast<std::size_t>(block.size++)] = &parameters[wanted[i]];
       }
-      const PathCoefficient<Dual> dual = evaluate_path<Dual>(
-          context_,
-          path.interactions,
-          [&](std::uint32_t surface) { return dual_facet(context_, surface, block); },
-          dual_end(transmitter_, kTransmitterKinds, block),
-          dual_end(receiver_, kReceiverKinds, block));
+      const PathCoefficient<Dual<N>> dual = evaluator.evaluate(path, block);
       for (int lane = 0; lane < block.size; ++lane) {
         result.at(p, wanted[first + static_cast<std::size_t>(lane)]) = {
             {dual.a.re.v[lane], dual.a.im.v[lane]}, dual.length.v[lane] / kSpeedOfLight};

@@ -27,6 +27,8 @@ class PathDifferentiator {
                                           std::span<const Parameter> parameters) const;
 
  private:
+  template <int N>
+  PathDerivatives run(const Paths& paths, std::span<const Parameter> parameters) const;
   Expected<void> check(const Parameter& parameter) const;
   bool depends(const Path& path, const Parameter& parameter) const;
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "engine/base/constants.h"
-#include "engine/em/spherical.h"
 #include "engine/trace/evaluate_path.h"
 #include "engine/trace/interaction_finder.h"
 #include "engine/trace/path_differentiator.h"
@@ -63,15 +62,7 @@ Path evaluate(const TraceContext& context,
       [&](std::uint32_t surface) -> const Facet<double>& { return context.facets[surface]; },
       transmitter,
       receiver);
-  const SphericalAngles departure = spherical_angles(found.departure);
-  const SphericalAngles arrival = spherical_angles(-found.arrival);
-  return {found.a,
-          found.length / kSpeedOfLight,
-          departure.theta,
-          departure.phi,
-          arrival.theta,
-          arrival.phi,
-          interactions};
+  return {found.a, found.length / kSpeedOfLight, found.departure, -found.arrival, interactions};
 }
 
 }  // namespace

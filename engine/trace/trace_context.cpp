@@ -18,7 +18,7 @@ constexpr double kParallel = 1.0 - 1e-12;
 
 bool is_opaque(const Facet<double>& facet, double wavelength) {
   const SlabCoefficients<double> slab =
-      facet_coefficients(facet.plane.normal, facet, wavelength);  // normal incidence
+      facet_coefficients(1.0, facet, wavelength);  // normal incidence
   return abs2(slab.t_te) < kOpaque * kOpaque;
 }
 
@@ -82,13 +82,19 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
   RAYLOC_CHECK(scene != nullptr && options.max_depth >= 0);
   RAYLOC_CHECK(std::isfinite(options.softness) && options.softness >= 0.0);
   wavelength = kSpeedOfLight / scene->carrier_hz();
+  slab_tables.reserve(scene->materials().size());
+  for (const RadioMaterial& material : scene->materials()) {
+    slab_tables.emplace_back(
+        complex_permittivity(material, scene->carrier_hz()), material.thickness, wavelength);
+  }
   facets.reserve(scene->surfaces().size());
   for (std::uint32_t i = 0; i < scene->surfaces().size(); ++i) {
     const RadioMaterial& material = scene->material_of(i);
     facets.push_back({scene->surfaces()[i].plane(),
                       complex_permittivity(material, scene->carrier_hz()),
                       material.thickness,
-                      {}});
+                      {},
+                      &slab_tables[scene->objects()[scene->owner(i).object].material]});
     opaque.push_back(is_opaque(facets.back(), wavelength));
   }
   covers = find_covers(*scene, options);

@@ -16,15 +16,18 @@ namespace rayloc {
 struct TraceContext {
   // REQUIRES: scene != nullptr, options.max_depth >= 0, options.softness finite and >= 0.
   TraceContext(std::shared_ptr<const Scene> scene, const TraceOptions& options);
+  TraceContext(const TraceContext&) = delete;
+  TraceContext& operator=(const TraceContext&) = delete;
 
   // Every surface that the segment meets, soft edges included.
   void crossings(const Segment& segment, std::vector<Crossing>& found) const;
 
   std::shared_ptr<const Scene> scene;
   TraceOptions options;
-  double wavelength = 0.0;            // [m]
-  std::vector<Facet<double>> facets;  // of each surface
-  std::vector<bool> opaque;           // of each surface: nothing that counts goes through it
+  double wavelength = 0.0;             // [m]
+  std::vector<SlabTable> slab_tables;  // of each material
+  std::vector<Facet<double>> facets;   // of each surface; they point to the tables
+  std::vector<bool> opaque;            // of each surface: nothing that counts goes through it
   // Of each surface, those before it that other objects have at the same place (a door flush with
   // its wall): they act where both would.
   std::vector<std::vector<std::uint32_t>> covers;

@@ -36,7 +36,7 @@ void trace(rayloc::Scene scene) {
   for (const rayloc::Path& path : tracer.trace(transmitter, receiver)) {
     require(std::isfinite(path.a.re) && std::isfinite(path.a.im));
     require(std::isfinite(path.tau) && path.tau > 0.0);
-    require(std::isfinite(path.theta_t) && std::isfinite(path.phi_r));
+    require(std::isfinite(path.theta_t()) && std::isfinite(path.phi_r()));
   }
 }
 

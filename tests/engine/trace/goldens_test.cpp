@@ -68,7 +68,7 @@ void expect_same_path(const Path& path, const json& expected, double carrier_hz)
   const double free_space = 1.0 / (4.0 * std::numbers::pi * carrier_hz * tau);
   const std::complex<double> a{expected.at("a").at(0), expected.at("a").at(1)};
   EXPECT_LE(std::abs(std::complex<double>(path.a.re, path.a.im) - a), kFieldTolerance * free_space);
-  const std::array<double, 4> angles{path.theta_t, path.phi_t, path.theta_r, path.phi_r};
+  const std::array<double, 4> angles{path.theta_t(), path.phi_t(), path.theta_r(), path.phi_r()};
   for (std::size_t i = 0; i < angles.size(); ++i) {
     EXPECT_LE(angle_difference(angles[i], expected.at("angles").at(i)), kAngleTolerance);
   }

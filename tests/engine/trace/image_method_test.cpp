@@ -53,8 +53,8 @@ PathCoefficient<T> wall_floor_path(const std::array<T, 7>& x) {
   const std::array<Plane<T>, 2> planes{Plane<T>{{T(-1), T(0), T(0)}, -x[3]},
                                        Plane<T>{{T(0), T(0), T(1)}, T(0)}};
   const Complex<T> permittivity{x[4], x[5]};
-  const std::array<Facet<T>, 2> facets{Facet<T>{planes[0], permittivity, x[6], {}},
-                                       Facet<T>{planes[1], permittivity, x[6], {}}};
+  const std::array<Facet<T>, 2> facets{Facet<T>{planes[0], permittivity, x[6]},
+                                       Facet<T>{planes[1], permittivity, x[6]}};
   LinkEnd<T> transmitter;
   transmitter.position = {T(1.0), T(0.5), T(2.0)};
   transmitter.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.3), T(-0.2), T(0.5));
@@ -97,7 +97,7 @@ TEST(FieldCalculator, GradientHoldsAtNormalIncidence) {
   const auto part = [](const auto& x) {
     using T = std::decay_t<decltype(x[0])>;
     const std::array<Facet<T>, 1> floor{
-        Facet<T>{{{T(0), T(0), T(1)}, T(0)}, {T(5.24), T(-0.58)}, T(0.1), {}}};
+        Facet<T>{{{T(0), T(0), T(1)}, T(0)}, {T(5.24), T(-0.58)}, T(0.1)}};
     LinkEnd<T> from;  // turned, so that straight down is broadside
     from.world_from_antenna = rotation_from_yaw_pitch_roll(T(0.7), T(1.5), T(0.0));
     LinkEnd<T> to = from;
@@ -127,7 +127,7 @@ TEST(FieldCalculator, LengthGradientIsTheUnitDirection) {
 }
 
 TEST(FieldCalculator, LosslessMirrorKeepsTheField) {
-  const Facet<double> metal{{{0, 0, 1}, 0.0}, {1.0, -3e10}, 0.1, {}};
+  const Facet<double> metal{{{0, 0, 1}, 0.0}, {1.0, -3e10}, 0.1};
   const Vec3d in = normalized(Vec3d{0.6, 0.2, -0.5});
   const Vec3d out{in.x, in.y, -in.z};
   const Vec3d across = normalized(cross(in, {0, 0, 1}));

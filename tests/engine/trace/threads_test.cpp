@@ -19,7 +19,7 @@ std::vector<double> numbers(const std::vector<Paths>& links) {
   for (const Paths& paths : links) {
     all.push_back(static_cast<double>(paths.size()));
     for (const Path& path : paths) {
-      all.insert(all.end(), {path.a.re, path.a.im, path.tau, path.theta_r, path.phi_t});
+      all.insert(all.end(), {path.a.re, path.a.im, path.tau, path.theta_r(), path.phi_t()});
       for (const Interaction& interaction : path.interactions) {
         const Vec3d& at = interaction.position;
         all.insert(all.end(), {static_cast<double>(interaction.surface), at.x, at.y, at.z});
