@@ -3,13 +3,28 @@
 #include <numbers>
 
 #include "engine/base/check.h"
+#include "engine/trace/cfr_kernel.h"
 
 namespace rayloc {
 namespace {
 
-std::complex<double> phasor(double frequency_hz, double tau) {
-  return std::polar(1.0, -2.0 * std::numbers::pi * frequency_hz * tau);
-}
+struct Columns {
+  explicit Columns(const Paths& paths) {
+    a_re.reserve(paths.size());
+    a_im.reserve(paths.size());
+    tau.reserve(paths.size());
+    for (const Path& path : paths) {
+      a_re.push_back(path.a.re);
+      a_im.push_back(path.a.im);
+      tau.push_back(path.tau);
+    }
+  }
+  PathArrays arrays() const { return {a_re, a_im, tau}; }
+
+  std::vector<double> a_re;
+  std::vector<double> a_im;
+  std::vector<double> tau;
+};
 
 }  // namespace
 
@@ -17,15 +32,24 @@ std::vector<std::complex<double>> PathDerivatives::cfr(const Paths& paths,
                                                        const OfdmGrid& grid,
                                                        std::size_t parameter) const {
   RAYLOC_CHECK(parameter < parameters_ && paths.size() * parameters_ == values_.size());
-  std::vector<std::complex<double>> dh(grid.size());
+  // dh_j = sum (da - j 2 pi f_j a dtau) exp(-j 2 pi f_j tau): two channels, one of them times f_j.
+  Columns by_a(paths);
+  Columns by_tau(paths);
   for (std::size_t p = 0; p < paths.size(); ++p) {
     const Derivative& d = at(p, parameter);
-    const std::complex<double> a{paths[p].a.re, paths[p].a.im};
-    for (std::size_t j = 0; j < dh.size(); ++j) {
-      const double f = grid.frequency_hz(j);
-      const std::complex<double> turn{0.0, -2.0 * std::numbers::pi * f * d.tau};
-      dh[j] += (std::complex<double>{d.a.re, d.a.im} + turn * a) * phasor(f, paths[p].tau);
-    }
+    const double slope = 2.0 * std::numbers::pi * d.tau;
+    by_tau.a_re[p] = slope * paths[p].a.im;
+    by_tau.a_im[p] = -slope * paths[p].a.re;
+    by_a.a_re[p] = d.a.re;
+    by_a.a_im[p] = d.a.im;
+  }
+  const CfrKernel kernel(grid);
+  std::vector<std::complex<double>> dh(grid.size());
+  std::vector<std::complex<double>> times_f(grid.size());
+  kernel.forward(by_a.arrays(), dh);
+  kernel.forward(by_tau.arrays(), times_f);
+  for (std::size_t j = 0; j < dh.size(); ++j) {
+    dh[j] += grid.frequency_hz(j) * times_f[j];
   }
   return dh;
 }
@@ -36,21 +60,12 @@ std::vector<double> PathDerivatives::loss_gradient(
     std::span<const std::complex<double>> csi_adjoint) const {
   RAYLOC_CHECK(csi_adjoint.size() == grid.size());
   RAYLOC_CHECK(paths.size() * parameters_ == values_.size());
+  const PathAdjoints adjoint = CfrKernel(grid).adjoint(Columns(paths).arrays(), csi_adjoint);
   std::vector<double> gradient(parameters_, 0.0);
   for (std::size_t p = 0; p < paths.size(); ++p) {
-    std::complex<double> by_a;  // sum_j conj(g_j) exp(-j 2 pi f_j tau)
-    std::complex<double> by_tau;
-    for (std::size_t j = 0; j < grid.size(); ++j) {
-      const double f = grid.frequency_hz(j);
-      const std::complex<double> term = std::conj(csi_adjoint[j]) * phasor(f, paths[p].tau);
-      by_a += term;
-      by_tau += f * term;
-    }
-    const std::complex<double> a{paths[p].a.re, paths[p].a.im};
-    const double slope = 2.0 * std::numbers::pi * (a * by_tau).imag();
     for (std::size_t i = 0; i < parameters_; ++i) {
       const Derivative& d = at(p, i);
-      gradient[i] += by_a.real() * d.a.re - by_a.imag() * d.a.im + slope * d.tau;
+      gradient[i] += adjoint.a_re[p] * d.a.re + adjoint.a_im[p] * d.a.im + adjoint.tau[p] * d.tau;
     }
   }
   return gradient;

@@ -271,6 +271,21 @@ std::string TracedLink::name_of(const Parameter& parameter) const {
   }
 }
 
+Csi TracedLink::csi_derivative(const Parameter& parameter) const {
+  Csi result;
+  for_each_pair([&](const Transmitter& transmitter, const ReceiverTracer& at_receiver) {
+    const Paths paths = at_receiver.trace(transmitter);
+    const auto derivatives =
+        at_receiver.differentiate(transmitter, paths, std::span(&parameter, 1));
+    if (!derivatives) {
+      give_up(derivatives.error().message);
+    }
+    const Csi part = derivatives->cfr(paths, grid_, 0);
+    result.insert(result.end(), part.begin(), part.end());
+  });
+  return result;
+}
+
 std::vector<double> TracedLink::gradient(const std::vector<Parameter>& parameters,
                                          const std::function<Csi(const Csi&)>& adjoint) const {
   const Csi g = adjoint(csi());

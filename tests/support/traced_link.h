@@ -41,6 +41,8 @@ class TracedLink {
   std::vector<Parameter> parameters() const;
   std::string name_of(const Parameter& parameter) const;
 
+  // d csi() / d parameter, by the engine.
+  Csi csi_derivative(const Parameter& parameter) const;
   // Of a loss L, by the engine; `adjoint` gives g with dL = Re sum conj(g) dh.
   std::vector<double> gradient(const std::vector<Parameter>& parameters,
                                const std::function<Csi(const Csi&)>& adjoint) const;

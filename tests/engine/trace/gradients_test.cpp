@@ -286,6 +286,26 @@ TEST(GradientsOfTheReference, HoldInTheMeetingRoom) {
   }
 }
 
+// The derivative of the channel itself, tone by tone.
+TEST(GradientsOfTheChannel, MatchCentralDifferences) {
+  const TracedLink link = TracedLink::of("meeting_room", {.max_depth = 2});
+  for (const Parameter& parameter : {Parameter::receiver_position(0), Parameter::thickness(0)}) {
+    const test::Csi derivative = link.csi_derivative(parameter);
+    const double step = test::difference_step(parameter);
+    const test::Csi ahead = link.changed(parameter, step).csi();
+    const test::Csi behind = link.changed(parameter, -step).csi();
+    ASSERT_EQ(derivative.size(), ahead.size());
+    double largest = 0.0;
+    double worst = 0.0;
+    for (std::size_t j = 0; j < derivative.size(); ++j) {
+      largest = std::max(largest, std::abs(derivative[j]));
+      worst = std::max(worst, std::abs((ahead[j] - behind[j]) / (2 * step) - derivative[j]));
+    }
+    EXPECT_GT(largest, 0.0);
+    EXPECT_LT(worst, 1e-5 * largest) << name_of(parameter.kind);  // second order only
+  }
+}
+
 // Where textbook formulas divide by zero: no loss, normal and grazing incidence, an end above the
 // other, both ends at one place, an end straight above an antenna.
 TEST(GradientsAtTheEdge, AreFinite) {
