@@ -16,6 +16,7 @@ find_package(Protobuf REQUIRED)       # protobuf::libprotobuf, protobuf_generate
 find_package(cppzmq REQUIRED)         # cppzmq
 find_package(ZLIB REQUIRED)           # ZLIB::ZLIB
 find_package(hwy REQUIRED)            # hwy::hwy
+pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)          # PkgConfig::CAIRO
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)         # PkgConfig::PCAP
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)   # PkgConfig::SYSTEMD
 if(RAYLOC_TESTS)

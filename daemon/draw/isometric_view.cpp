@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "daemon/draw/face.h"
+#include "daemon/draw/painter_order.h"
+#include "daemon/draw/palette.h"
+#include "daemon/draw/views.h"
+
+namespace rayloc::draw {
+namespace {
+
+constexpr Pen kEdge{kFaintInk, 0.7};
+constexpr Pen kOpenEdge{{130, 130, 130, 1.0}, 0.8, true};
+
+// Whether the object would hide the room: the ceiling, and what is thin and stands at the viewer's
+// sides, x and y smallest.
+bool is_left_open(const ScenePart& part, const Bounds& all) {
+  constexpr double kThin = 0.3;     // [m]
+  constexpr double kAtSide = 0.35;  // [m]
+  const Vec3d size = part.bounds.size();
+  return part.kind == PartKind::kCeiling ||
+         (size.x < kThin && part.bounds.upper.x < all.lower.x + kAtSide) ||
+         (size.y < kThin && part.bounds.upper.y < all.lower.y + kAtSide);
+}
+
+// A lamp above the viewer's right shoulder.
+double light_on(const Face& face, const Vec3d& towards_viewer) {
+  const Vec3d lamp = normalized(Vec3d{-0.35, -0.6, 0.8});
+  const bool away = dot(face.normal, towards_viewer) < 0.0;
+  return 0.78 + 0.24 * std::max(0.0, dot(away ? -face.normal : face.normal, lamp));
+}
+
+void draw_edges(const Face& face,
+                const std::vector<PagePoint>& corners,
+                const Pen& pen,
+                std::vector<Shape>& shapes) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (face.outlined[i]) {
+      shapes.emplace_back(Line{{corners[i], corners[(i + 1) % corners.size()]}, pen});
+    }
+  }
+}
+
+std::vector<PagePoint> on_page(const Face& face, const Projection& page) {
+  std::vector<PagePoint> corners;
+  corners.reserve(face.corners.size());
+  for (const Vec3d& corner : face.corners) {
+    corners.push_back(page(corner));
+  }
+  return corners;
+}
+
+}  // namespace
+
+std::vector<Shape> draw_isometric(const Scene& scene,
+                                  const std::vector<ScenePart>& parts,
+                                  const Projection& page) {
+  const Bounds all{scene.bounds_min(), scene.bounds_max()};
+  std::vector<Face> filled;
+  std::vector<Face> open;
+  for (Face& face : scene_faces(scene)) {
+    const bool turned_away = face.solid && dot(face.normal, page.towards_viewer) < 1e-9;
+    if (turned_away) {
+      continue;
+    }
+    auto& faces = is_left_open(parts[face.object], all) ? open : filled;
+    faces.push_back(std::move(face));
+  }
+  std::vector<Shape> shapes;
+  for (const Face& face : painter_order(std::move(filled), page.towards_viewer)) {
+    const std::vector<PagePoint> corners = on_page(face, page);
+    const Colour colour = material_colour(parts[face.object].material);
+    shapes.emplace_back(Polygon{corners, shaded(colour, light_on(face, page.towards_viewer))});
+    draw_edges(face, corners, kEdge, shapes);
+  }
+  for (const Face& face : open) {
+    draw_edges(face, on_page(face, page), kOpenEdge, shapes);
+  }
+  return shapes;
+}
+
+void label_isometric(const std::vector<ScenePart>& parts, const Projection& page, Labels& labels) {
+  std::vector<const ScenePart*> nearest_first;
+  for (const ScenePart& part : parts) {
+    if (part.kind == PartKind::kFurniture) {
+      nearest_first.push_back(&part);
+    }
+  }
+  const auto nearness = [&](const ScenePart& part) {
+    return dot(page.towards_viewer, part.bounds.lower + part.bounds.upper);
+  };
+  std::stable_sort(nearest_first.begin(), nearest_first.end(), [&](const auto* a, const auto* b) {
+    return nearness(*a) > nearness(*b);
+  });
+  for (const ScenePart* part : nearest_first) {
+    Vec3d top = 0.5 * (part->bounds.lower + part->bounds.upper);
+    const PagePoint middle = page(top);
+    top.z = part->bounds.upper.z;
+    std::vector<Text> places;
+    for (const double size : {10.0, 8.0}) {
+      Text text{page(top), part->name, size, kInk, TextAnchor::kMiddle};
+      text.halo = true;
+      text.at.y += 0.35 * size;
+      places.push_back(text);
+      places.back().at.y = middle.y + 0.35 * size;
+      for (const double shift : {-0.9 * size, 1.1 * size}) {
+        places.push_back(text);
+        places.back().at.y += shift;
+      }
+    }
+    labels.place(places);
+  }
+}
+
+std::vector<Shape> draw_axes(const PagePoint& corner) {
+  constexpr double kLength = 26.0;
+  Projection page = isometric_projection();
+  page.scale = kLength / kIsometric;
+  page.origin = corner;
+  std::vector<Shape> shapes;
+  for (const auto& [name, axis] : {std::pair("x", Vec3d{1, 0, 0}),
+                                   std::pair("y", Vec3d{0, 1, 0}),
+                                   std::pair("z", Vec3d{0, 0, 1})}) {
+    PagePoint beyond = page(1.35 * axis);
+    beyond.y += 3.5;
+    shapes.emplace_back(Line{{corner, page(axis)}, {kInk, 1.2}});
+    shapes.emplace_back(Text{beyond, name, 10.0, kInk, TextAnchor::kMiddle});
+  }
+  return shapes;
+}
+
+}  // namespace rayloc::draw

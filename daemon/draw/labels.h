@@ -1,0 +1,35 @@
+// Labels: names put where they cover no other name.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/draw/drawing.h"
+
+namespace rayloc::draw {
+
+class Labels {
+ public:
+  // The first of `places` (texts that differ in place, size or direction) that is clear of all
+  // labels so far is kept; none when all are taken.
+  void place(const std::vector<Text>& places);
+
+  // Texts that are there already.
+  void reserve(const Text& text) { occupied_.push_back(extent(text)); }
+
+  const std::vector<Text>& texts() const { return texts_; }
+
+ private:
+  struct Extent {
+    PagePoint lower;
+    PagePoint upper;
+  };
+
+  static Extent extent(const Text& text);
+  bool is_clear(const Extent& extent) const;
+
+  std::vector<Text> texts_;
+  std::vector<Extent> occupied_;
+};
+
+}  // namespace rayloc::draw

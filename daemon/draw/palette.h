@@ -1,0 +1,25 @@
+// Colours of materials and of powers.
+#pragma once
+
+#include <string>
+
+#include "daemon/draw/drawing.h"
+
+namespace rayloc::draw {
+
+inline constexpr Colour kInk{40, 40, 40, 1.0};
+inline constexpr Colour kFaintInk{120, 120, 120, 1.0};
+inline constexpr Colour kReceiverInk{20, 70, 160, 1.0};
+inline constexpr Colour kTransmitterInk{20, 120, 60, 1.0};
+
+// The usual colour of the materials of ITU-R P.2040-3; any other name has one of some muted ones,
+// always the same.
+Colour material_colour(const std::string& name);
+
+// From the weakest (0, pale) to the strongest (1, dark): the darker the stronger also in grey.
+Colour power_colour(double share);
+
+// Each channel multiplied; 1 leaves the colour as it is.
+Colour shaded(const Colour& colour, double factor);
+
+}  // namespace rayloc::draw

@@ -1,0 +1,213 @@
+#include "daemon/draw/scene_picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "daemon/draw/labels.h"
+#include "daemon/draw/legend.h"
+#include "daemon/draw/palette.h"
+#include "daemon/draw/projection.h"
+#include "daemon/draw/views.h"
+#include "engine/base/check.h"
+
+namespace rayloc::draw {
+namespace {
+
+constexpr double kMargin = 20.0;
+constexpr double kRulerMargin = 48.0;  // left of and below a plan: numbers and names of walls
+constexpr double kTitleHeight = 56.0;
+constexpr double kWidest = 1'100.0;  // of the room on the page
+constexpr double kHighest = 760.0;
+constexpr double kMostPixelsPerMetre = 200.0;
+
+// The page's extent of the scene at one pixel a metre.
+struct Extent {
+  PagePoint lower{1e300, 1e300};
+  PagePoint upper{-1e300, -1e300};
+
+  void include(const PagePoint& p) {
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
+  }
+};
+
+Extent extent_of(const Bounds& bounds, const Projection& projection) {
+  Extent extent;
+  for (unsigned i = 0; i < 8; ++i) {
+    extent.include(projection({(i & 1U) != 0 ? bounds.upper.x : bounds.lower.x,
+                               (i & 2U) != 0 ? bounds.upper.y : bounds.lower.y,
+                               (i & 4U) != 0 ? bounds.upper.z : bounds.lower.z}));
+  }
+  return extent;
+}
+
+// Everything that is drawn: the scene, and antennas that may be outside of it.
+Bounds bounds_of(const ScenePicture& picture) {
+  Bounds bounds{picture.scene->bounds_min(), picture.scene->bounds_max()};
+  for (const Mark& mark : picture.marks) {
+    for (const Vec3d& antenna : mark.antennas) {
+      bounds.include(antenna);
+    }
+  }
+  return bounds;
+}
+
+struct Page {
+  Projection projection;
+  double width = 0.0;  // of the room on it
+  double height = 0.0;
+};
+
+Page fit(const Bounds& bounds, View view) {
+  Page page;
+  page.projection = view == View::kPlan ? plan_projection() : isometric_projection();
+  const Extent extent = extent_of(bounds, page.projection);
+  const double across = std::max(extent.upper.x - extent.lower.x, 1e-3);
+  const double down = std::max(extent.upper.y - extent.lower.y, 1e-3);
+  const double scale = std::min({kWidest / across, kHighest / down, kMostPixelsPerMetre});
+  page.projection.scale = scale;
+  page.projection.origin = {kMargin + kRulerMargin - scale * extent.lower.x,
+                            kTitleHeight + kMargin - scale * extent.lower.y};
+  page.width = scale * across;
+  page.height = scale * down;
+  return page;
+}
+
+void append(std::vector<Shape> more, std::vector<Shape>& shapes) {
+  std::move(more.begin(), more.end(), std::back_inserter(shapes));
+}
+
+void draw_paths(const ScenePicture& picture, const Projection& page, std::vector<Shape>& shapes) {
+  std::vector<const DrawnPath*> weakest_first;
+  for (const DrawnPath& path : picture.paths) {
+    weakest_first.push_back(&path);
+  }
+  std::stable_sort(weakest_first.begin(), weakest_first.end(), [](const auto* a, const auto* b) {
+    return a->power_db < b->power_db;
+  });
+  const double range = std::max(picture.strongest_db - picture.weakest_db, 1e-9);
+  for (const DrawnPath* path : weakest_first) {
+    const double share = std::clamp((path->power_db - picture.weakest_db) / range, 0.0, 1.0);
+    const Colour colour = power_colour(share);
+    std::vector<PagePoint> points;
+    for (const Vec3d& point : path->points) {
+      points.push_back(page(point));
+    }
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+      shapes.emplace_back(Circle{points[i], 1.3 + share, colour, std::nullopt});
+    }
+    shapes.emplace_back(Line{std::move(points), {colour, 0.7 + 1.6 * share}});
+  }
+}
+
+void draw_heading(const Mark& mark, const Projection& page, std::vector<Shape>& shapes) {
+  constexpr double kArrow = 26.0;  // pixels
+  const Vec3d from = (1.0 / static_cast<double>(mark.antennas.size())) * [&] {
+    Vec3d sum;
+    for (const Vec3d& antenna : mark.antennas) {
+      sum = sum + antenna;
+    }
+    return sum;
+  }();
+  const PagePoint tail = page(from);
+  const PagePoint tip = page(from + (kArrow / page.scale) * mark.heading);
+  const double dx = tip.x - tail.x;
+  const double dy = tip.y - tail.y;
+  if (std::hypot(dx, dy) < 4.0) {
+    return;  // it looks at the viewer
+  }
+  shapes.emplace_back(Line{{tail, tip}, {kReceiverInk, 1.2}});
+  shapes.emplace_back(Polygon{{tip,
+                               {tip.x - 0.25 * dx - 0.14 * dy, tip.y - 0.25 * dy + 0.14 * dx},
+                               {tip.x - 0.25 * dx + 0.14 * dy, tip.y - 0.25 * dy - 0.14 * dx}},
+                              kReceiverInk});
+}
+
+void draw_marks(const ScenePicture& picture,
+                View view,
+                const Projection& page,
+                Labels& labels,
+                std::vector<Shape>& shapes) {
+  const double floor = picture.scene->bounds_min().z;
+  for (const Mark& mark : picture.marks) {
+    if (mark.kind == MarkKind::kAccessPoint) {
+      draw_heading(mark, page, shapes);
+    } else if (view == View::k3d) {  // how high it is: a line down to the floor
+      Vec3d below = mark.antennas.front();
+      below.z = floor;
+      shapes.emplace_back(Line{{page(mark.antennas.front()), page(below)}, {kFaintInk, 0.8, true}});
+    }
+    for (const Vec3d& antenna : mark.antennas) {
+      append(draw_antenna(page(antenna), mark.kind), shapes);
+    }
+    Extent extent;
+    for (const Vec3d& antenna : mark.antennas) {
+      extent.include(page(antenna));
+    }
+    std::vector<Text> places;  // above or below, first where the arrow does not go
+    for (const double y : {extent.lower.y - 9.0, extent.upper.y + 17.0}) {
+      Text text{{0.5 * (extent.lower.x + extent.upper.x), y},
+                mark.name,
+                11.0,
+                mark.kind == MarkKind::kTransmitter ? kTransmitterInk : kReceiverInk,
+                TextAnchor::kMiddle};
+      text.bold = true;
+      text.halo = true;
+      places.push_back(std::move(text));
+    }
+    if (dot(page.up, mark.heading) > 0.0) {
+      std::reverse(places.begin(), places.end());
+    }
+    labels.place(places);
+  }
+}
+
+void draw_title(const ScenePicture& picture, std::vector<Shape>& shapes) {
+  Text title{{kMargin, kMargin + 10.0}, picture.title, 15.0, kInk};
+  title.bold = true;
+  shapes.emplace_back(std::move(title));
+  shapes.emplace_back(Text{{kMargin, kMargin + 28.0}, picture.caption, 10.5, kFaintInk});
+}
+
+}  // namespace
+
+Drawing draw_scene(const ScenePicture& picture, View view) {
+  RAYLOC_CHECK(picture.scene != nullptr);
+  const Scene& scene = *picture.scene;
+  const std::vector<ScenePart> parts = scene_parts(scene);
+  const Bounds all{scene.bounds_min(), scene.bounds_max()};
+  const Page page = fit(bounds_of(picture), view);
+  Drawing drawing;
+  Labels labels;
+  draw_title(picture, drawing.shapes);
+  if (view == View::kPlan) {
+    append(draw_plan(scene, parts, page.projection), drawing.shapes);
+    append(draw_ruler(all, page.projection, labels), drawing.shapes);
+  } else {
+    append(draw_isometric(scene, parts, page.projection), drawing.shapes);
+    append(draw_axes({kMargin + 32.0, kTitleHeight + kMargin + page.height - 8.0}), drawing.shapes);
+  }
+  draw_paths(picture, page.projection, drawing.shapes);
+  draw_marks(picture, view, page.projection, labels, drawing.shapes);
+  if (view == View::kPlan) {
+    label_plan(parts, all, page.projection, labels);
+  } else {
+    label_isometric(parts, page.projection, labels);
+  }
+  for (const Text& text : labels.texts()) {
+    drawing.shapes.emplace_back(text);
+  }
+  const double shortened = view == View::kPlan ? 1.0 : kIsometric;
+  const PagePoint corner{2.0 * kMargin + 2.0 * kRulerMargin + page.width - 14.0,
+                         kTitleHeight + kMargin};
+  Legend legend = draw_legend(picture, view, shortened * page.projection.scale, corner);
+  append(std::move(legend.shapes), drawing.shapes);
+  drawing.width = corner.x + kLegendWidth;
+  const double below = view == View::kPlan ? kRulerMargin : 0.0;
+  drawing.height = kTitleHeight + kMargin + std::max(page.height + below, legend.height) + kMargin;
+  return drawing;
+}
+
+}  // namespace rayloc::draw

@@ -1,0 +1,45 @@
+// draw_scene: a picture of a scene with its antennas and the paths between them.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/draw/drawing.h"
+#include "engine/base/vec3.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc::draw {
+
+// kPlan: cut through at breast height and seen from above. k3d: isometric, from the south-west,
+// with the walls on the viewer's side and the ceiling left open.
+enum class View : std::uint8_t { kPlan, k3d };
+
+enum class MarkKind : std::uint8_t { kAccessPoint, kTransmitter, kReceiver };
+
+struct Mark {
+  std::string name;
+  MarkKind kind = MarkKind::kAccessPoint;
+  std::vector<Vec3d> antennas;  // at least one
+  Vec3d heading;                // where it looks, a unit vector; of access points
+};
+
+struct DrawnPath {
+  std::vector<Vec3d> points;  // from the transmitter to the receiver
+  double power_db = 0.0;
+};
+
+struct ScenePicture {
+  const Scene* scene = nullptr;
+  std::string title;
+  std::string caption;  // below the title
+  std::vector<Mark> marks;
+  std::vector<DrawnPath> paths;
+  double strongest_db = 0.0;  // of the colours
+  double weakest_db = 0.0;
+};
+
+// REQUIRES: picture.scene != nullptr.
+Drawing draw_scene(const ScenePicture& picture, View view);
+
+}  // namespace rayloc::draw
