@@ -1,4 +1,4 @@
-// `rayloc scene room|check`: scenes made and inspected.
+// `rayloc scene check|room|show`: scenes inspected, made and drawn.
 #include <array>
 #include <utility>
 #include <vector>
@@ -22,6 +22,7 @@ constexpr std::array kParts = {
     Part{"room",
          "Make a scene from a few lines of TOML: a room, its walls and furniture",
          declare_scene_room},
+    Part{"show", "Draw a scene, its antennas and the paths of a link", declare_scene_show},
 };
 
 RunVerb declare(CLI::App& app) {
@@ -45,6 +46,6 @@ RunVerb declare(CLI::App& app) {
 }  // namespace
 
 extern const Verb kScene;
-const Verb kScene = {"scene", "Make and check scenes", "rayloc scene room --help", declare};
+const Verb kScene = {"scene", "Make, check and draw scenes", "rayloc scene room --help", declare};
 
 }  // namespace rayloc::cli

@@ -7,5 +7,6 @@ namespace rayloc::cli {
 
 RunVerb declare_scene_check(CLI::App& app);
 RunVerb declare_scene_room(CLI::App& app);
+RunVerb declare_scene_show(CLI::App& app);
 
 }  // namespace rayloc::cli

@@ -24,7 +24,8 @@ Expected<SceneSource> load_scene_source(const std::filesystem::path& path,
     source.file = site->scene_file;
     source.site = *std::move(site);
   } else {
-    source.name = path.stem().string();
+    const std::filesystem::path folder = std::filesystem::absolute(path, status).parent_path();
+    source.name = (path.stem() == "scene" ? folder.filename() : path.stem()).string();
     source.file = path;
   }
   options.carrier_hz = frequency_hz.value_or(options.carrier_hz);

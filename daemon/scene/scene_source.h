@@ -17,7 +17,7 @@ namespace rayloc {
 inline constexpr double kDefaultFrequency = 5.18e9;  // [Hz]
 
 struct SceneSource {
-  std::string name;            // of the site, else of the file without its ending
+  std::string name;            // of the site, else of the file, or of the folder of a "scene.xml"
   std::filesystem::path file;  // the XML
   std::shared_ptr<const Scene> scene;
   std::optional<Site> site;

@@ -72,7 +72,7 @@ TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
           .wait();
   ASSERT_EQ(checked.status, 0) << checked.err;
   const auto json = nlohmann::json::parse(checked.out);
-  EXPECT_EQ(json["name"], "scene");
+  EXPECT_EQ(json["name"], "office");
   EXPECT_EQ(json["frequency"], 2.4e9);
   EXPECT_EQ(json["bounds"]["max"], (nlohmann::json{5.2, 3.4, 2.7}));
   EXPECT_EQ(json["surfaces"], 12);
