@@ -1,4 +1,4 @@
-// Bvh: is something in the way between two points? The only part of the engine that uses Embree.
+// Bvh: is something in the way between two points?
 //
 // Embree works in single precision. It only proposes pieces of surfaces that the segment may meet:
 // their boxes are widened by more than its rounding, so it proposes too many, never too few. Each

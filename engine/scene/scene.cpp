@@ -5,6 +5,10 @@
 #include <limits>
 #include <utility>
 
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/scene/ray_shooter.h"
+
 namespace rayloc {
 namespace {
 
@@ -99,16 +103,35 @@ Expected<Scene> Scene::create(Input input) {
   return scene;
 }
 
+Scene::~Scene() = default;
+Scene::Scene(Scene&&) noexcept = default;
+Scene& Scene::operator=(Scene&&) noexcept = default;
+
+const RayShooter& Scene::shooter() const {
+  return shooter_->get([&] {
+    auto made = RayShooter::create(surfaces_);
+    RAYLOC_CHECK(made.has_value());  // Embree worked for the Bvh
+    return std::make_unique<const RayShooter>(std::move(*made));
+  });
+}
+
 Scene::Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwner> owners, Bvh bvh)
     : objects_(std::move(input.objects)),
       materials_(std::move(input.materials)),
       carrier_hz_(input.carrier_hz),
       surfaces_(std::move(surfaces)),
       owners_(std::move(owners)),
-      bvh_(std::move(bvh)) {
+      bvh_(std::move(bvh)),
+      shooter_(std::make_unique<const Lazy<RayShooter>>()) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   bounds_min_ = {kInfinity, kInfinity, kInfinity};
   bounds_max_ = {-kInfinity, -kInfinity, -kInfinity};
+  for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
+    while (first_surface_.size() <= owners_[i].object) {
+      first_surface_.push_back(i);
+    }
+  }
+  first_surface_.push_back(static_cast<std::uint32_t>(surfaces_.size()));
   for (const SceneObject& object : objects_) {
     solids_.push_back(classify_solid(object.mesh));
     triangle_count_ += object.mesh.triangles.size();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@
 #include "engine/scene/surface.h"
 
 namespace rayloc {
+
+class RayShooter;
+template <typename T>
+class Lazy;
 
 struct SceneObject {
   std::string name;
@@ -40,6 +45,9 @@ class Scene {
   // index out of range, or an unphysical material; each names the object. Degenerate triangles
   // (less than a micrometre high; exporters leave them behind) are dropped and counted.
   static Expected<Scene> create(Input input);
+  ~Scene();
+  Scene(Scene&&) noexcept;
+  Scene& operator=(Scene&&) noexcept;
 
   const std::vector<SceneObject>& objects() const { return objects_; }
   const std::vector<RadioMaterial>& materials() const { return materials_; }
@@ -51,12 +59,21 @@ class Scene {
   const RadioMaterial& material_of(std::uint32_t surface) const {
     return materials_[objects_[owners_[surface].object].material];
   }
+  struct SurfaceRange {
+    std::uint32_t first, end;
+  };
+  SurfaceRange surfaces_of(std::uint32_t object) const {
+    return {first_surface_[object], first_surface_[object + 1]};
+  }
   const Solid& solid(std::uint32_t object) const { return solids_[object]; }
 
   bool is_blocked(const Segment& segment) const { return bvh_.is_blocked(segment); }
   void crossings(const Segment& segment, std::vector<Crossing>& found) const {
     bvh_.crossings(segment, found);
   }
+
+  // For proposals (ray_shooter.h); made when first asked for.
+  const RayShooter& shooter() const;
 
   Vec3d bounds_min() const { return bounds_min_; }  // [m], over all vertices
   Vec3d bounds_max() const { return bounds_max_; }
@@ -71,8 +88,10 @@ class Scene {
   double carrier_hz_ = 0.0;
   std::vector<Surface> surfaces_;  // on the heap, where the Bvh expects them also after a move
   std::vector<SurfaceOwner> owners_;
+  std::vector<std::uint32_t> first_surface_;  // of each object, and the end
   std::vector<Solid> solids_;
   Bvh bvh_;
+  std::unique_ptr<const Lazy<RayShooter>> shooter_;
   Vec3d bounds_min_;
   Vec3d bounds_max_;
   std::size_t triangle_count_ = 0;

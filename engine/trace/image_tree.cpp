@@ -20,6 +20,7 @@ ImageTree::ImageTree(const Scene& scene, const Vec3d& root, const TraceOptions& 
       margin_(options.softness),
       clear_only_(!options.transmission && options.softness == 0.0) {
   GrownTree grown = grow_image_tree(scene, root, options);
+  generator_ = grown.generator;
   nodes_ = std::move(grown.nodes);
   index_ = std::make_shared<const BeamIndex>(
       std::move(grown.beams), root, scene.bounds_min(), scene.bounds_max());

@@ -49,7 +49,8 @@ class ImageTree {
   std::size_t chains_to(const Vec3d& target, std::vector<SpecularChain>& chains) const;
 
   const Vec3d& root() const { return root_; }
-  std::size_t size() const { return nodes_.size(); }  // images, the root not counted
+  std::size_t size() const { return nodes_.size(); }           // images, the root not counted
+  CandidateGenerator generator() const { return generator_; }  // that was used, not kAutomatic
 
  private:
   // Finds the points of reflection of node `leaf`; false when one is not on its surface.
@@ -58,8 +59,9 @@ class ImageTree {
 
   const Scene* scene_;
   Vec3d root_;
-  double margin_;                 // of the mirrors [m]
-  bool clear_only_;               // chains that something blocks are left out
+  double margin_;    // of the mirrors [m]
+  bool clear_only_;  // chains that something blocks are left out
+  CandidateGenerator generator_;
   std::vector<ImageNode> nodes_;  // by depth; parents before children
   std::shared_ptr<const BeamIndex> index_;
 };

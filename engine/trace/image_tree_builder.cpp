@@ -3,17 +3,25 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <utility>
 
+#include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/trace/mirror_grower.h"
 #include "engine/trace/mirror_table.h"
+#include "engine/trace/shooting.h"
 
 namespace rayloc {
 namespace {
 
 // Parents that one task takes.
 constexpr std::size_t kPortion = 32;
+// In looks at a surface by a beam, each about 0.5 ns: what an image costs, and the most that an
+// exhaustive tree may.
+constexpr double kWorkOfImage = 1000.0;
+constexpr double kMostWork = 2e8;
 
 // Appends the portions in their order.
 void join(const std::vector<GrownNodes>& portions, GrownTree& tree, LitWindows& windows) {
@@ -30,39 +38,123 @@ void join(const std::vector<GrownNodes>& portions, GrownTree& tree, LitWindows& 
   }
 }
 
+// A tree that grows by levels.
+class Growth {
+ public:
+  // trie: nullptr to search exhaustively.
+  Growth(const Scene& scene,
+         const MirrorTable& table,
+         const Vec3d& root,
+         const TraceOptions& options,
+         const MirrorTrie* trie)
+      : scene_(scene), table_(table), root_(root), options_(options), trie_(trie) {}
+
+  bool is_complete() const { return depth_ == options_.max_depth; }
+
+  void add_level() {
+    const std::size_t parents = depth_ == 0 ? 1 : tree_.nodes.size() - first_;
+    std::vector<GrownNodes> portions((parents + kPortion - 1) / kPortion);
+    parallel_for(portions.size(), 1, [&](std::size_t portion) {
+      MirrorGrower grower(scene_, table_, options_, trie_);
+      const std::size_t end = std::min(parents, (portion + 1) * kPortion);
+      for (std::size_t i = portion * kPortion; i < end; ++i) {
+        grower.grow(parent(i), root_, portions[portion]);
+      }
+    });
+    work_ += static_cast<double>(parents) * static_cast<double>(scene_.surfaces().size());
+    first_ = tree_.nodes.size();
+    windows_ = {};
+    join(portions, tree_, windows_);
+    const std::size_t added = tree_.nodes.size() - first_;
+    work_ += kWorkOfImage * static_cast<double>(added);
+    growth_ = static_cast<double>(added) / static_cast<double>(parents);
+    ++depth_;
+  }
+
+  // Of an exhaustive search, with the next level, if that grows as the last one did.
+  double work_with_next_level() const {
+    const auto parents = static_cast<double>(depth_ == 0 ? 1 : tree_.nodes.size() - first_);
+    return work_ +
+           parents * (static_cast<double>(scene_.surfaces().size()) + kWorkOfImage * growth_);
+  }
+
+  GrownTree take() && { return std::move(tree_); }
+
+ private:
+  // Number `i` of the newest level.
+  MirrorGrower::Parent parent(std::size_t i) const {
+    if (depth_ == 0) {
+      return {.image = root_};
+    }
+    const ImageNode& node = tree_.nodes[first_ + i];
+    return {static_cast<std::uint32_t>(first_ + i),
+            node.image,
+            node.image_distance,
+            node.surface,
+            windows_.window(i),
+            windows_.crossings[i],
+            depth_,
+            trie_ == nullptr ? MirrorGrower::kNoTrieNode : windows_.trie_nodes[i]};
+  }
+
+  const Scene& scene_;
+  const MirrorTable& table_;
+  Vec3d root_;
+  const TraceOptions& options_;
+  const MirrorTrie* trie_;
+  GrownTree tree_;
+  LitWindows windows_;     // of the newest level
+  std::size_t first_ = 0;  // its first node
+  int depth_ = 0;
+  double work_ = 0.0;
+  double growth_ = 0.0;  // images of the newest level for each of the one before
+};
+
+std::optional<GrownTree> grow_exhaustively(const Scene& scene,
+                                           const Vec3d& root,
+                                           const TraceOptions& options,
+                                           double most_work) {
+  const MirrorTable table(scene, root, options);
+  Growth growth(scene, table, root, options, nullptr);
+  while (!growth.is_complete()) {
+    if (growth.work_with_next_level() > most_work) {
+      return std::nullopt;
+    }
+    growth.add_level();
+  }
+  return std::move(growth).take();
+}
+
+GrownTree grow_from_rays(const Scene& scene, const Vec3d& root, const TraceOptions& options) {
+  const ShotMirrors shot = shoot_mirrors(scene, root, options);
+  std::vector<std::uint32_t> objects;
+  for (const std::uint32_t surface : shot.trie.surfaces()) {
+    objects.push_back(scene.owner(surface).object);
+  }
+  std::sort(objects.begin(), objects.end());
+  objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
+  const MirrorTable table(scene, root, options, objects);
+  Growth growth(scene, table, root, options, &shot.trie);
+  while (!growth.is_complete()) {
+    growth.add_level();
+  }
+  GrownTree tree = std::move(growth).take();
+  tree.generator = CandidateGenerator::kShooting;
+  return tree;
+}
+
 }  // namespace
 
 GrownTree grow_image_tree(const Scene& scene, const Vec3d& root, const TraceOptions& options) {
-  GrownTree tree;
-  const MirrorTable table(scene, root, options);
-  LitWindows windows;
-  std::size_t first = 0;  // of the newest level
-  for (int depth = 0; depth < options.max_depth; ++depth) {
-    const std::size_t parents = depth == 0 ? 1 : tree.nodes.size() - first;
-    std::vector<GrownNodes> portions((parents + kPortion - 1) / kPortion);
-    parallel_for(portions.size(), 1, [&](std::size_t portion) {
-      MirrorGrower grower(scene, table, options);
-      const std::size_t end = std::min(parents, (portion + 1) * kPortion);
-      for (std::size_t i = portion * kPortion; i < end; ++i) {
-        MirrorGrower::Parent parent{.image = root};
-        if (depth > 0) {
-          const ImageNode& node = tree.nodes[first + i];
-          parent = {static_cast<std::uint32_t>(first + i),
-                    node.image,
-                    node.image_distance,
-                    node.surface,
-                    windows.window(i),
-                    windows.crossings[i],
-                    depth};
-        }
-        grower.grow(parent, root, portions[portion]);
-      }
-    });
-    first = tree.nodes.size();
-    windows = {};
-    join(portions, tree, windows);
+  RAYLOC_CHECK(options.max_depth >= 0 && options.rays > 0);
+  if (options.candidates != CandidateGenerator::kShooting) {
+    const bool is_free = options.candidates == CandidateGenerator::kExhaustive;
+    const double most = is_free ? std::numeric_limits<double>::infinity() : kMostWork;
+    if (auto tree = grow_exhaustively(scene, root, options, most)) {
+      return std::move(*tree);
+    }
   }
-  return tree;
+  return grow_from_rays(scene, root, options);
 }
 
 }  // namespace rayloc

@@ -1,5 +1,5 @@
-// Growing the images of an ImageTree, level by level, exhaustively: every mirror that geometry
-// allows to follow another.
+// Growing the images of an ImageTree, level by level: every mirror that geometry allows to follow
+// another (exhaustive), or those of them that rays have met (shooting.h).
 #pragma once
 
 #include <vector>
@@ -14,9 +14,12 @@ namespace rayloc {
 struct GrownTree {
   std::vector<ImageNode> nodes;   // by depth; those of one parent together, by surface
   std::vector<BeamBounds> beams;  // where the waves go after each node
+  CandidateGenerator generator = CandidateGenerator::kExhaustive;  // that was used
 };
 
-// REQUIRES: options.max_depth >= 0. The same whatever the number of threads.
+// kAutomatic: exhaustive unless the work for that, estimated from level to level, is more than
+// about a tenth of a second on one core. The same whatever the number of threads.
+// REQUIRES: options.max_depth >= 0, options.rays > 0.
 GrownTree grow_image_tree(const Scene& scene, const Vec3d& root, const TraceOptions& options);
 
 }  // namespace rayloc

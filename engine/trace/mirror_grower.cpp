@@ -6,6 +6,7 @@
 
 #include "engine/trace/beam_shadow.h"
 #include "engine/trace/image_method.h"
+#include "engine/trace/mirror_trie.h"
 
 namespace rayloc {
 namespace {
@@ -17,6 +18,8 @@ constexpr double kOnPlane = 1e-9;
 constexpr double kCertain = 1e-6;
 // Of the mirrors that a beam lights, so many are tried as things in the way of the others.
 constexpr std::size_t kMaxOccluders = 12;
+// Of an object with more surfaces than this only those that rays met are proposed.
+constexpr std::uint32_t kMostNeighbours = 32;
 
 // About the solid angle that a polygon fills, seen from `apex_distance` away from its plane.
 double apparent_size(std::span<const Vec3d> polygon, const Vec3d& apex, double apex_distance) {
@@ -42,6 +45,7 @@ void LitWindows::append(const LitWindows& other) {
   const std::size_t shift = corners.size();
   append_to(crossings, other.crossings);
   append_to(corners, other.corners);
+  append_to(trie_nodes, other.trie_nodes);
   for (const std::size_t end : other.ends) {
     ends.push_back(shift + end);
   }
@@ -75,6 +79,9 @@ void MirrorGrower::grow(const Parent& parent, const Vec3d& root, GrownNodes& gro
         grown.windows.crossings.push_back(static_cast<std::uint8_t>(crossings));
         append_to(grown.windows.corners, window);
         grown.windows.ends.push_back(grown.windows.corners.size());
+        if (trie_ != nullptr) {
+          grown.windows.trie_nodes.push_back(trie_child(parent.trie_node, lit.surface));
+        }
       }
     }
   }
@@ -83,7 +90,11 @@ void MirrorGrower::grow(const Parent& parent, const Vec3d& root, GrownNodes& gro
 void MirrorGrower::find_lit(const Parent& parent) {
   lit_.clear();
   corners_.clear();
-  table_.find(bounds_, found_);
+  if (trie_ == nullptr) {
+    table_.find(bounds_, found_);
+  } else {
+    find_proposed(parent.trie_node);
+  }
   for (const std::uint32_t surface : found_) {
     const double here = distance(table_.plane(surface), parent.image);
     if (surface == parent.surface || std::abs(here) < kOnPlane || !table_.is_lit(surface, here) ||
@@ -97,6 +108,33 @@ void MirrorGrower::find_lit(const Parent& parent) {
                     apparent_size(polygon_, parent.image, here)});
     append_to(corners_, polygon_);
   }
+}
+
+void MirrorGrower::find_proposed(std::uint32_t trie_node) {
+  found_.clear();
+  if (trie_node == kNoTrieNode) {
+    return;
+  }
+  for (const std::uint32_t surface : trie_->children(trie_node).surfaces) {
+    const auto [first, end] = scene_.surfaces_of(scene_.owner(surface).object);
+    if (end - first > kMostNeighbours) {
+      found_.push_back(surface);
+      continue;
+    }
+    for (std::uint32_t i = first; i < end; ++i) {
+      found_.push_back(i);
+    }
+  }
+  std::sort(found_.begin(), found_.end());
+  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+}
+
+std::uint32_t MirrorGrower::trie_child(std::uint32_t trie_node, std::uint32_t surface) const {
+  const auto [first, surfaces] = trie_->children(trie_node);
+  const auto found = std::lower_bound(surfaces.begin(), surfaces.end(), surface);
+  return found == surfaces.end() || *found != surface
+             ? kNoTrieNode
+             : first + static_cast<std::uint32_t>(found - surfaces.begin());
 }
 
 // Whether the beam reaches the surface from the side where its apex is; polygon_ is then the part

@@ -16,11 +16,14 @@
 
 namespace rayloc {
 
+class MirrorTrie;
+
 // What the next level needs to know of the nodes of one level.
 struct LitWindows {
   std::vector<std::uint8_t> crossings;  // on the way to each node, for certain
   std::vector<std::size_t> ends;        // in corners, of each node's window
   std::vector<Vec3d> corners;
+  std::vector<std::uint32_t> trie_nodes;  // of each node; none when there is no trie
 
   std::span<const Vec3d> window(std::size_t i) const {
     const std::size_t first = i == 0 ? 0 : ends[i - 1];
@@ -46,12 +49,18 @@ class MirrorGrower {
     std::uint32_t surface = kNoSurface;
     std::span<const Vec3d> window = {};  // the part of the surface that the chain so far lights
     int crossings = 0;
-    int depth = 0;  // mirrors so far
+    int depth = 0;                // mirrors so far
+    std::uint32_t trie_node = 0;  // kNoTrieNode: no ray has met this sequence
   };
+  static constexpr std::uint32_t kNoTrieNode = 0xffffffff;
 
-  // All must outlive the grower.
-  MirrorGrower(const Scene& scene, const MirrorTable& table, const TraceOptions& options)
-      : scene_(scene), table_(table), options_(options) {}
+  // All must outlive the grower. With a trie (in order) mirrors follow each other as it says, and
+  // other surfaces of the same objects besides, which rays may have passed by.
+  MirrorGrower(const Scene& scene,
+               const MirrorTable& table,
+               const TraceOptions& options,
+               const MirrorTrie* trie)
+      : scene_(scene), table_(table), options_(options), trie_(trie) {}
 
   // Appends the children of a parent to `grown`, by number of their surfaces.
   void grow(const Parent& parent, const Vec3d& root, GrownNodes& grown);
@@ -72,6 +81,8 @@ class MirrorGrower {
   };
 
   void find_lit(const Parent& parent);
+  void find_proposed(std::uint32_t trie_node);
+  std::uint32_t trie_child(std::uint32_t trie_node, std::uint32_t surface) const;
   bool light(std::uint32_t surface, double apex_distance, std::span<const Vec3d> window);
   void choose_occluders();
   void add(const Parent& parent, const Lit& lit, const Vec3d& root, GrownNodes& grown);
@@ -79,6 +90,7 @@ class MirrorGrower {
   const Scene& scene_;
   const MirrorTable& table_;
   const TraceOptions& options_;
+  const MirrorTrie* trie_;
 
   std::vector<Plane<double>> bounds_;  // of the parent's beam
   std::vector<std::uint32_t> found_;

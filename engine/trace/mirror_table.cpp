@@ -32,28 +32,43 @@ double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), 
 
 }  // namespace
 
-MirrorTable::MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptions& options)
-    : scene_(&scene), root_(root) {
-  std::vector<int> object_side;
-  for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
-    object_side.push_back(
-        options.transmission ? 0 : lit_side(scene.solid(i), scene.objects()[i].mesh, root));
-  }
-  const std::size_t count = scene.surfaces().size();
-  blocks_.resize((count + kBlock - 1) / kBlock);
-  outlines_.reserve(count);
-  side_.reserve(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Surface& surface = scene.surfaces()[i];
-    outlines_.push_back(
-        grown(surface.outline(), surface.plane().normal, options.softness + kBeamMargin));
-    const Scene::SurfaceOwner& owner = scene.owner(i);
-    side_.push_back(owner.one_facing ? object_side[owner.object] : 0);
-    add(i);
+MirrorTable::MirrorTable(const Scene& scene,
+                         const Vec3d& root,
+                         const TraceOptions& options,
+                         std::span<const std::uint32_t> objects)
+    : scene_(&scene),
+      root_(root),
+      outlines_(scene.surfaces().size()),
+      side_(scene.surfaces().size()) {
+  for (const std::uint32_t object : objects) {
+    add_object(object, options);
   }
 }
 
-void MirrorTable::add(std::uint32_t surface) {
+MirrorTable::MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptions& options)
+    : MirrorTable(scene, root, options, {}) {
+  for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
+    add_object(i, options);
+  }
+  blocks_.resize((outlines_.size() + kBlock - 1) / kBlock);
+  for (std::uint32_t i = 0; i < outlines_.size(); ++i) {
+    put_into_block(i);
+  }
+}
+
+void MirrorTable::add_object(std::uint32_t object, const TraceOptions& options) {
+  const int side = options.transmission
+                       ? 0
+                       : lit_side(scene_->solid(object), scene_->objects()[object].mesh, root_);
+  const auto [first, end] = scene_->surfaces_of(object);
+  for (std::uint32_t i = first; i < end; ++i) {
+    const Surface& surface = scene_->surfaces()[i];
+    outlines_[i] = grown(surface.outline(), surface.plane().normal, options.softness + kBeamMargin);
+    side_[i] = static_cast<std::int8_t>(scene_->owner(i).one_facing ? side : 0);
+  }
+}
+
+void MirrorTable::put_into_block(std::uint32_t surface) {
   const Surface& s = scene_->surfaces()[surface];
   std::array<double, 2> u{0.0, 0.0};  // least and largest plane coordinate
   std::array<double, 2> v{0.0, 0.0};

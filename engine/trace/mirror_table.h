@@ -17,8 +17,13 @@ namespace rayloc {
 
 class MirrorTable {
  public:
-  // The scene must outlive the table.
+  // All surfaces of the scene, which must outlive the table.
   MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptions& options);
+  // Only those of some objects; the others are not asked for.
+  MirrorTable(const Scene& scene,
+              const Vec3d& root,
+              const TraceOptions& options,
+              std::span<const std::uint32_t> objects);
 
   const Plane<double>& plane(std::uint32_t surface) const {
     return scene_->surfaces()[surface].plane();
@@ -32,8 +37,8 @@ class MirrorTable {
     return image_distance * side_[surface] >= 0.0;
   }
 
-  // The surfaces, ascending, of which no bound cuts off all. Some others are among them: single
-  // precision with a margin decides. Fills `found`, whose memory is used again.
+  // The surfaces, ascending and of the whole scene, of which no bound cuts off all. Some others are
+  // among them: single precision with a margin decides. Fills `found`, whose memory is used again.
   void find(std::span<const Plane<double>> bounds, std::vector<std::uint32_t>& found) const;
 
  private:
@@ -52,14 +57,15 @@ class MirrorTable {
     float x, y, z, offset;
   };
 
-  void add(std::uint32_t surface);
+  void add_object(std::uint32_t object, const TraceOptions& options);
+  void put_into_block(std::uint32_t surface);
   unsigned within(const Block& block, std::span<const PlaneF> bounds) const;
 
   const Scene* scene_;
   Vec3d root_;
   double reach_ = 0.0;  // the largest coordinate, relative to the root [m]
   std::vector<Polygon> outlines_;
-  std::vector<int> side_;  // +1: that of the normal; -1: the other; 0: both
+  std::vector<std::int8_t> side_;  // +1: that of the normal; -1: the other; 0: both
   std::vector<Block> blocks_;
 };
 

@@ -1,11 +1,20 @@
 // TraceOptions: which paths a tracer looks for.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace rayloc {
 
 inline constexpr int kDefaultMaxDepth = 3;
+inline constexpr std::size_t kDefaultRays = std::size_t{1} << 18U;
+
+// Who proposes the sequences of mirrors.
+enum class CandidateGenerator : std::uint8_t {
+  kAutomatic,   // exhaustive where that is possible, else shooting (image_tree.h)
+  kExhaustive,  // every sequence that geometry allows: for rooms and flats
+  kShooting,    // what rays meet (shooting.h): for large scenes and great depths
+};
 
 struct TraceOptions {
   // Reflections, and with `transmission` crossings of faces too: a wall of two faces is two.
@@ -15,6 +24,8 @@ struct TraceOptions {
   // Over what distance from its edge a surface begins to reflect and to shadow [m] (visibility.h);
   // 0: at the edge, as real surfaces of the geometrical optics do.
   double softness = 0.0;
+  CandidateGenerator candidates = CandidateGenerator::kAutomatic;
+  std::size_t rays = kDefaultRays;  // that are shot, > 0
 };
 
 }  // namespace rayloc

@@ -29,12 +29,13 @@ std::vector<double> numbers(const std::vector<Paths>& links) {
   return all;
 }
 
-std::vector<double> traced(int threads) {
+std::vector<double> traced(int threads, CandidateGenerator candidates) {
   const tbb::global_control at_least(tbb::global_control::max_allowed_parallelism, 4);
   tbb::task_arena arena(threads);
   std::vector<Paths> links(24);
   arena.execute([&] {
-    const PathTracer tracer(test::laboratory(), {.max_depth = 2});
+    const PathTracer tracer(test::laboratory(),
+                            {.max_depth = 2, .candidates = candidates, .rays = 20'000});
     const auto antennas = array_elements<Receiver>(test::laboratory_access_point());
     const ReceiverTracer at = tracer.at(antennas[0]);
     const auto positions = test::laboratory_positions(links.size());
@@ -46,10 +47,12 @@ std::vector<double> traced(int threads) {
 }
 
 TEST(TraceThreads, PathsAreTheSameBitForBit) {
-  const std::vector<double> one = traced(1);
-  EXPECT_GT(one.size(), 4000U);
-  EXPECT_EQ(one, traced(2));
-  EXPECT_EQ(one, traced(4));
+  for (const auto candidates : {CandidateGenerator::kExhaustive, CandidateGenerator::kShooting}) {
+    const std::vector<double> one = traced(1, candidates);
+    EXPECT_GT(one.size(), 4000U);
+    EXPECT_EQ(one, traced(2, candidates));
+    EXPECT_EQ(one, traced(4, candidates));
+  }
 }
 
 }  // namespace

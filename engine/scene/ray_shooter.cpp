@@ -1,0 +1,200 @@
+#include "engine/scene/ray_shooter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <embree3/rtcore.h>
+
+namespace rayloc {
+namespace {
+
+// Of the largest coordinate: some 160 roundings of a float.
+constexpr float kClearance = 1e-5F;
+
+struct Corner {
+  float x, y, z;
+};
+
+// The corners of a convex piece: where its edges meet.
+std::vector<Vec3d> corners_of(const Surface& surface, const Surface::Piece& piece) {
+  const auto edges = surface.edges(piece);
+  std::vector<Vec3d> corners;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Surface::Edge& e = edges[i];
+    const Surface::Edge& f = edges[i + 1 == edges.size() ? 0 : i + 1];
+    const double determinant = e.a * f.b - f.a * e.b;
+    const double u = (e.b * f.c - f.b * e.c) / determinant;
+    const double v = (f.a * e.c - e.a * f.c) / determinant;
+    corners.push_back(surface.origin() + u * surface.u_axis() + v * surface.v_axis());
+  }
+  return corners;
+}
+
+}  // namespace
+
+class RayShooter::Impl {
+ public:
+  explicit Impl(std::span<const Surface> surfaces) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3d lower{kInfinity, kInfinity, kInfinity};
+    Vec3d upper = -lower;
+    for (const Surface& surface : surfaces) {
+      for (const Vec3d& c : surface.outline()) {
+        lower = {std::min(lower.x, c.x), std::min(lower.y, c.y), std::min(lower.z, c.z)};
+        upper = {std::max(upper.x, c.x), std::max(upper.y, c.y), std::max(upper.z, c.z)};
+      }
+    }
+    // Whole metres: what is a round number in the scene stays one, which Embree rewards where
+    // things touch (a floor of 100 000 triangles: 1.3 times the rays).
+    const Vec3d centre = 0.5 * (lower + upper);
+    origin_ = {std::round(centre.x), std::round(centre.y), std::round(centre.z)};
+    const Vec3d half = upper - origin_;
+    clearance_ = kClearance * static_cast<float>(std::max({half.x, half.y, half.z}));
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
+      add(surfaces[i], static_cast<std::uint32_t>(i));
+    }
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  Expected<void> build() {
+    device_ = rtcNewDevice("threads=1");
+    if (device_ == nullptr) {
+      return failed();
+    }
+    scene_ = rtcNewScene(device_);
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
+    const RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* corners = static_cast<Corner*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Corner), corners_.size()));
+    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(geometry,
+                                                                   RTC_BUFFER_TYPE_INDEX,
+                                                                   0,
+                                                                   RTC_FORMAT_UINT3,
+                                                                   3 * sizeof(unsigned),
+                                                                   triangles_.size()));
+    if (corners != nullptr && indices != nullptr) {
+      std::copy(corners_.begin(), corners_.end(), corners);
+      for (unsigned i = 0; i < 3 * triangles_.size(); ++i) {
+        indices[i] = i;
+      }
+    }
+    corners_ = {};
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+    if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
+      return failed();
+    }
+    return {};
+  }
+
+  void shoot(RayStream& stream, float nearest) const {
+    // What Embree wants besides; the results that nobody reads share an array.
+    struct Rest {
+      alignas(64) RayStream::Lanes<float> nearest, time, unread;
+      alignas(64) RayStream::Lanes<unsigned> mask, number, flags, geometry, instance;
+    };
+    Rest rest;
+    const std::size_t n = stream.size;
+    std::fill_n(rest.nearest.begin(), n, nearest);
+    std::fill_n(rest.time.begin(), n, 0.0F);
+    std::fill_n(rest.mask.begin(), n, ~0U);
+    std::fill_n(rest.flags.begin(), n, 0U);
+    std::fill_n(rest.geometry.begin(), n, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(rest.instance.begin(), n, RTC_INVALID_GEOMETRY_ID);
+    std::fill_n(stream.distance.begin(), n, std::numeric_limits<float>::infinity());
+    std::fill_n(stream.triangle.begin(), n, kNoTriangle);
+    const RTCRayHitNp rays{{stream.origin_x.data(),
+                            stream.origin_y.data(),
+                            stream.origin_z.data(),
+                            rest.nearest.data(),
+                            stream.direction_x.data(),
+                            stream.direction_y.data(),
+                            stream.direction_z.data(),
+                            rest.time.data(),
+                            stream.distance.data(),
+                            rest.mask.data(),
+                            rest.number.data(),
+                            rest.flags.data()},
+                           {rest.unread.data(),
+                            rest.unread.data(),
+                            rest.unread.data(),
+                            rest.unread.data(),
+                            rest.unread.data(),
+                            stream.triangle.data(),
+                            rest.geometry.data(),
+                            {rest.instance.data()}}};
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersectNp(scene_, &context, &rays, static_cast<unsigned>(n));
+  }
+
+  std::span<const Triangle> triangles() const { return triangles_; }
+  const Vec3d& origin() const { return origin_; }
+  float clearance() const { return clearance_; }
+
+ private:
+  Expected<void> failed() const {
+    return make_error(ErrorKind::kInternal,
+                      "Embree cannot be used (error " +
+                          std::to_string(static_cast<int>(rtcGetDeviceError(device_))) + ")");
+  }
+
+  void add(const Surface& surface, std::uint32_t number) {
+    const Vec3d& normal = surface.plane().normal;
+    for (const Surface::Piece& piece : surface.pieces()) {
+      const std::vector<Vec3d> corners = corners_of(surface, piece);
+      for (std::size_t i = 2; i < corners.size(); ++i) {
+        for (const Vec3d& corner : {corners[0], corners[i - 1], corners[i]}) {
+          const Vec3d from_origin = corner - origin_;
+          corners_.push_back({static_cast<float>(from_origin.x),
+                              static_cast<float>(from_origin.y),
+                              static_cast<float>(from_origin.z)});
+        }
+        triangles_.push_back({static_cast<float>(normal.x),
+                              static_cast<float>(normal.y),
+                              static_cast<float>(normal.z),
+                              number});
+      }
+    }
+  }
+
+  Vec3d origin_;
+  float clearance_ = 0.0F;
+  std::vector<Corner> corners_;  // three a triangle, until Embree has them
+  std::vector<Triangle> triangles_;
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+Expected<RayShooter> RayShooter::create(std::span<const Surface> surfaces) {
+  auto impl = std::make_unique<Impl>(surfaces);
+  if (auto built = impl->build(); !built) {
+    return tl::make_unexpected(built.error());
+  }
+  return RayShooter(std::move(impl));
+}
+
+RayShooter::RayShooter(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+RayShooter::~RayShooter() = default;
+RayShooter::RayShooter(RayShooter&&) noexcept = default;
+RayShooter& RayShooter::operator=(RayShooter&&) noexcept = default;
+
+void RayShooter::shoot(RayStream& stream, float nearest) const { impl_->shoot(stream, nearest); }
+std::span<const RayShooter::Triangle> RayShooter::triangles() const { return impl_->triangles(); }
+const Vec3d& RayShooter::origin() const { return impl_->origin(); }
+float RayShooter::clearance() const { return impl_->clearance(); }
+
+}  // namespace rayloc
