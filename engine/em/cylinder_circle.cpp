@@ -57,7 +57,22 @@ class CircularSection final : public CylinderSection {
     RAYLOC_CHECK(orders_ + 1 <= kMostOrders);
   }
 
-  SectionResponse respond(const SectionRays& rays) const override {
+ private:
+  SectionResponse compute(const SectionRays& rays, bool slopes) const override {
+    return slopes ? sum<true>(rays) : sum<false>(rays);
+  }
+
+  struct Term {
+    C product, slope_in, slope_out;  // of the two Hankel functions
+  };
+  struct Trig {
+    double value, slope;  // cos or sin of n times the angle between the azimuths
+  };
+
+  static C scaled(const C& z, double factor) { return {factor * z.re, factor * z.im}; }
+
+  template <bool kSlopes>
+  SectionResponse sum(const SectionRays& rays) const {
     std::array<C, kMostOrders> in;  // Hankel functions, one order more for their slopes
     std::array<C, kMostOrders> out;
     hankel_orders(rays.kt_rho_in, std::span(in).first(orders_ + 1));
@@ -68,21 +83,22 @@ class CircularSection final : public CylinderSection {
 
     SectionResponse sum;
     C angle{1.0, 0.0};  // exp(j n turn)
+    std::array<C, 3> modes;
+    std::array<C, 3> mode_slopes;
     for (std::size_t n = 0; n < orders_; ++n) {
-      std::array<C, 3> modes;
-      std::array<C, 3> mode_slopes;
-      ElevationTable::read(place, 3 * n, modes, mode_slopes);
+      ElevationTable::read(
+          place, 3 * n, modes, kSlopes ? std::span<C>(mode_slopes) : std::span<C>());
       const auto order = static_cast<double>(n);
-      const double over_in = order / rays.kt_rho_in;
-      const double over_out = order / rays.kt_rho_out;
-      const C slope_in{over_in * in[n].re - in[n + 1].re, over_in * in[n].im - in[n + 1].im};
-      const C slope_out{over_out * out[n].re - out[n + 1].re, over_out * out[n].im - out[n + 1].im};
-      const Term term{in[n] * out[n], slope_in * out[n], in[n] * slope_out};
+      Term term{in[n] * out[n], {}, {}};
+      if constexpr (kSlopes) {
+        term.slope_in = (scaled(in[n], order / rays.kt_rho_in) - in[n + 1]) * out[n];
+        term.slope_out = in[n] * (scaled(out[n], order / rays.kt_rho_out) - out[n + 1]);
+      }
       const Trig even{angle.re, -order * angle.im};
       const Trig odd{angle.im, order * angle.re};
-      add(sum, kVv, modes[0], mode_slopes[0], term, even);
-      add(sum, kHh, modes[1], mode_slopes[1], term, even);
-      add(sum, kVh, modes[2], mode_slopes[2], term, odd);
+      add<kSlopes>(sum, kVv, modes[0], mode_slopes[0], term, even);
+      add<kSlopes>(sum, kHh, modes[1], mode_slopes[1], term, even);
+      add<kSlopes>(sum, kVh, modes[2], mode_slopes[2], term, odd);
       angle = angle * step;
     }
     // eta_0 H_z of E_z is the same with the other sign.
@@ -93,16 +109,7 @@ class CircularSection final : public CylinderSection {
     return sum;
   }
 
- private:
-  struct Term {
-    C product, slope_in, slope_out;  // of the two Hankel functions
-  };
-  struct Trig {
-    double value, slope;  // cos or sin of n times the angle between the azimuths
-  };
-
-  static C scaled(const C& z, double factor) { return {factor * z.re, factor * z.im}; }
-
+  template <bool kSlopes>
   static void add(SectionResponse& sum,
                   std::size_t part,
                   const C& mode,
@@ -110,13 +117,15 @@ class CircularSection final : public CylinderSection {
                   const Term& term,
                   const Trig& trig) {
     const C at_angle = scaled(mode, trig.value);
-    const C by_angle = scaled(mode * term.product, trig.slope);
     sum.value[part] = sum.value[part] + at_angle * term.product;
-    sum.slope[0][part] = sum.slope[0][part] + at_angle * term.slope_in;
-    sum.slope[1][part] = sum.slope[1][part] + at_angle * term.slope_out;
-    sum.slope[2][part] = sum.slope[2][part] - by_angle;
-    sum.slope[3][part] = sum.slope[3][part] + by_angle;
-    sum.slope[4][part] = sum.slope[4][part] + scaled(mode_slope * term.product, trig.value);
+    if constexpr (kSlopes) {
+      const C by_angle = scaled(mode * term.product, trig.slope);
+      sum.slope[0][part] = sum.slope[0][part] + at_angle * term.slope_in;
+      sum.slope[1][part] = sum.slope[1][part] + at_angle * term.slope_out;
+      sum.slope[2][part] = sum.slope[2][part] - by_angle;
+      sum.slope[3][part] = sum.slope[3][part] + by_angle;
+      sum.slope[4][part] = sum.slope[4][part] + scaled(mode_slope * term.product, trig.value);
+    }
   }
 
   std::size_t orders_;

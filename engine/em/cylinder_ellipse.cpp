@@ -94,7 +94,8 @@ class EllipticSection final : public CylinderSection {
   EllipticSection(std::size_t orders, std::vector<std::vector<C>> samples)
       : orders_(orders), table_(kLowestCosine, std::move(samples)) {}
 
-  SectionResponse respond(const SectionRays& rays) const override {
+ private:
+  SectionResponse compute(const SectionRays& rays, bool slopes) const override {
     const auto in = waves_at(rays.kt_rho_in, rays.phi_in, orders_);
     const auto out = waves_at(rays.kt_rho_out, rays.phi_out, orders_);
     const ElevationTable::Place place = table_.at(rays.cos_elevation);
@@ -102,9 +103,9 @@ class EllipticSection final : public CylinderSection {
     SectionResponse sum;
     for (std::size_t s = 0; s < kSymmetryCount; ++s) {
       const std::size_t h = across(s);
-      const Matrices vv = read(place, 3 * s * size);
-      const Matrices hh = read(place, (3 * s + 1) * size);
-      const Matrices vh = read(place, (3 * s + 2) * size);
+      const Matrices vv = read(place, 3 * s * size, slopes);
+      const Matrices hh = read(place, (3 * s + 1) * size, slopes);
+      const Matrices vh = read(place, (3 * s + 2) * size, slopes);
       add(sum, kVv, vv, in[s], out[s]);
       add(sum, kHh, hh, in[h], out[h]);
       add(sum, kVh, vh, in[h], out[s]);
@@ -113,23 +114,26 @@ class EllipticSection final : public CylinderSection {
     return sum;
   }
 
- private:
   struct Matrices {
-    Eigen::MatrixXcd value, slope;  // by the cosine of the elevation
+    Eigen::MatrixXcd value;
+    Eigen::MatrixXcd slope;  // by the cosine of the elevation; empty when not asked for
   };
 
-  Matrices read(const ElevationTable::Place& place, std::size_t first) const {
-    const auto n = static_cast<Eigen::Index>(orders_);
-    Matrices pair{Eigen::MatrixXcd(n, n), Eigen::MatrixXcd(n, n)};
+  Matrices read(const ElevationTable::Place& place, std::size_t first, bool slopes) const {
     const std::size_t size = orders_ * orders_;
     std::vector<C> values(size);
-    std::vector<C> slopes(size);
-    ElevationTable::read(place, first, values, slopes);
-    for (std::size_t i = 0; i < size; ++i) {
-      pair.value.data()[i] = {values[i].re, values[i].im};
-      pair.slope.data()[i] = {slopes[i].re, slopes[i].im};
-    }
-    return pair;
+    std::vector<C> by_cosine(slopes ? size : 0);
+    ElevationTable::read(place, first, values, by_cosine);
+    return {matrix(values), matrix(by_cosine)};
+  }
+
+  Eigen::MatrixXcd matrix(const std::vector<C>& values) const {
+    const auto n = values.empty() ? 0 : static_cast<Eigen::Index>(orders_);
+    Eigen::MatrixXcd matrix(n, n);
+    std::transform(values.begin(), values.end(), matrix.data(), [](const C& z) {
+      return std::complex<double>(z.re, z.im);
+    });
+    return matrix;
   }
 
   static void add(SectionResponse& sum,
@@ -137,20 +141,21 @@ class EllipticSection final : public CylinderSection {
                   const Matrices& matrices,
                   const Waves& in,
                   const Waves& out) {
-    const auto plus = [](C& to, const std::complex<double>& z) {
-      to = {to.re + z.real(), to.im + z.imag()};
-    };
     const auto product = [](const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
-      return a.cwiseProduct(b).sum();
+      const std::complex<double> z = a.cwiseProduct(b).sum();
+      return C{z.real(), z.imag()};
     };
+    const auto add_to = [](C& to, const C& z) { to = to + z; };
     const Eigen::VectorXcd forth = matrices.value * in.value;
-    const Eigen::VectorXcd back = matrices.value.transpose() * out.value;
-    plus(sum.value[part], product(out.value, forth));
-    plus(sum.slope[0][part], product(back, in.by_distance));
-    plus(sum.slope[1][part], product(out.by_distance, forth));
-    plus(sum.slope[2][part], product(back, in.by_azimuth));
-    plus(sum.slope[3][part], product(out.by_azimuth, forth));
-    plus(sum.slope[4][part], product(out.value, matrices.slope * in.value));
+    add_to(sum.value[part], product(out.value, forth));
+    if (matrices.slope.size() > 0) {
+      const Eigen::VectorXcd back = matrices.value.transpose() * out.value;
+      add_to(sum.slope[0][part], product(back, in.by_distance));
+      add_to(sum.slope[1][part], product(out.by_distance, forth));
+      add_to(sum.slope[2][part], product(back, in.by_azimuth));
+      add_to(sum.slope[3][part], product(out.by_azimuth, forth));
+      add_to(sum.slope[4][part], product(out.value, matrices.slope * in.value));
+    }
   }
 
   std::size_t orders_;  // of each symmetry

@@ -11,8 +11,8 @@
 // steeper than 75 to 80 degrees, and ends closer to the axis than the larger semi-axis (to 1.05 of
 // it), are faded out: the theory says nothing about them.
 //
-// Written in a scalar T (double, or a dual number with its value in `.a`) for derivatives by the
-// positions. The body's size and material have no derivative: they are plain doubles of create().
+// Written in a scalar T for derivatives by the positions. The body's size and material have no
+// derivative: they are plain doubles of create().
 //
 // Reference: [F] Felsen, Marcuvitz, Radiation and scattering of waves (1973), 5.4 (stationary phase
 // of the k_z integral). Checked against the integral itself: tests/data/goldens/cylinder.
@@ -22,7 +22,6 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
-#include <type_traits>
 
 #include "engine/base/complex.h"
 #include "engine/base/expected.h"

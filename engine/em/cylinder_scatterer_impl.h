@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
+#include "engine/base/dual.h"
 #include "engine/em/cylinder_scatterer.h"
 
 namespace rayloc {
@@ -17,25 +19,6 @@ inline constexpr double kFree = 1.05;
 // The shorter way by the surface is blurred by this share of the body's size around forward
 // scattering, where it has a kink.
 inline constexpr double kBlur = 0.1;
-
-template <typename T>
-double scalar_part(const T& x) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return x;
-  } else {
-    return x.a;
-  }
-}
-
-// The value with `x`'s derivatives times `slope`.
-template <typename T>
-T first_order(double slope, const T& x) {
-  if constexpr (std::is_floating_point_v<T>) {
-    return 0.0;
-  } else {
-    return T(slope) * (x - T(x.a));
-  }
-}
 
 // 0 below `from`, 1 above `to`, twice differentiable.
 template <typename T>
@@ -118,11 +101,9 @@ Complex<T> CylinderScatterer::edge(const CylinderRoute<T>& route, double z) cons
       cylinder::excess_curvature<T>(
           share * route.rho_out, route.height - route.observer_height, dz);
   const T u = dz * sqrt(T(4.0 / wavelength_) * curvature);
-  const double at = cylinder::scalar_part(u);
-  const Complex<double> value = knife_edge(at);
-  const Complex<double> slope = knife_edge_slope(at);
-  return {T(value.re) + cylinder::first_order(slope.re, u),
-          T(value.im) + cylinder::first_order(slope.im, u)};
+  const Complex<double> value = knife_edge(value_of(u));
+  const Complex<double> slope = knife_edge_slope(value_of(u));
+  return {composed(u, value.re, slope.re), composed(u, value.im, slope.im)};
 }
 
 template <typename T>
@@ -143,8 +124,10 @@ CylinderScattering<T> CylinderScatterer::scatter(const CylinderRoute<T>& route) 
   const T kt = T(k) * route.cos_elevation;
   const std::array<T, kSectionArguments> arguments{
       kt * route.rho_in, kt * route.rho_out, route.phi_in, route.phi_out, route.cos_elevation};
-  const auto at = [&](std::size_t i) { return cylinder::scalar_part(arguments[i]); };
-  const SectionResponse response = section_->respond({at(0), at(1), at(2), at(3), at(4)});
+  const auto at = [&](std::size_t i) { return value_of(arguments[i]); };
+  const SectionRays rays{at(0), at(1), at(2), at(3), at(4)};
+  const SectionResponse response =
+      std::is_floating_point_v<T> ? section_->value(rays) : section_->respond(rays);
   // Stationary phase: with R the length, pi cos sqrt(k / (2 pi R)) exp(-j pi / 4), and the phase of
   // the way taken off.
   const T size = weight * T(std::numbers::pi) * route.cos_elevation *
@@ -155,8 +138,8 @@ CylinderScattering<T> CylinderScatterer::scatter(const CylinderRoute<T>& route) 
     Complex<T> sum{T(response.value[which].re), T(response.value[which].im)};
     for (std::size_t i = 0; i < kSectionArguments; ++i) {
       const Complex<double>& slope = response.slope[i][which];
-      sum = sum + Complex<T>{cylinder::first_order(slope.re, arguments[i]),
-                             cylinder::first_order(slope.im, arguments[i])};
+      sum = sum + Complex<T>{composed(arguments[i], 0.0, slope.re),
+                             composed(arguments[i], 0.0, slope.im)};
     }
     return scale * sum;
   };

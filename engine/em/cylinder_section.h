@@ -39,7 +39,7 @@ inline constexpr std::size_t kSectionArguments = 5;  // as they stand in Section
 
 struct SectionResponse {
   std::array<Complex<double>, kSectionParts> value{};
-  // Derivatives by each argument.
+  // Derivatives by each argument, where they were asked for.
   std::array<std::array<Complex<double>, kSectionParts>, kSectionArguments> slope{};
 };
 
@@ -51,7 +51,12 @@ class CylinderSection {
   virtual ~CylinderSection() = default;
 
   // REQUIRES: both distances are larger than the larger semi-axis.
-  virtual SectionResponse respond(const SectionRays& rays) const = 0;
+  SectionResponse respond(const SectionRays& rays) const { return compute(rays, true); }
+  // The same without derivatives.
+  SectionResponse value(const SectionRays& rays) const { return compute(rays, false); }
+
+ private:
+  virtual SectionResponse compute(const SectionRays& rays, bool slopes) const = 0;
 };
 
 // k_radius, k_semi_axes: times the wavenumber of free space.

@@ -63,17 +63,19 @@ void ElevationTable::read(const Place& place,
                           std::size_t first,
                           std::span<Complex<double>> values,
                           std::span<Complex<double>> slopes) {
-  for (std::size_t k = 0; k < values.size(); ++k) {
+  const auto sum = [&](std::size_t k, const std::array<double, 4>& weight) {
     Complex<double> value;
-    Complex<double> slope;
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < weight.size(); ++i) {
       const Complex<double>& node = place.node[i][first + k];
-      value = {value.re + place.weight[i] * node.re, value.im + place.weight[i] * node.im};
-      slope = {slope.re + place.slope_weight[i] * node.re,
-               slope.im + place.slope_weight[i] * node.im};
+      value = {value.re + weight[i] * node.re, value.im + weight[i] * node.im};
     }
-    values[k] = value;
-    slopes[k] = slope;
+    return value;
+  };
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] = sum(k, place.weight);
+  }
+  for (std::size_t k = 0; k < slopes.size(); ++k) {
+    slopes[k] = sum(k, place.slope_weight);
   }
 }
 

@@ -30,7 +30,8 @@ class ElevationTable {
   std::size_t width() const { return width_; }  // coefficients of a sample
   // Beyond the ends of the table the value is that at the end.
   Place at(double cosine) const;
-  // Values and derivatives by the cosine of the coefficients from `first` on.
+  // Values, and derivatives by the cosine, of the coefficients from `first` on; `slopes` may be
+  // empty.
   static void read(const Place& place,
                    std::size_t first,
                    std::span<Complex<double>> values,

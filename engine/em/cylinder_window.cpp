@@ -11,15 +11,14 @@ using C = Complex<double>;
 // Below: the power series, which loses digits when u is larger; above: the continued fraction,
 // which converges slowly when u is smaller.
 constexpr double kSeriesEnd = 2.4;
-constexpr int kSeriesTerms = 48;
-constexpr int kFractionTerms = 60;
+constexpr double kSmallest = 1e-18;  // squared, of a term of the series
 
 // With z^2 = j pi u^2 / 2 the knife edge is 1 - erfc(z) / 2.
 C half_erf_series(const C& z) {
   const C z2 = z * z;
   C term = z;
   C sum;
-  for (int n = 0; n < kSeriesTerms; ++n) {
+  for (int n = 0; abs2(term) > kSmallest * kSmallest; ++n) {
     sum = sum + C{1.0 / (2.0 * n + 1.0), 0.0} * term;
     term = C{-1.0 / (n + 1.0), 0.0} * term * z2;
   }
@@ -28,7 +27,8 @@ C half_erf_series(const C& z) {
 
 C half_erfc_fraction(const C& z) {
   C tail = z;
-  for (int n = kFractionTerms; n > 0; --n) {
+  // Terms for 13 digits.
+  for (int n = 8 + static_cast<int>(500.0 / abs2(z)); n > 0; --n) {
     tail = z + C{0.5 * n, 0.0} / tail;
   }
   const C z2 = z * z;
@@ -40,7 +40,7 @@ C half_erfc_fraction(const C& z) {
 Complex<double> knife_edge(double u) {
   const double size = std::abs(u);
   const double part = size * std::sqrt(std::numbers::pi) / 2.0;
-  const C z{part, part};
+  const C z{part, part};  // squared: j pi u^2 / 2
   // Of the part beyond |u|.
   const C beyond = size < kSeriesEnd ? C{0.5, 0.0} - half_erf_series(z) : half_erfc_fraction(z);
   return u < 0.0 ? beyond : C{1.0, 0.0} - beyond;
