@@ -63,7 +63,25 @@ std::array<Waves, kSymmetryCount> waves_at(double distance, double azimuth, std:
   return waves;
 }
 
-// One sample an elevation; nothing when double precision does not suffice.
+// The transition matrices at one elevation; nothing when double precision does not suffice.
+std::vector<C> coefficients(const std::array<double, 2>& k_semi_axes,
+                            const C& relative_permittivity,
+                            double cos_elevation,
+                            std::size_t orders) {
+  std::vector<C> values;
+  for (const TransitionBlock& block :
+       elliptic_transition(k_semi_axes, relative_permittivity, cos_elevation, orders)) {
+    if (!(block.asymmetry < kLargestAsymmetry)) {
+      return {};
+    }
+    append(block.vv, values);
+    append(block.hh, values);
+    append(block.vh, values);
+  }
+  return values;
+}
+
+// One sample an elevation; nothing when one is missing.
 std::vector<std::vector<C>> sample(const std::array<double, 2>& k_semi_axes,
                                    const C& relative_permittivity,
                                    std::size_t orders) {
@@ -71,18 +89,15 @@ std::vector<std::vector<C>> sample(const std::array<double, 2>& k_semi_axes,
   const std::size_t count =
       kFewestSamples + static_cast<std::size_t>((1.0 - kLowestCosine) * longer / kStep);
   std::vector<std::vector<C>> samples(count);
-  parallel_for(count, 1, [&](std::size_t i) {
+  // The level one is the hardest, so it says at once what cannot be done.
+  samples.back() = coefficients(k_semi_axes, relative_permittivity, 1.0, orders);
+  if (samples.back().empty()) {
+    return {};
+  }
+  parallel_for(count - 1, 1, [&](std::size_t i) {
     const double share = static_cast<double>(i) / static_cast<double>(count - 1);
-    const double cosine = std::min(kLowestCosine + share * (1.0 - kLowestCosine), 1.0);
-    const auto blocks = elliptic_transition(k_semi_axes, relative_permittivity, cosine, orders);
-    const bool exact = std::all_of(blocks.begin(), blocks.end(), [](const TransitionBlock& b) {
-      return b.asymmetry < kLargestAsymmetry;
-    });
-    for (std::size_t s = 0; exact && s < blocks.size(); ++s) {
-      append(blocks[s].vv, samples[i]);
-      append(blocks[s].hh, samples[i]);
-      append(blocks[s].vh, samples[i]);
-    }
+    const double cosine = kLowestCosine + share * (1.0 - kLowestCosine);
+    samples[i] = coefficients(k_semi_axes, relative_permittivity, cosine, orders);
   });
   const bool complete = std::none_of(
       samples.begin(), samples.end(), [](const std::vector<C>& values) { return values.empty(); });
