@@ -26,10 +26,9 @@ Expected<AntennaPattern> parse_pattern(const std::string& name) {
   if (const auto pattern = parse_antenna_pattern(name)) {
     return *pattern;
   }
-  constexpr std::array<std::string_view, 3> kNames = {"isotropic", "dipole", "half_wave_dipole"};
   return make_error(ErrorKind::kUsage,
                     "--pattern: there is no antenna pattern '" + name + "'" +
-                        suggestion(name, std::span<const std::string_view>(kNames)));
+                        suggestion(name, std::span<const std::string_view>(kAntennaPatternNames)));
 }
 
 Expected<Polarization> parse_polarization(const std::string& name) {
@@ -104,7 +103,7 @@ void declare_link(CLI::App& app, LinkArguments& arguments) {
 void declare_antennas(CLI::App& app, LinkArguments& arguments) {
   app.add_option("--pattern",
                  arguments.pattern,
-                 "Antenna: isotropic, dipole or half_wave_dipole; TX,RX when they differ")
+                 "Antenna: isotropic, dipole, half_wave_dipole or tr38901; TX,RX when they differ")
       ->capture_default_str();
   app.add_option("--polarization", arguments.polarization, "V or H; TX,RX when they differ")
       ->capture_default_str();

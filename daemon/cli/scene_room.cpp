@@ -68,6 +68,13 @@ Expected<void> run(const Arguments& arguments) {
   const StatedScene scene = build_room(*plan);
   auto files = scene_files(scene);
   files["site.toml"] = room_site(*plan);
+  for (const auto& [name, original] : room_pattern_files(*plan)) {
+    auto content = read_file(original);
+    if (!content) {
+      return tl::make_unexpected(std::move(content.error()));
+    }
+    files[name] = *std::move(content);
+  }
   for (const auto& [name, content] : files) {
     if (auto written = write_file(directory / name, content); !written) {
       return written;

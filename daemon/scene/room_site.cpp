@@ -75,6 +75,14 @@ std::string carrier_text(const Carrier& carrier) {
 
 std::string vector_text(const Vec3d& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
+std::string pattern_file_name(const SiteAccessPoint& ap) { return "patterns/" + ap.id + ".csv"; }
+
+std::string pattern_text(const SiteAccessPoint& ap) {
+  return ap.array.pattern.kind() == AntennaPattern::kTable
+             ? fmt::format("pattern_file = \"{}\"", pattern_file_name(ap))
+             : fmt::format("pattern = \"{}\"", to_string(ap.array.pattern));
+}
+
 std::string access_point_text(const SiteAccessPoint& ap) {
   const Orientation& o = ap.array.pose.orientation;
   std::string text = fmt::format("\n[[access_point]]\nid = {}\n", quoted(ap.id));
@@ -82,13 +90,13 @@ std::string access_point_text(const SiteAccessPoint& ap) {
     text += fmt::format("format = {}\n", quoted(ap.format));
   }
   text += fmt::format(
-      "position = {}\nyaw_deg = {}\npitch_deg = {}\nroll_deg = {}\npattern = \"{}\"\n"
+      "position = {}\nyaw_deg = {}\npitch_deg = {}\nroll_deg = {}\n{}\n"
       "polarization = \"{}\"\n",
       vector_text(ap.array.pose.position),
       degrees(o.yaw),
       degrees(o.pitch),
       degrees(o.roll),
-      to_string(ap.array.pattern),
+      pattern_text(ap),
       ap.array.polarization == Polarization::kVertical ? "V" : "H");
   for (std::size_t i = 0; i < ap.cores.size(); ++i) {
     text += fmt::format("[[access_point.antenna]]\ncore = {}\noffset = {}\n",
@@ -116,6 +124,16 @@ std::string room_site(const RoomPlan& plan) {
     text += access_point_text(ap);
   }
   return plan.access_points.empty() ? text + "\n" + kAccessPointExample : text;
+}
+
+std::map<std::string, std::filesystem::path> room_pattern_files(const RoomPlan& plan) {
+  std::map<std::string, std::filesystem::path> files;
+  for (const SiteAccessPoint& ap : plan.access_points) {
+    if (ap.array.pattern.kind() == AntennaPattern::kTable) {
+      files[pattern_file_name(ap)] = ap.array.pattern.table().name();
+    }
+  }
+  return files;
 }
 
 }  // namespace rayloc

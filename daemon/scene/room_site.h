@@ -1,6 +1,8 @@
 // room_site: the site.toml of a room made from a plan.
 #pragma once
 
+#include <filesystem>
+#include <map>
 #include <string>
 
 #include "daemon/scene/room_plan.h"
@@ -10,5 +12,8 @@ namespace rayloc {
 // The text of site.toml, beside scene.xml: name, bounds, carrier, access points. Without an access
 // point in the plan it lacks one, and says in a comment what to write.
 std::string room_site(const RoomPlan& plan);
+
+// The tables of gains of its antennas: the name in site.toml, and the file that the plan names.
+std::map<std::string, std::filesystem::path> room_pattern_files(const RoomPlan& plan);
 
 }  // namespace rayloc

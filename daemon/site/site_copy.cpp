@@ -21,18 +21,35 @@ tl::unexpected<Error> cannot(const std::string& what,
   return make_error(ErrorKind::kUnavailable, file.string() + ": cannot be " + what + ": " + why);
 }
 
-Expected<std::string> read_file(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream content;
-  content << in.rdbuf();
-  if (!in) {
-    return cannot("read", file, "is it there, and may you read it?");
+// Gives each table of gains a name of its own in the copy; their contents by that name.
+Expected<std::map<std::string, std::string>> take_patterns(toml::table& root,
+                                                           const fs::path& directory) {
+  std::map<std::string, std::string> patterns;
+  for (const std::string kind : {"access_point", "transmitter"}) {
+    const toml::array* tables = root[kind].as_array();
+    for (std::size_t i = 0; tables != nullptr && i < tables->size(); ++i) {
+      const auto stated = root[kind][i]["pattern_file"];
+      if (const auto file = stated.value<std::string>()) {
+        auto content = read_file(directory / *file);
+        if (!content) {
+          return tl::make_unexpected(std::move(content.error()));
+        }
+        const std::string name = "patterns/" + kind + "-" + std::to_string(i + 1) + ".csv";
+        *stated.as_string() = name;
+        patterns[name] = *std::move(content);
+      }
+    }
   }
-  return content.str();
+  return patterns;
 }
 
-// The original's text with the paths that the copy needs.
-Expected<std::string> site_text(const Site& site) {
+struct SiteFiles {
+  std::string toml;
+  std::map<std::string, std::string> patterns;  // content by file, relative to the copy
+};
+
+// The original's text with the paths that the copy needs, and the tables of gains.
+Expected<SiteFiles> read_site(const Site& site) {
   const fs::path file = site.directory / "site.toml";
   auto text = read_file(file);
   if (!text) {
@@ -45,9 +62,13 @@ Expected<std::string> site_text(const Site& site) {
     if (site.reference_file) {
       root.insert_or_assign("reference", toml::table{{"file", "reference.toml"}});
     }
+    auto patterns = take_patterns(root, site.directory);
+    if (!patterns) {
+      return tl::make_unexpected(std::move(patterns.error()));
+    }
     std::ostringstream out;
     out << "# A calibrated copy of " << file.string() << "\n" << root << "\n";
-    return out.str();
+    return SiteFiles{out.str(), *std::move(patterns)};
   } catch (const toml::parse_error& error) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() + ": " + std::string(error.description()));
@@ -108,6 +129,16 @@ Expected<SceneFiles> read_scene(const Site& site) {
 
 }  // namespace
 
+Expected<std::string> read_file(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  if (!in) {
+    return cannot("read", file, "is it there, and may you read it?");
+  }
+  return content.str();
+}
+
 Expected<void> prepare_output(const fs::path& directory, bool force) {
   std::error_code status;
   if (fs::exists(directory, status)) {
@@ -148,18 +179,20 @@ Expected<void> write_file(const fs::path& file, const std::string& content) {
 Expected<void> write_site(const Site& site,
                           const std::string& calibration,
                           const fs::path& directory) {
-  const auto text = site_text(site);
-  if (!text) {
-    return tl::make_unexpected(text.error());
+  auto stated = read_site(site);
+  if (!stated) {
+    return tl::make_unexpected(std::move(stated.error()));
   }
   auto scene = read_scene(site);
   if (!scene) {
     return tl::make_unexpected(scene.error());
   }
   std::map<fs::path, std::string> files = {
-      {"site.toml", *text}, {"scene.xml", scene->xml}, {"calibration.toml", calibration}};
-  for (auto& [name, content] : scene->meshes) {
-    files[name] = std::move(content);
+      {"site.toml", stated->toml}, {"scene.xml", scene->xml}, {"calibration.toml", calibration}};
+  for (auto* more : {&scene->meshes, &stated->patterns}) {
+    for (auto& [name, content] : *more) {
+      files[name] = std::move(content);
+    }
   }
   if (site.reference_file) {
     auto reference = read_file(*site.reference_file);

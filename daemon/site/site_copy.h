@@ -1,5 +1,5 @@
-// write_site: a copy of a site that stands on its own: site.toml, scene.xml, meshes/, and a
-// calibration.
+// write_site: a copy of a site that stands on its own: site.toml, scene.xml, meshes/, patterns/,
+// and a calibration.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,14 @@ namespace rayloc {
 // same names are replaced, others stay.
 Expected<void> prepare_output(const std::filesystem::path& directory, bool force);
 
-// Writes into `directory`: site.toml as the original states it but for `scene` and `[calibration]`,
-// the scene with every mesh it names, the reference if there is one, and `calibration` as
-// calibration.toml. Comments of site.toml are not kept.
+// Writes into `directory`: site.toml as the original states it but for the paths in it,
+// the scene with every mesh it names, the tables of gains, the reference if there is one, and
+// `calibration` as calibration.toml. Comments of site.toml are not kept.
 Expected<void> write_site(const Site& site,
                           const std::string& calibration,
                           const std::filesystem::path& directory);
+
+Expected<std::string> read_file(const std::filesystem::path& file);
 
 // Replaces the file in one step: a reader sees the old or the new one.
 Expected<void> write_file(const std::filesystem::path& file, const std::string& content);

@@ -9,8 +9,6 @@
 namespace rayloc {
 namespace {
 
-constexpr std::array<std::string_view, 3> kPatterns = {"half_wave_dipole", "dipole", "isotropic"};
-constexpr std::array<std::string_view, 2> kPolarizations = {"V", "H"};
 constexpr std::array<std::string_view, 2> kRoles = {"device", "fixed"};
 
 constexpr double kMinAntennaDistance = 1e-3;  // [m]; closer is the same antenna written twice
@@ -78,18 +76,6 @@ std::vector<std::int16_t> read_active(const TomlTable& carrier, std::int64_t ton
     carrier.error_at("active", "'active' names no tone; write " + std::string(kExample));
   }
   return index;
-}
-
-AntennaPattern read_pattern(const TomlTable& table) {
-  const std::optional<std::string> name = table.choice("pattern", kPatterns);
-  return parse_antenna_pattern(name.value_or("half_wave_dipole"))
-      .value_or(AntennaPattern::kHalfWaveDipole);
-}
-
-Polarization read_polarization(const TomlTable& table) {
-  return table.choice("polarization", kPolarizations).value_or("V") == "H"
-             ? Polarization::kHorizontal
-             : Polarization::kVertical;
 }
 
 double read_angle(const TomlTable& table, std::string_view key) {

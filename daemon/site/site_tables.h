@@ -13,6 +13,11 @@ void read_carrier(const TomlTable& carrier, Carrier& out);
 void read_access_points(const TomlTable& root, Site& site);
 void read_transmitters(const TomlTable& root, Site& site);
 
+// site_antenna.cpp. Of an access point or transmitter: "pattern", or "pattern_file" with a table of
+// gains, which is read here; a half-wave dipole when neither is there.
+AntennaPattern read_pattern(const TomlTable& table);
+Polarization read_polarization(const TomlTable& table);
+
 // site_place.cpp
 void read_bounds(const TomlTable& bounds, Site& site);
 void read_person(const TomlTable& person, Site& site);

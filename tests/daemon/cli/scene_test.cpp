@@ -83,6 +83,18 @@ TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
   EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
 }
 
+TEST_F(SceneVerb, RoomTakesTheTablesOfItsAntennasAlong) {
+  const char* beam = "t,0,90,180,270\n0,1,1,1,1\n90,7,-1,-9,-1\n180,1,1,1,1\n";
+  const std::string original = file("beam.csv", beam);
+  std::string access_point = kAccessPoint;
+  access_point.insert(access_point.find("position"), "pattern_file = \"beam.csv\"\n");
+  const Finished made = make_room(kPlan + access_point);
+  ASSERT_EQ(made.status, 0) << made.err;
+  fs::remove(original);
+  EXPECT_EQ(content(fs::path(out()) / "patterns" / "ap1.csv"), beam);
+  EXPECT_EQ(RaylocProcess({"check-config", "--quiet", out()}).wait().status, 0);
+}
+
 TEST_F(SceneVerb, RoomWithAnAccessPointIsASite) {
   const Finished made = make_room(std::string(kPlan) + kAccessPoint);
   ASSERT_EQ(made.status, 0) << made.err;

@@ -1,0 +1,76 @@
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "daemon/site/site_tables.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::string_view, 2> kPolarizations = {"V", "H"};
+constexpr std::uintmax_t kLargestTable = 64 << 20;  // [bytes]; every degree takes 0.5 MB
+
+// The text of a table of gains, or what is wrong.
+Expected<std::string> read_table(const fs::path& file) {
+  std::error_code status;
+  if (!fs::is_regular_file(file, status)) {
+    return bad_input("no file " + file.string() +
+                     "; paths are relative to the folder of this file");
+  }
+  if (fs::file_size(file, status) > kLargestTable || status) {
+    return bad_input(file.string() + " is larger than 64 MB: no table of gains");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad()) {
+    return bad_input(file.string() + " cannot be read; may you read it?");
+  }
+  return text;
+}
+
+Expected<AntennaPattern> load_pattern(const fs::path& file) {
+  const auto text = read_table(file);
+  if (!text) {
+    return tl::make_unexpected(text.error());
+  }
+  auto table = AntennaGainTable::parse(*text, file.string());
+  if (!table) {
+    return tl::make_unexpected(std::move(table.error()));
+  }
+  return AntennaPattern(std::make_shared<const AntennaGainTable>(*std::move(table)));
+}
+
+}  // namespace
+
+AntennaPattern read_pattern(const TomlTable& table) {
+  constexpr auto kUsual = AntennaPattern::kHalfWaveDipole;
+  const std::optional<std::string> name = table.choice("pattern", kAntennaPatternNames);
+  const std::optional<fs::path> file = table.path("pattern_file");
+  if (!file) {
+    return name ? parse_antenna_pattern(*name).value_or(kUsual) : kUsual;
+  }
+  if (table.has("pattern")) {
+    table.error_at("pattern_file", "'pattern' is stated as well; keep one of the two");
+    return kUsual;
+  }
+  auto pattern = load_pattern(*file);
+  if (!pattern) {
+    table.error_at("pattern_file", "'pattern_file': " + pattern.error().message);
+    return kUsual;
+  }
+  return *std::move(pattern);
+}
+
+Polarization read_polarization(const TomlTable& table) {
+  return table.choice("polarization", kPolarizations).value_or("V") == "H"
+             ? Polarization::kHorizontal
+             : Polarization::kVertical;
+}
+
+}  // namespace rayloc
