@@ -165,6 +165,7 @@ std::vector<MeshSurface> planar_surfaces(const Mesh& mesh) {
   });
 
   struct Group {
+    std::size_t first_triangle;  // lowest index
     Plane<double> plane;
     std::vector<Triangle> triangles;
     bool one_facing = true;
@@ -181,13 +182,17 @@ std::vector<MeshSurface> planar_surfaces(const Mesh& mesh) {
     };
     auto group = std::find_if(groups.begin(), groups.end(), fits);
     if (group == groups.end()) {
-      groups.push_back({{normal, dot(normal, t[0])}, {}, true});
+      groups.push_back({i, {normal, dot(normal, t[0])}, {}, true});
       group = std::prev(groups.end());
     }
+    group->first_triangle = std::min(group->first_triangle, i);
     group->triangles.push_back(t);
     group->one_facing = group->one_facing && dot(group->plane.normal, normal) > 0.0;
   }
 
+  std::sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) {
+    return a.first_triangle < b.first_triangle;
+  });
   std::vector<MeshSurface> surfaces;
   surfaces.reserve(groups.size());
   for (const Group& group : groups) {

@@ -155,7 +155,8 @@ T Surface::inside_distance(const T& u, const T& v) const {
   return inside ? distance : -distance;
 }
 
-// The surfaces of one mesh, largest first. REQUIRES: finite vertices, valid indices, no degenerate
+// The surfaces of one mesh, in the order of their first triangles, so that their numbers stay when
+// faces are moved. REQUIRES: finite vertices, valid indices, no degenerate
 // triangle. Coplanar: all corners within `kCoplanarTolerance` of the plane of the largest triangle
 // and normals parallel within about 0.06 degrees. Which way a triangle faces does not matter.
 struct MeshSurface {

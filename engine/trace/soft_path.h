@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/trace/field_calculator.h"
@@ -55,12 +56,12 @@ class SoftPath {
   SoftPath(std::span<const SoftInteraction<T>> interactions,
            const LinkEnd<T>& transmitter,
            const LinkEnd<T>& receiver,
-           const T& wavelength,
+           T wavelength,
            const TraceOptions& options)
       : interactions_(interactions),
         transmitter_(transmitter),
         receiver_(receiver),
-        wavelength_(wavelength),
+        wavelength_(std::move(wavelength)),
         options_(options) {
     std::vector<Plane<T>> planes;
     for (const SoftInteraction<T>& interaction : interactions) {

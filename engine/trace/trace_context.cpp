@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -59,9 +60,20 @@ std::vector<std::vector<std::uint32_t>> find_covers(const Scene& scene,
   for (const Surface& surface : surfaces) {
     boxes.push_back(box_around(surface, options.softness + kSamePlane));
   }
+  // Faces in one plane are equally far from the origin, so only neighbours need be compared.
+  std::vector<std::uint32_t> by_distance(surfaces.size());
+  std::iota(by_distance.begin(), by_distance.end(), 0U);
+  const auto from_origin = [&](std::uint32_t i) { return std::abs(surfaces[i].plane().offset); };
+  std::sort(by_distance.begin(), by_distance.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return from_origin(i) < from_origin(j);
+  });
   std::vector<std::vector<std::uint32_t>> covers(surfaces.size());
-  for (std::uint32_t i = 0; i < surfaces.size(); ++i) {
-    for (std::uint32_t j = 0; j < i; ++j) {
+  for (std::size_t first = 0; first < by_distance.size(); ++first) {
+    for (std::size_t second = first + 1; second < by_distance.size(); ++second) {
+      if (from_origin(by_distance[second]) - from_origin(by_distance[first]) >= kSamePlane) {
+        break;
+      }
+      const auto [j, i] = std::minmax(by_distance[first], by_distance[second]);
       const Plane<double>& a = surfaces[i].plane();
       const Plane<double>& b = surfaces[j].plane();
       const bool back_to_back = !options.transmission && scene.owner(i).one_facing &&
@@ -71,6 +83,9 @@ std::vector<std::vector<std::uint32_t>> find_covers(const Scene& scene,
         covers[i].push_back(j);
       }
     }
+  }
+  for (auto& list : covers) {
+    std::sort(list.begin(), list.end());
   }
   return covers;
 }
