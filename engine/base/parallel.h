@@ -1,4 +1,4 @@
-// parallel_for and Lazy: the only concurrency of the engine (oneTBB).
+// parallel_for, serially and Lazy: the only concurrency of the engine (oneTBB).
 //
 // parallel_for: every index is visited exactly once, in any order and on any thread; each call of
 // `body` writes only what belongs to its index. Results are then the same bytes whatever the number
@@ -11,6 +11,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 namespace rayloc {
 
@@ -23,6 +24,13 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
                         body(i);
                       }
                     });
+}
+
+// body() without the help of other threads, for a library that would take some and then depend on
+// their number.
+template <typename Body>
+void serially(const Body& body) {
+  tbb::task_arena(1).execute(body);
 }
 
 // A value that whoever asks first makes. Threads that ask at the same time may each make one; all

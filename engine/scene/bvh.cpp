@@ -11,6 +11,8 @@
 
 #include <embree3/rtcore.h>
 
+#include "engine/base/parallel.h"
+
 namespace rayloc {
 namespace {
 
@@ -63,7 +65,8 @@ class Bvh::Impl {
   }
 
   Expected<void> build() {
-    device_ = rtcNewDevice("threads=1");
+    // Never "threads=1": with TBB that would hold for the whole process.
+    device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr) {
       return failed();
     }
@@ -77,7 +80,7 @@ class Bvh::Impl {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
+    serially([&] { rtcCommitScene(scene_); });
     if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
       return failed();
     }

@@ -9,6 +9,8 @@
 
 #include <embree3/rtcore.h>
 
+#include "engine/base/parallel.h"
+
 namespace rayloc {
 namespace {
 
@@ -66,7 +68,8 @@ class RayShooter::Impl {
   }
 
   Expected<void> build() {
-    device_ = rtcNewDevice("threads=1");
+    // Never "threads=1": with TBB that would hold for the whole process.
+    device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr) {
       return failed();
     }
@@ -92,7 +95,7 @@ class RayShooter::Impl {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
+    serially([&] { rtcCommitScene(scene_); });
     if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
       return failed();
     }

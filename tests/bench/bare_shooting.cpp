@@ -66,7 +66,7 @@ struct Stream {
 
 class BareShooting::Impl {
  public:
-  explicit Impl(const Scene& scene) : device_(rtcNewDevice("threads=1")) {
+  explicit Impl(const Scene& scene) : device_(rtcNewDevice(nullptr)) {
     if (device_ == nullptr) {
       std::fputs("bare shooting: no Embree\n", stderr);
       std::abort();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/task_arena.h>
 
 #include "engine/base/parallel.h"
@@ -53,6 +54,18 @@ TEST(TraceThreads, PathsAreTheSameBitForBit) {
     EXPECT_EQ(one, traced(2, candidates));
     EXPECT_EQ(one, traced(4, candidates));
   }
+}
+
+// Embree could keep the whole process on one thread.
+TEST(TraceThreads, ScenesLeaveTheOtherThreadsAlone) {
+  const auto threads = [] {
+    return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  };
+  const auto all = static_cast<std::size_t>(tbb::info::default_concurrency());
+  const auto scene = test::laboratory();
+  EXPECT_GE(threads(), all);
+  scene->shooter();
+  EXPECT_GE(threads(), all);
 }
 
 }  // namespace
