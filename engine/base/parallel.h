@@ -1,4 +1,4 @@
-// parallel_for, serially and Lazy: the only concurrency of the engine (oneTBB).
+// parallel_for, serially, Lazy and Tally: the only concurrency of the engine (oneTBB).
 //
 // parallel_for: every index is visited exactly once, in any order and on any thread; each call of
 // `body` writes only what belongs to its index. Results are then the same bytes whatever the number
@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include <tbb/blocked_range.h>
@@ -62,6 +63,16 @@ class Lazy {
 
  private:
   mutable std::atomic<const T*> value_ = nullptr;
+};
+
+// How often something was asked for; on it may depend what is worth keeping, but no result.
+class Tally {
+ public:
+  void add() const { count_.fetch_add(1, std::memory_order_relaxed); }
+  std::uint32_t count() const { return count_.load(std::memory_order_relaxed); }
+
+ private:
+  mutable std::atomic<std::uint32_t> count_ = 0;
 };
 
 }  // namespace rayloc

@@ -14,14 +14,10 @@ bool is_outside(const Plane<double>& plane, std::span<const Vec3d> polygon) {
 // Sutherland and Hodgman, Commun. ACM 17 (1974) 32.
 void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch) {
   const auto inside = [&](const Vec3d& corner) { return distance(plane, corner) + kBeamMargin; };
-  const auto first_out = std::find_if(
-      polygon.begin(), polygon.end(), [&](const Vec3d& corner) { return inside(corner) < 0.0; });
-  if (first_out == polygon.end()) {
-    return;
-  }
   scratch.clear();
-  const Vec3d* p = &polygon.back();
-  double dp = inside(*p);
+  bool is_cut = false;
+  const Vec3d* p = polygon.data() + polygon.size() - 1;
+  double dp = polygon.empty() ? 0.0 : inside(*p);
   for (const Vec3d& q : polygon) {
     const double dq = inside(q);
     if ((dp >= 0.0) != (dq >= 0.0)) {
@@ -29,11 +25,15 @@ void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch) {
     }
     if (dq >= 0.0) {
       scratch.push_back(q);
+    } else {
+      is_cut = true;
     }
     p = &q;
     dp = dq;
   }
-  polygon.swap(scratch);
+  if (is_cut) {
+    polygon.swap(scratch);
+  }
 }
 
 Polygon grown(std::span<const Vec3d> outline, const Vec3d& normal, double margin) {

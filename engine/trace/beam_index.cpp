@@ -1,6 +1,7 @@
 #include "engine/trace/beam_index.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <utility>
@@ -14,6 +15,12 @@ constexpr float kRounding = 2e-6F;
 // A cube is divided down to this half of its side [m], or while it has more beams than this.
 constexpr float kLeastHalf = 0.15F;
 constexpr std::size_t kFewBeams = 32;
+// Beams that are fetched from memory before they are looked at.
+constexpr std::size_t kAhead = 8;
+
+float largest(const Vec3<float>& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 }  // namespace
 
@@ -30,17 +37,17 @@ BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root)
 }
 
 bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) const {
-  std::array<std::int32_t, kPlanes> outside;
+  // In a form that compilers turn into vector instructions: outside of one plane is a sign bit.
+  std::array<float, kPlanes> inside;
   for (std::size_t i = 0; i < kPlanes; ++i) {
-    const float inside = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i];
-    const float reach = half * (std::abs(x[i]) + std::abs(y[i]) + std::abs(z[i])) + margin;
-    outside[i] = inside + reach < 0.0F ? 1 : 0;
+    inside[i] = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i] +
+                half * (std::abs(x[i]) + std::abs(y[i]) + std::abs(z[i])) + margin;
   }
-  std::int32_t any = 0;
-  for (const std::int32_t bit : outside) {
-    any |= bit;
+  std::uint32_t signs = 0;
+  for (const float value : inside) {
+    signs |= std::bit_cast<std::uint32_t>(value);
   }
-  return any == 0;
+  return signs >> 31U == 0;
 }
 
 BeamIndex::BeamIndex(std::vector<BeamBounds> beams,
@@ -55,8 +62,7 @@ BeamIndex::BeamIndex(std::vector<BeamBounds> beams,
   all_.half = static_cast<float>(std::max({half.x, half.y, half.z}));
   all_.beams.resize(beams_.size());
   std::iota(all_.beams.begin(), all_.beams.end(), 0U);
-  reach_ = all_.half +
-           std::max({std::abs(all_.centre.x), std::abs(all_.centre.y), std::abs(all_.centre.z)});
+  reach_ = all_.half + largest(all_.centre);
 }
 
 std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
@@ -80,33 +86,54 @@ std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
   return part;
 }
 
-void BeamIndex::find(const Vec3d& point, std::vector<std::uint32_t>& found) const {
-  found.clear();
+Vec3<float> BeamIndex::from_root(const Vec3d& point) const {
   const Vec3d offset = point - root_;
-  const Vec3<float> at{
-      static_cast<float>(offset.x), static_cast<float>(offset.y), static_cast<float>(offset.z)};
-  const Vec3<float> from_centre = at - all_.centre;
-  const float away =
-      std::max({std::abs(from_centre.x), std::abs(from_centre.y), std::abs(from_centre.z)});
-  const Cube* cube = &all_;
-  if (away <= all_.half) {
-    while (!cube->is_leaf) {
-      const std::size_t octant = (at.x > cube->centre.x ? 1U : 0U) |
-                                 (at.y > cube->centre.y ? 2U : 0U) |
-                                 (at.z > cube->centre.z ? 4U : 0U);
-      cube = &cube->parts[octant].get([&] { return part(*cube, octant); });
-    }
+  return {static_cast<float>(offset.x), static_cast<float>(offset.y), static_cast<float>(offset.z)};
+}
+
+const BeamIndex::Cube* BeamIndex::cube_at(const Vec3d& point) const {
+  const Vec3<float> at = from_root(point);
+  if (largest(at - all_.centre) > all_.half) {
+    return nullptr;
   }
-  const float margin = kRounding * (reach_ + away);
-  for (const std::uint32_t beam : cube->beams) {
-    if (beams_[beam].meets(at, 0.0F, margin)) {
-      found.push_back(beam);
+  const Cube* cube = &all_;
+  while (!cube->is_leaf) {
+    const std::size_t octant = (at.x > cube->centre.x ? 1U : 0U) |
+                               (at.y > cube->centre.y ? 2U : 0U) |
+                               (at.z > cube->centre.z ? 4U : 0U);
+    cube = &cube->parts[octant].get([&] { return part(*cube, octant); });
+  }
+  return cube;
+}
+
+CubeRegion BeamIndex::region_of(const Cube& cube) const {
+  const Vec3d centre{cube.centre.x, cube.centre.y, cube.centre.z};
+  return {root_ + centre, static_cast<double>(cube.half + kRounding * reach_)};
+}
+
+void BeamIndex::select(const Vec3d& point,
+                       std::span<const std::uint32_t> from,
+                       std::vector<std::uint32_t>& found) const {
+  found.clear();
+  const Vec3<float> at = from_root(point);
+  const float margin = kRounding * (reach_ + largest(at));
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (i + kAhead < from.size()) {
+      const auto* next = reinterpret_cast<const char*>(&beams_[from[i + kAhead]]);
+      __builtin_prefetch(next);
+      __builtin_prefetch(next + 64);
+    }
+    if (beams_[from[i]].meets(at, 0.0F, margin)) {
+      found.push_back(from[i]);
     }
   }
 }
 
 std::size_t BeamIndex::bytes(const Cube& cube) {
   std::size_t sum = sizeof(Cube) + cube.beams.capacity() * sizeof(std::uint32_t);
+  if (const auto* useful = cube.useful.if_made(); useful != nullptr) {
+    sum += sizeof(*useful) + useful->capacity() * sizeof(std::uint32_t);
+  }
   for (const Lazy<Cube>& part : cube.parts) {
     if (const Cube* made = part.if_made(); made != nullptr) {
       sum += bytes(*made);

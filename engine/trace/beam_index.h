@@ -2,8 +2,9 @@
 //
 // A tree of cubes over the scene; each cube lists the beams that meet it, from the list of the cube
 // around it. Cubes are made when somebody asks for a point in them, so that a single query costs
-// little more than a look at every beam, and the next ones nearby hundreds of times less. What is
-// found does not depend on which cubes are there.
+// little more than a look at every beam, and the next ones nearby hundreds of times less. A cube
+// that is asked often is looked at closely once: beams that come to nothing in all of it, as the
+// caller says, are left out from then on.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -34,6 +35,12 @@ struct BeamBounds {
   bool meets(const Vec3<float>& from_root, float half, float margin) const;
 };
 
+// The points that differ from `centre` by no more than `half` in each coordinate [m], world.
+struct CubeRegion {
+  Vec3d centre;
+  double half;
+};
+
 class BeamIndex {
  public:
   // lower, upper: where points are looked for; others are found too, slowly.
@@ -43,8 +50,33 @@ class BeamIndex {
             const Vec3d& upper);
 
   // The numbers of the beams that hold the point, ascending, and some of others that it is near.
-  // Fills `found`, whose memory is used again.
-  void find(const Vec3d& point, std::vector<std::uint32_t>& found) const;
+  // Fills `found`, whose memory is used again. is_vain(beam, CubeRegion): whether the caller has no
+  // use for the beam anywhere in the region; such beams may be found or not.
+  template <typename IsVain>
+  void find(const Vec3d& point, std::vector<std::uint32_t>& found, const IsVain& is_vain) const {
+    const Cube* cube = cube_at(point);
+    if (cube == nullptr) {
+      select(point, all_.beams, found);
+      return;
+    }
+    cube->asked.add();
+    if (cube->asked.count() <= kOften) {
+      select(point, cube->beams, found);
+      return;
+    }
+    select(point,
+           cube->useful.get([&] {
+             auto useful = std::make_unique<std::vector<std::uint32_t>>();
+             const CubeRegion region = region_of(*cube);
+             for (const std::uint32_t beam : cube->beams) {
+               if (!is_vain(beam, region)) {
+                 useful->push_back(beam);
+               }
+             }
+             return useful;
+           }),
+           found);
+  }
 
   std::size_t bytes() const;  // of the beams and of the cubes so far
 
@@ -55,10 +87,20 @@ class BeamIndex {
     bool is_leaf = false;
     std::vector<std::uint32_t> beams;
     std::array<Lazy<Cube>, 8> parts;
+    Tally asked;
+    Lazy<std::vector<std::uint32_t>> useful;
   };
+  // A close look costs as much as a few hundred queries save.
+  static constexpr std::uint32_t kOften = 4;
 
+  const Cube* cube_at(const Vec3d& point) const;  // the smallest; nullptr outside of all
+  CubeRegion region_of(const Cube& cube) const;
+  void select(const Vec3d& point,
+              std::span<const std::uint32_t> from,
+              std::vector<std::uint32_t>& found) const;
   std::unique_ptr<const Cube> part(const Cube& whole, std::size_t octant) const;
   static std::size_t bytes(const Cube& cube);
+  Vec3<float> from_root(const Vec3d& point) const;
 
   std::vector<BeamBounds> beams_;
   Vec3d root_;

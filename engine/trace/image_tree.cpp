@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/trace/blocked_chains.h"
 #include "engine/trace/image_tree_builder.h"
 
 namespace rayloc {
@@ -24,6 +25,10 @@ ImageTree::ImageTree(const Scene& scene, const Vec3d& root, const TraceOptions& 
   nodes_ = std::move(grown.nodes);
   index_ = std::make_shared<const BeamIndex>(
       std::move(grown.beams), root, scene.bounds_min(), scene.bounds_max());
+}
+
+std::size_t ImageTree::bytes() const {
+  return nodes_.capacity() * sizeof(ImageNode) + index_->bytes();
 }
 
 bool ImageTree::back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChain& chain) const {
@@ -65,28 +70,27 @@ bool ImageTree::is_clear(const SpecularChain& chain, const Vec3d& target) const 
   return true;
 }
 
+bool ImageTree::is_direct(const Vec3d& target) const {
+  return norm(target - root_) > kOnPlane && (!clear_only_ || is_clear({}, target));
+}
+
+std::vector<std::uint32_t> ImageTree::candidates(const Vec3d& target) const {
+  std::vector<std::uint32_t> nodes;
+  const BlockedChains blocked(*scene_, nodes_, root_);
+  index_->find(target, nodes, [&](std::uint32_t node, const CubeRegion& region) {
+    return clear_only_ && blocked.holds(node, region);
+  });
+  return nodes;
+}
+
 std::size_t ImageTree::chains_to(const Vec3d& target, std::vector<SpecularChain>& chains) const {
   std::size_t count = 0;
-  const auto slot = [&]() -> SpecularChain& {
+  visit_chains(target, [&](const SpecularChain& chain) {
     if (count == chains.size()) {
       chains.emplace_back();
     }
-    return chains[count];
-  };
-  SpecularChain& direct = slot();
-  direct.surfaces.clear();
-  direct.points.clear();
-  if (norm(target - root_) > kOnPlane && (!clear_only_ || is_clear(direct, target))) {
-    ++count;
-  }
-  std::vector<std::uint32_t> candidates;
-  index_->find(target, candidates);
-  for (const std::uint32_t i : candidates) {
-    SpecularChain& chain = slot();
-    if (back_trace(i, target, chain) && (!clear_only_ || is_clear(chain, target))) {
-      ++count;
-    }
-  }
+    chains[count++] = chain;
+  });
   return count;
 }
 

@@ -21,7 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/base/vec3.h"
@@ -48,11 +48,33 @@ class ImageTree {
   // whose memory is used again, and returns how many there are.
   std::size_t chains_to(const Vec3d& target, std::vector<SpecularChain>& chains) const;
 
+  // The same, one by one and without a copy: calls visit(const SpecularChain&), whose argument
+  // lives until it returns.
+  template <typename Visit>
+  void visit_chains(const Vec3d& target, const Visit& visit) const {
+    SpecularChain chain;
+    if (is_direct(target)) {
+      visit(std::as_const(chain));
+    }
+    for (const std::uint32_t node : candidates(target)) {
+      if (is_chain(node, target, chain)) {
+        visit(std::as_const(chain));
+      }
+    }
+  }
+
   const Vec3d& root() const { return root_; }
   std::size_t size() const { return nodes_.size(); }           // images, the root not counted
+  std::size_t bytes() const;                                   // of memory so far
   CandidateGenerator generator() const { return generator_; }  // that was used, not kAutomatic
 
  private:
+  bool is_direct(const Vec3d& target) const;  // whether there is a chain without mirrors
+  std::vector<std::uint32_t> candidates(const Vec3d& target) const;
+  // Whether the mirrors of `node` make a chain; it is then in `chain`.
+  bool is_chain(std::uint32_t node, const Vec3d& target, SpecularChain& chain) const {
+    return back_trace(node, target, chain) && (!clear_only_ || is_clear(chain, target));
+  }
   // Finds the points of reflection of node `leaf`; false when one is not on its surface.
   bool back_trace(std::uint32_t leaf, const Vec3d& target, SpecularChain& chain) const;
   bool is_clear(const SpecularChain& chain, const Vec3d& target) const;

@@ -18,6 +18,7 @@ constexpr double kOnPlane = 1e-9;
 constexpr double kCertain = 1e-6;
 // Of the mirrors that a beam lights, so many are tried as things in the way of the others.
 constexpr std::size_t kMaxOccluders = 12;
+constexpr std::size_t kFew = 16;
 // Of an object with more surfaces than this only those that rays met are proposed.
 constexpr std::uint32_t kMostNeighbours = 32;
 
@@ -61,7 +62,11 @@ void MirrorGrower::grow(const Parent& parent, const Vec3d& root, GrownNodes& gro
     bounds_.push_back(front);
   }
   find_lit(parent);
-  choose_occluders();
+  occluders_.clear();
+  // A few images too many at the last level cost less than to see that they are.
+  if (parent.depth + 1 < options_.max_depth || lit_.size() > kFew) {
+    choose_occluders();
+  }
   const BeamShadow shadow(parent.image, is_root ? nullptr : &front, options_.softness + kCertain);
   // Interactions that are left for crossings.
   const int allowed = options_.transmission ? options_.max_depth - parent.depth - 1 : 0;
@@ -167,7 +172,6 @@ void MirrorGrower::choose_occluders() {
   std::partial_sort(order_.begin(), end, order_.end(), [&](std::size_t a, std::size_t b) {
     return lit_[a].size > lit_[b].size;
   });
-  occluders_.clear();
   for (auto i = order_.begin(); i != end; ++i) {
     const Lit& lit = lit_[*i];
     occluders_.push_back({lit.surface, &scene_.surfaces()[lit.surface], lit.size});

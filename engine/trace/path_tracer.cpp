@@ -1,6 +1,7 @@
 #include "engine/trace/path_tracer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -28,8 +29,10 @@ bool canonical_order(const Path& a, const Path& b) {
 }
 
 bool at_the_same_places(const Path& a, const Path& b) {
-  constexpr double kSamePlace = 1e-9;  // [m]
-  return std::equal(a.interactions.begin(),
+  constexpr double kSamePlace = 1e-9;   // [m]
+  constexpr double kSameDelay = 1e-15;  // [s], of a thousand such places
+  return std::abs(a.tau - b.tau) < kSameDelay &&
+         std::equal(a.interactions.begin(),
                     a.interactions.end(),
                     b.interactions.begin(),
                     b.interactions.end(),
@@ -85,17 +88,16 @@ ReceiverTracer::ReceiverTracer(std::shared_ptr<const TraceContext> context,
 Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   const LinkEnd<double> from = link_end(transmitter);
   const LinkEnd<double> to = link_end(receiver_);
-  std::vector<SpecularChain> chains;
-  const std::size_t count = tree_.chains_to(transmitter.position, chains);
+  constexpr std::size_t kUsually = 64;  // paths
   InteractionFinder finder(context_);
   std::vector<Interaction> interactions;
   std::vector<Path> paths;
-  paths.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (finder.find(chains[i], from, to, interactions)) {
+  paths.reserve(kUsually);
+  tree_.visit_chains(transmitter.position, [&](const SpecularChain& chain) {
+    if (finder.find(chain, from, to, interactions)) {
       paths.push_back(evaluate(*context_, interactions, from, to));
     }
-  }
+  });
   std::sort(paths.begin(), paths.end(), canonical_order);
   if (context_->has_covers && context_->options.softness == 0.0) {
     drop_repeated(paths);

@@ -4,17 +4,22 @@
 //   BM_Shooting       the same rays, with the sequences of surfaces that they meet (shooting.h)
 //   BM_KnownPaths     the paths of one position when their surfaces are known (known_paths.h)
 //   BM_ColdLink       tree and paths of a device in the laboratory, three antennas, depth 3
-//   BM_CachedLink     the same with the tree there
+//   BM_CachedLink     the same with the trees there, 143 positions in turn
+//   BM_Depth          tree and paths of one antenna, 1 to 6 reflections, laboratory
+//   BM_Triangles      the same at depth 3 in office floors of 100 to 100,000 triangles
+//   BM_Receivers      the same for 1 to 10,000 positions in the laboratory
 //
 // The last lines are of least times. Build with the release preset and
 // -DRAYLOC_BENCHMARKS=ON; one core: `taskset -c 0 trace_bench`.
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <cstdio>
 #include <string>
 #include <vector>
 
 #include "engine/base/parallel.h"
+#include "engine/trace/array_tracer.h"
 #include "engine/trace/path_tracer.h"
 #include "engine/trace/shooting.h"
 #include "tests/bench/bare_shooting.h"
@@ -44,10 +49,6 @@ Room room(std::int64_t triangles) {
 }
 
 Transmitter device_at(const Vec3d& position) { return Transmitter{{position, {}}}; }
-
-std::vector<Receiver> antennas() {
-  return array_elements<Receiver>(test::laboratory_access_point());
-}
 
 // The last reflection of a ray proposes nothing after it: as many segments as reflections.
 void BM_BareEmbree(benchmark::State& state) {
@@ -79,7 +80,7 @@ void BM_KnownPaths(benchmark::State& state) {
   const Vec3d position = test::laboratory_positions(1)[0];
   std::vector<KnownPaths> links;
   std::size_t paths = 0;
-  for (const Receiver& antenna : antennas()) {
+  for (const Receiver& antenna : array_elements<Receiver>(test::laboratory_access_point())) {
     links.emplace_back(tracer, device_at(position), antenna);
     paths += links.back().size();
   }
@@ -95,32 +96,77 @@ void BM_KnownPaths(benchmark::State& state) {
 void BM_ColdLink(benchmark::State& state) {
   const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
   const auto positions = test::laboratory_positions(static_cast<std::size_t>(state.range(0)));
-  const std::vector<Receiver> receivers = antennas();
   for (auto _ : state) {
-    parallel_for(receivers.size(), 1, [&](std::size_t i) {
-      const ReceiverTracer at = tracer.at(receivers[i]);
-      parallel_for(positions.size(), 1, [&](std::size_t j) {
-        benchmark::DoNotOptimize(at.trace(device_at(positions[j])));
-      });
+    const ArrayTracer array(tracer, test::laboratory_access_point());
+    parallel_for(positions.size(), 1, [&](std::size_t i) {
+      benchmark::DoNotOptimize(array.trace(device_at(positions[i])));
     });
   }
 }
 
+// One position after the other, each in a part of the room of its own.
 void BM_CachedLink(benchmark::State& state) {
   const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
   const auto positions = test::laboratory_positions(kSurveyed);
-  std::vector<ReceiverTracer> trees;
-  for (const Receiver& antenna : antennas()) {
-    trees.push_back(tracer.at(antenna));
+  const ArrayTracer array(tracer, test::laboratory_access_point());
+  constexpr std::size_t kUntilKnown = 6;  // rounds; the trees learn where they are asked often
+  for (std::size_t i = 0; i < kUntilKnown * kSurveyed; ++i) {
+    benchmark::DoNotOptimize(array.trace(device_at(positions[i % kSurveyed])));
   }
   std::size_t next = 0;
   for (auto _ : state) {
-    const Transmitter device = device_at(positions[next++ % positions.size()]);
-    for (const ReceiverTracer& at : trees) {
-      benchmark::DoNotOptimize(at.trace(device));
+    benchmark::DoNotOptimize(array.trace(device_at(positions[next++ % kSurveyed])));
+  }
+}
+
+ImageTree tree_of(const Room& where, int depth) {
+  return ImageTree(*where.scene, where.access_point, {.max_depth = depth, .rays = kRays});
+}
+
+// What growth is measured by: tree and the paths of one position, one antenna.
+void grow(benchmark::State& state, const Room& where, const Vec3d& device, int depth) {
+  const PathTracer tracer(where.scene, {.max_depth = depth, .rays = kRays});
+  const Receiver receiver{{where.access_point, {}}};
+  std::size_t paths = 0;
+  for (auto _ : state) {
+    paths = tracer.trace(device_at(device), receiver).size();
+  }
+  const ImageTree tree = tree_of(where, depth);
+  state.counters["paths"] = static_cast<double>(paths);
+  state.counters["images"] = static_cast<double>(tree.size());
+  state.counters["shot"] = tree.generator() == CandidateGenerator::kShooting ? 1.0 : 0.0;
+  state.counters["MB"] = static_cast<double>(tree.bytes()) / 1e6;
+}
+
+void BM_Depth(benchmark::State& state) {
+  grow(state, room(0), test::laboratory_positions(1)[0], static_cast<int>(state.range(0)));
+}
+
+void BM_Triangles(benchmark::State& state) {
+  grow(state, room(state.range(0)), test::office_device(), kDepth);
+}
+
+// Paths to so many places of a room, tree included, one antenna.
+void BM_Receivers(benchmark::State& state) {
+  const PathTracer tracer(test::laboratory(), {.max_depth = kDepth});
+  const auto positions = test::laboratory_positions(static_cast<std::size_t>(state.range(0)));
+  const Receiver receiver{{test::laboratory_access_point().pose.position, {}}};
+  std::vector<Paths> paths(positions.size());
+  for (auto _ : state) {
+    const ReceiverTracer at = tracer.at(receiver);
+    parallel_for(
+        positions.size(), 1, [&](std::size_t i) { paths[i] = at.trace(device_at(positions[i])); });
+    state.counters["MB"] = static_cast<double>(at.tree().bytes()) / 1e6;
+  }
+  std::size_t count = 0;
+  std::size_t bytes = 0;
+  for (const Paths& link : paths) {
+    count += link.size();
+    for (const Path& path : link) {
+      bytes += sizeof(Path) + path.interactions.capacity() * sizeof(Interaction);
     }
   }
-  state.counters["images"] = static_cast<double>(trees[0].tree().size());
+  state.counters["bytes/path"] = static_cast<double>(bytes) / static_cast<double>(count);
 }
 
 void repeat(benchmark::internal::Benchmark* benchmark) {
@@ -134,6 +180,17 @@ BENCHMARK(BM_Shooting)->Apply(in_rooms);
 BENCHMARK(BM_KnownPaths)->Apply(repeat)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_ColdLink)->Arg(1)->Arg(kSurveyed)->Apply(repeat)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CachedLink)->Apply(repeat)->Unit(benchmark::kMicrosecond);
+BENCHMARK(BM_Depth)->DenseRange(1, 6)->Apply(repeat)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Triangles)
+    ->RangeMultiplier(10)
+    ->Range(100, 100'000)
+    ->Apply(repeat)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Receivers)
+    ->RangeMultiplier(10)
+    ->Range(1, 10'000)
+    ->Apply(repeat)
+    ->Unit(benchmark::kMillisecond);
 
 void print_summary(const BestTimes& best) {
   for (const char* scene : {"0", "1000", "100000"}) {
@@ -159,11 +216,15 @@ void print_summary(const BestTimes& best) {
   const auto known = best.find("BM_KnownPaths");
   const auto cached = best.find("BM_CachedLink");
   if (known && cached) {
-    std::printf("cached: %.0f us of CPU, known paths alone %.0f us: %.1f times\n",
+    std::printf("cached: %.0f us of wall clock, %.0f of CPU; known paths alone %.0f: %.1f times\n",
+                1e6 * cached->wall,
                 1e6 * cached->cpu,
                 1e6 * known->cpu,
                 cached->cpu / known->cpu);
   }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  std::printf("peak memory: %.0f MB\n", static_cast<double>(usage.ru_maxrss) / 1e3);
 }
 
 }  // namespace

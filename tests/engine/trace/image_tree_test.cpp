@@ -181,6 +181,40 @@ Vec3d random_place(std::mt19937& random) {
   return {2.9 * uniform(random), 1.9 * uniform(random), 1.25 + 1.2 * uniform(random)};
 }
 
+// Where a tree is asked often it looks closely at what surely is blocked all around.
+TEST(ImageTree, FindsTheSameWhereItIsAskedOften) {
+  std::mt19937 random(13);
+  std::uniform_real_distribution<double> nearby(-0.15, 0.15);
+  std::size_t compared = 0;
+  for (int i = 0; i < 6; ++i) {
+    const auto scene = random_room(random, 3);
+    const TraceOptions options{.max_depth = 2};
+    const Vec3d root = random_place(random);
+    const ImageTree tree(*scene, root, options);
+    Exhaustive exhaustive(*scene, root, options);
+    for (int j = 0; j < 10; ++j) {
+      const Vec3d around = random_place(random);
+      std::vector<SpecularChain> chains;
+      for (int k = 0; k < 8; ++k) {
+        for (const double side : {-1.0, 1.0}) {  // all eight cubes that may meet here
+          tree.chains_to(around + side * Vec3d{0.1, 0.1, 0.1}, chains);
+          tree.chains_to(around + side * Vec3d{-0.1, 0.1, 0.1}, chains);
+          tree.chains_to(around + side * Vec3d{0.1, -0.1, 0.1}, chains);
+          tree.chains_to(around + side * Vec3d{0.1, 0.1, -0.1}, chains);
+        }
+      }
+      for (int k = 0; k < 40; ++k) {
+        SCOPED_TRACE("seed 13, room " + std::to_string(i) + ", place " + std::to_string(j));
+        const Vec3d target = around + Vec3d{nearby(random), nearby(random), nearby(random)};
+        const auto expected = exhaustive.chains_to(target);
+        compared += expected.size();
+        expect_same_chains(expected, tree, target);
+      }
+    }
+  }
+  EXPECT_GT(compared, 10'000U);
+}
+
 TEST(ImageTree, FindsWhatASearchThroughAllSequencesFinds) {
   std::mt19937 random(3);
   std::size_t compared = 0;

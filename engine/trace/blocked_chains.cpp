@@ -1,0 +1,79 @@
+#include "engine/trace/blocked_chains.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/trace/beam.h"
+#include "engine/trace/beam_shadow.h"
+
+namespace rayloc {
+namespace {
+
+// So far inside of all limits rounding changes nothing [m].
+constexpr double kCertain = 1e-6;
+
+// Where the line from `point` to the image of a mirror meets the mirror; nothing when the point is
+// not certainly in front.
+std::optional<Vec3d> reflection(const ImageNode& node,
+                                const Plane<double>& plane,
+                                const Vec3d& point) {
+  const double here = distance(plane, point);
+  if (node.image_distance < 0.0 ? here < kCertain : here > -kCertain) {
+    return std::nullopt;
+  }
+  return point + (here / (here - node.image_distance)) * (node.image - point);
+}
+
+}  // namespace
+
+bool BlockedChains::holds(std::uint32_t leaf, const CubeRegion& region) const {
+  Bundle to{region.centre, {}, kNoSurface};
+  for (std::size_t i = 0; i < kCorners; ++i) {
+    to.corners[i] = region.centre + Vec3d{(i & 1U) != 0 ? region.half : -region.half,
+                                          (i & 2U) != 0 ? region.half : -region.half,
+                                          (i & 4U) != 0 ? region.half : -region.half};
+  }
+  for (std::uint32_t i = leaf; i != kRootNode; i = nodes_[i].parent) {
+    const ImageNode& node = nodes_[i];
+    const Plane<double>& plane = scene_.surfaces()[node.surface].plane();
+    Bundle from{{}, {}, node.surface};
+    const auto middle = reflection(node, plane, to.middle);
+    if (!middle) {
+      return false;
+    }
+    from.middle = *middle;
+    for (std::size_t k = 0; k < kCorners; ++k) {
+      const auto corner = reflection(node, plane, to.corners[k]);
+      if (!corner) {
+        return false;
+      }
+      from.corners[k] = *corner;
+    }
+    if (is_blocked(i, from.middle, node.image, to)) {
+      return true;
+    }
+    to = from;
+  }
+  return is_blocked(kRootNode, root_, root_, to);
+}
+
+bool BlockedChains::is_blocked(std::uint32_t node,
+                               const Vec3d& from,
+                               const Vec3d& apex,
+                               const Bundle& to) const {
+  std::uint32_t from_surface = kNoSurface;
+  Plane<double> front;
+  if (node != kRootNode) {
+    from_surface = nodes_[node].surface;
+    front = facing_away(scene_.surfaces()[from_surface].plane(), apex);
+  }
+  const BeamShadow shadow(apex, node == kRootNode ? nullptr : &front, kCertain);
+  // What blocks all blocks the middle.
+  std::vector<Crossing> crossings;
+  scene_.crossings({from, to.middle, from_surface, to.surface}, crossings);
+  return std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& crossing) {
+    return shadow.hides(scene_.surfaces()[crossing.surface], to.corners);
+  });
+}
+
+}  // namespace rayloc

@@ -1,0 +1,45 @@
+// BlockedChains: chains of mirrors that lead nowhere in a region, because the same surface is in
+// the way of all their paths to it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/scene/scene.h"
+#include "engine/trace/beam_index.h"
+#include "engine/trace/image_node.h"
+
+namespace rayloc {
+
+class BlockedChains {
+ public:
+  // Of a tree of images (image_tree.h) of opaque surfaces with hard edges; `root`: its root.
+  BlockedChains(const Scene& scene, std::span<const ImageNode> nodes, const Vec3d& root)
+      : scene_(scene), nodes_(nodes), root_(root) {}
+
+  // Whether every path over the chain of node `leaf` to a point of the region is blocked, without
+  // doubt; false is no statement.
+  bool holds(std::uint32_t leaf, const CubeRegion& region) const;
+
+ private:
+  // The middle of the region and its corners, or where paths to them meet a mirror.
+  static constexpr std::size_t kCorners = 8;
+  struct Bundle {
+    Vec3d middle;
+    std::array<Vec3d, kCorners> corners;
+    std::uint32_t surface = kNoSurface;  // that they lie on
+  };
+
+  // From the mirror `node` (kRootNode: the root) to `to`, seen from `apex`, the image that lights
+  // it, starting at `from`.
+  bool is_blocked(std::uint32_t node, const Vec3d& from, const Vec3d& apex, const Bundle& to) const;
+
+  const Scene& scene_;
+  std::span<const ImageNode> nodes_;
+  Vec3d root_;
+};
+
+}  // namespace rayloc
