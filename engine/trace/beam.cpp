@@ -14,10 +14,13 @@ bool is_outside(const Plane<double>& plane, std::span<const Vec3d> polygon) {
 // Sutherland and Hodgman, Commun. ACM 17 (1974) 32.
 void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch) {
   const auto inside = [&](const Vec3d& corner) { return distance(plane, corner) + kBeamMargin; };
+  if (polygon.empty()) {
+    return;
+  }
   scratch.clear();
   bool is_cut = false;
-  const Vec3d* p = polygon.data() + polygon.size() - 1;
-  double dp = polygon.empty() ? 0.0 : inside(*p);
+  const Vec3d* p = &polygon.back();
+  double dp = inside(*p);
   for (const Vec3d& q : polygon) {
     const double dq = inside(q);
     if ((dp >= 0.0) != (dq >= 0.0)) {

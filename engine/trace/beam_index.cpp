@@ -38,7 +38,7 @@ BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root)
 
 bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) const {
   // In a form that compilers turn into vector instructions: outside of one plane is a sign bit.
-  std::array<float, kPlanes> inside;
+  Lanes inside;
   for (std::size_t i = 0; i < kPlanes; ++i) {
     inside[i] = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i] +
                 half * (std::abs(x[i]) + std::abs(y[i]) + std::abs(z[i])) + margin;
@@ -132,7 +132,7 @@ void BeamIndex::select(const Vec3d& point,
 std::size_t BeamIndex::bytes(const Cube& cube) {
   std::size_t sum = sizeof(Cube) + cube.beams.capacity() * sizeof(std::uint32_t);
   if (const auto* useful = cube.useful.if_made(); useful != nullptr) {
-    sum += sizeof(*useful) + useful->capacity() * sizeof(std::uint32_t);
+    sum += useful->capacity() * sizeof(std::uint32_t);
   }
   for (const Lazy<Cube>& part : cube.parts) {
     if (const Cube* made = part.if_made(); made != nullptr) {

@@ -25,7 +25,8 @@ namespace rayloc {
 // Half spaces that hold a beam, in single precision and relative to the root of its tree.
 struct BeamBounds {
   static constexpr std::size_t kPlanes = 8;
-  alignas(32) float x[kPlanes], y[kPlanes], z[kPlanes], offset[kPlanes];
+  using Lanes = std::array<float, kPlanes>;
+  alignas(32) Lanes x, y, z, offset;
 
   // The first kPlanes of `planes`.
   BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root);

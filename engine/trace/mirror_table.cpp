@@ -97,8 +97,8 @@ void MirrorTable::put_into_block(std::uint32_t surface) {
 // Bit i: lane i is not wholly outside one of the bounds.
 unsigned MirrorTable::within(const Block& block, std::span<const PlaneF> bounds) const {
   const float margin = kRounding * static_cast<float>(reach_);
-  alignas(64) float least[kBlock];
-  std::fill_n(least, kBlock, 1.0F);
+  alignas(64) Lanes least;
+  least.fill(1.0F);
   const auto along = [](const Vectors& v, const PlaneF& n, std::size_t i) {
     return n.x * v.x[i] + n.y * v.y[i] + n.z * v.z[i];
   };

@@ -4,6 +4,7 @@
 // Thread safety: const members may be used from many threads.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,11 +44,11 @@ class MirrorTable {
 
  private:
   static constexpr std::size_t kBlock = 16;
-  using Lane = float[kBlock];
+  using Lanes = std::array<float, kBlock>;
 
   // Single precision, relative to the root.
   struct Vectors {
-    alignas(64) Lane x, y, z;
+    alignas(64) Lanes x, y, z;
   };
   // The rectangles around outlines: centres and halves of their sides.
   struct Block {

@@ -62,8 +62,9 @@ std::shared_ptr<const Scene> office_floor(std::size_t triangles) {
       {"outer east", "concrete", {x, -kCorridor, 0}, {x + kSlab, y, kHeight}},
       {"outer south", "concrete", {0, -kCorridor - kSlab, 0}, {x, -kCorridor, kHeight}}};
   for (std::size_t room = 0; room < rooms; ++room) {
+    const std::size_t row = room / columns;
     const Vec3d corner{static_cast<double>(room % columns) * kRoomX,
-                       static_cast<double>(room / columns) * (kRoomY + kCorridor),
+                       static_cast<double>(row) * (kRoomY + kCorridor),
                        0};
     for (std::size_t i = 0; i < in_room && boxes.size() < count; ++i) {
       boxes.push_back(moved(room_boxes()[i], corner, room));

@@ -30,6 +30,7 @@ TEST(SharedTree, AnswersManyThreadsAlike) {
   const ImageTree shared(*scene, root, options);
   std::vector<int> differences(4, 0);
   std::vector<std::thread> threads;
+  threads.reserve(differences.size());
   for (int& different : differences) {
     threads.emplace_back([&] {
       std::vector<SpecularChain> chains;
