@@ -1,19 +1,22 @@
-// ImageTree: every chain of up to `max_depth` reflections that starts at a fixed point and could
-// reach anywhere: the mirror images of that point, and where each mirror sends its waves.
+// ImageTree: chains of up to `max_depth` reflections that start at a fixed point and could reach
+// anywhere: the mirror images of that point, and where each mirror sends its waves.
 //
-// The exhaustive candidate generator: no chain is missed. A chain is left out only when geometry
+// Exhaustive where that is possible: no chain is missed. A chain is left out only when geometry
 // proves that no wave takes it: the mirror is seen from behind, lies behind the one before it,
 // outside the beam that the one before it sends out (the beam is clipped polygon by polygon), or
-// wholly behind another surface. What else stands in the way is tested per path.
+// wholly behind another surface. What else stands in the way is tested per path. The size grows
+// with the number of surfaces that see each other to the power of the depth. In large scenes and at
+// great depths only sequences of mirrors that rays have met are followed (shooting.h says what may
+// be missed); TraceOptions::candidates chooses, by an estimate of the work unless told.
 //
 // With transmission waves also reach the insides of objects, so both sides of every face reflect.
 // With soft edges (TraceOptions::softness) mirrors are that much larger. In both cases what stands
-// in the way does not end a path but changes it, so chains are then given whether clear or not.
+// in the way does not end a path but changes it, so chains are then given whether clear or not,
+// save those that surely cross too much.
 //
 // The tree depends on the scene and the point alone, so it is built once for each antenna of an
-// access point and asked for any number of device positions. Its size grows with the number of
-// surfaces that see each other to the power of the depth; it is for rooms and flats. It remembers
-// which beams come by where it was asked (beam_index.h); the answers do not depend on that.
+// access point and asked for any number of device positions. It remembers what it learned where it
+// was asked (beam_index.h); the answers do not depend on that.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -41,7 +44,7 @@ struct SpecularChain {
 
 class ImageTree {
  public:
-  // REQUIRES: options.max_depth >= 0. The scene must outlive the tree.
+  // REQUIRES: options.max_depth >= 0, options.rays > 0. The scene must outlive the tree.
   ImageTree(const Scene& scene, const Vec3d& root, const TraceOptions& options);
 
   // All chains from the root to `target`, line of sight included (an empty chain). Fills `chains`,
