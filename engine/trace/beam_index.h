@@ -91,7 +91,7 @@ class BeamIndex {
     Tally asked;
     Lazy<std::vector<std::uint32_t>> useful;
   };
-  // A close look costs as much as a few hundred queries save.
+  // A close look costs as much as some five queries save.
   static constexpr std::uint32_t kOften = 4;
 
   const Cube* cube_at(const Vec3d& point) const;  // the smallest; nullptr outside of all

@@ -7,7 +7,8 @@
 //   ReceiverTracer at_ap = tracer.at(receiver);   // image tree built once ...
 //   for (...) h = at_ap.trace(transmitter).cfr(grid);  // ... and used for every position
 //
-// The result of a link depends on the scene and its two ends alone.
+// The result of a link depends on the scene, the options and its two ends alone; where shot rays
+// propose (TraceOptions::candidates), also on how the processor rounds for rays that graze an edge.
 // Thread safety: const members may be used from many threads.
 #pragma once
 

@@ -217,7 +217,15 @@ Expected<TargetTracer> TargetTracer::create(std::shared_ptr<const Scene> scene,
     return tl::make_unexpected(
         not_usable("scattering: negligible", options.negligible, "0 or more"));
   }
-  if (!(options.height_step > 0.0)) {
+  if (options.trace.max_depth < 0) {
+    return tl::make_unexpected(
+        not_usable("scattering: trace.max_depth", options.trace.max_depth, "0 or more"));
+  }
+  if (!(std::isfinite(options.trace.softness) && options.trace.softness >= 0.0)) {
+    return tl::make_unexpected(
+        not_usable("scattering: trace.softness", options.trace.softness, "0 or more [m]"));
+  }
+  if (!(std::isfinite(options.height_step) && options.height_step > 0.0)) {
     return tl::make_unexpected(
         not_usable("scattering: height_step", options.height_step, "more than 0 [m]"));
   }

@@ -364,6 +364,12 @@ TEST(Scattering, RefusesWhatItCannotDo) {
   options = {};
   options.height_step = 0.0;
   EXPECT_EQ(message({}, options), "scattering: height_step is 0.000000, must be more than 0 [m]");
+  options = {};
+  options.trace.max_depth = -1;
+  EXPECT_EQ(message({}, options), "scattering: trace.max_depth is -1.000000, must be 0 or more");
+  options = {};
+  options.trace.softness = -0.1;
+  EXPECT_NE(message({}, options).find("trace.softness"), std::string::npos);
 
   const TargetLink link =
       tracer(scene, TargetBody{}, 0).link(transmitter_at({-2, 0, 1}), receiver_at({2, 0, 1}));
