@@ -106,7 +106,8 @@ TracedLink TracedLink::of(const std::string& name, const TraceOptions& options) 
   array.pose = {places.array, {-0.65, 0.1, 0.05}};
   array.element_offset = {{0, -0.089, 0}, {0, 0, 0}, {0, 0.089, 0}};
   array.pattern = AntennaPattern::kHalfWaveDipole;
-  const Receiver device{{places.device, {0.3, -0.2, 0.5}}};
+  Receiver device{{places.device, {0.3, -0.2, 0.5}}};
+  device.lever = {0.03, -0.05, 0.02};
   return {std::move(input), array_elements<Transmitter>(array), {device}, options};
 }
 
@@ -217,6 +218,7 @@ std::vector<Parameter> TracedLink::parameters() const {
     result.push_back(Parameter::transmitter_orientation(axis));
     result.push_back(Parameter::receiver_orientation(axis));
     result.push_back(Parameter::transmitter_array_turn(axis));
+    result.push_back(Parameter::receiver_array_turn(axis));
   }
   for (std::uint32_t i = 0; i < input_.materials.size(); ++i) {
     if (input_.materials[i].relative_permittivity > 1.01) {  // no step below that of vacuum

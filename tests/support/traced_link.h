@@ -23,14 +23,19 @@ class TracedLink {
              const TraceOptions& options);
 
   // "box" (six walls and a cupboard in the line of sight), "meeting_room", "corridor": an array of
-  // three tilted elements, a tilted device and a free-standing screen.
+  // three tilted elements, a tilted device whose antenna is not at its origin, and a free-standing
+  // screen.
   static TracedLink of(const std::string& scene, const TraceOptions& options);
 
   // The same with one number changed by `by`.
   TracedLink changed(const Parameter& parameter, double by) const;
 
   const TraceOptions& options() const { return options_; }
+  const std::shared_ptr<const Scene>& shared_scene() const { return scene_; }
   const Scene& scene() const { return *scene_; }
+  const std::vector<Transmitter>& transmitters() const { return transmitters_; }
+  const std::vector<Receiver>& receivers() const { return receivers_; }
+  const OfdmGrid& grid() const { return grid_; }
   // Transmitters, receivers, tones: tones run fastest.
   Csi csi() const;
   // csi() with the receiver elsewhere.

@@ -1,7 +1,8 @@
 // Derivatives of a loss of the channel by everything that has one, against central differences of
 // the whole tracer, run anew in the scene so changed, and against reference values.
 //
-// Prints the table of engine/README.md: RAYLOC_PRINT_GRADIENTS=1 engine_gradients_test
+// Prints the table of engine/README.md (its last row is that of target_gradients_test.cpp):
+// RAYLOC_PRINT_GRADIENTS=1 engine_gradients_test
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,6 +31,7 @@ using test::TracedLink;
 using Kind = Parameter::Kind;
 
 constexpr double kTolerance = 1e-6;  // relative
+constexpr std::size_t kKinds = 13;   // of Parameter
 
 // D = sum |h - reference|^2 with its gradient.
 double distance2(const std::vector<std::complex<double>>& h,
@@ -125,7 +127,7 @@ TEST_P(Gradients, MatchCentralDifferences) {
   const bool print = std::getenv("RAYLOC_PRINT_GRADIENTS") != nullptr;
   const std::map<Kind, Worst> table =
       compare(TracedLink::of(scene, {.max_depth = 3, .softness = softness}));
-  EXPECT_EQ(table.size(), 12U);  // all kinds; the receiver is no array
+  EXPECT_EQ(table.size(), kKinds);
   for (const auto& [kind, worst] : table) {
     EXPECT_GT(worst.compared, 0) << name_of(kind);
     EXPECT_LE(worst.error, kTolerance) << name_of(kind) << ": " << worst.where;
@@ -153,7 +155,7 @@ TEST(GradientsWithTransmission, MatchCentralDifferences) {
   for (const double softness : {0.0, 0.05}) {
     const auto table = compare(
         TracedLink::of("box", {.max_depth = 4, .transmission = true, .softness = softness}));
-    EXPECT_EQ(table.size(), 12U);
+    EXPECT_EQ(table.size(), kKinds);
     for (const auto& [kind, worst] : table) {
       EXPECT_LE(worst.error, kTolerance) << name_of(kind) << " " << softness << ": " << worst.where;
     }
