@@ -15,7 +15,10 @@
 // derivative: they are plain doubles of create().
 //
 // Reference: [F] Felsen, Marcuvitz, Radiation and scattering of waves (1973), 5.4 (stationary phase
-// of the k_z integral). Checked against the integral itself: tests/data/goldens/cylinder.
+// of the k_z integral). Checked against the integral itself for v and h, ends 0.5 to 5 m from the
+// axis (tests/data/goldens/cylinder): within 0.2 dB and 1 degree in the light and 1.5 dB in the
+// shadow. Not so for waves that turn around inside a body, whose elevation is their own: up to 3 dB
+// and 15 degrees past wood, when both ends are as near and the way steeper than 30 degrees.
 #pragma once
 
 #include <array>
@@ -45,11 +48,18 @@ template <typename T>
 struct CylinderRoute {
   T rho_in{}, rho_out{};                 // [m], horizontally from the axis
   T phi_in{}, phi_out{};                 // [rad], azimuths in the body's frame
-  T across{};                            // [m], horizontal length by way of the body's surface
+  T across{};                            // [m], horizontal length: straight in the shadow, by the
+                                         // reflecting point in the light, blended between
   T length{};                            // [m], with the rise
   T cos_elevation{}, sin_elevation{};    // of the wave's travel; above the horizon: positive
   T height{};                            // [m], z where it meets the body
   T source_height{}, observer_height{};  // [m], their z
+};
+
+template <typename T>
+struct HorizontalWay {
+  T length{};    // [m], CylinderRoute::across
+  T share_in{};  // of it, before the body
 };
 
 // E at the observer, in the directions v (upright, in the plane of the axis and the way the wave
@@ -88,6 +98,11 @@ class CylinderScatterer {
                     double wavelength,
                     std::shared_ptr<const CylinderSection> section);
 
+  template <typename T>
+  HorizontalWay<T> horizontal_way(const Vec3<T>& in,
+                                  const Vec3<T>& out,
+                                  const T& rho_in,
+                                  const T& rho_out) const;
   template <typename T>
   Complex<T> window(const CylinderRoute<T>& route) const;
   template <typename T>

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "engine/base/dual.h"
+#include "engine/base/smooth_step.h"
 #include "engine/em/cylinder_scatterer.h"
 
 namespace rayloc {
@@ -16,21 +17,16 @@ inline constexpr double kLevel = 0.26;
 // The same for the distance of an end from the axis, in larger semi-axes.
 inline constexpr double kTouching = 1.0;
 inline constexpr double kFree = 1.05;
-// The shorter way by the surface is blurred by this share of the body's size around forward
-// scattering, where it has a kink.
-inline constexpr double kBlur = 0.1;
+// In the shadow the way is the straight one, which the body's wave must cancel; in the light that
+// by the reflecting point. From the first to the second: how far from the axis the straight way
+// passes, in radii.
+inline constexpr double kGrazing = 1.0;
+inline constexpr double kLit = 1.5;
 
-// 0 below `from`, 1 above `to`, twice differentiable.
+// 0 below `from`, 1 above `to`.
 template <typename T>
-T smooth_step(const T& x, double from, double to) {
-  const T t = (x - T(from)) * T(1.0 / (to - from));
-  if (!(t > T(0))) {
-    return T(0);
-  }
-  if (!(t < T(1))) {
-    return T(1);
-  }
-  return t * t * t * (T(10) + t * (T(6) * t - T(15)));
+T step_between(const T& x, double from, double to) {
+  return smooth_step<T>((x - T(from)) * T(1.0 / (to - from)));
 }
 
 // (s(z) - s - s' dz) / dz^2 for the distance s(z) of a point from height z of an axis at distance
@@ -47,6 +43,41 @@ T excess_curvature(const T& rho, const T& rise, const T& dz) {
 }  // namespace cylinder
 
 template <typename T>
+HorizontalWay<T> CylinderScatterer::horizontal_way(const Vec3<T>& in,
+                                                   const Vec3<T>& out,
+                                                   const T& rho_in,
+                                                   const T& rho_out) const {
+  using std::sqrt;
+  const auto between = [](const T& x, const T& y) { return sqrt(x * x + y * y); };
+  // Where the surface faces the middle of both directions, it reflects from one to the other.
+  const T middle_x = in.x / rho_in + out.x / rho_out;
+  const T middle_y = in.y / rho_in + out.y / rho_out;
+  const T cosine2 = T(0.25) * (middle_x * middle_x + middle_y * middle_y);
+  const T support = T(0.5) * between(T(body_.semi_axes[0]) * middle_x,
+                                     T(body_.semi_axes[1]) * middle_y);  // times the cosine
+  // How far from the axis the straight line passes there, in supports. Straight behind the body it
+  // is 0 / 0, and no light.
+  const T clearance = T(2) * rho_in * rho_out / (rho_in + rho_out) * cosine2 / support;
+  const T light = cylinder::step_between(
+      clearance + T(2) * cosine2 * cosine2, cylinder::kGrazing, cylinder::kLit);
+  const T straight_share = rho_in / (rho_in + rho_out);
+  if (!(light > T(0))) {
+    return {between(in.x - out.x, in.y - out.y), straight_share};
+  }
+  const T px = T(0.5 * body_.semi_axes[0] * body_.semi_axes[0]) * middle_x / support;
+  const T py = T(0.5 * body_.semi_axes[1] * body_.semi_axes[1]) * middle_y / support;
+  const T to = between(in.x - px, in.y - py);
+  const T from = between(out.x - px, out.y - py);
+  const HorizontalWay<T> reflected{to + from, to / (to + from)};
+  if (!(light < T(1))) {
+    return reflected;
+  }
+  const T straight = between(in.x - out.x, in.y - out.y);
+  return {straight + light * (reflected.length - straight),
+          straight_share + light * (reflected.share_in - straight_share)};
+}
+
+template <typename T>
 CylinderRoute<T> CylinderScatterer::route(const Vec3<T>& source, const Vec3<T>& observer) const {
   using std::atan2;
   using std::sqrt;
@@ -61,18 +92,13 @@ CylinderRoute<T> CylinderScatterer::route(const Vec3<T>& source, const Vec3<T>& 
   route.rho_out = sqrt(out.x * out.x + out.y * out.y);
   route.phi_in = atan2(in.y, in.x);
   route.phi_out = atan2(out.y, out.x);
-  // The support function of the ellipse in the direction between both ends: how much shorter the
-  // way by the reflecting point is than by the axis, to first order of size over distance.
-  const T bx = T(body_.semi_axes[0]) * (in.x / route.rho_in + out.x / route.rho_out);
-  const T by = T(body_.semi_axes[1]) * (in.y / route.rho_in + out.y / route.rho_out);
-  const double blur = cylinder::kBlur * (body_.semi_axes[0] + body_.semi_axes[1]);
-  const T shorter = sqrt(bx * bx + by * by + T(blur * blur)) - T(blur);
-  route.across = route.rho_in + route.rho_out - shorter;
+  const HorizontalWay<T> way = horizontal_way(in, out, route.rho_in, route.rho_out);
+  route.across = way.length;
   const T rise = out.z - in.z;
   route.length = sqrt(route.across * route.across + rise * rise);
   route.cos_elevation = route.across / route.length;
   route.sin_elevation = rise / route.length;
-  route.height = in.z + rise * (route.rho_in - T(0.5) * shorter) / route.across;
+  route.height = in.z + rise * way.share_in;
   route.source_height = in.z;
   route.observer_height = out.z;
   return route;
@@ -82,9 +108,9 @@ template <typename T>
 T CylinderScatterer::validity(const CylinderRoute<T>& route) const {
   const double reach = std::max(body_.semi_axes[0], body_.semi_axes[1]);
   const auto away = [&](const T& rho) {
-    return cylinder::smooth_step(rho, cylinder::kTouching * reach, cylinder::kFree * reach);
+    return cylinder::step_between(rho, cylinder::kTouching * reach, cylinder::kFree * reach);
   };
-  return cylinder::smooth_step(route.cos_elevation, cylinder::kSteep, cylinder::kLevel) *
+  return cylinder::step_between(route.cos_elevation, cylinder::kSteep, cylinder::kLevel) *
          away(route.rho_in) * away(route.rho_out);
 }
 
@@ -133,7 +159,11 @@ CylinderScattering<T> CylinderScatterer::scatter(const CylinderRoute<T>& route) 
   const T size = weight * T(std::numbers::pi) * route.cos_elevation *
                  sqrt(T(k / (2.0 * std::numbers::pi)) / route.length);
   const Complex<T> phase = exp(Complex<T>{T(0), kt * route.across - T(std::numbers::pi / 4.0)});
-  const Complex<T> scale = Complex<T>{size, T(0)} * phase * window(route);
+  // Over the first terms of H_0(k_t across), a straight wave stays one: without them a thousandth
+  // of it is left in the shadow.
+  const T near = T(0.125) / (kt * route.across);
+  const Complex<T> hankel{T(1) - T(4.5) * near * near, near};
+  const Complex<T> scale = Complex<T>{size, T(0)} * phase * window(route) / hankel;
   const auto part = [&](SectionPart which) {
     Complex<T> sum{T(response.value[which].re), T(response.value[which].im)};
     for (std::size_t i = 0; i < kSectionArguments; ++i) {

@@ -26,24 +26,12 @@
 
 #include <cmath>
 
+#include "engine/base/smooth_step.h"
 #include "engine/base/vec3.h"
 #include "engine/scene/surface.h"
 #include "engine/trace/field_calculator.h"
 
 namespace rayloc {
-
-// 0 for x <= 0, 1 for x >= 1, with three continuous derivatives.
-template <typename T>
-T smooth_step(const T& x) {
-  if (!(x > T(0))) {
-    return T(0);
-  }
-  if (!(x < T(1))) {
-    return T(1);
-  }
-  const T x2 = x * x;
-  return x2 * x2 * (T(35) + x * (T(-84) + x * (T(70) - T(20) * x)));
-}
 
 // Smooth step of the distance of a point of the plane inside the edges, from `from` to `to` [m].
 template <typename T>

@@ -108,8 +108,9 @@ def write_modes():
 
 
 class VerticalDipoles:
-    """E_z of a vertical point dipole beside the infinite cylinder, in units of exp(-jkR) / R at right
-    angles to it: direct, and scattered as an integral over k_z.
+    """Fields of upright point dipoles beside the infinite cylinder, in units of exp(-jkR) / R at
+    right angles to them, scattered as an integral over k_z: E_z of an electric dipole, whose field is
+    vertical, and by duality eta_0 H_z of a magnetic one, whose electric field is horizontal.
 
     (1 + d_z^2 / k^2) of exp(-jkR) / R = -j/2 integral (1 - (k_z/k)^2) exp(-j k_z z) H_0(k_t rho) dk_z.
     """
@@ -124,33 +125,39 @@ class VerticalDipoles:
         self.g0 = np.where(g0.imag > 0, -g0, g0)[:, None]
         x = K * radius
         self.n = np.arange(0, int(x + 5 * x ** (1 / 3) + 12))
-        self.tm = modes(self.n, radius, eps, self.kz)[..., 0, 0] * np.where(self.n == 0, 1, 2)
+        self.t = modes(self.n, radius, eps, self.kz) * np.where(self.n == 0, 1, 2)[:, None, None]
 
     def at(self, rho_s, rho_o, rise, angles):
-        """(direct, scattered) for each azimuth between source and observer."""
-        radial = self.tm * hankel2(self.n, K * self.g0 * rho_s) * hankel2(self.n, K * self.g0 * rho_o)
+        """For each azimuth from source to observer: direct (the same for both), scattered E_z of E_z,
+        eta_0 H_z of eta_0 H_z, and E_z of eta_0 H_z."""
+        radial = hankel2(self.n, K * self.g0 * rho_s) * hankel2(self.n, K * self.g0 * rho_o)
         spectrum = (1 - self.kz**2) * np.exp(-1j * K * self.kz * rise) * self.dkz
+        by_order = np.einsum("s,sn,snij->nij", spectrum, radial, self.t)
         for phi in np.radians(angles):
             distance = np.sqrt(rho_s**2 + rho_o**2 - 2 * rho_s * rho_o * np.cos(phi) + rise**2)
             sin2 = (rise / distance) ** 2
             kr = K * distance
             near = (1 - sin2) + (3 * sin2 - 1) * (1j / kr + 1 / kr**2)  # a point dipole's, exactly
             direct = near * np.exp(-1j * kr) / distance
-            scattered = -0.5j * K * np.sum(spectrum * (radial @ np.cos(self.n * phi)))
-            yield direct, scattered
+            even, odd = np.cos(self.n * phi), 1j * np.sin(self.n * phi)  # of orders n and -n
+            scattered = [-0.5j * K * np.dot(by_order[:, row, column], turn)
+                         for row, column, turn in ((0, 0, even), (1, 1, even), (0, 1, odd))]
+            yield [direct, *scattered]
 
 
 def write_point_source():
-    angles = (20, 50, 80, 110, 140, 155, 165, 170, 173, 176, 178, 180)
+    angles = (20, 50, 80, 110, 125, 140, 155, 165, 170, 173, 176, 178, 180)
+    places = ((0.5, 0.5, 0.0), (0.5, 0.5, 0.6), (0.5, 5.0, 1.0), (5.0, 0.5, -2.0), (1.0, 1.0, 1.5),
+              (2.0, 1.5, 0.0), (2.0, 1.5, 1.2), (3.0, 0.8, -2.0), (5.0, 5.0, 0.0), (5.0, 4.0, 2.5))
     cases = []
     for name in ("skin", "wood"):
         eps_r, sigma = MATERIALS[name]
-        for radius in (0.12, 0.2):
-            dipoles = VerticalDipoles(radius, permittivity(eps_r, sigma))
-            for rho_s, rho_o, rise in ((2.0, 1.5, 0.0), (2.0, 1.5, 1.2), (3.0, 0.8, -2.0), (1.0, 1.0, 1.5)):
-                rows = [[angle, direct.real, direct.imag, scattered.real, scattered.imag]
-                        for angle, (direct, scattered) in zip(angles, dipoles.at(rho_s, rho_o, rise, angles))]
-                cases.append({"material": name, "eps_r": eps_r, "sigma": sigma, "radius": radius,
+        for k_radius in (10.0, 17.3, 30.0):
+            dipoles = VerticalDipoles(k_radius / K, permittivity(eps_r, sigma))
+            for rho_s, rho_o, rise in places:
+                rows = [[angle] + [v for z in fields for v in (z.real, z.imag)]
+                        for angle, fields in zip(angles, dipoles.at(rho_s, rho_o, rise, angles))]
+                cases.append({"material": name, "eps_r": eps_r, "sigma": sigma, "k_radius": k_radius,
                               "rho_s": rho_s, "rho_o": rho_o, "rise": rise, "rows": rows})
     save("point_source.json", {"frequency": CARRIER, "cases": cases})
 
