@@ -1,6 +1,9 @@
 // Threads change nothing: neither how many grow a tree, nor how many ask it.
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <tbb/global_control.h>
@@ -8,8 +11,12 @@
 #include <tbb/task_arena.h>
 
 #include "engine/base/parallel.h"
+#include "engine/scene/load_scene.h"
 #include "engine/trace/path_tracer.h"
+#include "engine/trace/scattering.h"
 #include "tests/support/laboratory.h"
+#include "tests/support/office_floor.h"
+#include "tests/support/scenes.h"
 
 namespace rayloc {
 namespace {
@@ -30,34 +37,114 @@ std::vector<double> numbers(const std::vector<Paths>& links) {
   return all;
 }
 
-std::vector<double> traced(int threads, CandidateGenerator candidates) {
+// What `work` returns on so many threads.
+template <typename Work>
+std::vector<double> on_threads(int threads, const Work& work) {
   const tbb::global_control at_least(tbb::global_control::max_allowed_parallelism, 4);
   tbb::task_arena arena(threads);
-  std::vector<Paths> links(24);
-  arena.execute([&] {
-    const PathTracer tracer(test::laboratory(),
-                            {.max_depth = 2, .candidates = candidates, .rays = 20'000});
-    const auto antennas = array_elements<Receiver>(test::laboratory_access_point());
-    const ReceiverTracer at = tracer.at(antennas[0]);
-    const auto positions = test::laboratory_positions(links.size());
-    parallel_for(links.size(), 1, [&](std::size_t i) {
-      links[i] = at.trace(Transmitter{{positions[i / 2], {}}});  // each place twice
-    });
-  });
+  std::vector<Paths> links;
+  arena.execute([&] { links = work(); });
   return numbers(links);
 }
 
-TEST(TraceThreads, PathsAreTheSameBitForBit) {
-  for (const auto candidates : {CandidateGenerator::kExhaustive, CandidateGenerator::kShooting}) {
-    const std::vector<double> one = traced(1, candidates);
-    EXPECT_GT(one.size(), 4000U);
-    EXPECT_EQ(one, traced(2, candidates));
-    EXPECT_EQ(one, traced(4, candidates));
+template <typename Work>
+void expect_the_same_on_all_threads(std::size_t least, const Work& work) {
+  const std::vector<double> one = on_threads(1, work);
+  EXPECT_GT(one.size(), least);
+  EXPECT_EQ(one, on_threads(2, work));
+  EXPECT_EQ(one, on_threads(4, work));
+}
+
+std::shared_ptr<const Scene> meeting_room() {
+  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
+                          {test::kCarrier, {}});
+  return std::make_shared<const Scene>(std::move(scene).value());
+}
+
+// Points of a square of 1 m around `middle`.
+std::vector<Vec3d> around(const Vec3d& middle) {
+  std::vector<Vec3d> places;
+  for (int i = 0; i < 12; ++i) {
+    places.push_back(middle + Vec3d{0.3 * (i % 4) - 0.45, 0.45 * (i / 4) - 0.45, 0.0});
+  }
+  return places;
+}
+
+struct Room {
+  std::shared_ptr<const Scene> scene;
+  Vec3d antenna;
+  std::vector<Vec3d> places;
+};
+
+Room room(const std::string& name) {
+  if (name == "laboratory") {
+    return {test::laboratory(),
+            element_position(test::laboratory_access_point(), 0),
+            test::laboratory_positions(12)};
+  }
+  if (name == "office") {
+    return {test::office_floor(1000), test::office_access_point(), around(test::office_device())};
+  }
+  return {meeting_room(), {-1.45, 1.13, 2.25}, around({0.412, 0.5, 1.519})};
+}
+
+struct Case {
+  const char* name;
+  const char* room;
+  TraceOptions options;
+};
+
+class TraceThreads : public testing::TestWithParam<Case> {};
+
+TEST_P(TraceThreads, LeavePathsTheSameBitForBit) {
+  expect_the_same_on_all_threads(1000, [&] {
+    const Room in = room(GetParam().room);
+    const PathTracer tracer(in.scene, GetParam().options);
+    const ReceiverTracer at = tracer.at(Receiver{{in.antenna, {}}});
+    std::vector<Paths> links(2 * in.places.size());
+    parallel_for(links.size(), 1, [&](std::size_t i) {
+      links[i] = at.trace(Transmitter{{in.places[i / 2], {}}});  // each place twice
+    });
+    return links;
+  });
+}
+
+constexpr auto kExhaustive = CandidateGenerator::kExhaustive;
+constexpr auto kShooting = CandidateGenerator::kShooting;
+
+INSTANTIATE_TEST_SUITE_P(
+    OfRooms,
+    TraceThreads,
+    testing::Values(
+        Case{"laboratory", "laboratory", {.max_depth = 2, .candidates = kExhaustive}},
+        Case{"laboratory_shot", "laboratory", {.candidates = kShooting, .rays = 20'000}},
+        Case{"laboratory_deep", "laboratory", {.max_depth = 3, .candidates = kExhaustive}},
+        Case{"office", "office", {.max_depth = 3}},
+        Case{"office_shot", "office", {.candidates = kShooting, .rays = 20'000}},
+        Case{"meeting_room_soft", "meeting_room", {.max_depth = 3, .softness = 0.05}},
+        Case{"meeting_room_transmission", "meeting_room", {.transmission = true}},
+        Case{"meeting_room_both", "meeting_room", {.transmission = true, .softness = 0.05}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(TraceThreadsPastABody, LeavePairsTheSameBitForBit) {
+  const Room in = room("meeting_room");
+  for (const TargetBody& body : {TargetBody{}, TargetBody{{0.22, 0.15}, 0.4}}) {
+    const auto tracer = TargetTracer::create(in.scene, body, {{.max_depth = 2}});
+    expect_the_same_on_all_threads(1000, [&] {
+      const TargetLink link =
+          tracer.value().link(Transmitter{{{0.4, 1.0, 1.5}, {}}}, Receiver{{in.antenna, {}}});
+      std::vector<Paths> links(2 * in.places.size());
+      parallel_for(links.size(), 1, [&](std::size_t i) {
+        const Vec3d& place = in.places[i / 2];
+        links[i] = link.trace({place.x, place.y - 0.7}).value();
+      });
+      return links;
+    });
   }
 }
 
 // Embree could keep the whole process on one thread.
-TEST(TraceThreads, ScenesLeaveTheOtherThreadsAlone) {
+TEST(TraceThreadsAround, ScenesLeaveTheOtherThreadsAlone) {
   const auto threads = [] {
     return tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   };
