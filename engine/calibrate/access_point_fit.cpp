@@ -154,7 +154,8 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
                                              std::vector<CalibrationSample> samples)
     : grid_(room.grid),
       access_point_(room.access_points.at(access_point)),
-      model_(room.grid, access_point_.cores.size()) {
+      model_(room.grid, access_point_.cores.size()),
+      given_(samples.size()) {
   const AntennaArray& array = access_point_.array;
   const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
   const ReceiverTracer at_array = tracer.at(
@@ -164,6 +165,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
     RAYLOC_CHECK(samples[i].h.size() == access_point_.cores.size() * grid_.size());
     const Transmitter device{
         {samples[i].position, {}, room.device.pattern, room.device.polarization}};
+    traced[i].index = i;
     traced[i].h = std::move(samples[i].h);
     scale_to_unit(traced[i].h);
     traced[i].rays = rays_of(at_array.trace(device), *room.scene, samples[i].position, kMostRays);
@@ -287,7 +289,7 @@ void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
   scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
 }
 
-Expected<AccessPointFit> AccessPointCalibrator::fit() const {
+Expected<AccessPointFit> AccessPointCalibrator::start() const {
   if (samples_.size() < kLeastSamples) {
     return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
                      " calibration points can be used, at least " + std::to_string(kLeastSamples) +
@@ -300,24 +302,47 @@ Expected<AccessPointFit> AccessPointCalibrator::fit() const {
   fit.diffuse.value = prior.diffuse;
   fit.diffuse_exponent.value = prior.diffuse_exponent;
   fit.noise.value = prior.noise;
-  for (int round = 0; round < 2; ++round) {
-    fit_yaw(fit);
-    fit_errors(fit);
+  return fit;
+}
+
+Expected<AccessPointFit> AccessPointCalibrator::fit() const {
+  auto fit = start();
+  for (int round = 0; fit && round < 2; ++round) {
+    fit_yaw(*fit);
+    fit_errors(*fit);
   }
   return fit;
 }
 
-double AccessPointCalibrator::correlation(const AccessPointFit* fit) const {
+Expected<AccessPointFit> AccessPointCalibrator::fit_gains() const {
+  auto fit = start();
+  if (fit) {
+    fit->gains = principal_gains(offsets(0.0), fit->error(), &fit->gain_sigma);
+  }
+  return fit;
+}
+
+std::vector<std::optional<double>> AccessPointCalibrator::correlations(
+    const AccessPointFit* fit) const {
   const Aligner aligner(grid_);
   const auto turned = offsets(fit != nullptr ? fit->yaw_offset.value : 0.0);
   const ModelError error = fit != nullptr ? fit->error() : ModelError{};
-  double sum = 0.0;
-  for (const Sample& sample : samples_) {
-    auto h = sample.h;
+  std::vector<std::optional<double>> each(given_);
+  parallel_for(samples_.size(), 4, [&](std::size_t i) {
+    auto h = samples_[i].h;
     if (fit != nullptr) {
       remove_gains(fit->gains, h);
     }
-    sum += aligner.align(model_.expected({sample.rays, turned, 0.0}, error), h).correlation;
+    each[samples_[i].index] =
+        aligner.align(model_.expected({samples_[i].rays, turned, 0.0}, error), h).correlation;
+  });
+  return each;
+}
+
+double AccessPointCalibrator::correlation(const AccessPointFit* fit) const {
+  double sum = 0.0;
+  for (const auto& one : correlations(fit)) {
+    sum += one.value_or(0.0);
   }
   return samples_.empty() ? 0.0 : sum / static_cast<double>(samples_.size());
 }

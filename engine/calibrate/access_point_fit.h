@@ -8,7 +8,9 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -59,19 +61,26 @@ class AccessPointCalibrator {
   // An Error when fewer than `kLeastSamples` samples can be used.
   static constexpr std::size_t kLeastSamples = 4;
   Expected<AccessPointFit> fit() const;
+  // The gains alone, at the surveyed yaw and with the errors of a floor plan: no scan, a tenth of
+  // the time.
+  Expected<AccessPointFit> fit_gains() const;
 
   // Mean squared normalised correlation of measured and expected arrays over the samples: with the
   // gains and the yaw of a fit, or (nullptr) with equal gains and the surveyed yaw.
   double correlation(const AccessPointFit* fit) const;
+  // The same of each sample that was given; nothing where no ray reaches it.
+  std::vector<std::optional<double>> correlations(const AccessPointFit* fit) const;
 
   std::size_t usable_samples() const { return samples_.size(); }
 
  private:
   struct Sample {
+    std::size_t index = 0;  // in what was given
     std::vector<std::complex<double>> h;
     std::vector<Ray> rays;
   };
 
+  Expected<AccessPointFit> start() const;
   std::vector<Vec3d> offsets(double yaw_offset) const;
   ChainGains principal_gains(const std::vector<Vec3d>& offsets,
                              const ModelError& error,
@@ -87,6 +96,7 @@ class AccessPointCalibrator {
   RoomAccessPoint access_point_;
   ObservationModel model_;
   std::vector<Sample> samples_;
+  std::size_t given_ = 0;
 };
 
 }  // namespace rayloc
