@@ -40,9 +40,43 @@ constexpr std::array<Colour, 6> kPowers{{{253, 212, 158, 1.0},
                                          {227, 74, 51, 1.0},
                                          {179, 0, 0, 1.0},
                                          {110, 0, 0, 1.0}}};
+// matplotlib "viridis", six of its colours.
+constexpr std::array<Colour, 6> kShares{{{68, 1, 84, 1.0},
+                                         {65, 68, 135, 1.0},
+                                         {42, 120, 142, 1.0},
+                                         {34, 168, 132, 1.0},
+                                         {122, 209, 81, 1.0},
+                                         {253, 231, 37, 1.0}}};
+// ColorBrewer "RdBu", blue first, its middle darker: on a white page.
+constexpr std::array<Colour, 5> kSigned{{{5, 80, 160, 1.0},
+                                         {90, 150, 205, 1.0},
+                                         {205, 205, 205, 1.0},
+                                         {230, 120, 90, 1.0},
+                                         {165, 10, 30, 1.0}}};
+// Okabe and Ito, without black and yellow.
+constexpr std::array<Colour, 6> kCurves{{{0, 114, 178, 1.0},
+                                         {213, 94, 0, 1.0},
+                                         {0, 158, 115, 1.0},
+                                         {204, 121, 167, 1.0},
+                                         {86, 180, 233, 1.0},
+                                         {230, 159, 0, 1.0}}};
 
 std::uint8_t channel(double value) {
   return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 255.0)));
+}
+
+// `share` 0 is the first colour, 1 the last.
+template <std::size_t N>
+Colour between(const std::array<Colour, N>& colours, double share) {
+  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(N - 1);
+  const auto below = std::min(static_cast<std::size_t>(position), N - 2);
+  const double part = position - static_cast<double>(below);
+  const Colour& a = colours.at(below);
+  const Colour& b = colours.at(below + 1);
+  return {channel(a.red + part * (b.red - a.red)),
+          channel(a.green + part * (b.green - a.green)),
+          channel(a.blue + part * (b.blue - a.blue)),
+          1.0};
 }
 
 }  // namespace
@@ -60,17 +94,13 @@ Colour material_colour(const std::string& name) {
   return kOthers.at(sum % kOthers.size());
 }
 
-Colour power_colour(double share) {
-  const double position = std::clamp(share, 0.0, 1.0) * static_cast<double>(kPowers.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(position), kPowers.size() - 2);
-  const double part = position - static_cast<double>(below);
-  const Colour& a = kPowers.at(below);
-  const Colour& b = kPowers.at(below + 1);
-  return {channel(a.red + part * (b.red - a.red)),
-          channel(a.green + part * (b.green - a.green)),
-          channel(a.blue + part * (b.blue - a.blue)),
-          1.0};
-}
+Colour power_colour(double share) { return between(kPowers, share); }
+
+Colour share_colour(double share) { return between(kShares, share); }
+
+Colour signed_colour(double value) { return between(kSigned, 0.5 * (value + 1.0)); }
+
+Colour curve_colour(std::size_t number) { return kCurves.at(number % kCurves.size()); }
 
 Colour shaded(const Colour& colour, double factor) {
   return {channel(factor * colour.red),

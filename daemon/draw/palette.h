@@ -1,6 +1,7 @@
 // Colours of materials and of powers.
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "daemon/draw/drawing.h"
@@ -18,6 +19,15 @@ Colour material_colour(const std::string& name);
 
 // From the weakest (0, pale) to the strongest (1, dark): the darker the stronger also in grey.
 Colour power_colour(double share);
+
+// A share of something good: 0 dark violet, 1 yellow; brighter the larger also in grey.
+Colour share_colour(double share);
+
+// Of a sign and a size: -1 blue, 0 pale grey, 1 red.
+Colour signed_colour(double value);
+
+// Colours of curves that differ for most people who do not see all colours; they repeat after six.
+Colour curve_colour(std::size_t number);
 
 // Each channel multiplied; 1 leaves the colour as it is.
 Colour shaded(const Colour& colour, double factor);

@@ -106,8 +106,11 @@ struct Element {
 }  // namespace
 
 std::string to_svg(const Drawing& drawing) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + to_svg_element(drawing);
+}
+
+std::string to_svg_element(const Drawing& drawing) {
   std::string svg = fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
       "viewBox=\"0 0 {0:.0f} {1:.0f}\" font-family=\"DejaVu Sans, Verdana, sans-serif\" "
       "stroke-linejoin=\"round\" stroke-linecap=\"round\">\n"

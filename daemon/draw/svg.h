@@ -8,5 +8,7 @@
 namespace rayloc::draw {
 
 std::string to_svg(const Drawing& drawing);
+// The <svg> element alone, to stand in a page of HTML.
+std::string to_svg_element(const Drawing& drawing);
 
 }  // namespace rayloc::draw

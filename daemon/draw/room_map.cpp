@@ -1,0 +1,121 @@
+#include "daemon/draw/room_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/draw/labels.h"
+#include "daemon/draw/legend.h"
+#include "daemon/draw/palette.h"
+#include "daemon/draw/views.h"
+#include "engine/base/check.h"
+
+namespace rayloc::draw {
+namespace {
+
+constexpr double kMargin = 14.0;
+constexpr double kTitleHeight = 30.0;
+constexpr double kRulerMargin = 34.0;
+constexpr double kBarWidth = 120.0;
+constexpr double kWidest = 760.0;  // of the room on the page
+constexpr double kHighest = 420.0;
+constexpr double kMostPixelsPerMetre = 130.0;
+constexpr double kDotRadius = 4.5;
+constexpr double kTextSize = 10.5;
+
+Colour colour_of(const RoomMap& map, double value) {
+  return map.colour(std::clamp((value - map.lowest) / (map.highest - map.lowest), 0.0, 1.0));
+}
+
+void append(std::vector<Shape> more, std::vector<Shape>& shapes) {
+  std::move(more.begin(), more.end(), std::back_inserter(shapes));
+}
+
+// From the highest (above) to the lowest; below it what a ring means.
+void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Shape>& shapes) {
+  constexpr int kBands = 24;
+  constexpr int kTicks = 4;
+  constexpr double kHeight = 120.0;
+  constexpr double kWidth = 14.0;
+  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kTextSize, kInk});
+  const double top = corner.y + 18.0;
+  for (int i = 0; i < kBands; ++i) {
+    const double y = top + i * kHeight / kBands;
+    const double below = y + kHeight / kBands;
+    const double share = 1.0 - (i + 0.5) / kBands;
+    shapes.emplace_back(Polygon{
+        {{corner.x, y}, {corner.x + kWidth, y}, {corner.x + kWidth, below}, {corner.x, below}},
+        map.colour(share)});
+  }
+  for (int i = 0; i <= kTicks; ++i) {
+    const double share = static_cast<double>(i) / kTicks;
+    const double value = map.highest + share * (map.lowest - map.highest);
+    shapes.emplace_back(Text{{corner.x + kWidth + 6.0, top + share * kHeight + 3.5},
+                             fmt::format("{:.3g}", std::abs(value) < 1e-12 ? 0.0 : value),
+                             kTextSize,
+                             kInk});
+  }
+  if (!map.ring_meaning.empty()) {
+    const PagePoint at{corner.x + 7.0, top + kHeight + 22.0};
+    shapes.emplace_back(Circle{at, kDotRadius, {255, 255, 255, 1.0}, Pen{kInk, 1.6}});
+    shapes.emplace_back(Text{{at.x + 12.0, at.y + 3.5}, map.ring_meaning, kTextSize, kInk});
+  }
+}
+
+void draw_values(const RoomMap& map, const Projection& page, std::vector<Shape>& shapes) {
+  constexpr double kLinePen = 4.0;
+  for (const MapLine& line : map.lines) {
+    shapes.emplace_back(
+        Line{{page(line.from), page(line.to)}, {colour_of(map, line.value), kLinePen}});
+  }
+  const Pen plain{{255, 255, 255, 1.0}, 0.7};
+  const Pen ring{kInk, 1.6};
+  for (const MapDot& dot : map.dots) {
+    shapes.emplace_back(
+        Circle{page(dot.at), kDotRadius, colour_of(map, dot.value), dot.ringed ? ring : plain});
+  }
+  for (const MapAntenna& antenna : map.antennas) {
+    append(draw_antenna(page(antenna.at), MarkKind::kReceiver), shapes);
+    Text name{{page(antenna.at).x, page(antenna.at).y - 9.0},
+              antenna.name,
+              kTextSize,
+              kReceiverInk,
+              TextAnchor::kMiddle};
+    name.bold = true;
+    name.halo = true;
+    shapes.emplace_back(std::move(name));
+  }
+}
+
+}  // namespace
+
+Drawing draw_room_map(const RoomMap& map) {
+  RAYLOC_CHECK(map.scene != nullptr && map.colour != nullptr && map.lowest < map.highest);
+  const Bounds all{map.scene->bounds_min(), map.scene->bounds_max()};
+  Projection page = plan_projection();
+  const Vec3d size = all.size();
+  page.scale = std::min(
+      {kWidest / std::max(size.x, 1e-3), kHighest / std::max(size.y, 1e-3), kMostPixelsPerMetre});
+  page.origin = {kMargin + kRulerMargin - page.scale * all.lower.x,
+                 kMargin + kTitleHeight + page.scale * all.upper.y};
+  Drawing drawing;
+  Text title{{kMargin, kMargin + 8.0}, map.title, 12.0, kInk};
+  title.bold = true;
+  drawing.shapes.emplace_back(std::move(title));
+  Labels labels;
+  append(draw_plan(*map.scene, scene_parts(*map.scene), page), drawing.shapes);
+  append(draw_ruler(all, page, labels), drawing.shapes);
+  draw_values(map, page, drawing.shapes);
+  const PagePoint corner{page(all.upper).x + 24.0, kMargin + kTitleHeight};
+  draw_colour_bar(map, corner, drawing.shapes);
+  drawing.width = corner.x + kBarWidth;
+  constexpr double kBarHeight = 180.0;
+  drawing.height = corner.y + std::max(page.scale * size.y + kRulerMargin, kBarHeight) + kMargin;
+  return drawing;
+}
+
+}  // namespace rayloc::draw

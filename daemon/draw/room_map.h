@@ -1,0 +1,48 @@
+// Maps: the plan of a room, and numbers in it as colours.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "daemon/draw/drawing.h"
+#include "engine/base/vec3.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc::draw {
+
+struct MapDot {
+  Vec3d at;  // [m]
+  double value = 0.0;
+  bool ringed = false;
+};
+
+struct MapLine {  // a surface, seen from above
+  Vec3d from;     // [m]
+  Vec3d to;
+  double value = 0.0;
+};
+
+struct MapAntenna {
+  std::string name;
+  Vec3d at;  // [m]
+};
+
+struct RoomMap {
+  const Scene* scene = nullptr;
+  std::string title;
+  std::vector<MapLine> lines;
+  std::vector<MapDot> dots;
+  std::vector<MapAntenna> antennas;
+  std::string ring_meaning;  // of MapDot::ringed, for the legend; empty: none are
+  // The colours and what they mean.
+  std::string value_name;
+  double lowest = 0.0;  // REQUIRES: lowest < highest
+  double highest = 1.0;
+  std::function<Colour(double share)> colour;  // 0: lowest, 1: highest
+};
+
+// REQUIRES: map.scene != nullptr, map.colour.
+Drawing draw_room_map(const RoomMap& map);
+
+}  // namespace rayloc::draw
