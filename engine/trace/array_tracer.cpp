@@ -30,12 +30,7 @@ ArrayTracer::ArrayTracer(const PathTracer& tracer, const AntennaArray& array, Ar
         {array.pose.position, array.pose.orientation, array.pattern, array.polarization}}));
     return;
   }
-  const std::vector<Receiver> elements = array_elements<Receiver>(array);
-  std::vector<std::optional<ReceiverTracer>> made(elements.size());
-  parallel_for(elements.size(), 1, [&](std::size_t i) { made[i] = tracer.at(elements[i]); });
-  for (auto& one : made) {
-    tracers_.push_back(std::move(*one));
-  }
+  tracers_ = tracer.at(array_elements<Receiver>(array));
 }
 
 std::vector<Paths> ArrayTracer::trace(const Transmitter& transmitter) const {

@@ -52,25 +52,35 @@ Polygon grown(std::span<const Vec3d> outline, const Vec3d& normal, double margin
   return result;
 }
 
-void beam_planes(const Vec3d& apex,
-                 double apex_distance,
+void beam_planes(std::span<const Vec3d> apexes,
+                 double side,
                  std::span<const Vec3d> window,
                  std::vector<Plane<double>>& planes) {
   planes.clear();
-  const double inwards = apex_distance > 0.0 ? -1.0 : 1.0;
-  Vec3d a = window.back() - apex;
-  double length_a = norm(a);
-  for (const Vec3d& corner : window) {
-    const Vec3d b = corner - apex;
-    const double length_b = norm(b);
-    const Vec3d across = cross(a, b);
-    const double size = norm(across);
-    if (size > kBeamMargin * (length_a + length_b)) {
-      const Vec3d normal = (inwards / size) * across;
-      planes.push_back({normal, dot(normal, apex)});
+  const double inwards = side > 0.0 ? -1.0 : 1.0;
+  Vec3d from = window.back();
+  for (const Vec3d& to : window) {
+    // Of the planes through the side the one that has every apex on it or outside: the beams of the
+    // others stay inside of it.
+    const Vec3d* apex = &apexes.front();
+    Vec3d a = from - *apex;
+    Vec3d b = to - *apex;
+    Vec3d across = inwards * cross(a, b);
+    for (const Vec3d& other : apexes.subspan(1)) {
+      if (dot(across, other - *apex) > 0.0) {
+        apex = &other;
+        a = from - other;
+        b = to - other;
+        across = inwards * cross(a, b);
+      }
     }
-    a = b;
-    length_a = length_b;
+    const double square = dot(across, across);
+    // Seen end on: the sum of the squares is at least half the square of |a| + |b|.
+    if (square > 2.0 * kBeamMargin * kBeamMargin * (dot(a, a) + dot(b, b))) {
+      const Vec3d normal = (1.0 / std::sqrt(square)) * across;
+      planes.push_back({normal, dot(normal, *apex)});
+    }
+    from = to;
   }
 }
 

@@ -25,12 +25,12 @@ void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch);
 // by `margin`.
 Polygon grown(std::span<const Vec3d> outline, const Vec3d& normal, double margin);
 
-// The planes through `apex` and the sides of `window`, looking inwards. `window`: its corners come
-// anticlockwise seen from where the normal of its plane points to; `apex_distance`: of the apex
-// from that plane, by its sign. A side seen end on bounds nothing that rounding could not move, so
-// it is left out.
-void beam_planes(const Vec3d& apex,
-                 double apex_distance,
+// The planes through the sides of `window`, looking inwards, that hold what the apexes see through
+// it. `window`: its corners come anticlockwise seen from where the normal of its plane points to;
+// `side`: by its sign, of which side of that plane the apexes are (all on one). A side seen end on
+// bounds nothing that rounding could not move, so it is left out. REQUIRES: apexes is not empty.
+void beam_planes(std::span<const Vec3d> apexes,
+                 double side,
                  std::span<const Vec3d> window,
                  std::vector<Plane<double>>& planes);
 

@@ -50,13 +50,10 @@ bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) c
   return signs >> 31U == 0;
 }
 
-BeamIndex::BeamIndex(std::vector<BeamBounds> beams,
-                     const Vec3d& root,
-                     const Vec3d& lower,
-                     const Vec3d& upper)
-    : beams_(std::move(beams)), root_(root) {
-  const Vec3d centre = 0.5 * (lower + upper) - root;
-  const Vec3d half = 0.5 * (upper - lower);
+BeamIndex::BeamIndex(std::vector<BeamBounds> beams, const Vec3d& root, const Region& region)
+    : beams_(std::move(beams)), root_(root), often_(region.often) {
+  const Vec3d centre = 0.5 * (region.lower + region.upper) - root;
+  const Vec3d half = 0.5 * (region.upper - region.lower);
   all_.centre = {
       static_cast<float>(centre.x), static_cast<float>(centre.y), static_cast<float>(centre.z)};
   all_.half = static_cast<float>(std::max({half.x, half.y, half.z}));

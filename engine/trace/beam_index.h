@@ -44,11 +44,14 @@ struct CubeRegion {
 
 class BeamIndex {
  public:
-  // lower, upper: where points are looked for; others are found too, slowly.
-  BeamIndex(std::vector<BeamBounds> beams,
-            const Vec3d& root,
-            const Vec3d& lower,
-            const Vec3d& upper);
+  // Where points are looked for (others are found too, slowly), and how often in one cube until a
+  // close look pays.
+  struct Region {
+    Vec3d lower;
+    Vec3d upper;
+    std::uint32_t often;
+  };
+  BeamIndex(std::vector<BeamBounds> beams, const Vec3d& root, const Region& region);
 
   // The numbers of the beams that hold the point, ascending, and some of others that it is near.
   // Fills `found`, whose memory is used again. is_vain(beam, CubeRegion): whether the caller has no
@@ -61,7 +64,7 @@ class BeamIndex {
       return;
     }
     cube->asked.add();
-    if (cube->asked.count() <= kOften) {
+    if (cube->asked.count() <= often_) {
       select(point, cube->beams, found);
       return;
     }
@@ -105,6 +108,7 @@ class BeamIndex {
 
   std::vector<BeamBounds> beams_;
   Vec3d root_;
+  std::uint32_t often_;
   float reach_;  // the largest coordinate relative to the root [m]
   Cube all_;
 };

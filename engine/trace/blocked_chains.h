@@ -16,12 +16,15 @@ namespace rayloc {
 
 class BlockedChains {
  public:
-  // Of a tree of images (image_tree.h) of opaque surfaces with hard edges; `root`: its root.
-  BlockedChains(const Scene& scene, std::span<const ImageNode> nodes, const Vec3d& root)
-      : scene_(scene), nodes_(nodes), root_(root) {}
+  // Of a tree of images (image_tree.h) of opaque surfaces with hard edges.
+  BlockedChains(const Scene& scene,
+                std::span<const ImageNode> nodes,
+                std::span<const Image> images,
+                std::span<const Vec3d> roots)
+      : scene_(scene), nodes_(nodes), images_(images), roots_(roots) {}
 
-  // Whether every path over the chain of node `leaf` to a point of the region is blocked, without
-  // doubt; false is no statement.
+  // Whether every path from any root over the chain of node `leaf` to a point of the region is
+  // blocked, without doubt; false is no statement.
   bool holds(std::uint32_t leaf, const CubeRegion& region) const;
 
  private:
@@ -33,13 +36,15 @@ class BlockedChains {
     std::uint32_t surface = kNoSurface;  // that they lie on
   };
 
+  bool holds(std::size_t root, std::uint32_t leaf, const CubeRegion& region) const;
   // From the mirror `node` (kRootNode: the root) to `to`, seen from `apex`, the image that lights
   // it, starting at `from`.
   bool is_blocked(std::uint32_t node, const Vec3d& from, const Vec3d& apex, const Bundle& to) const;
 
   const Scene& scene_;
   std::span<const ImageNode> nodes_;
-  Vec3d root_;
+  std::span<const Image> images_;
+  std::span<const Vec3d> roots_;
 };
 
 }  // namespace rayloc

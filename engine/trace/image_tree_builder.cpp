@@ -22,17 +22,25 @@ constexpr std::size_t kPortion = 32;
 // exhaustive tree may.
 constexpr double kWorkOfImage = 1000.0;
 constexpr double kMostWork = 2e8;
+// Of that, what a tree of several roots may: each root's own, of about as many images, then is
+// exhaustive too, so that a root hears from both the same.
+constexpr double kSharedPart = 0.5;
 
 // Appends the portions in their order.
-void join(const std::vector<GrownNodes>& portions, GrownTree& tree, LitWindows& windows) {
+void join(const std::vector<GrownNodes>& portions,
+          std::size_t roots,
+          GrownTree& tree,
+          LitWindows& windows) {
   std::size_t size = tree.nodes.size();
   for (const GrownNodes& portion : portions) {
     size += portion.nodes.size();
   }
   tree.nodes.reserve(size);
   tree.beams.reserve(size);
+  tree.images.reserve(size * roots);
   for (const GrownNodes& portion : portions) {
     tree.nodes.insert(tree.nodes.end(), portion.nodes.begin(), portion.nodes.end());
+    tree.images.insert(tree.images.end(), portion.images.begin(), portion.images.end());
     tree.beams.insert(tree.beams.end(), portion.beams.begin(), portion.beams.end());
     windows.append(portion.windows);
   }
@@ -44,10 +52,14 @@ class Growth {
   // trie: nullptr to search exhaustively.
   Growth(const Scene& scene,
          const MirrorTable& table,
-         const Vec3d& root,
+         std::span<const Vec3d> roots,
          const TraceOptions& options,
          const MirrorTrie* trie)
-      : scene_(scene), table_(table), root_(root), options_(options), trie_(trie) {}
+      : scene_(scene), table_(table), options_(options), trie_(trie) {
+    for (const Vec3d& root : roots) {
+      roots_.push_back({root, 0.0});
+    }
+  }
 
   bool is_complete() const { return depth_ == options_.max_depth; }
 
@@ -58,13 +70,13 @@ class Growth {
       MirrorGrower grower(scene_, table_, options_, trie_);
       const std::size_t end = std::min(parents, (portion + 1) * kPortion);
       for (std::size_t i = portion * kPortion; i < end; ++i) {
-        grower.grow(parent(i), root_, portions[portion]);
+        grower.grow(parent(i), portions[portion]);
       }
     });
     work_ += static_cast<double>(parents) * static_cast<double>(scene_.surfaces().size());
     first_ = tree_.nodes.size();
     windows_ = {};
-    join(portions, tree_, windows_);
+    join(portions, roots_.size(), tree_, windows_);
     const std::size_t added = tree_.nodes.size() - first_;
     work_ += kWorkOfImage * static_cast<double>(added);
     growth_ = static_cast<double>(added) / static_cast<double>(parents);
@@ -84,12 +96,13 @@ class Growth {
   // Number `i` of the newest level.
   MirrorGrower::Parent parent(std::size_t i) const {
     if (depth_ == 0) {
-      return {.image = root_};
+      const auto all = static_cast<RootSet>((std::uint64_t{1} << roots_.size()) - 1);
+      return {.images = roots_, .roots = all};
     }
     const ImageNode& node = tree_.nodes[first_ + i];
     return {static_cast<std::uint32_t>(first_ + i),
-            node.image,
-            node.image_distance,
+            std::span(tree_.images).subspan((first_ + i) * roots_.size(), roots_.size()),
+            node.roots,
             node.surface,
             windows_.window(i),
             windows_.crossings[i],
@@ -99,7 +112,7 @@ class Growth {
 
   const Scene& scene_;
   const MirrorTable& table_;
-  Vec3d root_;
+  std::vector<Image> roots_;
   const TraceOptions& options_;
   const MirrorTrie* trie_;
   GrownTree tree_;
@@ -110,21 +123,6 @@ class Growth {
   double growth_ = 0.0;  // images of the newest level for each of the one before
 };
 
-std::optional<GrownTree> grow_exhaustively(const Scene& scene,
-                                           const Vec3d& root,
-                                           const TraceOptions& options,
-                                           double most_work) {
-  const MirrorTable table(scene, root, options);
-  Growth growth(scene, table, root, options, nullptr);
-  while (!growth.is_complete()) {
-    if (growth.work_with_next_level() > most_work) {
-      return std::nullopt;
-    }
-    growth.add_level();
-  }
-  return std::move(growth).take();
-}
-
 GrownTree grow_from_rays(const Scene& scene, const Vec3d& root, const TraceOptions& options) {
   const ShotMirrors shot = shoot_mirrors(scene, root, options);
   std::vector<std::uint32_t> objects;
@@ -133,8 +131,9 @@ GrownTree grow_from_rays(const Scene& scene, const Vec3d& root, const TraceOptio
   }
   std::sort(objects.begin(), objects.end());
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
-  const MirrorTable table(scene, root, options, objects);
-  Growth growth(scene, table, root, options, &shot.trie);
+  const std::span<const Vec3d> roots(&root, 1);
+  const MirrorTable table(scene, roots, options, objects);
+  Growth growth(scene, table, roots, options, &shot.trie);
   while (!growth.is_complete()) {
     growth.add_level();
   }
@@ -145,14 +144,32 @@ GrownTree grow_from_rays(const Scene& scene, const Vec3d& root, const TraceOptio
 
 }  // namespace
 
-GrownTree grow_image_tree(const Scene& scene, const Vec3d& root, const TraceOptions& options) {
-  RAYLOC_CHECK(options.max_depth >= 0 && options.rays > 0);
-  if (options.candidates != CandidateGenerator::kShooting) {
-    const bool is_free = options.candidates == CandidateGenerator::kExhaustive;
-    const double most = is_free ? std::numeric_limits<double>::infinity() : kMostWork;
-    if (auto tree = grow_exhaustively(scene, root, options, most)) {
-      return std::move(*tree);
+std::optional<GrownTree> grow_exhaustively(const Scene& scene,
+                                           std::span<const Vec3d> roots,
+                                           const TraceOptions& options) {
+  RAYLOC_CHECK(options.max_depth >= 0 && !roots.empty() && roots.size() <= kMaxRoots);
+  if (options.candidates == CandidateGenerator::kShooting) {
+    return std::nullopt;
+  }
+  double most_work = roots.size() == 1 ? kMostWork : kSharedPart * kMostWork;
+  if (options.candidates == CandidateGenerator::kExhaustive) {
+    most_work = std::numeric_limits<double>::infinity();
+  }
+  const MirrorTable table(scene, roots, options);
+  Growth growth(scene, table, roots, options, nullptr);
+  while (!growth.is_complete()) {
+    if (growth.work_with_next_level() > most_work) {
+      return std::nullopt;
     }
+    growth.add_level();
+  }
+  return std::move(growth).take();
+}
+
+GrownTree grow_image_tree(const Scene& scene, const Vec3d& root, const TraceOptions& options) {
+  RAYLOC_CHECK(options.rays > 0);
+  if (auto tree = grow_exhaustively(scene, std::span(&root, 1), options)) {
+    return std::move(*tree);
   }
   return grow_from_rays(scene, root, options);
 }

@@ -2,6 +2,8 @@
 // another (exhaustive), or those of them that rays have met (shooting.h).
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/scene/scene.h"
@@ -13,9 +15,18 @@ namespace rayloc {
 
 struct GrownTree {
   std::vector<ImageNode> nodes;   // by depth; those of one parent together, by surface
-  std::vector<BeamBounds> beams;  // where the waves go after each node
+  std::vector<Image> images;      // of every root, node by node
+  std::vector<BeamBounds> beams;  // where the waves go after each node, relative to the first root
   CandidateGenerator generator = CandidateGenerator::kExhaustive;  // that was used
 };
+
+// One tree for several roots; nothing where rays are to be shot, for their sequences are each
+// root's own, nor where they might be for one of the roots alone. The same whatever the number of
+// threads.
+// REQUIRES: options.max_depth >= 0, 0 < roots.size() <= kMaxRoots.
+std::optional<GrownTree> grow_exhaustively(const Scene& scene,
+                                           std::span<const Vec3d> roots,
+                                           const TraceOptions& options);
 
 // kAutomatic: exhaustive unless the work for that, estimated from level to level, is more than
 // about a tenth of a second on one core. The same whatever the number of threads.

@@ -1,6 +1,8 @@
 #include "engine/trace/mirror_grower.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -35,6 +37,13 @@ double apparent_size(std::span<const Vec3d> polygon, const Vec3d& apex, double a
   return 0.5 * norm(twice_area) * std::abs(apex_distance) / (away * away * away);
 }
 
+template <typename Visit>
+void for_each_root(RootSet roots, const Visit& visit) {
+  for (; roots != 0; roots &= roots - 1) {
+    visit(static_cast<std::size_t>(std::countr_zero(roots)));
+  }
+}
+
 template <typename T, typename Range>
 void append_to(std::vector<T>& to, const Range& from) {
   to.insert(to.end(), from.begin(), from.end());
@@ -52,13 +61,17 @@ void LitWindows::append(const LitWindows& other) {
   }
 }
 
-void MirrorGrower::grow(const Parent& parent, const Vec3d& root, GrownNodes& grown) {
+void MirrorGrower::grow(const Parent& parent, GrownNodes& grown) {
+  apexes_.clear();
+  for_each_root(parent.roots,
+                [&](std::size_t root) { apexes_.push_back(parent.images[root].point); });
   const bool is_root = parent.node == kRootNode;
   Plane<double> front;
   bounds_.clear();
   if (!is_root) {
-    front = facing_away(table_.plane(parent.surface), parent.image);
-    beam_planes(parent.image, parent.image_distance, parent.window, bounds_);
+    front = facing_away(table_.plane(parent.surface), apexes_.front());
+    const double side = distance(table_.plane(parent.surface), apexes_.front());
+    beam_planes(apexes_, side, parent.window, bounds_);
     bounds_.push_back(front);
   }
   find_lit(parent);
@@ -67,29 +80,36 @@ void MirrorGrower::grow(const Parent& parent, const Vec3d& root, GrownNodes& gro
   if (parent.depth + 1 < options_.max_depth || lit_.size() > kFew) {
     choose_occluders();
   }
-  const BeamShadow shadow(parent.image, is_root ? nullptr : &front, options_.softness + kCertain);
   // Interactions that are left for crossings.
   const int allowed = options_.transmission ? options_.max_depth - parent.depth - 1 : 0;
   for (const Lit& lit : lit_) {
-    const auto window = std::span(corners_).subspan(lit.first, lit.count);
-    int crossings = parent.crossings;
-    for (auto i = occluders_.begin(); i != occluders_.end() && crossings <= allowed; ++i) {
-      // What hides a window fills more of the view; the sizes are estimates.
-      const bool may_hide = 2.0 * i->size > lit.size && i->surface != lit.surface;
-      crossings += may_hide && shadow.hides(*i->shape, window) ? 1 : 0;
-    }
-    if (crossings <= allowed) {
-      add(parent, lit, root, grown);
-      if (parent.depth + 1 < options_.max_depth) {
-        grown.windows.crossings.push_back(static_cast<std::uint8_t>(crossings));
-        append_to(grown.windows.corners, window);
-        grown.windows.ends.push_back(grown.windows.corners.size());
-        if (trie_ != nullptr) {
-          grown.windows.trie_nodes.push_back(trie_child(parent.trie_node, lit.surface));
-        }
-      }
+    const int met = parent.crossings +
+                    crossings(parent, is_root ? nullptr : &front, lit, allowed - parent.crossings);
+    if (met <= allowed) {
+      add(parent, lit, met, grown);
     }
   }
+}
+
+int MirrorGrower::crossings(const Parent& parent,
+                            const Plane<double>* start,
+                            const Lit& lit,
+                            int limit) const {
+  const auto window = std::span(corners_).subspan(lit.first, lit.count);
+  int count = 0;
+  for (auto i = occluders_.begin(); i != occluders_.end() && count <= limit; ++i) {
+    // What hides a window fills more of the view; the sizes are estimates.
+    if (2.0 * i->size <= lit.size || i->surface == lit.surface) {
+      continue;
+    }
+    bool hides = true;
+    for_each_root(lit.roots, [&](std::size_t root) {
+      hides = hides && BeamShadow(parent.images[root].point, start, options_.softness + kCertain)
+                           .hides(*i->shape, window);
+    });
+    count += hides ? 1 : 0;
+  }
+  return count;
 }
 
 void MirrorGrower::find_lit(const Parent& parent) {
@@ -101,17 +121,30 @@ void MirrorGrower::find_lit(const Parent& parent) {
     find_proposed(parent.trie_node);
   }
   for (const std::uint32_t surface : found_) {
-    const double here = distance(table_.plane(surface), parent.image);
-    if (surface == parent.surface || std::abs(here) < kOnPlane || !table_.is_lit(surface, here) ||
-        !light(surface, here, parent.window)) {
+    if (surface == parent.surface) {
       continue;
     }
-    lit_.push_back({surface,
-                    here,
-                    corners_.size(),
-                    polygon_.size(),
-                    apparent_size(polygon_, parent.image, here)});
-    append_to(corners_, polygon_);
+    std::array<RootSet, 2> lit_by{};  // from behind, from the front
+    for_each_root(parent.roots, [&](std::size_t root) {
+      const double here = distance(table_.plane(surface), parent.images[root].point);
+      if (std::abs(here) >= kOnPlane && table_.is_lit(surface, root, here)) {
+        lit_by[here > 0.0 ? 1 : 0] |= RootSet{1} << root;
+      }
+    });
+    for (const double side : {-1.0, 1.0}) {
+      const RootSet roots = lit_by[side > 0.0 ? 1 : 0];
+      if (roots == 0 || !light(surface, side, parent.window)) {
+        continue;
+      }
+      const Vec3d& apex = parent.images[static_cast<std::size_t>(std::countr_zero(roots))].point;
+      lit_.push_back({surface,
+                      roots,
+                      side,
+                      corners_.size(),
+                      polygon_.size(),
+                      apparent_size(polygon_, apex, distance(table_.plane(surface), apex))});
+      append_to(corners_, polygon_);
+    }
   }
 }
 
@@ -142,14 +175,10 @@ std::uint32_t MirrorGrower::trie_child(std::uint32_t trie_node, std::uint32_t su
              : first + static_cast<std::uint32_t>(found - surfaces.begin());
 }
 
-// Whether the beam reaches the surface from the side where its apex is; polygon_ is then the part
-// that it lights.
-bool MirrorGrower::light(std::uint32_t surface,
-                         double apex_distance,
-                         std::span<const Vec3d> window) {
+// Whether the beam reaches the surface from that side; polygon_ is then the part that it lights.
+bool MirrorGrower::light(std::uint32_t surface, double side, std::span<const Vec3d> window) {
   const Plane<double>& plane = table_.plane(surface);
-  const Plane<double> front =
-      apex_distance > 0.0 ? plane : Plane<double>{-plane.normal, -plane.offset};
+  const Plane<double> front = side > 0.0 ? plane : Plane<double>{-plane.normal, -plane.offset};
   if (!window.empty() && is_outside(front, window)) {
     return false;
   }
@@ -174,18 +203,42 @@ void MirrorGrower::choose_occluders() {
   });
   for (auto i = order_.begin(); i != end; ++i) {
     const Lit& lit = lit_[*i];
+    // Lit from both sides by different roots, a surface still is one thing in the way.
+    const bool is_known =
+        std::any_of(occluders_.begin(), occluders_.end(), [&](const Occluder& occluder) {
+          return occluder.surface == lit.surface;
+        });
+    if (is_known) {
+      continue;
+    }
     occluders_.push_back({lit.surface, &scene_.surfaces()[lit.surface], lit.size});
   }
 }
 
-void MirrorGrower::add(const Parent& parent, const Lit& lit, const Vec3d& root, GrownNodes& grown) {
+void MirrorGrower::add(const Parent& parent, const Lit& lit, int crossings, GrownNodes& grown) {
   const auto window = std::span(corners_).subspan(lit.first, lit.count);
-  const Vec3d image = mirror(table_.plane(lit.surface), parent.image);
-  grown.nodes.push_back({image, -lit.apex_distance, lit.surface, parent.node});
-  beam_planes(image, -lit.apex_distance, window, planes_);
+  const Plane<double>& plane = table_.plane(lit.surface);
+  grown.nodes.push_back({lit.surface, parent.node, lit.roots});
+  const std::size_t first = grown.images.size();
+  grown.images.resize(first + parent.images.size());
+  apexes_.clear();
+  for_each_root(lit.roots, [&](std::size_t root) {
+    const Vec3d& image = parent.images[root].point;
+    grown.images[first + root] = {mirror(plane, image), -distance(plane, image)};
+    apexes_.push_back(grown.images[first + root].point);
+  });
+  beam_planes(apexes_, -lit.side, window, planes_);
   // First of all the front, which is always needed.
-  planes_.insert(planes_.begin(), facing_away(table_.plane(lit.surface), image));
-  grown.beams.emplace_back(planes_, root);
+  planes_.insert(planes_.begin(), facing_away(plane, apexes_.front()));
+  grown.beams.emplace_back(planes_, table_.reference());
+  if (parent.depth + 1 < options_.max_depth) {
+    grown.windows.crossings.push_back(static_cast<std::uint8_t>(crossings));
+    append_to(grown.windows.corners, window);
+    grown.windows.ends.push_back(grown.windows.corners.size());
+    if (trie_ != nullptr) {
+      grown.windows.trie_nodes.push_back(trie_child(parent.trie_node, lit.surface));
+    }
+  }
 }
 
 }  // namespace rayloc

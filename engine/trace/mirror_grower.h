@@ -35,6 +35,7 @@ struct LitWindows {
 // Some nodes of one level.
 struct GrownNodes {
   std::vector<ImageNode> nodes;
+  std::vector<Image> images;      // of every root, node by node
   std::vector<BeamBounds> beams;  // where the waves go after each node
   LitWindows windows;             // none at the last level
 };
@@ -44,8 +45,8 @@ class MirrorGrower {
   // Whose children are wanted.
   struct Parent {
     std::uint32_t node = kRootNode;  // number in the tree
-    Vec3d image;                     // of the root; for the root itself, the root
-    double image_distance = 0.0;     // as ImageNode; of no meaning for the root
+    std::span<const Image> images;   // of every root; for the roots themselves, they
+    RootSet roots = 0;
     std::uint32_t surface = kNoSurface;
     std::span<const Vec3d> window = {};  // the part of the surface that the chain so far lights
     int crossings = 0;
@@ -63,13 +64,14 @@ class MirrorGrower {
       : scene_(scene), table_(table), options_(options), trie_(trie) {}
 
   // Appends the children of a parent to `grown`, by number of their surfaces.
-  void grow(const Parent& parent, const Vec3d& root, GrownNodes& grown);
+  void grow(const Parent& parent, GrownNodes& grown);
 
  private:
-  // A mirror that the beam lights.
+  // A mirror that the beam lights, from one of its sides.
   struct Lit {
     std::uint32_t surface;
-    double apex_distance;      // of the parent's image from the plane
+    RootSet roots;
+    double side;               // of the plane, by its sign, on which their images are
     std::size_t first, count;  // corners of the window, in corners_
     double size;               // about the solid angle of the window
   };
@@ -83,16 +85,19 @@ class MirrorGrower {
   void find_lit(const Parent& parent);
   void find_proposed(std::uint32_t trie_node);
   std::uint32_t trie_child(std::uint32_t trie_node, std::uint32_t surface) const;
-  bool light(std::uint32_t surface, double apex_distance, std::span<const Vec3d> window);
+  bool light(std::uint32_t surface, double side, std::span<const Vec3d> window);
   void choose_occluders();
-  void add(const Parent& parent, const Lit& lit, const Vec3d& root, GrownNodes& grown);
+  // How many surfaces hide the window from all roots that light it; no more than `limit` + 1.
+  int crossings(const Parent& parent, const Plane<double>* start, const Lit& lit, int limit) const;
+  void add(const Parent& parent, const Lit& lit, int crossings, GrownNodes& grown);
 
   const Scene& scene_;
   const MirrorTable& table_;
   const TraceOptions& options_;
   const MirrorTrie* trie_;
 
-  std::vector<Plane<double>> bounds_;  // of the parent's beam
+  std::vector<Vec3d> apexes_;          // images of the parent's roots
+  std::vector<Plane<double>> bounds_;  // of its beam
   std::vector<std::uint32_t> found_;
   std::vector<Lit> lit_;
   std::vector<Vec3d> corners_;

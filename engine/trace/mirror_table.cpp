@@ -33,20 +33,22 @@ double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), 
 }  // namespace
 
 MirrorTable::MirrorTable(const Scene& scene,
-                         const Vec3d& root,
+                         std::span<const Vec3d> roots,
                          const TraceOptions& options,
                          std::span<const std::uint32_t> objects)
     : scene_(&scene),
-      root_(root),
+      roots_(roots.begin(), roots.end()),
       outlines_(scene.surfaces().size()),
-      side_(scene.surfaces().size()) {
+      side_(scene.surfaces().size() * roots.size()) {
   for (const std::uint32_t object : objects) {
     add_object(object, options);
   }
 }
 
-MirrorTable::MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptions& options)
-    : MirrorTable(scene, root, options, {}) {
+MirrorTable::MirrorTable(const Scene& scene,
+                         std::span<const Vec3d> roots,
+                         const TraceOptions& options)
+    : MirrorTable(scene, roots, options, {}) {
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
     add_object(i, options);
   }
@@ -57,14 +59,17 @@ MirrorTable::MirrorTable(const Scene& scene, const Vec3d& root, const TraceOptio
 }
 
 void MirrorTable::add_object(std::uint32_t object, const TraceOptions& options) {
-  const int side = options.transmission
-                       ? 0
-                       : lit_side(scene_->solid(object), scene_->objects()[object].mesh, root_);
   const auto [first, end] = scene_->surfaces_of(object);
   for (std::uint32_t i = first; i < end; ++i) {
     const Surface& surface = scene_->surfaces()[i];
     outlines_[i] = grown(surface.outline(), surface.plane().normal, options.softness + kBeamMargin);
-    side_[i] = static_cast<std::int8_t>(scene_->owner(i).one_facing ? side : 0);
+  }
+  for (std::size_t root = 0; root < roots_.size() && !options.transmission; ++root) {
+    const int side = lit_side(scene_->solid(object), scene_->objects()[object].mesh, roots_[root]);
+    for (std::uint32_t i = first; i < end; ++i) {
+      side_[i * roots_.size() + root] =
+          static_cast<std::int8_t>(scene_->owner(i).one_facing ? side : 0);
+    }
   }
 }
 
@@ -78,10 +83,10 @@ void MirrorTable::put_into_block(std::uint32_t surface) {
          std::max(u[1], dot(s.u_axis(), from_origin))};
     v = {std::min(v[0], dot(s.v_axis(), from_origin)),
          std::max(v[1], dot(s.v_axis(), from_origin))};
-    reach_ = std::max(reach_, largest(corner - root_));
+    reach_ = std::max(reach_, largest(corner - roots_[0]));
   }
-  const Vec3d centre =
-      s.origin() + (0.5 * (u[0] + u[1])) * s.u_axis() + (0.5 * (v[0] + v[1])) * s.v_axis() - root_;
+  const Vec3d centre = s.origin() + (0.5 * (u[0] + u[1])) * s.u_axis() +
+                       (0.5 * (v[0] + v[1])) * s.v_axis() - roots_[0];
   Block& block = blocks_[surface / kBlock];
   const std::size_t lane = surface % kBlock;
   const auto put = [lane](Vectors& to, const Vec3d& value) {
@@ -126,7 +131,7 @@ void MirrorTable::find(std::span<const Plane<double>> bounds,
     relative.push_back({static_cast<float>(normal.x),
                         static_cast<float>(normal.y),
                         static_cast<float>(normal.z),
-                        static_cast<float>(offset - dot(normal, root_))});
+                        static_cast<float>(offset - dot(normal, roots_[0]))});
   }
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     for (unsigned mask = within(blocks_[i], relative); mask != 0; mask &= mask - 1) {

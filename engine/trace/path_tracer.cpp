@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "engine/base/constants.h"
+#include "engine/base/parallel.h"
 #include "engine/trace/evaluate_path.h"
 #include "engine/trace/interaction_finder.h"
 #include "engine/trace/path_differentiator.h"
@@ -77,13 +79,38 @@ Paths PathTracer::trace(const Transmitter& transmitter, const Receiver& receiver
   return at(receiver).trace(transmitter);
 }
 
-ReceiverTracer PathTracer::at(const Receiver& receiver) const { return {context_, receiver}; }
+ReceiverTracer PathTracer::at(const Receiver& receiver) const {
+  auto tree =
+      std::make_shared<const ImageTree>(*context_->scene, receiver.position, context_->options);
+  return {context_, receiver, std::move(tree), 0};
+}
 
-ReceiverTracer::ReceiverTracer(std::shared_ptr<const TraceContext> context,
-                               const Receiver& receiver)
-    : context_(std::move(context)),
-      receiver_(receiver),
-      tree_(*context_->scene, receiver.position, context_->options) {}
+std::vector<ReceiverTracer> PathTracer::at(std::span<const Receiver> receivers) const {
+  constexpr double kNear = 0.25;  // [m], from the first
+  std::vector<Vec3d> roots;
+  for (const Receiver& receiver : receivers) {
+    roots.push_back(receiver.position);
+  }
+  const bool are_near = std::all_of(roots.begin(), roots.end(), [&](const Vec3d& root) {
+    return norm(root - roots.front()) <= kNear;
+  });
+  std::vector<ReceiverTracer> tracers;
+  if (are_near && roots.size() > 1 && roots.size() <= kMaxRoots) {
+    if (auto tree = ImageTree::shared(*context_->scene, roots, context_->options)) {
+      const auto shared = std::make_shared<const ImageTree>(std::move(*tree));
+      for (std::size_t i = 0; i < receivers.size(); ++i) {
+        tracers.push_back({context_, receivers[i], shared, i});
+      }
+      return tracers;
+    }
+  }
+  std::vector<std::optional<ReceiverTracer>> made(receivers.size());
+  parallel_for(receivers.size(), 1, [&](std::size_t i) { made[i] = at(receivers[i]); });
+  for (auto& one : made) {
+    tracers.push_back(std::move(*one));
+  }
+  return tracers;
+}
 
 Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   const LinkEnd<double> from = link_end(transmitter);
@@ -93,7 +120,7 @@ Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   std::vector<Interaction> interactions;
   std::vector<Path> paths;
   paths.reserve(kUsually);
-  tree_.visit_chains(transmitter.position, [&](const SpecularChain& chain) {
+  tree_->visit_chains(root_, transmitter.position, [&](const SpecularChain& chain) {
     if (finder.find(chain, from, to, interactions)) {
       paths.push_back(evaluate(*context_, interactions, from, to));
     }

@@ -12,8 +12,11 @@
 // Thread safety: const members may be used from many threads.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "engine/base/expected.h"
 #include "engine/scene/scene.h"
@@ -40,6 +43,9 @@ class PathTracer {
 
   // A tracer for everything that this receiver may hear.
   ReceiverTracer at(const Receiver& receiver) const;
+  // The same for several, such as the elements of an array; those so near to each other that they
+  // see about the same share an image tree. What each hears is what it hears alone.
+  std::vector<ReceiverTracer> at(std::span<const Receiver> receivers) const;
 
   const Scene& scene() const { return *context_->scene; }
   const TraceOptions& options() const { return context_->options; }
@@ -61,15 +67,23 @@ class ReceiverTracer {
                                           std::span<const Parameter> parameters) const;
 
   const Receiver& receiver() const { return receiver_; }
-  const ImageTree& tree() const { return tree_; }
+  const ImageTree& tree() const { return *tree_; }
 
  private:
   friend class PathTracer;
-  ReceiverTracer(std::shared_ptr<const TraceContext> context, const Receiver& receiver);
+  ReceiverTracer(std::shared_ptr<const TraceContext> context,
+                 Receiver receiver,
+                 std::shared_ptr<const ImageTree> tree,
+                 std::size_t root)
+      : context_(std::move(context)),
+        receiver_(std::move(receiver)),
+        tree_(std::move(tree)),
+        root_(root) {}
 
   std::shared_ptr<const TraceContext> context_;
   Receiver receiver_;
-  ImageTree tree_;
+  std::shared_ptr<const ImageTree> tree_;
+  std::size_t root_;  // of the tree
 };
 
 }  // namespace rayloc

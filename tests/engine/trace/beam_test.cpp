@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "engine/trace/beam_shadow.h"
 
@@ -54,7 +56,7 @@ TEST(BeamPlanes, HoldWhatTheApexSeesThroughTheWindow) {
   for (const double side : {-1.0, 1.0}) {
     const Vec3d apex{2 + 2 * side, 0, 0};
     std::vector<Plane<double>> planes;
-    beam_planes(apex, 2 * side, window, planes);
+    beam_planes(std::vector{apex}, 2 * side, window, planes);
     ASSERT_EQ(planes.size(), 4U);
     const auto holds = [&](double y, double z) {
       const Vec3d point{2 - 2 * side, y, z};  // twice as far from the apex as the window
@@ -69,10 +71,31 @@ TEST(BeamPlanes, HoldWhatTheApexSeesThroughTheWindow) {
   }
 }
 
+TEST(BeamPlanes, HoldWhatEveryApexSees) {
+  const Polygon window = rectangle(2, -1, 1, -1, 1);
+  const std::vector<Vec3d> apexes{{0, 0.3, 0}, {0.1, -0.2, 0.4}, {-0.2, 0, -0.1}};
+  std::vector<Plane<double>> planes;
+  beam_planes(apexes, -2.0, window, planes);
+  ASSERT_EQ(planes.size(), 4U);
+  for (const Vec3d& apex : apexes) {
+    for (const Vec3d& corner : window) {
+      for (const Plane<double>& plane : planes) {
+        EXPECT_GE(distance(plane, corner + 3.0 * (corner - apex)), -1e-12);
+      }
+    }
+  }
+  // And no more: each plane touches the beam of one of them.
+  for (const Plane<double>& plane : planes) {
+    EXPECT_TRUE(std::any_of(apexes.begin(), apexes.end(), [&](const Vec3d& apex) {
+      return std::abs(distance(plane, apex)) < 1e-12;
+    }));
+  }
+}
+
 // A window of no width still bounds: a beam must not become a half space.
 TEST(BeamPlanes, BoundASliverFromBothSides) {
   std::vector<Plane<double>> planes;
-  beam_planes({0, 0, 0}, -2.0, rectangle(2, 0, 1e-7, -1, 1), planes);
+  beam_planes(std::vector{Vec3d{}}, -2.0, rectangle(2, 0, 1e-7, -1, 1), planes);
   ASSERT_GE(planes.size(), 2U);
   for (const double y : {-0.1, 0.1}) {
     EXPECT_TRUE(std::any_of(planes.begin(), planes.end(), [&](const Plane<double>& plane) {

@@ -182,6 +182,69 @@ Vec3d random_place(std::mt19937& random) {
   return {2.9 * uniform(random), 1.9 * uniform(random), 1.25 + 1.2 * uniform(random)};
 }
 
+// Roots that share a tree: near each other; one on the other side of a sheet's plane; one within a
+// box. Asked often, too.
+TEST(ImageTree, GivesEachRootWhatItsOwnTreeGives) {
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> nearby(-0.1, 0.1);
+  std::size_t compared = 0;
+  for (int i = 0; i < 8; ++i) {
+    const auto scene = random_room(random, 3);
+    const TraceOptions options{.max_depth = i % 4 == 0 ? 3 : 2, .transmission = i % 4 == 3};
+    std::vector<Vec3d> roots{random_place(random)};
+    while (roots.size() < 5) {
+      roots.push_back(roots[0] + Vec3d{nearby(random), nearby(random), nearby(random)});
+    }
+    const auto shared = ImageTree::shared(*scene, roots, options);
+    ASSERT_TRUE(shared);
+    for (std::size_t root = 0; root < roots.size(); ++root) {
+      const ImageTree own(*scene, roots[root], options);
+      for (int j = 0; j < 60; ++j) {
+        SCOPED_TRACE("seed 17, room " + std::to_string(i) + ", place " + std::to_string(j));
+        const Vec3d target = j % 3 == 0 ? random_place(random) : Vec3d{1.0, 0.5 + 0.001 * j, 1.0};
+        std::vector<SpecularChain> expected;
+        expected.resize(own.chains_to(target, expected));
+        std::vector<SpecularChain> found;
+        shared->visit_chains(
+            root, target, [&](const SpecularChain& chain) { found.push_back(chain); });
+        if (options.transmission) {  // the shared tree may know less of what crosses too much
+          std::erase_if(found, [&](const SpecularChain& chain) {
+            return !std::binary_search(expected.begin(), expected.end(), chain, before);
+          });
+        }
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t k = 0; k < found.size(); ++k) {
+          EXPECT_EQ(found[k].surfaces, expected[k].surfaces);
+          EXPECT_EQ(found[k].points, expected[k].points);
+        }
+        compared += found.size();
+      }
+    }
+  }
+  EXPECT_GT(compared, 10'000U);
+}
+
+// The sheet lies in the plane between the roots: its waves go both ways.
+TEST(ImageTree, RootsOnBothSidesOfAMirrorShareATree) {
+  const auto scene =
+      test::make_scene({{"sheet", test::rectangle_mesh({1, -1, 0}, {2, 0, 0}, {0, 2, 0})},
+                        {"wall", test::rectangle_mesh({4, -2, -2}, {0, 4, 0}, {0, 0, 4})}},
+                       test::kConcrete);
+  const std::vector<Vec3d> roots{{0, 0, 0.05}, {0, 0, -0.05}};
+  const TraceOptions options{.max_depth = 2};
+  const auto shared = ImageTree::shared(*scene, roots, options);
+  ASSERT_TRUE(shared);
+  const Vec3d above{3.5, 0.1, 0.06};
+  for (std::size_t root = 0; root < 2; ++root) {
+    const Vec3d target = root == 0 ? above : Vec3d{above.x, above.y, -above.z};
+    std::size_t count = 0;
+    shared->visit_chains(root, target, [&](const SpecularChain&) { ++count; });
+    std::vector<SpecularChain> own;
+    EXPECT_EQ(count, ImageTree(*scene, roots[root], options).chains_to(target, own));
+    EXPECT_GE(count, 3U);  // direct, by the sheet, by the wall
+  }
+}
+
 // Where a tree is asked often it looks closely at what surely is blocked all around.
 TEST(ImageTree, FindsTheSameWhereItIsAskedOften) {
   std::mt19937 random(13);
