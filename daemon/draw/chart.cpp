@@ -179,9 +179,9 @@ std::vector<double> axis_ticks(double lower, double upper, AxisScale scale, std:
   for (const double factor : {5.0, 2.0, 1.0}) {
     step = rough <= factor * power ? factor * power : step;
   }
-  const auto first = static_cast<long>(std::ceil(lower / step - kRounding));
-  const auto last = static_cast<long>(std::floor(upper / step + kRounding));
-  for (long i = first; i <= last; ++i) {
+  const auto first = static_cast<std::int64_t>(std::ceil(lower / step - kRounding));
+  const auto last = static_cast<std::int64_t>(std::floor(upper / step + kRounding));
+  for (std::int64_t i = first; i <= last; ++i) {
     ticks.push_back(static_cast<double>(i) * step);
   }
   return ticks;

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -147,8 +149,17 @@ class Comparison {
 
 std::string number_text(double value) {
   std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.2f", value);
-  return text.data();
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 2);
+  return {text.data(), end.ptr};
+}
+
+std::string concatenated(std::initializer_list<std::string_view> parts) {
+  std::string text;
+  for (const std::string_view part : parts) {
+    text += part;
+  }
+  return text;
 }
 
 struct Finding {
@@ -172,11 +183,17 @@ void compare_access_points(const RoomModel& room,
         const std::string& own = room.access_points[i].id;
         const std::string& other = room.access_points[j].id;
         finding = {comparison.significance(),
-                   "the recording given for access point '" + own +
-                       "' fits the place of access point '" + other + "' (mean correlation " +
-                       number_text(comparison.other()) + ") better than that of '" + own + "' (" +
-                       number_text(comparison.stated()) +
-                       "): are the recordings of the two exchanged?"};
+                   concatenated({"the recording given for access point '",
+                                 own,
+                                 "' fits the place of access point '",
+                                 other,
+                                 "' (mean correlation ",
+                                 number_text(comparison.other()),
+                                 ") better than that of '",
+                                 own,
+                                 "' (",
+                                 number_text(comparison.stated()),
+                                 "): are the recordings of the two exchanged?"})};
       }
     }
   }
@@ -238,6 +255,7 @@ std::optional<Usual> usual_fit(const std::vector<double>& shares) {
   usual.share = median(shares);
   usual.log_odds = log_odds(usual.share);
   std::vector<double> away;
+  away.reserve(shares.size());
   for (const double share : shares) {
     away.push_back(std::abs(log_odds(share) - usual.log_odds));
   }
