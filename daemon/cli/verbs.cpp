@@ -14,6 +14,7 @@ extern const Verb kRecord;       // record.cpp
 extern const Verb kReplay;       // replay.cpp
 extern const Verb kScene;        // scene.cpp
 extern const Verb kSend;         // send.cpp
+extern const Verb kSimulate;     // simulate.cpp
 extern const Verb kSub;          // sub.cpp
 extern const Verb kTrace;        // trace.cpp
 
@@ -28,6 +29,7 @@ std::span<const Verb> verbs() {
       kReplay,
       kScene,
       kSend,
+      kSimulate,
       kSub,
       kTrace,
   };

@@ -1,0 +1,251 @@
+// rayloc simulate: what the access points of a site would record of a device on given points.
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "capture/pcap_recorder.h"
+#include "daemon/cli/capture_argument.h"
+#include "daemon/cli/simulate_report.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/simulate/capture_simulator.h"
+#include "daemon/site/room_model.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct Arguments {
+  std::string site;
+  std::string points;
+  std::vector<std::string> out;
+  std::string impairments = "default";
+  std::string transmitter;
+  TransmissionOptions transmissions;
+  TraceOptions trace;
+  bool force = false;
+  bool quiet = false;
+};
+
+Expected<Impairments> read_impairments(const std::string& argument) {
+  if (argument == "default") {
+    return default_impairments();
+  }
+  return argument == "none" ? no_impairments() : load_impairments(argument);
+}
+
+// One of the site's by its address or name, or another address with the antenna of a device; the
+// site's first device unless told.
+Expected<SiteTransmitter> find_sender(const Site& site, const std::string& wanted) {
+  SiteTransmitter sender;
+  sender.mac = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
+  for (const SiteTransmitter& known : site.transmitters) {
+    const bool is_wanted = wanted.empty() ? known.role == TransmitterRole::kDevice
+                                          : known.name == wanted || to_string(known.mac) == wanted;
+    if (is_wanted) {
+      return known;
+    }
+  }
+  if (!wanted.empty()) {
+    const auto mac = parse_mac_address(wanted);
+    if (!mac) {
+      return make_error(ErrorKind::kUsage,
+                        "--transmitter " + wanted +
+                            ": neither the name of a transmitter of the site nor an address");
+    }
+    sender.mac = *mac;
+  }
+  return sender;
+}
+
+// What is simulated, all of it read and checked.
+struct Simulation {
+  RoomModel room;
+  std::vector<SimulatedSpot> spots;
+  std::vector<CaptureArgument> outputs;
+  CaptureOptions options;
+};
+
+Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulation& simulation) {
+  const auto points = load_points_csv(arguments.points);
+  if (!points) {
+    return tl::make_unexpected(points.error());
+  }
+  TransmissionOptions options = arguments.transmissions;
+  options.retry_share = simulation.options.impairments.retry_share;
+  auto spots = plan_transmissions(*points, options, arguments.points);
+  if (!spots) {
+    return tl::make_unexpected(std::move(spots.error()));
+  }
+  simulation.spots = *std::move(spots);
+  const auto sender = find_sender(site, arguments.transmitter);
+  if (!sender) {
+    return tl::make_unexpected(sender.error());
+  }
+  simulation.options.transmitter = sender->mac;
+  simulation.options.pattern = sender->pattern;
+  simulation.options.polarization = sender->polarization;
+  return {};
+}
+
+Expected<Simulation> prepare(const Arguments& arguments) {
+  const auto site = load_site(arguments.site);
+  if (!site) {
+    return tl::make_unexpected(site.error());
+  }
+  std::vector<std::string> ids;
+  for (const SiteAccessPoint& ap : site->access_points) {
+    ids.push_back(ap.id);
+  }
+  Simulation simulation;
+  auto outputs = resolve_captures(arguments.out, ids);
+  if (!outputs) {
+    return tl::make_unexpected(std::move(outputs.error()));
+  }
+  simulation.outputs = *std::move(outputs);
+  const auto impairments = read_impairments(arguments.impairments);
+  if (!impairments) {
+    return tl::make_unexpected(impairments.error());
+  }
+  simulation.options.impairments = *impairments;
+  simulation.options.bandwidth_mhz = site->carrier.bandwidth_mhz;
+  simulation.options.trace = arguments.trace;
+  simulation.options.seed = arguments.transmissions.seed;
+  if (auto read = read_spots(arguments, *site, simulation); !read) {
+    return tl::make_unexpected(std::move(read.error()));
+  }
+  auto room = load_room_model(*site);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  simulation.room = *std::move(room);
+  return simulation;
+}
+
+Expected<PcapRecorder> create(const std::string& file, bool force) {
+  if (force) {
+    std::error_code ignored;  // what is in the way is told by create()
+    std::filesystem::remove(file, ignored);
+  }
+  return PcapRecorder::create(file);
+}
+
+Expected<CaptureReport> simulate(const Simulation& simulation,
+                                 const CaptureArgument& output,
+                                 bool force) {
+  std::size_t index = 0;
+  while (simulation.room.access_points[index].id != output.access_point) {
+    ++index;
+  }
+  auto recorder = create(output.file, force);
+  if (!recorder) {
+    return tl::make_unexpected(std::move(recorder.error()));
+  }
+  CaptureSimulator simulator(simulation.room, index, simulation.options);
+  CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
+  for (const SimulatedSpot& spot : simulation.spots) {
+    const SpotCapture heard = simulator.hear(spot);
+    std::vector<Datagram> batch;
+    batch.reserve(heard.datagrams.size());
+    for (const SimulatedDatagram& datagram : heard.datagrams) {
+      batch.push_back({datagram.time, {}, datagram.payload});
+    }
+    if (auto written = recorder->write(batch); !written) {
+      return tl::make_unexpected(std::move(written.error()));
+    }
+    report.datagrams += batch.size();
+    report.lost += heard.lost;
+    if (heard.paths == 0) {
+      report.unheard_lines.push_back(spot.line);
+    }
+  }
+  if (auto synced = recorder->sync(); !synced) {
+    return tl::make_unexpected(std::move(synced.error()));
+  }
+  return report;
+}
+
+void print_notes(const CaptureReport& report) {
+  if (!report.unheard_lines.empty()) {
+    std::fprintf(stderr,
+                 "rayloc simulate: no path reaches %s from %zu points, the first of line %d: only "
+                 "noise is recorded there\n",
+                 report.access_point.c_str(),
+                 report.unheard_lines.size(),
+                 report.unheard_lines.front());
+  }
+}
+
+Expected<void> run(const Arguments& arguments) {
+  const auto simulation = prepare(arguments);
+  if (!simulation) {
+    return tl::make_unexpected(simulation.error());
+  }
+  std::vector<CaptureReport> captures;
+  for (const CaptureArgument& output : simulation->outputs) {
+    auto capture = simulate(*simulation, output, arguments.force);
+    if (!capture) {
+      return tl::make_unexpected(std::move(capture.error()));
+    }
+    if (!arguments.quiet) {
+      print_notes(*capture);
+    }
+    captures.push_back(*std::move(capture));
+  }
+  const std::string report = simulation_json(simulation->options, simulation->spots, captures);
+  std::fputs(report.c_str(), stdout);
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
+      ->required();
+  app.add_option("--points", arguments->points, "Where the device stands: t_start,t_end,x,y,z")
+      ->required();
+  app.add_option("--out", arguments->out, "The recordings to make: [AP=]FILE")->required();
+  app.add_option("--impairments",
+                 arguments->impairments,
+                 "default, none, or a TOML file with the keys that differ from base = \"default\" "
+                 "(or \"none\"). The keys and their defaults; 0: off\n" +
+                     impairments_help())
+      ->capture_default_str();
+  app.add_option("--frames", arguments->transmissions.frames, "At each point")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_option("--survey-error",
+                 arguments->transmissions.survey_error,
+                 "The device stands off each point by this standard deviation along each axis [m]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  app.add_option(
+      "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
+  app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
+      ->check(CLI::Range(0, 8))
+      ->capture_default_str();
+  app.add_flag("--transmission", arguments->trace.transmission, "Waves also go through objects");
+  app.add_option("--seed", arguments->transmissions.seed, "Of everything that is drawn")
+      ->capture_default_str();
+  app.add_flag("--force", arguments->force, "Replace files that exist");
+  app.add_flag("--quiet", arguments->quiet, "No words on standard error");
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kSimulate;
+const Verb kSimulate = {
+    "simulate",
+    "Make the recordings that a site's access points would make of a device, by our own tracer",
+    "rayloc simulate office --points survey.csv --out ap1=a.pcap ap2=b.pcap\n"
+    "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n\n"
+    "For tests, planning and studies: made with the model that locates, the recordings say nothing "
+    "about accuracy.\n"
+    "Prints as JSON what was simulated, the phases and gains of the chains among it.",
+    declare};
+
+}  // namespace rayloc::cli

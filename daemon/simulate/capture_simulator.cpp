@@ -1,0 +1,94 @@
+#include "daemon/simulate/capture_simulator.h"
+
+#include <bit>
+#include <cmath>
+
+#include "capture/axcsi_writer.h"
+
+namespace rayloc {
+namespace {
+
+// Between the datagrams of one frame: 7 to 10 us in recordings ([AXCSI 4.1]).
+constexpr Duration kDatagramInterval = std::chrono::microseconds(8);
+constexpr std::uint32_t kLongGuardLdpc = 0x0040'0000;
+constexpr std::uint32_t kMcs = 7;
+constexpr std::uint32_t kPhyStatusVht = 0x0843;
+constexpr double kHeSpacing = 78'125.0;  // [Hz]
+
+RadioSetup setup_of(const RoomModel& room, std::size_t access_point, int bandwidth_mhz) {
+  return {room.grid.spacing_hz == kHeSpacing ? PhyFormat::kHe : PhyFormat::kVht,
+          bandwidth_mhz,
+          room.grid.centre_hz,
+          room.access_points.at(access_point).cores};
+}
+
+// [AXCSI 1.2]. The primary channel is the lowest.
+std::uint16_t chanspec_of(double centre_hz, int bandwidth_mhz) {
+  constexpr unsigned kBand5GHz = 0xc000;
+  constexpr unsigned kBand2GHz = 0x0000;
+  constexpr double k5GHz = 5e9;
+  const bool high = centre_hz > k5GHz;
+  const auto channel =
+      static_cast<unsigned>(std::lround((centre_hz - (high ? k5GHz : 2.407e9)) / 5e6));
+  const unsigned width =
+      0x1000U +
+      0x0800U * static_cast<unsigned>(std::countr_zero(static_cast<unsigned>(bandwidth_mhz / 20)));
+  return static_cast<std::uint16_t>((high ? kBand5GHz : kBand2GHz) | width | (channel & 0xffU));
+}
+
+AxcsiHeader header_of(const CaptureOptions& options, const RadioSetup& setup) {
+  AxcsiHeader header;
+  header.transmitter = options.transmitter;
+  const auto encoding = static_cast<std::uint32_t>(setup.phy);
+  const auto width = static_cast<std::uint32_t>(
+      1 + std::countr_zero(static_cast<unsigned>(setup.bandwidth_mhz / 20)));
+  constexpr std::uint32_t kOneStream = 1U << 4U;
+  header.ratespec = encoding << 24U | kLongGuardLdpc | width << 16U | kOneStream | kMcs;
+  header.phy_status = kPhyStatusVht;
+  header.chanspec = chanspec_of(setup.centre_hz, setup.bandwidth_mhz);
+  return header;
+}
+
+}  // namespace
+
+CaptureSimulator::CaptureSimulator(const RoomModel& room,
+                                   std::size_t access_point,
+                                   const CaptureOptions& options)
+    : options_(options),
+      tracer_(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
+      radio_(setup_of(room, access_point, options.bandwidth_mhz),
+             options.impairments,
+             room.access_points[access_point].gains,
+             random_stream(options.seed, "radio", access_point)),
+      cores_(room.access_points[access_point].cores),
+      header_(header_of(options, setup_of(room, access_point, options.bandwidth_mhz))),
+      losses_(random_stream(options.seed, "losses", access_point)) {}
+
+SpotCapture CaptureSimulator::hear(const SimulatedSpot& spot) {
+  const std::vector<Paths> paths =
+      tracer_.trace(Transmitter{{spot.position, {}, options_.pattern, options_.polarization}});
+  SpotCapture capture;
+  for (const Paths& of_element : paths) {
+    capture.paths += of_element.size();
+  }
+  const auto h = array_csi(paths, radio_.grid());
+  std::uniform_real_distribution<double> uniform;
+  for (const Transmission& sent : spot.frames) {
+    RadioFrame heard = radio_.receive(h, sent.error_seed);
+    ++header_.sequence;
+    header_.sequence_control = sent.sequence_control;
+    header_.power_dbm = heard.power_dbm;
+    Timestamp time = sent.time;
+    for (auto& payload : write_axcsi_frame({header_, cores_, std::move(heard.tones)})) {
+      if (uniform(losses_) < options_.impairments.loss_share) {
+        ++capture.lost;
+      } else {
+        capture.datagrams.push_back({time, std::move(payload)});
+      }
+      time += kDatagramInterval;
+    }
+  }
+  return capture;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,126 @@
+#include "daemon/simulate/impairments.h"
+
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "daemon/site/toml_reader.h"
+
+namespace rayloc {
+namespace {
+
+using I = Impairments;
+
+constexpr NumberRange kShare = {0.0, 1.0, {}};
+constexpr NumberRange kDelay = {0.0, 3'000.0, "ns"};  // a tone spacing of 312.5 kHz is 3.2 us
+constexpr NumberRange kDecibels = {0.0, 60.0, "dB"};
+constexpr NumberRange kDegrees = {0.0, 180.0, "degrees"};
+
+constexpr std::array kKeys = std::to_array<ImpairmentKey>({
+    {"random_phase", &I::random_phase, {}, 1, 0, "a common phase, new in every frame"},
+    {"delay_min_ns", &I::delay_min_ns, kDelay, 60, 0, "timing offset of a frame, from this"},
+    {"delay_max_ns", &I::delay_max_ns, kDelay, 350, 0, "to this"},
+    {"delay_outlier_share", &I::delay_outlier_share, kShare, 0.02, 0, "of frames that are later"},
+    {"delay_outlier_ns", &I::delay_outlier_ns, kDelay, 200, 0, "by this"},
+    {"gain_step_db", &I::gain_step_db, kDecibels, 3, 0, "gain control of all cores, in steps"},
+    {"power_error_db", &I::power_error_db, kDecibels, 1, 0, "of a power byte, at most"},
+    {"phase_jitter_deg", &I::phase_jitter_deg, kDegrees, 2, 0, "between two cores, deviation"},
+    {"snr_db", &I::snr_db, kDecibels, 31, 0, "at 4 m of free space, half-wave dipoles"},
+    {"transmit_snr_db", &I::transmit_snr_db, kDecibels, 38, 0, "error of the transmitter below it"},
+    {"dc_garbage", &I::dc_garbage, {}, 1, 0, "a bin at DC as large as data"},
+    {"calibrated_chains",
+     &I::calibrated_chains,
+     {},
+     1,
+     0,
+     "chains as the site's calibration has "
+     "them, where it has; else drawn:"},
+    {"chain_gain_db", &I::chain_gain_db, kDecibels, 1, 0, "of a chain, deviation"},
+    {"chain_phase_deg", &I::chain_phase_deg, kDegrees, 180, 0, "of a chain, at most"},
+    {"ripple_db", &I::ripple_db, kDecibels, 0.3, 0, "of a chain over the band, amplitude"},
+    {"ripple_deg", &I::ripple_deg, kDegrees, 2, 0, "of a chain over the band, amplitude"},
+    {"coupling_db", &I::coupling_db, kDecibels, 28, 0, "of an antenna below its own signal"},
+    {"image_rejection_db", &I::image_rejection_db, kDecibels, 33, 0, "of the mirrored tone"},
+    {"retry_share", &I::retry_share, kShare, 0.08, 0, "of frames: the last one's 802.11 number"},
+    {"loss_share", &I::loss_share, kShare, 0, 0, "of datagrams that do not arrive"},
+    {"transmit_power_dbm",
+     &I::transmit_power_dbm,
+     {-30.0, 36.0, "dBm"},
+     12,
+     12,
+     "of the device: what the power bytes start from"},
+});
+
+Impairments impairments_from(double ImpairmentKey::*column) {
+  Impairments values;
+  for (const ImpairmentKey& key : kKeys) {
+    if (const auto* flag = std::get_if<bool Impairments::*>(&key.member)) {
+      values.** flag = key.*column != 0.0;
+    } else {
+      values.*std::get<double Impairments::*>(key.member) = key.*column;
+    }
+  }
+  return values;
+}
+
+Expected<Impairments> read(TomlDocument& document) {
+  static constexpr std::array<std::string_view, 2> kBases = {"default", "none"};
+  const TomlTable root = document.root();
+  Impairments values = root.choice("base", kBases).value_or("default") == "none"
+                           ? no_impairments()
+                           : default_impairments();
+  for (const ImpairmentKey& key : kKeys) {
+    if (const auto* flag = std::get_if<bool Impairments::*>(&key.member)) {
+      values.** flag = root.boolean(key.key).value_or(values.**flag);
+    } else {
+      double& number = values.*std::get<double Impairments::*>(key.member);
+      number = root.number(key.key, key.range).value_or(number);
+    }
+  }
+  if (values.delay_max_ns < values.delay_min_ns) {
+    root.error_at("delay_max_ns",
+                  "'delay_max_ns' is " + to_text(values.delay_max_ns) + ", less than " +
+                      to_text(values.delay_min_ns) + ", the 'delay_min_ns'; exchange them");
+  }
+  if (auto finished = document.finish(); !finished) {
+    return tl::make_unexpected(std::move(finished.error()));
+  }
+  return values;
+}
+
+}  // namespace
+
+std::span<const ImpairmentKey> impairment_keys() { return kKeys; }
+
+Impairments default_impairments() { return impairments_from(&ImpairmentKey::preset); }
+Impairments no_impairments() { return impairments_from(&ImpairmentKey::none); }
+
+Expected<Impairments> load_impairments(const std::filesystem::path& file) {
+  auto document = TomlDocument::read(file);
+  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+}
+
+Expected<Impairments> parse_impairments(std::string_view text, const std::filesystem::path& file) {
+  auto document = TomlDocument::parse(text, file);
+  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+}
+
+std::string impairment_text(const Impairments& impairments, const ImpairmentKey& key) {
+  if (const auto* flag = std::get_if<bool Impairments::*>(&key.member)) {
+    return impairments.**flag ? "true" : "false";
+  }
+  return to_text(impairments.*std::get<double Impairments::*>(key.member));
+}
+
+std::string impairments_help() {
+  constexpr std::size_t kWidth = 28;  // of "delay_outlier_share = 0.02"
+  std::string text;
+  for (const ImpairmentKey& key : kKeys) {
+    std::string line = std::string(key.key) + " = " + impairment_text(default_impairments(), key);
+    line.resize(std::max(line.size(), kWidth), ' ');
+    text += line + "# " + std::string(key.meaning) + "\n";
+  }
+  return text;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,132 @@
+// From the tracer through the radio, the wire and the product's decoder back to the channel.
+#include "daemon/simulate/capture_simulator.h"
+
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/recording.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using std::chrono::milliseconds;
+using Value = std::complex<double>;
+
+constexpr Vec3d kPlace{0.3, -0.4, 1.2};
+
+CaptureOptions options_with(const Impairments& impairments) {
+  CaptureOptions options;
+  options.transmitter = {{2, 0x52, 0x4c, 0, 0, 7}};
+  options.impairments = impairments;
+  options.seed = 11;
+  return options;
+}
+
+SimulatedSpot spot_with(int frames) {
+  SimulatedSpot spot{2, kPlace, {}};
+  for (int n = 0; n < frames; ++n) {
+    spot.frames.push_back({Timestamp(milliseconds(1000 + 10 * n)),
+                           static_cast<std::uint16_t>(16 * n),
+                           static_cast<std::uint64_t>(n)});
+  }
+  return spot;
+}
+
+std::vector<CsiFrame> receive(const SpotCapture& capture) {
+  test::Recording recording;
+  for (const SimulatedDatagram& datagram : capture.datagrams) {
+    recording.push_back({datagram.time, datagram.payload});
+  }
+  CsiReceiver receiver(CsiReceiverOptions{});
+  return test::receive_all(receiver, recording);
+}
+
+TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
+  const RoomModel room = test::make_room();
+  CaptureSimulator simulator(room, 1, options_with(no_impairments()));
+  const auto frames = receive(simulator.hear(spot_with(3)));
+  ASSERT_EQ(frames.size(), 3U);
+
+  const RoomAccessPoint& ap = room.access_points[1];
+  const PathTracer tracer(room.scene);
+  const Transmitter device{{kPlace, {}, room.device.pattern, room.device.polarization}};
+  const OfdmGrid grid{room.grid.centre_hz, room.grid.spacing_hz, frames[0].tone_index};
+  ASSERT_EQ(grid.size(), 114U);
+  for (std::size_t element = 0; element < ap.cores.size(); ++element) {
+    // One after the other, by trees that are made for this link alone.
+    const auto h = tracer.trace(device, array_elements<Receiver>(ap.array)[element]).cfr(grid);
+    const auto core = static_cast<std::size_t>(
+        std::find(frames[0].cores.begin(), frames[0].cores.end(), ap.cores[element]) -
+        frames[0].cores.begin());
+    for (const CsiFrame& frame : frames) {
+      const auto row = frame.csi.row(core, 0);
+      for (std::size_t k = 0; k < grid.size(); ++k) {
+        const Value heard = Value(row[k]) / 0x1p30;
+        const double largest = std::max(std::abs(h[k].real()), std::abs(h[k].imag()));
+        // 11 bits of the larger part: half a step of 2^-10, rounded up where the mantissa is full.
+        EXPECT_NEAR(heard.real(), h[k].real(), largest / 1024.0) << k;
+        EXPECT_NEAR(heard.imag(), h[k].imag(), largest / 1024.0) << k;
+      }
+    }
+  }
+}
+
+TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
+  const RoomModel room = test::make_room();
+  CaptureSimulator simulator(room, 0, options_with(default_impairments()));
+  const auto frames = receive(simulator.hear(spot_with(2)));
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[0].transmitter, (MacAddress{{2, 0x52, 0x4c, 0, 0, 7}}));
+  EXPECT_EQ(frames[0].phy, PhyFormat::kVht);
+  EXPECT_EQ(frames[0].bandwidth_mhz, 40);
+  EXPECT_EQ(frames[0].format, "axcsi-v4");
+  EXPECT_EQ(frames[0].time, Timestamp(milliseconds(1000)));
+  EXPECT_EQ(frames[1].sequence_control, 16);
+  EXPECT_EQ(frames[1].sequence, frames[0].sequence + 1);
+  EXPECT_TRUE(frames[0].complete);
+}
+
+TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
+  const RoomModel room = test::make_room();
+  const auto bytes = [&](std::uint64_t seed, std::size_t access_point) {
+    CaptureOptions options = options_with(default_impairments());
+    options.seed = seed;
+    std::vector<std::vector<std::byte>> payloads;
+    for (auto& datagram :
+         CaptureSimulator(room, access_point, options).hear(spot_with(2)).datagrams) {
+      payloads.push_back(std::move(datagram.payload));
+    }
+    return payloads;
+  };
+  EXPECT_EQ(bytes(11, 0), bytes(11, 0));
+  EXPECT_NE(bytes(11, 0), bytes(12, 0));
+}
+
+TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
+  const RoomModel room = test::make_room();
+  Impairments impairments = no_impairments();
+  impairments.loss_share = 0.2;
+  CaptureSimulator simulator(room, 0, options_with(impairments));
+  const SpotCapture capture = simulator.hear(spot_with(500));
+  EXPECT_EQ(capture.datagrams.size() + capture.lost, 1500U);
+  EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
+}
+
+// Behind the walls nothing is heard: noise at the floor, and no path.
+TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
+  const RoomModel room = test::make_room();
+  CaptureSimulator simulator(room, 0, options_with(default_impairments()));
+  SimulatedSpot outside = spot_with(1);
+  outside.position = {9.0, 0.0, 1.2};
+  const SpotCapture capture = simulator.hear(outside);
+  EXPECT_EQ(capture.paths, 0U);
+  EXPECT_EQ(capture.datagrams.size(), 3U);
+}
+
+}  // namespace
+}  // namespace rayloc
