@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/calibrate/refused_input.h"
 #include "daemon/cli/capture_argument.h"
 #include "daemon/site/points_csv.h"
 #include "daemon/site/site.h"
@@ -17,11 +18,6 @@ namespace rayloc::cli {
 struct SurveyedFrames {
   SurveyPoint point;
   std::vector<CsiFrame> frames;  // by access point, then by time
-};
-
-struct RefusedInput {
-  std::string what;  // "points.csv:17 ap2"
-  std::string reason;
 };
 
 struct CalibrationInputs {

@@ -1,0 +1,44 @@
+#include "daemon/calibrate/fit_summary.h"
+
+#include <numeric>
+
+#include "daemon/evaluate/error_statistics.h"
+
+namespace rayloc {
+namespace {
+
+std::optional<CorrelationSummary> summarize(const std::vector<double>& values) {
+  if (values.empty()) {
+    return std::nullopt;
+  }
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return CorrelationSummary{percentile(values, 0.25),
+                            percentile(values, 0.5),
+                            percentile(values, 0.75),
+                            sum / static_cast<double>(values.size())};
+}
+
+}  // namespace
+
+std::vector<double> heldout_correlations(const CalibrationReport& report,
+                                         const RoomCalibration& calibration,
+                                         std::size_t access_point,
+                                         double PointFit::*share) {
+  std::vector<double> values;
+  for (const PointFit& fit : calibration.points) {
+    if (fit.access_point == access_point && report.held_out.at(fit.point)) {
+      values.push_back(fit.*share);
+    }
+  }
+  return values;
+}
+
+FitSummary summarize_fit(const CalibrationReport& report,
+                         const RoomCalibration& calibration,
+                         std::size_t access_point) {
+  const auto before = heldout_correlations(report, calibration, access_point, &PointFit::before);
+  const auto after = heldout_correlations(report, calibration, access_point, &PointFit::after);
+  return {after.size(), summarize(before), summarize(after)};
+}
+
+}  // namespace rayloc

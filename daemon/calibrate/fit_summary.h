@@ -1,0 +1,36 @@
+// FitSummary: how well a method explains what one access point heard at the points held out.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/calibrate/calibration_report.h"
+
+namespace rayloc {
+
+struct CorrelationSummary {
+  double lower_quartile = 0.0;
+  double median = 0.0;
+  double upper_quartile = 0.0;
+  double mean = 0.0;
+};
+
+struct FitSummary {
+  std::size_t points = 0;
+  std::optional<CorrelationSummary> before;  // absent without a point
+  std::optional<CorrelationSummary> after;
+};
+
+// PointFit::`share` of the points held out, at one access point.
+std::vector<double> heldout_correlations(const CalibrationReport& report,
+                                         const RoomCalibration& calibration,
+                                         std::size_t access_point,
+                                         double PointFit::*share);
+
+FitSummary summarize_fit(const CalibrationReport& report,
+                         const RoomCalibration& calibration,
+                         std::size_t access_point);
+
+}  // namespace rayloc

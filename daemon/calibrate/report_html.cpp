@@ -1,0 +1,222 @@
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/fit_summary.h"
+#include "daemon/calibrate/html.h"
+#include "daemon/calibrate/parameter_change.h"
+#include "daemon/calibrate/report_figures.h"
+#include "daemon/draw/svg.h"
+#include "engine/base/check.h"
+#include "engine/base/constants.h"
+
+namespace rayloc {
+namespace {
+
+constexpr const char* kNone = "\u2013";
+
+std::string section(const std::string& heading, const std::string& body) {
+  return "<h2>" + html_text(heading) + "</h2>\n" + body;
+}
+
+std::string paragraph(const std::string& text) { return "<p>" + html_text(text) + "</p>\n"; }
+
+std::string figures(const std::vector<draw::Drawing>& drawings) {
+  std::string html = "<div class=\"figures\">\n";
+  for (const draw::Drawing& drawing : drawings) {
+    html += draw::to_svg_element(drawing);
+  }
+  return html + "</div>\n";
+}
+
+std::string summary_text(const std::optional<CorrelationSummary>& summary) {
+  return summary ? fmt::format("{:.3f} ({:.3f} \u2013 {:.3f})",
+                               summary->median,
+                               summary->lower_quartile,
+                               summary->upper_quartile)
+                 : kNone;
+}
+
+std::string headline(const CalibrationReport& report) {
+  const CalibrationMethodResult& written = report.methods.front();
+  std::string html = paragraph(
+      fmt::format("Method {}, {} points, {:.0f} % of them held out (seed {}), {:.1f} s{}{}. "
+                  "Calibration {}.",
+                  written.method,
+                  report.positions.size(),
+                  100.0 * report.holdout,
+                  report.seed,
+                  written.seconds,
+                  report.peak_memory_bytes > 0
+                      ? fmt::format(", at most {:.0f} MiB of memory",
+                                    static_cast<double>(report.peak_memory_bytes) / (1024.0 * 1024))
+                      : "",
+                  written.calibration.interrupted ? ", interrupted: the last good state" : "",
+                  report.calibration_id));
+  HtmlTable table{{"access point", "points held out", "before", "after", "mean before, after"}, {}};
+  for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
+    const FitSummary fit = summarize_fit(report, written.calibration, ap);
+    table.rows.push_back(
+        {report.access_points[ap],
+         std::to_string(fit.points),
+         summary_text(fit.before),
+         summary_text(fit.after),
+         fit.after ? fmt::format("{:.3f}, {:.3f}", fit.before->mean, fit.after->mean) : kNone});
+  }
+  html += to_html(table);
+  html += paragraph(
+      "Squared normalised correlation of measured and expected CSI at the points held out: median "
+      "and quartiles. 1: all that was measured is explained; before: floor plan and chain gains "
+      "alone.");
+  if (!report.fixes.empty()) {
+    const HeldOutFixes& fixes = report.fixes.back();
+    html += paragraph(
+        fmt::format("Held-out fixes: {} of {} points, median error {:.3f} m, {} within the stated "
+                    "95 % radius (likelihood exponent {:g}).",
+                    fixes.fixes,
+                    fixes.points,
+                    fixes.median_error_m,
+                    fixes.within_accuracy,
+                    fixes.temper));
+  }
+  return html;
+}
+
+std::string method_table(const CalibrationReport& report) {
+  HtmlTable table{{"method", "time", "iterations", "parameters", "last loss"}, {}};
+  for (const std::string& ap : report.access_points) {
+    table.columns.push_back(ap + " after");
+  }
+  for (const CalibrationMethodResult& result : report.methods) {
+    const RoomCalibration& calibration = result.calibration;
+    const bool has_history = !calibration.history.empty();
+    table.rows.push_back(
+        {result.method,
+         fmt::format("{:.1f} s", result.seconds),
+         has_history ? std::to_string(calibration.history.back().iteration) : kNone,
+         std::to_string(calibration.parameters.size()),
+         has_history ? fmt::format("{:.5g}", calibration.history.back().loss) : kNone});
+    for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
+      table.rows.back().push_back(summary_text(summarize_fit(report, calibration, ap).after));
+    }
+  }
+  return to_html(table) +
+         paragraph(
+             "Median and quartiles at the points held out. A method's loss is its own; only the "
+             "correlations compare.");
+}
+
+std::string progress(const CalibrationReport& report) {
+  std::vector<draw::Drawing> drawings;
+  for (const CalibrationMethodResult& result : report.methods) {
+    drawings.push_back(draw_loss(result));
+  }
+  drawings.push_back(draw_heldout_history(report));
+  return figures(drawings);
+}
+
+std::string fit_distributions(const CalibrationReport& report) {
+  std::vector<draw::Drawing> drawings;
+  for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
+    drawings.push_back(draw_fit_distribution(report, ap));
+  }
+  return figures(drawings);
+}
+
+// Units that people read lengths and angles of a room in.
+struct ReadableUnit {
+  std::string name;
+  double scale = 1.0;
+};
+
+ReadableUnit readable(const std::string& unit) {
+  if (unit == "m") {
+    return {"mm", 1e3};
+  }
+  if (unit == "rad") {
+    return {"\u00b0", 180.0 / std::numbers::pi};
+  }
+  return {unit == "1" ? "" : unit, 1.0};
+}
+
+std::vector<std::string> change_row(const ParameterChange& change) {
+  const RoomParameter& parameter = change.parameter;
+  const ReadableUnit unit = readable(parameter.unit);
+  const std::string sigma =
+      parameter.sigma > 0.0 ? fmt::format(" \u00b1 {:.2g}", unit.scale * parameter.sigma) : "";
+  const std::string prior_sigma =
+      parameter.prior_sigma > 0.0
+          ? fmt::format(" \u00b1 {:.2g}", unit.scale * parameter.prior_sigma)
+          : "";
+  return {parameter.name,
+          fmt::format("{:+.4g} {}", unit.scale * change.by, unit.name),
+          change.prior_sigmas ? fmt::format("{:.2f}", *change.prior_sigmas) : kNone,
+          fmt::format("{:.5g}{} {}", unit.scale * parameter.value, sigma, unit.name),
+          fmt::format("{:.5g}{} {}", unit.scale * parameter.prior, prior_sigma, unit.name),
+          change.caution};
+}
+
+// The first rows stand open, the others fold out.
+std::string moved_table(const CalibrationReport& report) {
+  constexpr std::size_t kOpen = 25;
+  const auto changes = parameter_changes(report.methods.front().calibration.parameters,
+                                         kSpeedOfLight / report.before.grid.centre_hz);
+  if (changes.empty()) {
+    return paragraph("No parameter was fitted.");
+  }
+  HtmlTable open{{"parameter", "moved by", "prior sigmas", "value", "assumed", "caution"}, {}};
+  HtmlTable folded{open.columns, {}};
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    (i < kOpen ? open : folded).rows.push_back(change_row(changes[i]));
+  }
+  std::string html = to_html(open);
+  if (!folded.rows.empty()) {
+    html += fmt::format(
+        "<details><summary>{} more</summary>\n{}</details>\n", folded.rows.size(), to_html(folded));
+  }
+  return html;
+}
+
+std::string residual_maps(const CalibrationReport& report) {
+  std::vector<draw::Drawing> drawings;
+  for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
+    drawings.push_back(draw_residuals(report, ap));
+  }
+  return figures(drawings);
+}
+
+std::string refused_table(const CalibrationReport& report) {
+  if (report.refused.empty()) {
+    return paragraph("Nothing was refused.");
+  }
+  HtmlTable table{{"input", "why"}, {}};
+  for (const RefusedInput& one : report.refused) {
+    table.rows.push_back({one.what, one.reason});
+  }
+  return to_html(table);
+}
+
+}  // namespace
+
+std::string to_html(const CalibrationReport& report) {
+  RAYLOC_CHECK(!report.methods.empty() && report.positions.size() == report.held_out.size());
+  return html_page(
+      "Calibration of " + report.site,
+      headline(report) + section("Methods", method_table(report)) +
+          section("Course of the fit", progress(report)) +
+          section("Fit of the points held out", fit_distributions(report)) +
+          section("What moved",
+                  figures({draw_displacements(report)}) +
+                      paragraph("Floors and ceilings, poses and materials are in the table only.") +
+                      moved_table(report)) +
+          section("Where the room is explained", residual_maps(report)) +
+          section("Refused", refused_table(report)));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,48 @@
+// A report of a made-up calibration of the synthetic room: two access points heard, four points,
+// two of them held out.
+#pragma once
+
+#include "daemon/calibrate/calibration_report.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc::test {
+
+inline CalibrationReport sample_report() {
+  CalibrationReport report;
+  report.site = "office <3> & lab";
+  report.calibration_id = "c0ffee";
+  report.holdout = 0.5;
+  report.seed = 7;
+  report.access_points = {"a", "b", "c"};
+  report.positions = {{-0.5, 0.1, 1.2}, {0.5, 0.2, 1.2}, {0.0, -0.4, 1.2}, {0.9, 0.7, 1.2}};
+  report.held_out = {false, true, true, false};
+  report.before = make_room();
+  report.peak_memory_bytes = 300U * 1024U * 1024U;
+  report.fixes = {{1.0, 2, 2, 1, 0.31}, {0.6, 2, 2, 2, 0.25}};
+  report.refused = {{"points.csv:9 a", "no frames at \"that\" time <1 s>"}};
+
+  CalibrationMethodResult joint;
+  joint.method = "joint";
+  joint.seconds = 12.5;
+  joint.calibration.room = report.before;
+  joint.calibration.parameters = {
+      {"table.height", "m", 0.701, 0.7, 0.02, 0.003},
+      {"west.+x.offset", "m", 0.012, 0.0, 0.01, 0.001},
+      {"a.phase", "rad", 0.5, 0.0, 0.0, 0.0},
+  };
+  joint.calibration.points = {{0, 0, 0.40, 0.97},
+                              {1, 0, 0.50, 0.90},
+                              {2, 0, 0.60, 0.94},
+                              {3, 0, 0.10, 0.20},
+                              {1, 1, 0.30, 0.80}};
+  joint.calibration.history = {{"gains", 0, 1000.0, 0.55}, {"joint", 1, 8.0, 0.92}};
+  CalibrationMethodResult paper = joint;
+  paper.method = "paper";
+  paper.seconds = 99.0;
+  paper.calibration.points[1].after = 0.70;
+  paper.calibration.points[2].after = 0.72;
+  report.methods = {std::move(joint), std::move(paper)};
+  return report;
+}
+
+}  // namespace rayloc::test
