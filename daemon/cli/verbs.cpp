@@ -16,6 +16,7 @@ extern const Verb kScene;        // scene.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSimulate;     // simulate.cpp
 extern const Verb kSub;          // sub.cpp
+extern const Verb kSurvey;       // survey.cpp
 extern const Verb kTrace;        // trace.cpp
 
 std::span<const Verb> verbs() {
@@ -31,6 +32,7 @@ std::span<const Verb> verbs() {
       kSend,
       kSimulate,
       kSub,
+      kSurvey,
       kTrace,
   };
   return kVerbs;

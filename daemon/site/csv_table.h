@@ -36,6 +36,9 @@ class CsvTable {
   std::size_t rows() const { return rows_.size(); }
   int line(std::size_t row) const { return rows_[row].line; }
 
+  const std::string& text(std::size_t row, std::size_t column) const {
+    return rows_[row].cells[column].text;
+  }
   Expected<double> number(std::size_t row, std::size_t column) const;
   // Seconds since 1970 as time.
   Expected<Timestamp> time(std::size_t row, std::size_t column) const;
