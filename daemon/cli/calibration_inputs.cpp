@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include "capture/csi_receiver.h"
 #include "capture/pcap_source.h"
 #include "daemon/site/content_hash.h"
+#include "engine/base/vec3.h"
 
 namespace rayloc::cli {
 namespace {
@@ -17,8 +19,10 @@ namespace {
 // By how much the clocks of access points and of the survey may differ.
 constexpr Duration kClockSlack = std::chrono::milliseconds(20);
 
+// What a recording holds.
 struct Extent {
-  std::size_t frames = 0;
+  std::size_t fixed_frames = 0;  // of fixed transmitters
+  std::size_t frames = 0;        // of all others: when these came
   Timestamp first{};
   Timestamp last{};
 };
@@ -85,6 +89,7 @@ Expected<Extent> read_capture(const Site& site,
     }
     for (CsiFrame& frame : frames) {
       if (is_fixed(site, frame.transmitter)) {
+        ++extent.fixed_frames;
         continue;
       }
       extent.first = extent.frames == 0 ? frame.time : std::min(extent.first, frame.time);
@@ -99,19 +104,41 @@ Expected<Extent> read_capture(const Site& site,
   return extent;
 }
 
+bool is_inside(const Site& site, const Vec3d& p) {
+  return p.x >= site.bounds_min.x && p.x <= site.bounds_max.x && p.y >= site.bounds_min.y &&
+         p.y <= site.bounds_max.y && p.z >= site.bounds_min.z && p.z <= site.bounds_max.z;
+}
+
+// What a point outside of the room most likely is.
+std::string explain_outside(const Site& site,
+                            const CalibrationInputs& inputs,
+                            const SurveyPoint& point) {
+  constexpr double kLargestRoom = 1e6;  // [m]; seconds since 1970 have been more for a long time
+  for (const double coordinate : {point.position.x, point.position.y, point.position.z}) {
+    if (std::abs(coordinate) > kLargestRoom) {
+      return "one of them looks like a time: the columns are t_start,t_end,x,y,z";
+    }
+  }
+  const bool exchanged =
+      std::all_of(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
+        const Vec3d& p = spot.point.position;
+        return is_inside(site, {p.y, p.x, p.z});
+      });
+  if (exchanged) {
+    return "with x and y exchanged all points lie inside: are the columns exchanged?";
+  }
+  return "points are in metres in the frame of the site ([bounds] of site.toml)";
+}
+
 Expected<void> check_points(const Site& site,
                             const std::string& file,
                             const CalibrationInputs& inputs) {
   for (const SurveyedFrames& spot : inputs.points) {
     const Vec3d& p = spot.point.position;
-    const bool inside = !site.has_bounds || (p.x >= site.bounds_min.x && p.x <= site.bounds_max.x &&
-                                             p.y >= site.bounds_min.y && p.y <= site.bounds_max.y &&
-                                             p.z >= site.bounds_min.z && p.z <= site.bounds_max.z);
-    if (!inside) {
+    if (site.has_bounds && !is_inside(site, p)) {
       return bad_input(file + ":" + std::to_string(spot.point.line) + ": (" + std::to_string(p.x) +
                        ", " + std::to_string(p.y) + ", " + std::to_string(p.z) +
-                       ") lies outside of the room; points are in metres in the frame of the site "
-                       "([bounds] of site.toml)");
+                       ") lies outside of the room; " + explain_outside(site, inputs, spot.point));
     }
   }
   return {};
@@ -157,7 +184,12 @@ Expected<void> check_overlap(const Site& site,
   if (empty.size() == inputs.points.size()) {
     if (extent.frames == 0) {
       return bad_input(capture.file + ": no CSI frame of a device for access point '" +
-                       capture.access_point + "'");
+                       capture.access_point + "'" +
+                       (extent.fixed_frames > 0
+                            ? ", only " + std::to_string(extent.fixed_frames) +
+                                  " frames of fixed transmitters; give the recording in "
+                                  "which the device was carried from point to point"
+                            : "; the recording holds no frame that can be decoded"));
     }
     return bad_input(capture.file + ": access point '" + capture.access_point +
                      "' heard the device from " + seconds_text(extent.first) + " to " +

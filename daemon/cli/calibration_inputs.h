@@ -30,7 +30,8 @@ struct CalibrationInputs {
 
 // Reads the points and the recordings. Frames of fixed transmitters are left out; the clocks of the
 // access points may differ by `kClockSlack`. Errors name the row or the access point: a point
-// outside of the room, a recording that shares no time with the points.
+// outside of the room, a recording without the device or that shares no time with the points.
+// Whether recordings and places fit together is checked by check_calibration_inputs().
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
                                                     const std::string& points_file);
