@@ -14,14 +14,14 @@ constexpr std::size_t kMaxDepth = 8;
 
 }  // namespace
 
-KnownPaths::KnownPaths(const PathTracer& tracer,
-                       const Transmitter& transmitter,
-                       const Receiver& receiver)
+KnownPaths::KnownPaths(const ReceiverTracer& at,
+                       const PathTracer& tracer,
+                       const Transmitter& transmitter)
     : transmitter_(link_end(transmitter)),
-      receiver_(link_end(receiver)),
+      receiver_(link_end(at.receiver())),
       wavelength_(tracer.wavelength()) {
   const Scene& scene = tracer.scene();
-  for (const Path& path : tracer.trace(transmitter, receiver)) {
+  for (const Path& path : at.trace(transmitter)) {
     RAYLOC_CHECK(path.interactions.size() <= kMaxDepth);
     for (const Interaction& interaction : path.interactions) {
       interactions_.push_back(interaction);

@@ -14,8 +14,9 @@ namespace rayloc::bench {
 
 class KnownPaths {
  public:
-  // The sequences of the paths that the tracer finds. REQUIRES: all interactions are reflections.
-  KnownPaths(const PathTracer& tracer, const Transmitter& transmitter, const Receiver& receiver);
+  // The sequences of the paths that `at`, of the tracer, finds. REQUIRES: all interactions are
+  // reflections.
+  KnownPaths(const ReceiverTracer& at, const PathTracer& tracer, const Transmitter& transmitter);
 
   std::size_t size() const { return ends_.size(); }
 
