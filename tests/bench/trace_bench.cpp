@@ -334,7 +334,8 @@ void print_beside(const BestTimes& best, const std::string& name, const std::str
               1e3 * found->wall,
               1e3 * found->cpu);
   for (const char* by : {"Rays", "Images"}) {
-    if (const auto baseline = best.find("BM_" + name + by + "/" + argument)) {
+    const std::string beside = std::string("BM_").append(name).append(by).append("/");
+    if (const auto baseline = best.find(beside + argument)) {
       std::printf(
           "; %s %.2f of CPU (%.2f times)", by, 1e3 * baseline->cpu, found->cpu / baseline->cpu);
     }
