@@ -80,6 +80,20 @@ TEST(BadScenes, TransformThatLosesTheMeshIsRefused) {
             "scene.xml: object 'floor' has no triangle that is at least a micrometre high");
 }
 
+TEST(BadScenes, UnknownMaterialIsNamedWithItsPlaceAndTheClosest) {
+  const auto scene = parse_scene(
+      "<scene>\n<bsdf type='diffuse' id='mat-itu_plasterbord'/>\n"
+      "<shape type='cube'><ref id='mat-itu_plasterbord' name='bsdf'/></shape></scene>",
+      "scene.xml",
+      {test::kCarrier, {}},
+      nullptr);
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().message.find("scene.xml:2:1: material 'plasterbord'"), std::string::npos)
+      << scene.error().message;
+  EXPECT_NE(scene.error().message.find("did you mean 'plasterboard'"), std::string::npos)
+      << scene.error().message;
+}
+
 TEST(BadScenes, FrequencyThatIsNoneIsRefused) {
   const std::string xml =
       "<scene><bsdf type='radio-material' id='m'/>"
