@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
@@ -57,9 +58,7 @@ Expected<std::string> check(const std::filesystem::path& path) {
 Expected<void> run(const Arguments& arguments) {
   const Expected<std::string> found = check(arguments.path);
   if (!found) {
-    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
-    std::fprintf(stderr, "%s\n", found.error().message.c_str());
-    return exit_silently(ErrorKind::kConfiguration);
+    return report_file_error({ErrorKind::kConfiguration, found.error().message});
   }
   if (!arguments.quiet) {
     std::fprintf(stderr, "%s: good: %s\n", arguments.path.c_str(), found->c_str());

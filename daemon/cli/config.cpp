@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config_schema.h"
@@ -12,8 +13,7 @@ namespace {
 
 Expected<void> print(const Expected<std::string>& text) {
   if (!text) {
-    std::fprintf(stderr, "%s\n", text.error().message.c_str());
-    return exit_silently(text.error().kind);
+    return report_file_error(text.error());
   }
   std::fputs(text->c_str(), stdout);
   return {};

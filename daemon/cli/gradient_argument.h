@@ -1,12 +1,14 @@
 // `--gradient power:WHAT`: which derivatives of the received power are wanted.
 //
-// WHAT is one or more of, separated by commas, each with ".0", ".1" or ".2" for one axis only:
+// WHAT is one or more of, separated by commas:
 //   rx, tx                              position, x y z [1/m]
 //   rx_orientation, tx_orientation      yaw pitch roll [1/rad]
+//   NAME (or object.NAME)               translation of that object, x y z [1/m]
+// each with ".0", ".1" or ".2" behind it for one of the three only, and
 //   rx_gain, tx_gain                    amplitude factor of the antenna
-//   NAME (or object.NAME)               translation of that object [1/m]
 //   offset.NAME                         of each surface of the object along its normal [1/m]
 //   eps_r.NAME, sigma.NAME, thickness.NAME   of that material
+// The three are named NAME.0 to NAME.2 in the answer, an object's surfaces offset.NAME.0 and so on.
 #pragma once
 
 #include <string>

@@ -137,6 +137,10 @@ Expected<Link> parse_link(const LinkArguments& arguments) {
   if (!rx) {
     return tl::make_unexpected(rx.error());
   }
+  if (tx->position == rx->position) {
+    return make_error(ErrorKind::kUsage,
+                      "--tx and --rx are the same point; an antenna does not hear itself");
+  }
   return Link{Transmitter{*tx}, Receiver{*rx}};
 }
 

@@ -38,7 +38,7 @@ struct Link {
   Receiver receiver;
 };
 
-// The antennas at the two places. Errors are of kUsage.
+// The antennas at two different places. Errors are of kUsage.
 Expected<Link> parse_link(const LinkArguments& arguments);
 
 // Says why a link has no path, or is not what was meant: "the transmitter is inside of object 'x',

@@ -8,6 +8,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/scene/scene_report.h"
 
@@ -136,9 +137,7 @@ std::string report_text(const SceneSource& source, const SceneReport& report) {
 Expected<void> run(const Arguments& arguments) {
   const Expected<SceneSource> source = load_scene_source(arguments.scene, arguments.frequency);
   if (!source) {
-    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
-    std::fprintf(stderr, "%s\n", source.error().message.c_str());
-    return exit_silently(source.error().kind);
+    return report_file_error(source.error());
   }
   const SceneReport report = inspect_scene(*source);
   const std::string text =

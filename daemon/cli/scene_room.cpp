@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/scene/build_room.h"
 #include "daemon/scene/room_plan.h"
@@ -57,9 +58,7 @@ struct Arguments {
 Expected<void> run(const Arguments& arguments) {
   const Expected<RoomPlan> plan = load_room_plan(arguments.plan);
   if (!plan) {
-    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
-    std::fprintf(stderr, "%s\n", plan.error().message.c_str());
-    return exit_silently(plan.error().kind);
+    return report_file_error(plan.error());
   }
   const std::filesystem::path directory = arguments.out;
   if (auto prepared = prepare_output(directory, arguments.force); !prepared) {

@@ -11,6 +11,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/link_arguments.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/draw/png.h"
@@ -103,9 +104,6 @@ Expected<std::optional<Link>> link_of(const Arguments& arguments, const SceneSou
   if (!link) {
     return tl::make_unexpected(link.error());
   }
-  if (link->transmitter.position == link->receiver.position) {
-    return make_error(ErrorKind::kUsage, "--tx and --rx are the same point");
-  }
   return *link;
 }
 
@@ -170,9 +168,7 @@ Expected<void> run(const Arguments& arguments) {
   }
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
   if (!source) {
-    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
-    std::fprintf(stderr, "%s\n", source.error().message.c_str());
-    return exit_silently(source.error().kind);
+    return report_file_error(source.error());
   }
   const auto link = link_of(arguments, *source);
   if (!link) {

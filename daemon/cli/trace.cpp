@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/cli/file_error.h"
 #include "daemon/cli/gradient_argument.h"
 #include "daemon/cli/link_arguments.h"
 #include "daemon/cli/number_list.h"
@@ -111,10 +112,6 @@ Expected<void> run(const TraceArguments& arguments) {
   if (!link) {
     return tl::make_unexpected(link.error());
   }
-  if (link->transmitter.position == link->receiver.position) {
-    return make_error(ErrorKind::kUsage,
-                      "--tx and --rx are the same point; an antenna does not hear itself");
-  }
   Expected<OfdmGrid> grid = OfdmGrid{};
   if (!arguments.cfr.empty()) {
     grid = parse_grid(arguments.cfr);
@@ -124,9 +121,7 @@ Expected<void> run(const TraceArguments& arguments) {
   }
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
   if (!source) {
-    // Without the program's name before it: editors jump to FILE:LINE:COLUMN.
-    std::fprintf(stderr, "%s\n", source.error().message.c_str());
-    return exit_silently(source.error().kind);
+    return report_file_error(source.error());
   }
   const Scene& scene = *source->scene;
   if (arguments.cfr.empty()) {
@@ -161,7 +156,13 @@ RunVerb declare(CLI::App& app) {
       "tx_gain, the name of an object (its translation), offset.OBJECT (each of its "
       "surfaces), eps_r.MATERIAL, sigma.MATERIAL, thickness.MATERIAL; several with "
       "commas; rx.0 is one axis of rx");
-  app.add_flag("--json", arguments->json, "One JSON object, 17 significant digits");
+  app.add_flag(
+      "--json",
+      arguments->json,
+      "One JSON object, 17 significant digits: frequency, paths (kinds: a letter an "
+      "interaction, R reflection, T transmission, S an edge passed with --soft), cfr, power "
+      "(the sum of |h|^2 that --gradient differentiates), gradient, note (what is remarkable "
+      "about the link, as on stderr)");
   return [arguments] { return run(*arguments); };
 }
 

@@ -19,27 +19,22 @@
 
 #include "engine/trace/cfr_kernel.h"
 #include "tests/bench/multiply_add_limit.h"
+#include "tests/support/path_columns.h"
 
 namespace rayloc::bench {
 namespace {
 
 constexpr std::size_t kAntennas = 3;
 
-struct PathColumns {
-  std::vector<double> a_re;
-  std::vector<double> a_im;
-  std::vector<double> tau;
-
-  explicit PathColumns(std::size_t size) : a_re(size), a_im(size), tau(size) {
-    for (std::size_t p = 0; p < size; ++p) {
-      const auto u = static_cast<double>(p);
-      a_re[p] = 1e-3 * std::cos(1.7 * u);
-      a_im[p] = 1e-3 * std::sin(1.7 * u);
-      tau[p] = 10e-9 + 190e-9 * (std::sin(u * u) + 1.0);
-    }
+// As many as the benchmark's first argument says.
+test::PathColumns some_paths(const benchmark::State& state) {
+  test::PathColumns paths;
+  for (std::int64_t p = 0; p < state.range(0); ++p) {
+    const auto u = static_cast<double>(p);
+    paths.add(std::polar(1e-3, 1.7 * u), 10e-9 + 190e-9 * (std::sin(u * u) + 1.0));
   }
-  PathArrays arrays() const { return {a_re, a_im, tau}; }
-};
+  return paths;
+}
 
 OfdmGrid neighbouring_tones(std::size_t size) {
   OfdmGrid grid{5.25e9, 312'500.0, std::vector<std::int16_t>(size)};
@@ -63,7 +58,7 @@ void BM_MultiplyAddLimit(benchmark::State& state) {
 }
 
 void BM_Forward(benchmark::State& state) {
-  const PathColumns paths(static_cast<std::size_t>(state.range(0)));
+  const test::PathColumns paths = some_paths(state);
   const CfrKernel kernel(neighbouring_tones(static_cast<std::size_t>(state.range(1))));
   std::vector<std::complex<double>> h(kernel.num_tones());
   for (auto _ : state) {
@@ -77,7 +72,7 @@ void BM_Forward(benchmark::State& state) {
 }
 
 void BM_Adjoint(benchmark::State& state) {
-  const PathColumns paths(static_cast<std::size_t>(state.range(0)));
+  const test::PathColumns paths = some_paths(state);
   const CfrKernel kernel(neighbouring_tones(static_cast<std::size_t>(state.range(1))));
   const std::vector<std::complex<double>> g(kernel.num_tones(), {0.6, -0.8});
   for (auto _ : state) {

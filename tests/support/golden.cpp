@@ -22,4 +22,6 @@ nlohmann::json golden(const std::string& name) {
   return nlohmann::json::parse(text);
 }
 
+Vec3d vec3(const nlohmann::json& v) { return {v.at(0), v.at(1), v.at(2)}; }
+
 }  // namespace rayloc::test

@@ -5,9 +5,14 @@
 
 #include <nlohmann/json.hpp>
 
+#include "engine/base/vec3.h"
+
 namespace rayloc::test {
 
 // `name` without ".json.gz". Throws when there is no such file.
 nlohmann::json golden(const std::string& name);
+
+// [x, y, z].
+Vec3d vec3(const nlohmann::json& v);
 
 }  // namespace rayloc::test

@@ -12,20 +12,14 @@
 
 #include <hwy/highway.h>
 
+#include "tests/support/path_columns.h"
+
 namespace rayloc {
 namespace {
 
 using Complex64 = std::complex<double>;
 using ComplexL = std::complex<long double>;
-
-struct PathColumns {
-  std::vector<double> a_re;
-  std::vector<double> a_im;
-  std::vector<double> tau;
-
-  PathArrays arrays() const { return {a_re, a_im, tau}; }
-  std::size_t size() const { return tau.size(); }
-};
+using test::PathColumns;
 
 // Delays to 1 us, magnitudes over four decades.
 PathColumns random_paths(std::size_t size, std::uint32_t seed) {
@@ -36,9 +30,7 @@ PathColumns random_paths(std::size_t size, std::uint32_t seed) {
   PathColumns paths;
   for (std::size_t p = 0; p < size; ++p) {
     const Complex64 a = std::polar(std::pow(10.0, decades(random)), angle(random));
-    paths.a_re.push_back(a.real());
-    paths.a_im.push_back(a.imag());
-    paths.tau.push_back(delay(random));
+    paths.add(a, delay(random));
   }
   return paths;
 }

@@ -22,6 +22,7 @@ namespace rayloc {
 namespace {
 
 using nlohmann::json;
+using test::vec3;
 
 // Of the values; those of the furnished rooms are written with 12 digits.
 constexpr double kLengthTolerance = 1e-12;  // relative
@@ -31,7 +32,6 @@ constexpr double kFieldTolerance = 1e-10;   // of free space
 constexpr double kMirrorTolerance = 1e-12;  // of free space, perfect reflectors
 constexpr double kCfrTolerance = 1e-8;      // of the largest
 
-Vec3d vec3(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
 Orientation orientation(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
 AntennaPattern pattern(const json& v) { return *parse_antenna_pattern(v.get<std::string>()); }
 Polarization polarization(const json& v) {

@@ -28,6 +28,7 @@ namespace {
 
 using nlohmann::json;
 using test::TracedLink;
+using test::vec3;
 using Kind = Parameter::Kind;
 
 constexpr double kTolerance = 1e-6;  // relative
@@ -235,8 +236,6 @@ void expect_reference_gradients(const TracedLink& link, const test::Csi& referen
     ++i;
   }
 }
-
-Vec3d vec3(const json& v) { return {v.at(0), v.at(1), v.at(2)}; }
 
 TEST(GradientsOfTheReference, HoldInTheBox) {
   const json doc = test::golden("room_cases");

@@ -1,0 +1,18 @@
+// What is wrong with a file that a verb was given.
+#pragma once
+
+#include <cstdio>
+
+#include "daemon/cli/verb.h"
+#include "engine/base/expected.h"
+
+namespace rayloc::cli {
+
+// Prints the error without the program's name before it, so that editors jump to its
+// FILE:LINE:COLUMN, and leaves nothing to say but the exit status.
+inline tl::unexpected<Error> report_file_error(const Error& error) {
+  std::fprintf(stderr, "%s\n", error.message.c_str());
+  return exit_silently(error.kind);
+}
+
+}  // namespace rayloc::cli
