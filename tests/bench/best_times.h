@@ -62,4 +62,16 @@ class BestTimes final : public benchmark::ConsoleReporter {
   std::map<std::string, BestTime> best_;
 };
 
+// What main() of a benchmark does; `print_summary` sets the times beside each other at the end.
+inline int run_benchmarks(int argc, char** argv, void (*print_summary)(const BestTimes&)) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
+    return 1;
+  }
+  BestTimes best;
+  benchmark::RunSpecifiedBenchmarks(&best);
+  print_summary(best);
+  return 0;
+}
+
 }  // namespace rayloc::bench

@@ -12,6 +12,7 @@
 
 #include "engine/trace/array_tracer.h"
 #include "tests/bench/best_times.h"
+#include "tests/bench/memory.h"
 #include "tests/support/laboratory.h"
 
 namespace rayloc::bench {
@@ -20,6 +21,8 @@ namespace {
 constexpr int kTones = 128;
 constexpr int kSteps = 100;
 constexpr int kSamples = 5;
+const std::array<Parameter, 2> kPlan{Parameter::transmitter_position(0),
+                                     Parameter::transmitter_position(1)};
 
 // L = sum |h - m|^2 for a channel m measured elsewhere.
 class Loss {
@@ -33,6 +36,17 @@ class Loss {
       grid_.tone_index.push_back(static_cast<std::int16_t>(i - kTones / 2));
     }
     measured_ = array_csi(array_.trace(Transmitter{{place_[1], {}}}), grid_);
+  }
+
+  // Of a path with its derivatives.
+  double bytes_per_path() const {
+    std::size_t count = 0;
+    std::size_t bytes = 0;
+    for (const Paths& paths : array_.trace(Transmitter{{place_[0], {}}})) {
+      count += paths.size();
+      bytes += bytes_of(paths) + paths.size() * kPlan.size() * sizeof(PathDerivatives::Derivative);
+    }
+    return static_cast<double>(bytes) / static_cast<double>(count);
   }
 
   const Vec3d& start() const { return place_[0]; }
@@ -56,8 +70,6 @@ class Loss {
       sum += std::norm(difference);
       g[j] = 2.0 * difference;
     }
-    static const std::array<Parameter, 2> kPlan{Parameter::transmitter_position(0),
-                                                Parameter::transmitter_position(1)};
     const auto derivatives = array_.differentiate(device, paths, kPlan);
     const auto gradient = array_loss_gradient(*derivatives, paths, grid_, g);
     return {sum, gradient[0], gradient[1]};
@@ -126,17 +138,13 @@ void print_summary(const BestTimes& best) {
   if (descent) {
     std::printf("descent of %d steps x %d samples: %.3f s\n", kSteps, kSamples, descent->wall);
   }
+  std::printf("a path with two derivatives: %.0f bytes\n", loss().bytes_per_path());
+  print_peak_memory();
 }
 
 }  // namespace
 }  // namespace rayloc::bench
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) {
-    return 1;
-  }
-  rayloc::bench::BestTimes best;
-  benchmark::RunSpecifiedBenchmarks(&best);
-  rayloc::bench::print_summary(best);
+  return rayloc::bench::run_benchmarks(argc, argv, rayloc::bench::print_summary);
 }
