@@ -68,7 +68,7 @@ HorizontalWay<T> CylinderScatterer::horizontal_way(const Vec3<T>& in,
   const T py = T(0.5 * body_.semi_axes[1] * body_.semi_axes[1]) * middle_y / support;
   const T to = between(in.x - px, in.y - py);
   const T from = between(out.x - px, out.y - py);
-  const HorizontalWay<T> reflected{to + from, to / (to + from)};
+  HorizontalWay<T> reflected{to + from, to / (to + from)};
   if (!(light < T(1))) {
     return reflected;
   }

@@ -236,6 +236,7 @@ std::vector<Parameter> TracedLink::parameters() const {
     }
   });
   std::vector<std::pair<int, std::uint32_t>> busiest;
+  busiest.reserve(uses.size() + 1);
   for (const auto& [surface, count] : uses) {
     busiest.emplace_back(-count, surface);
   }
@@ -257,7 +258,7 @@ std::vector<Parameter> TracedLink::parameters() const {
 }
 
 std::string TracedLink::name_of(const Parameter& parameter) const {
-  const std::string axis = "." + std::to_string(parameter.axis);
+  std::string axis = "." + std::to_string(parameter.axis);
   switch (parameter.kind) {
     case Kind::kObjectTranslation:
       return scene_->objects()[parameter.index].name + axis;

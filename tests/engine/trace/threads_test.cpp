@@ -64,8 +64,11 @@ std::shared_ptr<const Scene> meeting_room() {
 // Points of a square of 1 m around `middle`.
 std::vector<Vec3d> around(const Vec3d& middle) {
   std::vector<Vec3d> places;
-  for (int i = 0; i < 12; ++i) {
-    places.push_back(middle + Vec3d{0.3 * (i % 4) - 0.45, 0.45 * (i / 4) - 0.45, 0.0});
+  places.reserve(12);
+  for (const double y : {-0.45, 0.0, 0.45}) {
+    for (const double x : {-0.45, -0.15, 0.15, 0.45}) {
+      places.push_back(middle + Vec3d{x, y, 0.0});
+    }
   }
   return places;
 }
