@@ -9,7 +9,7 @@ namespace rayloc::cli {
 
 Expected<SurveyListener> SurveyListener::open(const Site& site,
                                               const std::vector<SurveyPort>& ports) {
-  SurveyListener listener(site);
+  SurveyListener listener(&site);
   for (const SurveyPort& wanted : ports) {
     const SiteAccessPoint& ap = site.access_points[wanted.access_point];
     UdpSourceOptions options;
@@ -36,7 +36,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
 }
 
 bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) const {
-  const SiteTransmitter* known = find_transmitter(site_, frame.transmitter);
+  const SiteTransmitter* known = find_transmitter(*site_, frame.transmitter);
   if (known != nullptr && known->role == TransmitterRole::kFixed) {
     return false;
   }

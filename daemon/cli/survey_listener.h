@@ -26,6 +26,7 @@ struct SurveyPort {
 
 class SurveyListener {
  public:
+  // `site` must outlive it.
   static Expected<SurveyListener> open(const Site& site, const std::vector<SurveyPort>& ports);
 
   // Takes what has arrived; waits for it up to `timeout` for each port.
@@ -50,10 +51,10 @@ class SurveyListener {
     std::size_t count = 0;
   };
 
-  explicit SurveyListener(const Site& site) : site_(site) {}
+  explicit SurveyListener(const Site* site) : site_(site) {}
   bool counts_as_whole(const Port& port, const CsiFrame& frame) const;
 
-  Site site_;
+  const Site* site_;
   std::vector<Port> ports_;
   Timestamp start_ = Timestamp::max();
 };

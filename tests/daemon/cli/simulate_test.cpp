@@ -1,4 +1,5 @@
 // `rayloc simulate` as a process, and what the other verbs make of its recordings.
+#include <array>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -46,9 +47,9 @@ std::string access_point(const std::string& id, const std::string& position, int
   std::string text = "[[access_point]]\nid = \"" + id + "\"\nposition = " + position +
                      "\nyaw_deg = " + std::to_string(yaw_deg) +
                      "\npattern = \"half_wave_dipole\"\n";
-  const char* offsets[] = {"[0, -0.089, 0]", "[0, 0, 0]", "[0, 0.089, 0]"};
-  const int cores[] = {2, 0, 3};
-  for (int i = 0; i < 3; ++i) {
+  const std::array<std::string, 3> offsets = {"[0, -0.089, 0]", "[0, 0, 0]", "[0, 0.089, 0]"};
+  const std::array<int, 3> cores = {2, 0, 3};
+  for (std::size_t i = 0; i < 3; ++i) {
     text += "[[access_point.antenna]]\ncore = " + std::to_string(cores[i]) +
             "\noffset = " + offsets[i] + "\n";
   }
@@ -60,7 +61,8 @@ std::string points(int columns, int rows, double shift, int start) {
   std::string text = "t_start,t_end,x,y,z\n";
   for (int i = 0; i < columns * rows; ++i) {
     const double x = -1.05 + 0.3 * (i % columns) + shift;
-    const double y = -0.75 + 0.3 * (i / columns) - shift;
+    const int row = i / columns;
+    const double y = -0.75 + 0.3 * row - shift;
     const double t = start + 2.0 * i;
     text += std::to_string(t) + "," + std::to_string(t + 0.5) + "," + std::to_string(x) + "," +
             std::to_string(y) + ",1.2\n";

@@ -1,0 +1,147 @@
+#include "daemon/cli/calibrate_plan.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/cli/output_file.h"
+#include "daemon/draw/png.h"
+#include "daemon/draw/scene_picture.h"
+#include "daemon/draw/svg.h"
+#include "daemon/scene/solid_around.h"
+#include "daemon/site/planned_points.h"
+#include "daemon/site/room_model.h"
+#include "daemon/site/site_copy.h"
+#include "engine/calibrate/survey_plan.h"
+
+namespace rayloc::cli {
+namespace {
+
+constexpr double kPngScale = 2.0;  // pixels of the image for one of the drawing
+
+std::vector<PlannedPoint> named(const std::vector<Vec3d>& points) {
+  std::vector<PlannedPoint> planned;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    planned.push_back({fmt::format("p{:02}", i + 1), points[i]});
+  }
+  return planned;
+}
+
+draw::Drawing picture_of(const RoomModel& room, const std::vector<PlannedPoint>& points) {
+  draw::ScenePicture picture;
+  picture.scene = room.scene.get();
+  picture.title = room.name;
+  picture.caption = fmt::format(
+      "survey: {} points at {:g} m, in the order to walk", points.size(), room.device.height);
+  for (const RoomAccessPoint& ap : room.access_points) {
+    draw::Mark mark{ap.id, draw::MarkKind::kAccessPoint, {}, {}};
+    for (std::size_t i = 0; i < ap.array.element_offset.size(); ++i) {
+      mark.antennas.push_back(element_position(ap.array, i));
+    }
+    mark.heading = rotation(ap.array.pose.orientation) * Vec3d{1.0, 0.0, 0.0};
+    picture.marks.push_back(std::move(mark));
+  }
+  for (const PlannedPoint& point : points) {
+    picture.marks.push_back({point.name, draw::MarkKind::kTransmitter, {point.position}, {}});
+  }
+  return draw::draw_scene(picture, draw::View::kPlan);
+}
+
+Expected<void> write_picture(const draw::Drawing& drawing, const std::string& file) {
+  if (file.ends_with(".svg")) {
+    return write_file(file, draw::to_svg(drawing));
+  }
+  if (file.ends_with(".png")) {
+    const auto png = draw::to_png(drawing, kPngScale);
+    return png ? write_file(file, *png) : tl::make_unexpected(png.error());
+  }
+  return make_error(ErrorKind::kUsage,
+                    file + ": pictures are .svg or .png; choose one by the ending");
+}
+
+std::string picture_file(const PlanArguments& arguments) {
+  if (!arguments.picture.empty() || arguments.out == "-") {
+    return arguments.picture;
+  }
+  return std::filesystem::path(arguments.out).replace_extension(".svg").string();
+}
+
+// Objects with a surface that some access point hears reflections from at fewer points than wanted.
+void print_coverage(const SurveyPlan& plan, const RoomModel& room, std::size_t wanted) {
+  std::size_t enough = 0;
+  std::map<std::string, const SurfaceSightings*> weak;  // the worst surface of an object
+  for (const SurfaceSightings& seen : plan.sightings) {
+    if (seen.points >= wanted) {
+      ++enough;
+      continue;
+    }
+    const Scene& scene = *room.scene;
+    const std::string& object = scene.objects()[scene.owner(seen.surface).object].name;
+    const auto [entry, added] = weak.emplace(object, &seen);
+    if (seen.points < entry->second->points) {
+      entry->second = &seen;
+    }
+  }
+  std::fprintf(stderr,
+               "%zu points of %zu places; %zu of %zu pairs of surface and access point are seen in "
+               "reflections from %zu points or more\n",
+               plan.points.size(),
+               plan.candidates,
+               enough,
+               plan.sightings.size(),
+               wanted);
+  for (const auto& [object, seen] : weak) {
+    std::fprintf(stderr,
+                 "  %s: a side of it to %s from %zu of the %zu places where it is seen\n",
+                 object.c_str(),
+                 room.access_points[seen->access_point].id.c_str(),
+                 seen->points,
+                 seen->candidates);
+  }
+}
+
+}  // namespace
+
+Expected<void> run_plan(const PlanArguments& arguments) {
+  auto site = load_site(arguments.site);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  const auto room = load_room_model(*site);
+  if (!room) {
+    return tl::make_unexpected(room.error());
+  }
+  SurveyPlanOptions options;
+  options.points = arguments.points;
+  options.is_free = [&](const Vec3d& p) { return !solid_around(*room->scene, p); };
+  const SurveyPlan plan = plan_survey(*room, options);
+  if (plan.points.empty()) {
+    return bad_input(fmt::format(
+        "{}: no free place at {:g} m that an access point hears; are [bounds], the height of the "
+        "device and the access points those of the room?",
+        arguments.site,
+        room->device.height));
+  }
+  const std::vector<PlannedPoint> points = named(plan.points);
+  if (const std::string file = picture_file(arguments); !file.empty()) {
+    if (auto drawn = write_picture(picture_of(*room, points), file); !drawn) {
+      return drawn;
+    }
+  }
+  auto out = OutputFile::open(arguments.out);
+  if (!out) {
+    return tl::make_unexpected(std::move(out.error()));
+  }
+  out->write(to_csv(points));
+  if (!arguments.quiet) {
+    print_coverage(plan, *room, options.sightings);
+  }
+  return out->close();
+}
+
+}  // namespace rayloc::cli
