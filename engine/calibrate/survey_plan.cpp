@@ -221,7 +221,7 @@ class Greedy {
   std::vector<double> distance_;  // of each candidate from the nearest that was taken
 };
 
-std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, Vec3d from) {
+void sort_by_nearest(std::vector<Vec3d>& points, Vec3d from) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto next = std::min_element(
         points.begin() + static_cast<std::ptrdiff_t>(i),
@@ -229,6 +229,30 @@ std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, Vec3d from) {
         [&](const Vec3d& a, const Vec3d& b) { return norm(a - from) < norm(b - from); });
     std::swap(points[i], *next);
     from = points[i];
+  }
+}
+
+// From the nearest to the nearest leaves some behind; walking stretches the other way round until
+// none is shorter so takes them in (2-opt).
+std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, const Vec3d& from) {
+  constexpr double kShorter = 1e-9;  // [m]
+  sort_by_nearest(points, from);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::size_t first = 0; first < points.size(); ++first) {
+      for (std::size_t last = first + 1; last < points.size(); ++last) {
+        const Vec3d& before = first == 0 ? from : points[first - 1];
+        double gain = norm(points[first] - before) - norm(points[last] - before);
+        if (last + 1 < points.size()) {
+          gain += norm(points[last + 1] - points[last]) - norm(points[last + 1] - points[first]);
+        }
+        if (gain > kShorter) {
+          std::reverse(points.begin() + static_cast<std::ptrdiff_t>(first),
+                       points.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+          changed = true;
+        }
+      }
+    }
   }
   return points;
 }

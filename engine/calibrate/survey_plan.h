@@ -43,7 +43,8 @@ struct SurfaceSightings {
 };
 
 struct SurveyPlan {
-  // In an order to walk: from the corner of the room's lowest coordinates to the nearest each time.
+  // In an order to walk from the corner of the room's lowest coordinates: short, if not the
+  // shortest.
   std::vector<Vec3d> points;
   std::vector<SurfaceSightings> sightings;  // of every pair that any candidate sees, by surface
   std::size_t candidates = 0;

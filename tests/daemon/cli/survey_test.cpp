@@ -218,6 +218,34 @@ TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
   EXPECT_GT(fs::file_size(path("ap1.pcap")), 1000U) << "they were heard";
 }
 
+TEST_F(SurveyVerb, ListensWhereTheDaemonWould) {
+  const std::uint16_t port = free_port();
+  std::ofstream(path("raylocd.toml"))
+      << "schema = 1\n[site]\ndirectory = \"" << kSite << "\"\n[[source]]\nkind = \"udp\"\n"
+      << "access_point = \"ap2\"\nlisten = \"127.0.0.1:" << port << "\"\n";
+  const HeardDevice device(port);
+  ASSERT_EQ(survey("0.5,0.2,1.2\nq\n", "--frames 3 --config " + path("raylocd.toml")), 0)
+      << read("err");
+  EXPECT_THAT(read("err"), HasSubstr("0.500,0.200,1.200: ap2 "));
+  EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
+}
+
+// As by Ctrl-C: what is written stays, the point under way is not written.
+TEST_F(SurveyVerb, AnInterruptLeavesTheRowsBefore) {
+  const std::uint16_t port = free_port();
+  const HeardDevice device(port);
+  std::ofstream(path("points.csv")) << "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n";
+  const std::string command =
+      "(echo 0.5,0.2,1.2; sleep 2) | timeout --preserve-status -s INT 1 " RAYLOC_BIN
+      "/rayloc survey " +
+      kSite + " --frames 100000 --listen ap1=127.0.0.1:" + std::to_string(port) + " --out " +
+      path("points.csv") + " > " + path("out") + " 2> " + path("err");
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(read("err"), HasSubstr("interrupted, not written"));
+  EXPECT_THAT(read("out"), HasSubstr("\"points\":0"));
+  EXPECT_EQ(read("points.csv"), "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n");
+}
+
 TEST_F(SurveyVerb, ContinuesOnlyAFileOfItsOwnKind) {
   std::ofstream(path("points.csv")) << "t_start,t_end,x,y,z\n1,2,0,0,1";
   EXPECT_EQ(survey("q\n", "--listen ap1=127.0.0.1:" + std::to_string(free_port())), 65);

@@ -4,10 +4,12 @@
 #include <chrono>
 #include <cmath>
 #include <complex>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "engine/channel/tone_plan.h"
 #include "tests/support/recording.h"
 #include "tests/support/synthetic_room.h"
 
@@ -90,6 +92,59 @@ TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
   EXPECT_EQ(frames[1].sequence, frames[0].sequence + 1);
   EXPECT_TRUE(frames[0].complete);
 }
+
+struct Channel {
+  const char* name;
+  int bandwidth_mhz;
+  double spacing_hz;
+  PhyFormat phy;
+};
+
+class CaptureOfChannel : public testing::TestWithParam<Channel> {};
+
+// With noise and garbage, so that the decoder has to find what the frame occupies.
+TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
+  RoomModel room = test::make_room();
+  room.grid.spacing_hz = GetParam().spacing_hz;
+  Impairments impairments = no_impairments();
+  impairments.snr_db = 31.0;
+  impairments.dc_garbage = true;
+  CaptureOptions options = options_with(impairments);
+  options.bandwidth_mhz = GetParam().bandwidth_mhz;
+  CaptureSimulator simulator(room, 2, options);
+  const auto frames = receive(simulator.hear(spot_with(1)));
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].phy, GetParam().phy);
+  EXPECT_EQ(frames[0].bandwidth_mhz, GetParam().bandwidth_mhz);
+  EXPECT_EQ(frames[0].channel_bandwidth_mhz, GetParam().bandwidth_mhz);
+  EXPECT_EQ(frames[0].tone_index, tone_plan(GetParam().phy, GetParam().bandwidth_mhz).active);
+
+  const OfdmGrid grid{room.grid.centre_hz, GetParam().spacing_hz, frames[0].tone_index};
+  const RoomAccessPoint& ap = room.access_points[2];
+  const PathTracer tracer(room.scene);
+  const auto paths =
+      ArrayTracer(tracer, ap.array).trace(Transmitter{{kPlace, {}, room.device.pattern}});
+  const auto h = paths[1].cfr(grid);  // core 0, the first row
+  Value product;
+  double own = 0.0;
+  double theirs = 0.0;
+  for (std::size_t k = 0; k < grid.size(); ++k) {
+    const Value heard(frames[0].csi.row(0, 0)[k]);
+    product += std::conj(h[k]) * heard;
+    own += std::norm(h[k]);
+    theirs += std::norm(heard);
+  }
+  EXPECT_GT(std::norm(product) / (own * theirs), 0.999);  // the noise is 40 dB below at 1 m
+}
+
+INSTANTIATE_TEST_SUITE_P(Widths,
+                         CaptureOfChannel,
+                         testing::Values(Channel{"Vht20", 20, 312'500.0, PhyFormat::kVht},
+                                         Channel{"Vht80", 80, 312'500.0, PhyFormat::kVht},
+                                         Channel{"Vht160", 160, 312'500.0, PhyFormat::kVht},
+                                         Channel{"He20", 20, 78'125.0, PhyFormat::kHe},
+                                         Channel{"He80", 80, 78'125.0, PhyFormat::kHe}),
+                         [](const auto& channel) { return std::string(channel.param.name); });
 
 TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
   const RoomModel room = test::make_room();
