@@ -31,7 +31,9 @@ class Radio {
   SimulatedRadio* operator->() { return &radio_; }
 
   std::vector<Value> flat(double level = 1e-3) const {
-    return std::vector<Value>(3 * radio_.grid().size(), level);
+    std::vector<Value> h(3 * radio_.grid().size());
+    std::fill(h.begin(), h.end(), level);
+    return h;
   }
 
   // [core][tone] as on the grid, in the scale of h, from the frame of a flat channel.
@@ -136,18 +138,18 @@ TEST(SimulatedRadio, GainControlTakesTheTwoStepsAroundItsLevel) {
   Impairments impairments = no_impairments();
   impairments.gain_step_db = 3.0;
   Radio radio(impairments);
-  std::set<long> steps;
+  std::set<int> steps;
   for (int n = 0; n < 200; ++n) {
     const RadioFrame frame = radio->receive(radio.flat(), 1);
     const double gain = decibels(std::norm(frame.tones[10])) - decibels(1e-6);
     EXPECT_NEAR(gain / 3.0, std::round(gain / 3.0), 1e-9);
-    steps.insert(std::lround(gain / 3.0));
+    steps.insert(static_cast<int>(std::lround(gain / 3.0)));
   }
   ASSERT_EQ(steps.size(), 2U);
   EXPECT_EQ(*steps.rbegin() - *steps.begin(), 1);
   // 114 of 128 tones at -60 dB: the level of 105 dB lies between.
   const double wanted = 105.0 + 60.0 - decibels(114.0 / 128.0);
-  EXPECT_EQ(*steps.begin(), std::lround(std::floor(wanted / 3.0)));
+  EXPECT_EQ(*steps.begin(), static_cast<int>(std::floor(wanted / 3.0)));
 }
 
 TEST(SimulatedRadio, NoiseIsThatOfALinkOfFourMetres) {
@@ -300,8 +302,8 @@ TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
 TEST(SimulatedRadio, TakesTheChainsOfACalibrationWhenAsked) {
   Impairments impairments = no_impairments();
   ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}};
-  for (std::size_t i = 0; i < 3 * 114; ++i) {
-    calibrated.gain.push_back(std::polar(1.0, 0.01 * static_cast<double>(i)));
+  for (int i = 0; i < 3 * 114; ++i) {
+    calibrated.gain.push_back(std::polar(1.0, 0.01 * i));
   }
   const SimulatedRadio ideal(kSetup, impairments, calibrated, random_stream(1, "test"));
   EXPECT_EQ(ideal.chains().gain[200], Value(1.0));
