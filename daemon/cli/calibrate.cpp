@@ -1,60 +1,59 @@
 // `rayloc calibrate`: from a site and a survey to a calibrated site.
+#include <sys/resource.h>
+
 #include <algorithm>
-#include <cmath>
+#include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <numeric>
-#include <optional>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "daemon/calibrate/access_point_stage.h"
+#include "daemon/calibrate/calibrated_site.h"
+#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/checkpoint_file.h"
+#include "daemon/calibrate/fit_summary.h"
+#include "daemon/calibrate/held_out_fixes.h"
+#include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibration_inputs.h"
+#include "daemon/cli/calibration_progress.h"
+#include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verb.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/content_hash.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
-#include "engine/calibrate/access_point_fit.h"
-#include "engine/localize/localizer.h"
+#include "engine/calibrate/input_check.h"
+#include "engine/calibrate/joint_calibration.h"
+#include "engine/calibrate/paper_calibration.h"
+#include "engine/observe/burst.h"
 
 namespace rayloc::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
 
 struct Options {
   std::string site;
   std::vector<std::string> captures;
   std::string points;
   std::string out;
+  std::string method = "joint";
   double holdout = 0.2;
   std::uint64_t seed = 1;
+  PlanArguments plan;
+  bool make_plan = false;
   bool gains_only = false;
+  bool compare = false;
+  bool resume = false;
   bool force = false;
   bool quiet = false;
-};
-
-// What is known of one access point after the fit.
-struct Result {
-  std::size_t index = 0;
-  AccessPointFit fit;    // on all points
-  AccessPointFit train;  // without those held out
-  std::size_t points = 0;
-  double before = 0.0;  // squared correlation on the points held out
-  double after = 0.0;
-};
-
-struct Coverage {
-  double temper = 0.0;
-  std::size_t inside = 0;  // truths within the stated 95 % radius
-  std::size_t fixes = 0;
-  std::size_t points = 0;
-  double median = 0.0;  // [m], horizontal error
 };
 
 // Which points are held out: a share of them, drawn without replacement; the same for each access
@@ -74,364 +73,401 @@ std::vector<bool> draw_holdout(std::size_t count, double share, std::uint64_t se
   return held;
 }
 
-// The bursts of one access point at the points for which `take` holds.
-template <typename Take>
-std::vector<CalibrationSample> samples_of(const CalibrationInputs& inputs,
-                                          const RoomModel& room,
-                                          std::size_t ap,
-                                          const Take& take,
-                                          std::vector<RefusedInput>* refused) {
-  std::vector<CalibrationSample> samples;
-  const BurstRequest request{static_cast<int>(ap), room.grid, room.access_points[ap].cores, {}};
-  for (std::size_t i = 0; i < inputs.points.size(); ++i) {
-    if (!take(i)) {
-      continue;
-    }
-    const SurveyedFrames& spot = inputs.points[i];
-    auto burst = combine_burst(spot.frames, request);
-    if (burst) {
-      samples.push_back({spot.point.position, std::move(burst->h)});
-    } else if (refused != nullptr && burst.error().message != "no frames") {
-      refused->push_back(
-          {"line " + std::to_string(spot.point.line) + " " + room.access_points[ap].id,
-           burst.error().message});
-    }
-  }
-  return samples;
+std::uint64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // [KiB] on Linux
 }
 
-Expected<Result> fit_one(CalibrationInputs& inputs,
-                         const RoomModel& room,
-                         std::size_t ap,
-                         const std::vector<bool>& held) {
-  Result result;
-  result.index = ap;
-  const auto all = samples_of(
-      inputs, room, ap, [](std::size_t) { return true; }, &inputs.refused);
-  result.points = all.size();
-  auto fit = AccessPointCalibrator(room, ap, all).fit();
-  if (!fit) {
-    return tl::make_unexpected(std::move(fit.error()));
-  }
-  result.fit = *std::move(fit);
-  const auto train = AccessPointCalibrator(
-      room,
-      ap,
-      samples_of(
-          inputs, room, ap, [&](std::size_t i) { return !held[i]; }, nullptr));
-  auto trained = train.fit();
-  if (!trained) {
-    trained.error().message += " after holding out; use a smaller --holdout";
-    return tl::make_unexpected(std::move(trained.error()));
-  }
-  result.train = *std::move(trained);
-  const AccessPointCalibrator test(
-      room,
-      ap,
-      samples_of(
-          inputs, room, ap, [&](std::size_t i) { return held[i]; }, nullptr));
-  result.before = test.correlation(nullptr);
-  result.after = test.correlation(&result.train);
-  return result;
-}
+// A run of the verb: what was given, and what was found so far.
+class Calibration {
+ public:
+  explicit Calibration(const Options& options) : options_(options) {}
 
-void apply(const AccessPointFit& fit, RoomAccessPoint& ap) {
-  ap.gains = fit.gains;
-  ap.error = fit.error();
-  ap.array.pose.orientation.yaw += fit.yaw_offset.value;
-}
+  Expected<void> run();
 
-double median(std::vector<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
+ private:
+  Expected<void> measure();
+  void combine();
+  Expected<void> refuse();
+  Expected<void> fit_gains();
+  Expected<CalibrationMethodResult> calibrate(const std::string& method);
+  Expected<RoomCalibration> jointly(const CalibrationObserver& observer);
+  Expected<void> fit_errors(const RoomModel& room);
+  Expected<void> fit_certainty(const RoomModel& room);
+  Expected<void> write(const std::vector<CalibrationMethodResult>& methods);
+  void print_summary(const CalibrationReport& report) const;
+  fs::path checkpoint() const { return fs::path(options_.out) / kCheckpointFile; }
 
-Coverage cover(const Localizer& localizer,
-               const CalibrationInputs& inputs,
-               const std::vector<bool>& held,
-               double temper) {
-  Coverage coverage;
-  coverage.temper = temper;
-  std::vector<double> errors;
-  for (std::size_t i = 0; i < inputs.points.size(); ++i) {
-    if (!held[i] || inputs.points[i].frames.empty()) {
-      continue;
-    }
-    ++coverage.points;
-    const auto estimate = localizer.locate(inputs.points[i].frames, temper);
-    if (!estimate.position) {
-      continue;
-    }
-    const Vec3d& truth = inputs.points[i].point.position;
-    const double error = std::hypot(estimate.position->x - truth.x, estimate.position->y - truth.y);
-    ++coverage.fixes;
-    coverage.inside += error <= estimate.accuracy_m ? 1 : 0;
-    errors.push_back(error);
-  }
-  coverage.median = median(std::move(errors));
-  return coverage;
-}
-
-// The largest exponent of the likelihood whose 95 % regions hold 95 % of the points held out. With
-// few points held out nothing can be said, and the default stays.
-constexpr std::size_t kLeastForTemper = 10;
-constexpr double kConfidence = 0.95;
-
-Expected<std::vector<Coverage>> fit_temper(RoomModel room,
-                                           const CalibrationInputs& inputs,
-                                           const std::vector<Result>& results,
-                                           const std::vector<bool>& held,
-                                           CalibratedValue& temper) {
-  temper = {room.temper, room.temper, 0.0};
-  for (const Result& result : results) {
-    apply(result.train, room.access_points[result.index]);
-  }
-  const auto localizer = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
-  if (!localizer) {
-    return tl::make_unexpected(localizer.error());
-  }
-  std::vector<Coverage> scan;
-  for (const double exponent : {1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.13, 0.09, 0.06}) {
-    scan.push_back(cover(*localizer, inputs, held, exponent));
-    const Coverage& last = scan.back();
-    if (last.fixes < kLeastForTemper) {
-      break;
-    }
-    temper.value = exponent;
-    if (static_cast<double>(last.inside) >= kConfidence * static_cast<double>(last.fixes)) {
-      break;
-    }
-  }
-  return scan;
-}
-
-CalibratedValue calibrated(const FittedValue& value) {
-  return {value.value, value.prior, value.sigma};
-}
-
-CalibratedAccessPoint calibrated(const Result& result, const RoomModel& room) {
-  const AccessPointFit& fit = result.fit;
-  return {room.access_points[result.index].id,
-          fit.samples_used,
-          calibrated(fit.yaw_offset),
-          calibrated(fit.plan_tolerance),
-          calibrated(fit.diffuse),
-          calibrated(fit.diffuse_exponent),
-          calibrated(fit.noise),
-          fit.gains,
-          fit.gain_sigma};
-}
-
-Json parameter(const std::string& name, const char* unit, const CalibratedValue& value) {
-  return {{"name", name},
-          {"value", value.value},
-          {"unit", unit},
-          {"prior", value.prior},
-          {"sigma", value.sigma > 0.0 ? Json(value.sigma) : Json(nullptr)}};
-}
-
-// Mean gain of a chain against the first, in dB and degrees.
-void add_chain_parameters(const CalibratedAccessPoint& ap, Json& parameters) {
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-  const std::size_t tones = ap.gains.grid.size();
-  for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
-    std::complex<double> ratio;
-    double power = 0.0;
-    for (std::size_t k = 0; k < tones; ++k) {
-      ratio += ap.gains.gain[core * tones + k] * std::conj(ap.gains.gain[k]);
-      power += std::norm(ap.gains.gain[k]);
-    }
-    ratio /= power;
-    const std::string name = ap.id + ".core" + std::to_string(ap.gains.cores[core]) + "/core" +
-                             std::to_string(ap.gains.cores[0]);
-    const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
-    constexpr double kDecibels = 8.685889638065037;  // of one neper
-    parameters.push_back(parameter(
-        name + ".gain", "dB", {kDecibels * std::log(std::abs(ratio)), 0.0, kDecibels * sigma}));
-    parameters.push_back(
-        parameter(name + ".phase", "deg", {kDegrees * std::arg(ratio), 0.0, kDegrees * sigma}));
-  }
-}
-
-Json report_of(const CalibrationFile& calibration,
-               const std::vector<Result>& results,
-               const std::vector<Coverage>& scan,
-               const CalibrationInputs& inputs,
-               const Options& options) {
-  Json heldout = Json::object();
-  Json parameters = Json::array();
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    const CalibratedAccessPoint& ap = calibration.access_points[i];
-    heldout[ap.id] = {{"before", results[i].before}, {"after", results[i].after}};
-    for (const NamedValue& named : calibrated_values()) {
-      parameters.push_back(parameter(ap.id + "." + named.name, named.unit, ap.*named.value));
-    }
-    add_chain_parameters(ap, parameters);
-  }
-  parameters.push_back(parameter("temper", "1", calibration.temper));
-  Json refused = Json::array();
-  for (const RefusedInput& one : inputs.refused) {
-    refused.push_back({{"what", one.what}, {"reason", one.reason}});
-  }
-  Json coverage = Json::array();
-  for (const Coverage& one : scan) {
-    coverage.push_back({{"temper", one.temper},
-                        {"points", one.points},
-                        {"fixes", one.fixes},
-                        {"within_accuracy_95", one.inside},
-                        {"median_error_m", one.median}});
-  }
-  return {{"method", "gains-only"},
-          {"calibration_id", calibration.id},
-          {"seed", options.seed},
-          {"holdout", options.holdout},
-          {"points", inputs.points.size()},
-          {"heldout_is", "mean squared normalised correlation of measured and expected CSI"},
-          {"heldout", std::move(heldout)},
-          {"heldout_fixes", std::move(coverage)},
-          {"parameters", std::move(parameters)},
-          {"refused", std::move(refused)}};
-}
-
-void print_summary(const CalibrationFile& calibration,
-                   const std::vector<Result>& results,
-                   const std::vector<Coverage>& scan,
-                   const CalibrationInputs& inputs) {
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    std::fprintf(stderr,
-                 "%s: %zu points; held-out correlation %.3f -> %.3f; yaw %+.2f deg\n",
-                 calibration.access_points[i].id.c_str(),
-                 results[i].points,
-                 results[i].before,
-                 results[i].after,
-                 results[i].fit.yaw_offset.value * 57.29577951308232);
-  }
-  if (!scan.empty()) {
-    std::fprintf(stderr,
-                 "held-out fixes: %zu of %zu points, median error %.3f m, %zu within the stated "
-                 "95 %% radius (likelihood exponent %.2f)\n",
-                 scan.back().fixes,
-                 scan.back().points,
-                 scan.back().median,
-                 scan.back().inside,
-                 calibration.temper.value);
-  }
-  if (!inputs.refused.empty()) {
-    std::fprintf(stderr,
-                 "%zu inputs refused, the first: %s: %s; see report.json\n",
-                 inputs.refused.size(),
-                 inputs.refused.front().what.c_str(),
-                 inputs.refused.front().reason.c_str());
-  }
-}
-
-Expected<void> check(const Options& options) {
-  if (!options.gains_only) {
-    return make_error(ErrorKind::kUsage,
-                      "only the chain gains can be calibrated so far: add --gains-only (surfaces "
-                      "and materials stay those of the floor plan)");
-  }
-  if (!(options.holdout >= 0.0 && options.holdout <= 0.8)) {
-    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
-  }
-  return {};
-}
-
-struct Measured {
-  Site site;
-  CalibrationInputs inputs;
-  RoomModel room;
+  const Options& options_;
+  Site site_;
+  CalibrationInputs inputs_;
+  RoomModel plan_;   // as surveyed
+  RoomModel start_;  // with the gains and the yaw of the points that are not held out
+  std::vector<CalibrationPoint> points_;
+  std::vector<AccessPointResult> gains_;    // in the room of the plan
+  std::vector<AccessPointResult> results_;  // in the calibrated room
+  std::vector<HeldOutFixes> fixes_;
+  std::string id_;  // of all inputs
 };
 
-Expected<Measured> measure(const Options& options) {
-  auto site = load_site(options.site);
+Expected<void> Calibration::measure() {
+  auto site = load_site(options_.site);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
+  site_ = *std::move(site);
   std::vector<std::string> ids;
-  for (const SiteAccessPoint& ap : site->access_points) {
+  for (const SiteAccessPoint& ap : site_.access_points) {
     ids.push_back(ap.id);
   }
-  const auto captures = resolve_captures(options.captures, ids);
+  const auto captures = resolve_captures(options_.captures, ids);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto inputs = read_calibration_inputs(*site, *captures, options.points);
+  auto inputs = read_calibration_inputs(site_, *captures, options_.points);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
-  Site uncalibrated = *site;  // starts from the survey, not from an earlier calibration
+  inputs_ = *std::move(inputs);
+  Site uncalibrated = site_;  // starts from the survey, not from an earlier calibration
   uncalibrated.calibration_file.reset();
   auto room = load_room_model(uncalibrated);
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));
   }
-  return Measured{*std::move(site), *std::move(inputs), *std::move(room)};
+  plan_ = *std::move(room);
+  ContentHash id;
+  id.add(inputs_.content);
+  id.add(plan_.scene_hash);
+  id.add(options_.method);
+  id.add(options_.seed);
+  id.add(options_.holdout);
+  id_ = id.text();
+  return {};
 }
 
-Expected<void> run(const Options& options) {
-  if (auto checked = check(options); !checked) {
-    return checked;
+// The bursts of every point, as each access point heard them.
+void Calibration::combine() {
+  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
+  for (std::size_t p = 0; p < inputs_.points.size(); ++p) {
+    const SurveyedFrames& spot = inputs_.points[p];
+    CalibrationPoint point{spot.point.position, held[p], {}};
+    for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
+      auto burst = combine_burst(
+          spot.frames, {static_cast<int>(a), plan_.grid, plan_.access_points[a].cores, {}});
+      if (!burst && burst.error().message != "no frames") {
+        inputs_.refused.push_back(
+            {"line " + std::to_string(spot.point.line) + " " + plan_.access_points[a].id,
+             burst.error().message});
+      }
+      point.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
+    }
+    points_.push_back(std::move(point));
   }
-  auto measured = measure(options);
-  if (!measured) {
-    return tl::make_unexpected(std::move(measured.error()));
+}
+
+// Mistakes of the survey, and points that fit nowhere.
+Expected<void> Calibration::refuse() {
+  const auto refusals = check_calibration_inputs(plan_, points_);
+  if (!refusals) {
+    auto error = refusals.error();
+    error.message = options_.points + ": " + error.message;
+    return tl::make_unexpected(std::move(error));
   }
-  auto& [site, inputs, room] = *measured;
-  if (auto prepared = prepare_output(options.out, options.force); !prepared) {
-    return prepared;
+  for (const PointRefusal& refusal : *refusals) {
+    inputs_.refused.push_back(
+        {options_.points + ":" + std::to_string(inputs_.points[refusal.point].point.line),
+         refusal.reason});
+    for (auto& h : points_[refusal.point].h) {
+      h.clear();
+    }
   }
-  const auto held = draw_holdout(inputs.points.size(), options.holdout, options.seed);
-  CalibrationFile calibration;
-  std::vector<Result> results;
-  for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    if (!inputs.recorded[i]) {
-      inputs.refused.push_back({room.access_points[i].id, "no recording: stays uncalibrated"});
+  return {};
+}
+
+Expected<void> Calibration::fit_gains() {
+  start_ = plan_;
+  for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
+    if (!inputs_.recorded[a]) {
+      inputs_.refused.push_back({plan_.access_points[a].id, "no recording: stays uncalibrated"});
       continue;
     }
-    auto result = fit_one(inputs, room, i, held);
+    auto result = fit_access_point(plan_, a, points_);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }
-    calibration.access_points.push_back(calibrated(*result, room));
-    results.push_back(*std::move(result));
+    apply(result->train, start_.access_points[a]);
+    gains_.push_back(*std::move(result));
   }
-  const auto scan = fit_temper(room, inputs, results, held, calibration.temper);
-  if (!scan) {
-    return tl::make_unexpected(scan.error());
+  return {};
+}
+
+Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer) {
+  JointCalibrationOptions joint;
+  joint.seed = options_.seed;
+  joint.on_checkpoint = [&](const JointCheckpoint& state) {
+    // A checkpoint that cannot be written is missed by --resume, and by nobody else.
+    static_cast<void>(write_file(checkpoint(), to_json_text(state, id_)));
+  };
+  JointCheckpoint from;
+  if (options_.resume) {
+    auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
+    if (!loaded) {
+      return tl::make_unexpected(std::move(loaded.error()));
+    }
+    from = *std::move(loaded);
+    joint.resume = &from;
   }
-  ContentHash id;
-  id.add(inputs.content);
-  id.add(room.scene_hash);
-  id.add(options.seed);
-  id.add(options.holdout);
-  calibration.id = id.text();
-  calibration.scene_hash = room.scene_hash;
-  calibration.points_hash = inputs.points_hash;
-  if (auto written = write_site(site, to_toml(calibration), options.out); !written) {
+  return calibrate_jointly(start_, points_, joint, observer);
+}
+
+Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
+  const auto begin = std::chrono::steady_clock::now();
+  CalibrationMethodResult result{method, {}, 0.0};
+  if (method == "gains-only") {
+    result.calibration.room = plan_;
+    for (const AccessPointResult& one : gains_) {
+      result.calibration.points.insert(
+          result.calibration.points.end(), one.fits.begin(), one.fits.end());
+    }
+    return result;
+  }
+  CalibrationProgressLine line(method, options_.quiet);
+  const auto observer = [&](const CalibrationProgress& progress) {
+    line.show(progress);
+    return !StopSignal::requested();
+  };
+  auto calibration =
+      method == "paper" ? calibrate_by_paper(start_, points_, {}, observer) : jointly(observer);
+  if (!calibration) {
+    return tl::make_unexpected(std::move(calibration.error()));
+  }
+  result.calibration = *std::move(calibration);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+// What the likelihood needs to know of the calibrated room.
+Expected<void> Calibration::fit_errors(const RoomModel& room) {
+  for (const AccessPointResult& gains : gains_) {
+    auto result = fit_access_point(room, gains.index, points_);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    results_.push_back(*std::move(result));
+  }
+  return {};
+}
+
+Expected<void> Calibration::fit_certainty(const RoomModel& room) {
+  auto trained = std::make_shared<RoomModel>(room);
+  for (const AccessPointResult& result : results_) {
+    apply(result.train, trained->access_points[result.index]);
+  }
+  std::vector<HeldOutSpot> spots;
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    if (points_[p].held_out && !inputs_.points[p].frames.empty()) {
+      spots.push_back({points_[p].position, inputs_.points[p].frames});
+    }
+  }
+  auto fixes = fit_temper(std::move(trained), spots);
+  if (!fixes) {
+    return tl::make_unexpected(std::move(fixes.error()));
+  }
+  fixes_ = *std::move(fixes);
+  return {};
+}
+
+Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& methods) {
+  const RoomModel& room = methods.front().calibration.room;
+  const bool refined = methods.front().method != "gains-only";
+  CalibrationFile file;
+  file.id = id_;
+  file.method = methods.front().method;
+  file.scene_hash = scene_hash(*room.scene);
+  file.points_hash = inputs_.points_hash;
+  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
+  file.ray_depth = room.trace.max_depth;
+  file.transmission = room.trace.transmission;
+  file.access_points = calibrated_access_points(plan_, room, results_);
+  file.surfaces = calibrated_surfaces(room);
+  file.parameters = methods.front().calibration.parameters;
+  if (auto written =
+          write_site(site_,
+                     to_toml(file),
+                     options_.out,
+                     refined ? refined_scene(*room.scene) : std::map<std::string, std::string>());
+      !written) {
     return written;
   }
-  if (!options.quiet) {
-    print_summary(calibration, results, *scan, inputs);
+  CalibrationReport report;
+  report.site = site_.name;
+  report.calibration_id = id_;
+  report.holdout = options_.holdout;
+  report.seed = options_.seed;
+  for (const RoomAccessPoint& ap : plan_.access_points) {
+    report.access_points.push_back(ap.id);
   }
-  return write_file(std::filesystem::path(options.out) / "report.json",
-                    report_of(calibration, results, *scan, inputs, options).dump(2) + "\n");
+  for (const CalibrationPoint& point : points_) {
+    report.positions.push_back(point.position);
+    report.held_out.push_back(point.held_out);
+  }
+  report.before = plan_;
+  report.methods = methods;
+  auto& parameters = report.methods.front().calibration.parameters;
+  for (const CalibratedAccessPoint& ap : file.access_points) {
+    for (const auto& more : {model_parameters(ap), chain_parameters(ap)}) {
+      parameters.insert(parameters.end(), more.begin(), more.end());
+    }
+  }
+  parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
+  report.fixes = fixes_;
+  report.refused = inputs_.refused;
+  report.peak_memory_bytes = peak_memory();
+  const fs::path out = options_.out;
+  if (auto json = write_file(out / "report.json", to_json(report).dump(2) + "\n"); !json) {
+    return json;
+  }
+  if (auto html = write_file(out / "report.html", to_html(report)); !html) {
+    return html;
+  }
+  if (!options_.quiet) {
+    print_summary(report);
+  }
+  return {};
+}
+
+void Calibration::print_summary(const CalibrationReport& report) const {
+  for (const CalibrationMethodResult& method : report.methods) {
+    for (const AccessPointResult& result : results_) {
+      const FitSummary fit = summarize_fit(report, method.calibration, result.index);
+      if (!fit.before || !fit.after) {
+        continue;
+      }
+      std::fprintf(stderr,
+                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)\n",
+                   method.method.c_str(),
+                   report.access_points[result.index].c_str(),
+                   result.fit.samples_used,
+                   fit.before->median,
+                   fit.after->median,
+                   fit.points);
+    }
+  }
+  const HeldOutFixes& last = report.fixes.back();
+  std::fprintf(stderr,
+               "held-out fixes: %zu of %zu points, median error %.3f m, %zu within the stated "
+               "95 %% radius (likelihood exponent %.2f)\n",
+               last.fixes,
+               last.points,
+               last.median_error_m,
+               last.within_accuracy,
+               last.temper);
+  if (!report.refused.empty()) {
+    std::fprintf(stderr,
+                 "%zu inputs refused, the first: %s: %s; see report.json\n",
+                 report.refused.size(),
+                 report.refused.front().what.c_str(),
+                 report.refused.front().reason.c_str());
+  }
+}
+
+Expected<void> Calibration::run() {
+  if (auto measured = measure(); !measured) {
+    return measured;
+  }
+  combine();
+  if (auto refused = refuse(); !refused) {
+    return refused;
+  }
+  if (auto fitted = fit_gains(); !fitted) {
+    return fitted;
+  }
+  if (auto prepared = prepare_output(options_.out, options_.force || options_.resume); !prepared) {
+    return prepared;
+  }
+  StopSignal::install();
+  std::vector<CalibrationMethodResult> methods;
+  std::vector<std::string> names{options_.method};
+  if (options_.compare) {
+    names.emplace_back(options_.method == "paper" ? "joint" : "paper");
+  }
+  for (const std::string& name : names) {
+    auto result = calibrate(name);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
+    }
+    methods.push_back(*std::move(result));
+  }
+  const RoomModel& room = methods.front().calibration.room;
+  if (auto fitted = fit_errors(room); !fitted) {
+    return fitted;
+  }
+  if (auto fitted = fit_certainty(room); !fitted) {
+    return fitted;
+  }
+  if (auto written = write(methods); !written) {
+    return written;
+  }
+  if (methods.front().calibration.interrupted) {
+    std::fprintf(stderr,
+                 "interrupted: %s holds the last good state; --resume goes on\n",
+                 options_.out.c_str());
+    // Ends as whoever interrupted expects it: by the signal.
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+  }
+  std::error_code none;
+  fs::remove(checkpoint(), none);
+  return {};
+}
+
+Expected<void> run(Options options) {
+  if (options.make_plan) {
+    options.plan.site = options.site;
+    options.plan.out = options.out.empty() ? "-" : options.out;
+    options.plan.quiet = options.quiet;
+    return run_plan(options.plan);
+  }
+  if (options.captures.empty() || options.points.empty() || options.out.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "a calibration needs --capture, --points and --out; --plan needs the site "
+                      "alone");
+  }
+  if (!(options.holdout >= 0.0 && options.holdout <= 0.8)) {
+    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
+  }
+  if (options.gains_only) {
+    options.method = "gains-only";
+  }
+  if (options.resume && options.method != "joint") {
+    return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
+  }
+  return Calibration(options).run();
 }
 
 RunVerb declare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
-  app.add_option("--capture", options->captures, "recordings of the survey: [AP=]FILE")->required();
-  app.add_option("--points", options->points, "where the device stood: t_start,t_end,x,y,z")
-      ->required();
-  app.add_option("--out", options->out, "folder to create: the calibrated site")->required();
+  app.add_option("--capture", options->captures, "recordings of the survey: [AP=]FILE");
+  app.add_option("--points", options->points, "where the device stood: t_start,t_end,x,y,z");
+  app.add_option("--out",
+                 options->out,
+                 "folder to create: the calibrated site; with --plan the csv (- is stdout)");
+  app.add_option("--method",
+                 options->method,
+                 "joint: surfaces, arrays, chains and materials together; paper: the published one")
+      ->check(CLI::IsMember({"joint", "paper"}));
+  app.add_flag(
+      "--plan", options->make_plan, "says where to stand in a survey, before there is one");
+  app.add_option("--plan-points", options->plan.points, "how many points to plan");
+  app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
   app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
+  app.add_flag("--compare", options->compare, "also runs the other method, for the report");
   app.add_option("--holdout", options->holdout, "share of the points kept for checking");
   app.add_option("--seed", options->seed, "of the draw of those points");
+  app.add_flag("--resume", options->resume, "goes on with what was interrupted in --out");
   app.add_flag("--force", options->force, "write into a folder that is not empty");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
   return [options] { return run(*options); };
@@ -443,7 +479,7 @@ extern const Verb kCalibrate;
 const Verb kCalibrate = {"calibrate",
                          "Calibrate a site from a survey",
                          "rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
-                         "--gains-only --out office-calibrated",
+                         "--out office-calibrated",
                          declare};
 
 }  // namespace rayloc::cli

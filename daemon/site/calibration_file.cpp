@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kFormat = 2;
 
 std::string value_text(const CalibratedValue& value, const char* unit) {
   return "{ value = " + to_text(value.value) + ", unit = \"" + unit +
@@ -32,7 +32,8 @@ std::string tones_text(const std::vector<std::int16_t>& tones) {
 std::string chain_text(const CalibratedAccessPoint& ap, std::size_t core) {
   const std::size_t tones = ap.gains.grid.size();
   std::string text = "[[access_point.chain]]\ncore = " + std::to_string(ap.gains.cores[core]) +
-                     "\nsigma_rad = " + to_text(ap.gain_sigma.at(core)) + "\ngain = [";
+                     "\nsigma_rad = " + to_text(ap.gain_sigma.at(core)) +
+                     "\nelement_y_m = " + to_text(ap.element_y.at(core)) + "\ngain = [";
   for (std::size_t k = 0; k < tones; ++k) {
     const auto gain = ap.gains.gain[core * tones + k];
     text +=
@@ -83,6 +84,7 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
     ap.gains.cores.push_back(
         static_cast<std::uint8_t>(chain.integer("core", {0.0, 255.0, ""}).value_or(0)));
     ap.gain_sigma.push_back(chain.number("sigma_rad", {}).value_or(0.0));
+    ap.element_y.push_back(chain.number("element_y_m", {}).value_or(0.0));
     const auto gains =
         chain.pairs("gain", "gain = [[1.0, 0.0]]").value_or(std::vector<TomlTable::Pair>());
     if (gains.size() != ap.gains.grid.size()) {
@@ -113,6 +115,54 @@ CalibratedAccessPoint read_access_point(const TomlTable& table) {
   return ap;
 }
 
+CalibratedSurface read_surface(const TomlTable& table) {
+  table.require({{"index", "index = 3"}, {"correction", "correction = [[1.0, 0.0]]"}});
+  CalibratedSurface surface;
+  surface.index = static_cast<std::size_t>(table.integer("index", {0.0, 1e9, ""}).value_or(0));
+  const auto value = table.pairs("correction", "correction = [[1.0, 0.0]]");
+  if (value && value->size() == 1) {
+    surface.correction = {value->front().values[0], value->front().values[1]};
+  } else if (value) {
+    table.error_at("correction", "'correction' is one pair: real and imaginary part");
+  }
+  return surface;
+}
+
+RoomParameter read_parameter(const TomlTable& table) {
+  table.require({{"name", "name = \"wall.offset\""}, {"value", "value = 0.0"}});
+  return {table.string("name").value_or(""),
+          table.string("unit").value_or(""),
+          table.number("value", {}).value_or(0.0),
+          table.number("prior", {}).value_or(0.0),
+          table.number("prior_sigma", {}).value_or(0.0),
+          table.number("sigma", {}).value_or(0.0)};
+}
+
+std::string surface_text(const CalibratedSurface& surface) {
+  return "\n[[surface]]\nindex = " + std::to_string(surface.index) + "\ncorrection = [[" +
+         to_text(surface.correction.real()) + ", " + to_text(surface.correction.imag()) + "]]\n";
+}
+
+// A TOML string. Objects of a scene may be called anything.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += '\\';
+    }
+    result += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
+  }
+  return result + '"';
+}
+
+std::string parameter_text(const RoomParameter& parameter) {
+  return "\n[[parameter]]\nname = " + quoted(parameter.name) +
+         "\nunit = " + quoted(parameter.unit) + "\nvalue = " + to_text(parameter.value) +
+         "\nprior = " + to_text(parameter.prior) +
+         "\nprior_sigma = " + to_text(parameter.prior_sigma) +
+         "\nsigma = " + to_text(parameter.sigma) + "\n";
+}
+
 Expected<CalibrationFile> read(TomlDocument& document) {
   CalibrationFile calibration;
   const TomlTable root = document.root();
@@ -126,8 +176,18 @@ Expected<CalibrationFile> read(TomlDocument& document) {
   calibration.scene_hash = root.string("scene").value_or("");
   calibration.points_hash = root.string("points").value_or("");
   calibration.temper = read_value(root, "temper", {0.0, 1.0, ""});
+  calibration.method = root.string("method").value_or("");
+  calibration.ray_depth =
+      static_cast<int>(root.integer("ray_depth", {0.0, 16.0, ""}).value_or(kRayDepth));
+  calibration.transmission = root.boolean("transmission").value_or(false);
   for (const TomlTable& table : root.tables("access_point")) {
     calibration.access_points.push_back(read_access_point(table));
+  }
+  for (const TomlTable& table : root.tables("surface")) {
+    calibration.surfaces.push_back(read_surface(table));
+  }
+  for (const TomlTable& table : root.tables("parameter")) {
+    calibration.parameters.push_back(read_parameter(table));
   }
   if (auto finished = document.finish(); !finished) {
     return tl::make_unexpected(std::move(finished.error()));
@@ -140,7 +200,12 @@ Expected<CalibrationFile> read(TomlDocument& document) {
 const std::vector<NamedValue>& calibrated_values() {
   using Ap = CalibratedAccessPoint;
   static const std::vector<NamedValue> kValues = {
+      {"position_x", "m", &Ap::position_x},
+      {"position_y", "m", &Ap::position_y},
+      {"position_z", "m", &Ap::position_z},
       {"yaw_offset", "rad", &Ap::yaw_offset},
+      {"pitch_offset", "rad", &Ap::pitch_offset},
+      {"roll_offset", "rad", &Ap::roll_offset},
       {"plan_tolerance", "m", &Ap::plan_tolerance},
       {"diffuse", "share of the traced power at 3 m", &Ap::diffuse},
       {"diffuse_exponent", "1", &Ap::diffuse_exponent},
@@ -155,8 +220,10 @@ std::string to_toml(const CalibrationFile& calibration) {
       "# again instead. sigma 0: the data did not bound the value.\n"
       "format = " +
       std::to_string(kFormat) + "\nid = \"" + calibration.id + "\"  # of all inputs\nscene = \"" +
-      calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash +
-      "\"\ntemper = " + value_text(calibration.temper, "1") + "\n";
+      calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash + "\"\nmethod = \"" +
+      calibration.method + "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
+      "\ntransmission = " + (calibration.transmission ? "true" : "false") +
+      "\ntemper = " + value_text(calibration.temper, "1") + "\n";
   for (const CalibratedAccessPoint& ap : calibration.access_points) {
     text +=
         "\n[[access_point]]\nid = \"" + ap.id + "\"\npoints = " + std::to_string(ap.points) + "\n";
@@ -169,6 +236,12 @@ std::string to_toml(const CalibrationFile& calibration) {
     for (std::size_t core = 0; core < ap.gains.cores.size(); ++core) {
       text += chain_text(ap, core);
     }
+  }
+  for (const CalibratedSurface& surface : calibration.surfaces) {
+    text += surface_text(surface);
+  }
+  for (const RoomParameter& parameter : calibration.parameters) {
+    text += parameter_text(parameter);
   }
   return text;
 }

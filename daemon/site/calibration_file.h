@@ -4,12 +4,14 @@
 // It is valid for the scene it was made with: `scene_hash` is compared when a room is loaded.
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/calibrate/room_calibration.h"
 #include "engine/localize/room_model.h"
 
 namespace rayloc {
@@ -23,22 +25,39 @@ struct CalibratedValue {
 
 struct CalibratedAccessPoint {
   std::string id;
-  std::size_t points = 0;          // surveyed points that it rests on
-  CalibratedValue yaw_offset;      // [rad], added to the surveyed yaw
+  std::size_t points = 0;      // surveyed points that it rests on
+  CalibratedValue position_x;  // [m], added to the surveyed place
+  CalibratedValue position_y;
+  CalibratedValue position_z;
+  CalibratedValue yaw_offset;  // [rad], added to the surveyed angles
+  CalibratedValue pitch_offset;
+  CalibratedValue roll_offset;
   CalibratedValue plan_tolerance;  // [m]
   CalibratedValue diffuse;
   CalibratedValue diffuse_exponent;
   CalibratedValue noise;
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core [rad]
+  std::vector<double> element_y;   // [m], of each core's antenna, added to its y in the array
+};
+
+// What a surface does to all it reflects, beyond its material (RoomModel::surface_correction).
+struct CalibratedSurface {
+  std::size_t index = 0;  // of the scene
+  std::complex<double> correction = 1.0;
 };
 
 struct CalibrationFile {
   std::string id;  // hash of the inputs
   std::string scene_hash;
-  std::string points_hash;  // of the surveyed points
+  std::string points_hash;            // of the surveyed points
+  std::string method = "gains-only";  // or "joint", "paper"
   CalibratedValue temper;
+  int ray_depth = kRayDepth;  // RoomModel::trace
+  bool transmission = false;
   std::vector<CalibratedAccessPoint> access_points;
+  std::vector<CalibratedSurface> surfaces;  // those whose correction is not 1
+  std::vector<RoomParameter> parameters;    // everything that was fitted, for people
 };
 
 std::string to_toml(const CalibrationFile& calibration);

@@ -39,6 +39,19 @@ Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& r
   }
   room.calibration_id = calibration->id;
   room.temper = calibration->temper.value;
+  room.trace.max_depth = calibration->ray_depth;
+  room.trace.transmission = calibration->transmission;
+  if (!calibration->surfaces.empty()) {
+    room.surface_correction.assign(room.scene->surfaces().size(), 1.0);
+  }
+  for (const CalibratedSurface& surface : calibration->surfaces) {
+    if (surface.index >= room.surface_correction.size()) {
+      return make_error(ErrorKind::kConfiguration,
+                        file.string() + ": surface " + std::to_string(surface.index) +
+                            " does not exist in the scene; calibrate again");
+    }
+    room.surface_correction[surface.index] = surface.correction;
+  }
   for (CalibratedAccessPoint& found : calibration->access_points) {
     const auto ap = std::find_if(room.access_points.begin(),
                                  room.access_points.end(),
@@ -54,7 +67,15 @@ Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& r
                             "' was calibrated with other cores or tones than site.toml states; "
                             "calibrate again");
     }
-    ap->array.pose.orientation.yaw += found.yaw_offset.value;
+    Pose& pose = ap->array.pose;
+    pose.position = pose.position +
+                    Vec3d{found.position_x.value, found.position_y.value, found.position_z.value};
+    pose.orientation.yaw += found.yaw_offset.value;
+    pose.orientation.pitch += found.pitch_offset.value;
+    pose.orientation.roll += found.roll_offset.value;
+    for (std::size_t e = 0; e < ap->array.element_offset.size(); ++e) {
+      ap->array.element_offset[e].y += found.element_y.at(e);
+    }
     ap->error = {found.plan_tolerance.value,
                  found.diffuse.value,
                  found.diffuse_exponent.value,

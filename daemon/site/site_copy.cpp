@@ -49,7 +49,7 @@ struct SiteFiles {
 };
 
 // The original's text with the paths that the copy needs, and the tables of gains.
-Expected<SiteFiles> read_site(const Site& site) {
+Expected<SiteFiles> read_site(const Site& site, bool own_materials) {
   const fs::path file = site.directory / "site.toml";
   auto text = read_file(file);
   if (!text) {
@@ -58,6 +58,9 @@ Expected<SiteFiles> read_site(const Site& site) {
   try {
     toml::table root = toml::parse(*text, file.string());
     root.insert_or_assign("scene", "scene.xml");
+    if (!own_materials) {
+      root.erase("materials");
+    }
     root.insert_or_assign("calibration", toml::table{{"file", "calibration.toml"}});
     if (site.reference_file) {
       root.insert_or_assign("reference", toml::table{{"file", "reference.toml"}});
@@ -178,22 +181,24 @@ Expected<void> write_file(const fs::path& file, const std::string& content) {
 
 Expected<void> write_site(const Site& site,
                           const std::string& calibration,
-                          const fs::path& directory) {
-  auto stated = read_site(site);
+                          const fs::path& directory,
+                          const std::map<std::string, std::string>& refined) {
+  auto stated = read_site(site, refined.empty());
   if (!stated) {
     return tl::make_unexpected(std::move(stated.error()));
   }
-  auto scene = read_scene(site);
-  if (!scene) {
-    return tl::make_unexpected(scene.error());
-  }
-  std::map<fs::path, std::string> files = {
-      {"site.toml", stated->toml}, {"scene.xml", scene->xml}, {"calibration.toml", calibration}};
-  for (auto* more : {&scene->meshes, &stated->patterns}) {
-    for (auto& [name, content] : *more) {
-      files[name] = std::move(content);
+  std::map<std::string, std::string> files = refined;
+  if (refined.empty()) {
+    auto scene = read_scene(site);
+    if (!scene) {
+      return tl::make_unexpected(scene.error());
     }
+    files = std::move(scene->meshes);
+    files["scene.xml"] = std::move(scene->xml);
   }
+  files["site.toml"] = std::move(stated->toml);
+  files["calibration.toml"] = calibration;
+  files.merge(stated->patterns);
   if (site.reference_file) {
     auto reference = read_file(*site.reference_file);
     if (!reference) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "daemon/site/site.h"
@@ -17,9 +18,12 @@ Expected<void> prepare_output(const std::filesystem::path& directory, bool force
 // Writes into `directory`: site.toml as the original states it but for the paths in it,
 // the scene with every mesh it names, the tables of gains, the reference if there is one, and
 // `calibration` as calibration.toml. Comments of site.toml are not kept.
+// `refined`: content by file name of the scene to write instead of the original's, "scene.xml" and
+// what it names; site.toml then states no materials of its own. Empty: the original's scene.
 Expected<void> write_site(const Site& site,
                           const std::string& calibration,
-                          const std::filesystem::path& directory);
+                          const std::filesystem::path& directory,
+                          const std::map<std::string, std::string>& refined = {});
 
 Expected<std::string> read_file(const std::filesystem::path& file);
 

@@ -6,10 +6,9 @@
 #include <string>
 #include <utility>
 
-#include <Eigen/QR>
-
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/calibrate/chain_ripple.h"
 #include "engine/observe/alignment.h"
 #include "engine/trace/path_tracer.h"
 
@@ -19,65 +18,12 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr std::size_t kMostRays = 64;
-constexpr int kGainIterations = 6;
-// Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
-constexpr int kGainDegree = 4;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
 constexpr double kYawStep = 1.0 * kDegree;
 constexpr int kYawSteps = 3;  // to either side
 // The tones of a point are no independent evidence about the model's errors; one point is.
 constexpr double kEvidence = 0.1;
-
-void scale_to_unit(std::vector<Value>& values) {
-  double power = 0.0;
-  for (const Value& v : values) {
-    power += std::norm(v);
-  }
-  if (power > 0.0) {
-    const double scale = std::sqrt(static_cast<double>(values.size()) / power);
-    for (Value& v : values) {
-      v *= scale;
-    }
-  }
-}
-
-// Replaces each row of [core][tone] by its least-squares polynomial over the tones.
-class ToneSmoother {
- public:
-  explicit ToneSmoother(const OfdmGrid& grid) {
-    const auto tones = static_cast<Eigen::Index>(grid.size());
-    const double half = 0.5 * (grid.tone_index.back() - grid.tone_index.front());
-    const double middle = 0.5 * (grid.tone_index.back() + grid.tone_index.front());
-    const auto columns = std::min<Eigen::Index>(kGainDegree + 1, tones);
-    Eigen::MatrixXd powers(tones, columns);
-    for (Eigen::Index k = 0; k < tones; ++k) {
-      const double x = (grid.tone_index[static_cast<std::size_t>(k)] - middle) / half;
-      for (Eigen::Index degree = 0; degree < columns; ++degree) {
-        powers(k, degree) = std::pow(x, static_cast<double>(degree));
-      }
-    }
-    basis_ = powers.householderQr().householderQ() * Eigen::MatrixXd::Identity(tones, columns);
-  }
-
-  void smooth(std::vector<Value>& values) const {
-    const Eigen::Index tones = basis_.rows();
-    for (std::size_t row = 0; row < values.size(); row += static_cast<std::size_t>(tones)) {
-      Eigen::Map<Eigen::VectorXcd> v(values.data() + row, tones);
-      const Eigen::VectorXcd coordinates = basis_.transpose() * v;
-      v = basis_ * coordinates;
-    }
-  }
-
- private:
-  Eigen::MatrixXd basis_;
-};
-
-void remove_gains(const ChainGains& gains, std::vector<Value>& h) {
-  for (std::size_t i = 0; i < h.size(); ++i) {
-    h[i] = h[i] * std::conj(gains.gain[i]) / std::max(std::norm(gains.gain[i]), 1e-12);
-  }
-}
 
 // The maximum of a function on a list of values: scans it, and takes the parabola through the best
 // and its neighbours for the maximum and its width.
@@ -107,46 +53,6 @@ FittedValue maximise(const std::vector<double>& values, double prior, const Func
   return result;
 }
 
-// Measured times the conjugate of the expected, aligned to the gains times the expected power. Both
-// are of unit power, so the factor is a phase; its magnitude is the weight, the correlation.
-std::vector<Value> aligned_ratio(const Aligner& aligner,
-                                 const std::vector<Value>& measured,
-                                 const std::vector<Value>& expected,
-                                 const std::vector<Value>& gain) {
-  std::vector<Value> target(gain.size());
-  std::vector<Value> ratio(gain.size());
-  for (std::size_t j = 0; j < gain.size(); ++j) {
-    ratio[j] = measured[j] * std::conj(expected[j]);
-    target[j] = gain[j] * std::norm(expected[j]);
-  }
-  Alignment alignment = aligner.align(target, ratio);
-  const double magnitude = std::abs(alignment.factor);
-  alignment.factor *= magnitude > 0.0 ? alignment.correlation / magnitude : 0.0;
-  aligner.apply(alignment, ratio);
-  return ratio;
-}
-
-// Of each chain: the scatter of the samples' own phases about the gains', over the root of the
-// number of samples [rad].
-std::vector<double> phase_sigma(const std::vector<Value>& gain,
-                                const std::vector<std::vector<Value>>& ratio,
-                                std::size_t tones) {
-  std::vector<double> sigma;
-  for (std::size_t row = 0; row < gain.size(); row += tones) {
-    double scatter = 0.0;
-    for (const auto& own : ratio) {
-      Value along;
-      for (std::size_t j = row; j < row + tones; ++j) {
-        along += std::conj(gain[j]) * own[j];
-      }
-      const double angle = std::abs(along) > 0.0 ? std::arg(along) : std::numbers::pi;
-      scatter += angle * angle;
-    }
-    sigma.push_back(std::sqrt(scatter) / static_cast<double>(ratio.size()));
-  }
-  return sigma;
-}
-
 }  // namespace
 
 AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
@@ -157,7 +63,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
       model_(room.grid, access_point_.cores.size()),
       given_(samples.size()) {
   const AntennaArray& array = access_point_.array;
-  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
+  const PathTracer tracer(room.scene, room.trace);
   const ReceiverTracer at_array = tracer.at(
       Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
   std::vector<Sample> traced(samples.size());
@@ -167,8 +73,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
         {samples[i].position, {}, room.device.pattern, room.device.polarization}};
     traced[i].index = i;
     traced[i].h = std::move(samples[i].h);
-    scale_to_unit(traced[i].h);
-    traced[i].rays = rays_of(at_array.trace(device), *room.scene, samples[i].position, kMostRays);
+    traced[i].rays = rays_of(at_array.trace(device), room, samples[i].position, kMostRays);
   });
   for (Sample& sample : traced) {
     if (!sample.rays.empty()) {
@@ -187,44 +92,18 @@ std::vector<Vec3d> AccessPointCalibrator::offsets(double yaw_offset) const {
   return result;
 }
 
-// Alternates between the delay and factor of every sample and the gains, which are then the
-// weighted mean of measured over expected; the weight is the sample's correlation.
 ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,
                                                   const ModelError& error,
                                                   std::vector<double>* sigma) const {
-  const std::size_t tones = grid_.size();
-  const std::size_t size = access_point_.cores.size() * tones;
-  const Aligner aligner(grid_);
-  const ToneSmoother smoother(grid_);
-  std::vector<std::vector<Value>> expected(samples_.size());
+  std::vector<ArrayPair> pairs(samples_.size());
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
-    expected[i] = model_.expected({samples_[i].rays, offsets, 0.0}, error);
-    scale_to_unit(expected[i]);
+    pairs[i] = {samples_[i].h, model_.expected({samples_[i].rays, offsets, 0.0}, error)};
   });
-  std::vector<Value> gain(size, Value(1.0));
-  std::vector<std::vector<Value>> ratio(samples_.size());
-  for (int iteration = 0; iteration < kGainIterations; ++iteration) {
-    parallel_for(samples_.size(), 4, [&](std::size_t i) {
-      ratio[i] = aligned_ratio(aligner, samples_[i].h, expected[i], gain);
-    });
-    std::vector<Value> sum(size);
-    std::vector<double> weight(size, 1e-12);
-    for (std::size_t i = 0; i < samples_.size(); ++i) {
-      for (std::size_t j = 0; j < size; ++j) {
-        sum[j] += ratio[i][j];
-        weight[j] += std::norm(expected[i][j]);
-      }
-    }
-    for (std::size_t j = 0; j < size; ++j) {
-      gain[j] = sum[j] / weight[j];
-    }
-    smoother.smooth(gain);
-    scale_to_unit(gain);
-  }
+  ChainRipple ripple = chain_ripple(Aligner(grid_), grid_, std::move(pairs));
   if (sigma != nullptr) {
-    *sigma = phase_sigma(gain, ratio, tones);
+    *sigma = std::move(ripple.sigma);
   }
-  return {grid_, access_point_.cores, std::move(gain)};
+  return {grid_, access_point_.cores, std::move(ripple.gain)};
 }
 
 std::vector<ObservedArray> AccessPointCalibrator::observe(const ChainGains& gains) const {

@@ -14,18 +14,6 @@ namespace {
 
 using Value = std::complex<double>;
 
-// Below it a chain is dead on that tone, of gains whose mean square is 1.
-constexpr double kLeastGainSquare = 1e-12;
-
-std::vector<Value> without_gains(const std::vector<Value>& h, const ChainGains& gains) {
-  std::vector<Value> result(h.size());
-  for (std::size_t i = 0; i < h.size(); ++i) {
-    result[i] =
-        h[i] * std::conj(gains.gain[i]) / std::max(std::norm(gains.gain[i]), kLeastGainSquare);
-  }
-  return result;
-}
-
 Expected<void> check_access_point(const RoomAccessPoint& ap) {
   if (ap.gains.empty()) {
     return bad_input("access point " + ap.id +
@@ -54,7 +42,9 @@ Expected<std::vector<PaperSample>> heard(const RoomModel& room,
         return tl::make_unexpected(std::move(usable.error()));
       }
       RAYLOC_CHECK(h.size() == access_point.cores.size() * room.grid.size());
-      samples.push_back({i, ap, points[i].position, without_gains(h, access_point.gains)});
+      std::vector<Value> field = h;
+      remove_gains(access_point.gains, field);
+      samples.push_back({i, ap, points[i].position, std::move(field)});
     }
   }
   if (samples.empty()) {

@@ -40,6 +40,9 @@ struct PointFit {
   std::size_t access_point = 0;
   double before = 0.0;  // floor plan and chain gains alone
   double after = 0.0;
+  // As `after`, with the survey error of the point fitted too (joint method; else 0): the rest is
+  // what the model cannot say, clutter and diffuse power above all.
+  double placed = 0.0;
 };
 
 struct CalibrationStep {

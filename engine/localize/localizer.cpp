@@ -77,14 +77,6 @@ std::string check(const RoomModel& room, const RoomAccessPoint& ap) {
   return {};
 }
 
-// h / gain, in place.
-void remove_gains(const ChainGains& gains, std::vector<std::complex<double>>& h) {
-  for (std::size_t i = 0; i < h.size(); ++i) {
-    const double power = std::norm(gains.gain[i]);
-    h[i] = power > 0.0 ? h[i] * std::conj(gains.gain[i]) / power : 0.0;
-  }
-}
-
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -99,7 +91,7 @@ class Localizer::Impl {
       : room_(std::move(room)), options_(options), grid_(make_grid(*room_)) {}
 
   void build() {
-    const PathTracer tracer(room_->scene, {.max_depth = kRayDepth});
+    const PathTracer tracer(room_->scene, room_->trace);
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
       const std::string problem = check(*room_, ap);
@@ -133,7 +125,7 @@ class Localizer::Impl {
   std::vector<Ray> rays_to(const Station& station, const Vec3d& position) const {
     const DeviceModel& device = room_->device;
     const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
-    return rays_of(station.tracer.trace(transmitter), *room_->scene, position, kMostRays);
+    return rays_of(station.tracer.trace(transmitter), *room_, position, kMostRays);
   }
 
   void build_cells(Station& station) const {

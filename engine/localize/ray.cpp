@@ -3,11 +3,12 @@
 #include <algorithm>
 
 #include "engine/base/constants.h"
+#include "engine/scene/scene.h"
 
 namespace rayloc {
 
 std::vector<Ray> rays_of(const Paths& paths,
-                         const Scene& scene,
+                         const RoomModel& room,
                          const Vec3d& device,
                          std::size_t most) {
   std::vector<Ray> rays;
@@ -18,11 +19,17 @@ std::vector<Ray> rays_of(const Paths& paths,
     ray.length = path.tau * kSpeedOfLight;
     ray.at_array = path.arrival;
     ray.at_device = path.departure;
-    ray.reflections = static_cast<int>(path.interactions.size());
     Vec3d from = device;
     for (const Interaction& interaction : path.interactions) {
+      if (interaction.kind != InteractionKind::kReflection) {
+        continue;
+      }
+      ++ray.reflections;
+      if (!room.surface_correction.empty()) {
+        ray.amplitude *= room.surface_correction[interaction.surface];
+      }
       const Vec3d leg = interaction.position - from;
-      const double along = dot(leg, scene.surfaces()[interaction.surface].plane().normal);
+      const double along = dot(leg, room.scene->surfaces()[interaction.surface].plane().normal);
       ray.cos2_incidence += along * along / dot(leg, leg);
       from = interaction.position;
     }

@@ -9,12 +9,10 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/scene/scene.h"
+#include "engine/localize/room_model.h"
 #include "engine/trace/paths.h"
 
 namespace rayloc {
-
-inline constexpr int kRayDepth = 2;  // reflections of the rays that the likelihood knows
 
 struct Ray {
   std::complex<double> amplitude;  // without propagation phase
@@ -28,9 +26,9 @@ struct Ray {
 };
 
 // The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at
-// most `most`.
+// most `most`, each with the corrections of the surfaces that it meets.
 std::vector<Ray> rays_of(const Paths& paths,
-                         const Scene& scene,
+                         const RoomModel& room,
                          const Vec3d& device,
                          std::size_t most);
 

@@ -4,6 +4,7 @@
 // A value that is built once (load_room_model() of daemon/site, or a test) and then shared, const.
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@
 #include "engine/em/antenna_pattern.h"
 #include "engine/observe/chain_gains.h"
 #include "engine/scene/antenna_array.h"
+#include "engine/trace/trace_options.h"
 
 namespace rayloc {
 
@@ -45,6 +47,8 @@ struct DeviceModel {
   friend bool operator==(const DeviceModel&, const DeviceModel&) = default;
 };
 
+inline constexpr int kRayDepth = 2;  // reflections of the rays that a floor plan is worth
+
 struct RoomModel {
   std::string name;
   std::shared_ptr<const Scene> scene;
@@ -56,6 +60,10 @@ struct RoomModel {
   // Exponent of the likelihood: what is wrong with the model is wrong in the same way all over the
   // burst, so the raw likelihood is too sure of itself.
   double temper = 0.6;
+  TraceOptions trace = {.max_depth = kRayDepth};  // of the rays that the likelihood knows
+  // Of each surface of the scene: what everything that it reflects is multiplied by, because no
+  // slab of one material behaves like it; empty: 1.
+  std::vector<std::complex<double>> surface_correction;
   std::string calibration_id;  // hash of the calibration's content, empty without one
   std::string scene_hash;      // hash of the scene's content
 };

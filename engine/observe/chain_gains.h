@@ -7,6 +7,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "engine/channel/ofdm_grid.h"
@@ -20,5 +21,8 @@ struct ChainGains {
 
   bool empty() const { return gain.empty(); }
 };
+
+// h / gain in place, 0 where a chain is dead. REQUIRES: h is [core][tone] as the gains are.
+void remove_gains(const ChainGains& gains, std::span<std::complex<double>> h);
 
 }  // namespace rayloc

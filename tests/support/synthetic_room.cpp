@@ -42,7 +42,7 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
 std::vector<Value> channel(const RoomModel& room,
                            const RoomAccessPoint& ap,
                            const Vec3d& position) {
-  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
+  const PathTracer tracer(room.scene, room.trace);
   const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
   std::vector<Value> h;
   for (const Receiver& element : array_elements<Receiver>(ap.array)) {

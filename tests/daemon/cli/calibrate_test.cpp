@@ -64,7 +64,8 @@ TEST_F(CalibrateVerb, WritesASiteWhoseGainsExplainTheHeldOutPoints) {
   EXPECT_FALSE(report.at("parameters").empty());
 }
 
-TEST_F(CalibrateVerb, SaysThatOnlyGainsAreBuilt) {
+// The default method: the room itself is fitted, and what it leaves is a site.
+TEST_F(CalibrateVerb, FitsTheRoomToTheSurvey) {
   const Finished run = RaylocProcess({"calibrate",
                                       kSite,
                                       "--out",
@@ -74,8 +75,19 @@ TEST_F(CalibrateVerb, SaysThatOnlyGainsAreBuilt) {
                                       "--capture",
                                       "ap1=" + kSite + "/calibration-ap1.pcap.gz"})
                            .wait();
-  EXPECT_EQ(run.status, 64);
-  EXPECT_NE(run.err.find("--gains-only"), std::string::npos) << run.err;
+  ASSERT_EQ(run.status, 0) << run.err;
+  std::ifstream in(out_ / "report.json");
+  const auto report = nlohmann::json::parse(in);
+  const auto& heldout = report.at("heldout").at("ap1");
+  EXPECT_GT(heldout.at("after").get<double>(), 0.8);
+  EXPECT_GT(heldout.at("after").get<double>(), heldout.at("before").get<double>() + 0.2);
+  EXPECT_EQ(report.at("method"), "joint");
+  EXPECT_TRUE(fs::is_regular_file(out_ / "report.html"));
+  EXPECT_FALSE(fs::exists(out_ / "calibration.checkpoint.json"));
+  // The refined scene is the one that the calibration states the hash of.
+  const Finished read =
+      RaylocProcess({"replay", out_, "ap1=" + kSite + "/device_los-ap1.pcap.gz"}).wait();
+  EXPECT_EQ(read.status, 0) << read.err;
 }
 
 TEST_F(CalibrateVerb, RefusesAPointOutsideOfTheRoomByItsRow) {

@@ -24,7 +24,14 @@ CalibrationFile example() {
     ap.gains.gain.emplace_back(1.0 / (1 + i), -0.1 * i);
   }
   ap.gain_sigma = {0.01, 0.02};
+  ap.element_y = {0.0, -0.0007};
+  ap.position_x = {0.004, 0.0, 0.001};
   file.access_points = {ap};
+  file.method = "joint";
+  file.ray_depth = 3;
+  file.transmission = true;
+  file.surfaces = {{7, {0.9, -0.1}}};
+  file.parameters = {{"wall \"west\".+x.offset", "m", 0.0168, 0.0, 0.015, 0.0012}};
   return file;
 }
 
@@ -48,6 +55,16 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(ap.gains.cores, written.access_points[0].gains.cores);
   EXPECT_EQ(ap.gains.gain, written.access_points[0].gains.gain);  // to the last bit
   EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);
+  EXPECT_EQ(ap.element_y, written.access_points[0].element_y);
+  EXPECT_EQ(read->method, "joint");
+  EXPECT_EQ(read->ray_depth, 3);
+  EXPECT_TRUE(read->transmission);
+  ASSERT_EQ(read->surfaces.size(), 1U);
+  EXPECT_EQ(read->surfaces[0].index, 7U);
+  EXPECT_EQ(read->surfaces[0].correction, written.surfaces[0].correction);
+  ASSERT_EQ(read->parameters.size(), 1U);
+  EXPECT_EQ(read->parameters[0].name, written.parameters[0].name);
+  EXPECT_EQ(read->parameters[0].sigma, 0.0012);
 }
 
 TEST(CalibrationFile, SaysWhereItIsWrong) {
@@ -63,7 +80,7 @@ TEST(CalibrationFile, SaysWhereItIsWrong) {
 
 TEST(CalibrationFile, RefusesAnotherFormat) {
   std::string text = to_toml(example());
-  text.replace(text.find("format = 1"), 10, "format = 9");
+  text.replace(text.find("format = 2"), 10, "format = 9");
   const auto read = parse_calibration_file(text, "calibration.toml");
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("format 9 is not known"), std::string::npos)

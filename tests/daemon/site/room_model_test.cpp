@@ -41,6 +41,7 @@ class RoomModelTest : public testing::Test {
       one.gains = {room.grid, ap.cores, {}};
       one.gains.gain.resize(ap.cores.size() * room.grid.size(), 1.0);
       one.gain_sigma.resize(ap.cores.size());
+      one.element_y.resize(ap.cores.size());
       file.access_points.push_back(std::move(one));
     }
     return file;

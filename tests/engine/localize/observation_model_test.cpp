@@ -23,12 +23,12 @@ std::vector<Vec3d> offsets_of(const AntennaArray& array) {
 }
 
 std::vector<Ray> rays_to(const RoomModel& room, const AntennaArray& array, const Vec3d& position) {
-  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
+  const PathTracer tracer(room.scene, room.trace);
   return rays_of(
       tracer.trace(
           {{position, {}, room.device.pattern, room.device.polarization}},
           {{array.pose.position, array.pose.orientation, array.pattern, array.polarization}}),
-      *room.scene,
+      room,
       position,
       64);
 }
@@ -60,7 +60,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
   const ObservationModel model(room.grid, 3);
   const auto expected = model.expected({rays, offsets, 0.0}, exact);
   std::vector<Value> traced;
-  const PathTracer tracer(room.scene, {.max_depth = kRayDepth});
+  const PathTracer tracer(room.scene, room.trace);
   for (const Receiver& element : array_elements<Receiver>(ap.array)) {
     const auto row =
         tracer.trace({{position, {}, room.device.pattern, room.device.polarization}}, element)

@@ -1,0 +1,65 @@
+#include "daemon/calibrate/access_point_stage.h"
+
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+struct Samples {
+  std::vector<CalibrationSample> samples;
+  std::vector<std::size_t> point;  // of each
+};
+
+Samples samples_of(std::span<const CalibrationPoint> points,
+                   std::size_t access_point,
+                   bool with_held_out) {
+  Samples result;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const auto& h = points[p].h[access_point];
+    if (!h.empty() && (with_held_out || !points[p].held_out)) {
+      result.samples.push_back({points[p].position, h});
+      result.point.push_back(p);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Expected<AccessPointResult> fit_access_point(const RoomModel& room,
+                                             std::size_t access_point,
+                                             std::span<const CalibrationPoint> points) {
+  AccessPointResult result;
+  result.index = access_point;
+  const Samples all = samples_of(points, access_point, true);
+  const AccessPointCalibrator on_all(room, access_point, all.samples);
+  auto fit = on_all.fit();
+  if (!fit) {
+    return tl::make_unexpected(std::move(fit.error()));
+  }
+  result.fit = *std::move(fit);
+  auto train =
+      AccessPointCalibrator(room, access_point, samples_of(points, access_point, false).samples)
+          .fit();
+  if (!train) {
+    train.error().message += " after holding out; use a smaller --holdout";
+    return tl::make_unexpected(std::move(train.error()));
+  }
+  result.train = *std::move(train);
+  const auto before = on_all.correlations(nullptr);
+  const auto after = on_all.correlations(&result.train);
+  for (std::size_t i = 0; i < all.point.size(); ++i) {
+    if (before[i] && after[i]) {
+      result.fits.push_back({all.point[i], access_point, *before[i], *after[i], 0.0});
+    }
+  }
+  return result;
+}
+
+void apply(const AccessPointFit& fit, RoomAccessPoint& access_point) {
+  access_point.gains = fit.gains;
+  access_point.error = fit.error();
+  access_point.array.pose.orientation.yaw += fit.yaw_offset.value;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,114 @@
+#include "daemon/calibrate/calibrated_site.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "daemon/scene/scene_files.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+namespace {
+
+CalibratedValue calibrated(const FittedValue& value) {
+  return {value.value, value.prior, value.sigma};
+}
+
+}  // namespace
+
+std::vector<CalibratedAccessPoint> calibrated_access_points(
+    const RoomModel& surveyed, const RoomModel& room, std::span<const AccessPointResult> results) {
+  std::vector<CalibratedAccessPoint> access_points;
+  for (const AccessPointResult& result : results) {
+    const RoomAccessPoint& before = surveyed.access_points[result.index];
+    const RoomAccessPoint& after = room.access_points[result.index];
+    const Pose& stood = before.array.pose;
+    const Pose& stands = after.array.pose;
+    CalibratedAccessPoint ap;
+    ap.id = after.id;
+    ap.points = result.fit.samples_used;
+    ap.position_x.value = stands.position.x - stood.position.x;
+    ap.position_y.value = stands.position.y - stood.position.y;
+    ap.position_z.value = stands.position.z - stood.position.z;
+    ap.yaw_offset = calibrated(result.fit.yaw_offset);
+    ap.yaw_offset.value += stands.orientation.yaw - stood.orientation.yaw;
+    ap.pitch_offset.value = stands.orientation.pitch - stood.orientation.pitch;
+    ap.roll_offset.value = stands.orientation.roll - stood.orientation.roll;
+    ap.plan_tolerance = calibrated(result.fit.plan_tolerance);
+    ap.diffuse = calibrated(result.fit.diffuse);
+    ap.diffuse_exponent = calibrated(result.fit.diffuse_exponent);
+    ap.noise = calibrated(result.fit.noise);
+    ap.gains = result.fit.gains;
+    ap.gain_sigma = result.fit.gain_sigma;
+    for (std::size_t e = 0; e < after.array.element_offset.size(); ++e) {
+      ap.element_y.push_back(after.array.element_offset[e].y - before.array.element_offset[e].y);
+    }
+    access_points.push_back(std::move(ap));
+  }
+  return access_points;
+}
+
+std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
+  std::vector<RoomParameter> parameters;
+  const std::size_t tones = ap.gains.grid.size();
+  for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
+    std::complex<double> ratio;
+    double power = 0.0;
+    for (std::size_t k = 0; k < tones; ++k) {
+      ratio += ap.gains.gain[core * tones + k] * std::conj(ap.gains.gain[k]);
+      power += std::norm(ap.gains.gain[k]);
+    }
+    ratio /= power;
+    const std::string name = ap.id + ".core" + std::to_string(ap.gains.cores[core]) + "/core" +
+                             std::to_string(ap.gains.cores[0]);
+    const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
+    parameters.push_back(
+        {name + ".gain", "dB", kDecibels * std::log(std::abs(ratio)), 0.0, 0.0, kDecibels * sigma});
+    parameters.push_back(
+        {name + ".phase", "deg", kDegrees * std::arg(ratio), 0.0, 0.0, kDegrees * sigma});
+  }
+  return parameters;
+}
+
+std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_point) {
+  std::vector<RoomParameter> parameters;
+  for (const NamedValue& named : calibrated_values()) {
+    const std::string name = named.name;
+    if (name.rfind("position", 0) == 0 || name == "pitch_offset" || name == "roll_offset") {
+      continue;  // a method that moves the access point states them itself
+    }
+    const CalibratedValue& value = access_point.*named.value;
+    parameters.push_back(
+        {access_point.id + "." + name, named.unit, value.value, value.prior, 0.0, value.sigma});
+  }
+  return parameters;
+}
+
+std::vector<CalibratedSurface> calibrated_surfaces(const RoomModel& room) {
+  std::vector<CalibratedSurface> surfaces;
+  for (std::size_t s = 0; s < room.surface_correction.size(); ++s) {
+    if (room.surface_correction[s] != 1.0) {
+      surfaces.push_back({s, room.surface_correction[s]});
+    }
+  }
+  return surfaces;
+}
+
+std::map<std::string, std::string> refined_scene(const Scene& scene) {
+  StatedScene stated;
+  for (const RadioMaterial& material : scene.materials()) {
+    stated.materials.push_back({material.name,
+                                "",
+                                material.relative_permittivity,
+                                material.conductivity,
+                                material.thickness});
+  }
+  for (const SceneObject& object : scene.objects()) {
+    stated.objects.push_back({object.name, scene.materials()[object.material].name, object.mesh});
+  }
+  return scene_files(stated);
+}
+
+}  // namespace rayloc

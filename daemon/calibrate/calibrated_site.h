@@ -1,0 +1,31 @@
+// From what a calibration found to the files of a calibrated site.
+#pragma once
+
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/calibrate/access_point_stage.h"
+#include "daemon/site/calibration_file.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// Of each access point in `results`: where it stands and turns against `surveyed`, its chains and
+// the errors of the model. `room`: as calibrated, but for what `results` say.
+std::vector<CalibratedAccessPoint> calibrated_access_points(
+    const RoomModel& surveyed, const RoomModel& room, std::span<const AccessPointResult> results);
+
+// Mean gains and phases of the chains of an access point against its first.
+std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& access_point);
+
+// The yaw and the errors of the model, which every method fits.
+std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_point);
+
+std::vector<CalibratedSurface> calibrated_surfaces(const RoomModel& room);
+
+// The scene by file name: "scene.xml" and meshes; it reads back as the same scene.
+std::map<std::string, std::string> refined_scene(const Scene& scene);
+
+}  // namespace rayloc

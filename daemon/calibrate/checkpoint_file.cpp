@@ -1,0 +1,87 @@
+#include "daemon/calibrate/checkpoint_file.h"
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/site/site_copy.h"
+
+namespace rayloc {
+namespace {
+
+using Json = nlohmann::json;
+
+tl::unexpected<Error> unusable(const std::filesystem::path& file, const std::string& why) {
+  return bad_input(file.string() + ": " + why + "; calibrate again without --resume");
+}
+
+}  // namespace
+
+std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& inputs) {
+  Json survey = Json::array();
+  for (const Vec3d& error : checkpoint.state.survey) {
+    survey.push_back({error.x, error.y, error.z});
+  }
+  Json gains = Json::array();
+  for (const ChainGains& one : checkpoint.gains) {
+    Json values = Json::array();
+    for (const auto& gain : one.gain) {
+      values.push_back({gain.real(), gain.imag()});
+    }
+    gains.push_back(std::move(values));
+  }
+  return Json{{"inputs", inputs},
+              {"rounds", checkpoint.rounds},
+              {"values", checkpoint.state.values},
+              {"survey", std::move(survey)},
+              {"gains", std::move(gains)}}
+             .dump() +
+         "\n";
+}
+
+Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
+                                          const std::string& inputs,
+                                          const RoomModel& room,
+                                          std::size_t points) {
+  const auto text = read_file(file);
+  if (!text) {
+    return bad_input(file.string() +
+                     ": there is no interrupted calibration to resume; leave out "
+                     "--resume");
+  }
+  const Json json = Json::parse(*text, nullptr, false);
+  if (json.is_discarded()) {
+    return unusable(file, "is no JSON");
+  }
+  JointCheckpoint checkpoint;
+  try {
+    if (json.at("inputs") != inputs) {
+      return unusable(file, "was made from other inputs or options");
+    }
+    checkpoint.rounds = json.at("rounds");
+    checkpoint.state.values = json.at("values").get<std::vector<double>>();
+    for (const Json& error : json.at("survey")) {
+      checkpoint.state.survey.push_back({error.at(0), error.at(1), error.at(2)});
+    }
+    for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+      const RoomAccessPoint& ap = room.access_points[a];
+      ChainGains gains{ap.gains.grid, ap.cores, {}};
+      for (const Json& gain : json.at("gains").at(a)) {
+        gains.gain.emplace_back(gain.at(0).get<double>(), gain.at(1).get<double>());
+      }
+      if (gains.gain.size() != ap.gains.gain.size()) {
+        return unusable(file, "has other gains than the site");
+      }
+      checkpoint.gains.push_back(std::move(gains));
+    }
+  } catch (const Json::exception& error) {
+    return unusable(file, error.what());
+  }
+  if (checkpoint.state.values.size() != RoomUnknowns(room, {}).size() ||
+      checkpoint.state.survey.size() != points || checkpoint.rounds < 0) {
+    return unusable(file, "has other numbers than the site");
+  }
+  return checkpoint;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,24 @@
+// Where a joint calibration stood when it was interrupted, as a file, for --resume.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "engine/base/expected.h"
+#include "engine/calibrate/joint_calibration.h"
+
+namespace rayloc {
+
+inline constexpr const char* kCheckpointFile = "calibration.checkpoint.json";
+
+// `inputs`: hash of everything that the calibration starts from.
+std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& inputs);
+
+// An Error when the file is not there, is broken, or is of other inputs. `room`: what the
+// calibration starts from; the numbers must be as many as it needs.
+Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
+                                          const std::string& inputs,
+                                          const RoomModel& room,
+                                          std::size_t points);
+
+}  // namespace rayloc

@@ -1,0 +1,484 @@
+#include "engine/calibrate/joint_calibration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/surface_scan.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+namespace {
+
+using Kind = Unknown::Kind;
+
+struct Round {
+  double floor;
+  double scan_range;  // [m]
+  bool corrections;   // materials and the gains and phases of surfaces
+  bool survey;        // survey errors and the places of antennas
+};
+constexpr std::array<Round, 4> kRounds{{{0.3, 0.05, false, false},
+                                        {0.12, 0.03, true, false},
+                                        {0.05, 0.03, true, true},
+                                        {0.03, 0.03, true, true}}};
+constexpr double kDecidingShare = 0.15;  // of the points that are not held out
+constexpr double kTolerance = 0.01;      // by which a round may lessen the correlation
+constexpr std::size_t kLeastPoints = 4;
+
+enum class Use : std::uint8_t { kFit, kDecide, kHeldOut };
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Factors are stated as values of what they multiply, with the slope of the exponential for sigma.
+RoomParameter stated_parameter(const Unknown& unknown,
+                               const RoomModel& room,
+                               double value,
+                               double sigma) {
+  RoomParameter parameter{unknown_name(unknown, room), "m", value, 0.0, unknown.sigma, sigma};
+  const auto factor_of = [&](double prior, const char* unit) {
+    parameter.unit = unit;
+    parameter.prior = prior;
+    parameter.value = prior * std::exp(value);
+    parameter.prior_sigma = prior * unknown.sigma;
+    parameter.sigma = parameter.value * sigma;
+  };
+  switch (unknown.kind) {
+    case Kind::kSurfaceOffset:
+    case Kind::kElementPosition:
+      break;
+    case Kind::kSurfaceGain:
+    case Kind::kChainGain:
+      factor_of(1.0, "1");
+      break;
+    case Kind::kSurfacePhase:
+    case Kind::kArrayAngle:
+    case Kind::kChainPhase:
+      parameter.unit = "rad";
+      break;
+    case Kind::kPermittivity:
+      factor_of(room.scene->materials()[unknown.index].relative_permittivity, "1");
+      break;
+    case Kind::kConductivity:
+      factor_of(room.scene->materials()[unknown.index].conductivity, "S/m");
+      break;
+    case Kind::kThickness:
+      factor_of(room.scene->materials()[unknown.index].thickness, "m");
+      break;
+    case Kind::kArrayPosition:
+      break;
+  }
+  return parameter;
+}
+
+class JointCalibration {
+ public:
+  JointCalibration(const RoomModel& room,
+                   std::span<const CalibrationPoint> points,
+                   const JointCalibrationOptions& options,
+                   const CalibrationObserver& observer)
+      : original_(room),
+        points_(points),
+        options_(options),
+        observer_(observer),
+        unknowns_(room, options.priors),
+        model_(room.grid) {
+    draw_uses();
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      for (std::size_t a = 0; a < points[p].h.size(); ++a) {
+        if (!points[p].h[a].empty()) {
+          sites_.push_back({p, a, points[p].position});
+        }
+      }
+    }
+    state_.values.resize(unknowns_.size());
+    state_.survey.resize(points.size());
+  }
+
+  Expected<void> check() const;
+  Expected<RoomCalibration> run();
+
+ private:
+  void draw_uses();
+  Expected<void> retrace();
+  void measure();
+  std::vector<char> released(const Round& round) const;
+  JointOptions joint_options(const Round& round, std::span<const char> released) const;
+  std::vector<JointSample> fitted(bool with_deciding) const;
+  ModelPoint at(std::size_t sample, std::vector<double>& change) const;
+  std::vector<double> change() const;
+  double correlation(std::size_t sample, const Vec3d& survey) const;
+  double median_correlation(Use use) const;
+  bool solve(const Round& round, bool with_deciding, const char* stage);
+  Expected<bool> run_round(std::size_t index);
+  bool tell(const char* stage, double loss);
+  void fold_chains();
+  void place_points(const Round& round);
+  std::vector<RoomParameter> parameters(const Round& round);
+
+  RoomModel original_;  // its chain gains are improved
+  std::span<const CalibrationPoint> points_;
+  const JointCalibrationOptions& options_;
+  const CalibrationObserver& observer_;
+  RoomUnknowns unknowns_;
+  SampleModel model_;
+  std::vector<Use> use_;  // of each point
+  std::vector<SampleSite> sites_;
+  JointState state_;
+  RoomModel room_;  // as traced
+  std::vector<double> traced_at_;
+  std::vector<TracedSample> traced_;
+  std::vector<MeasuredSample> measured_;
+  std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
+  std::vector<CalibrationStep> history_;
+  double heldout_ = 0.0;
+  double share_ = 0.0;
+  bool stopped_ = false;
+};
+
+void JointCalibration::draw_uses() {
+  std::mt19937_64 random(options_.seed);
+  use_.reserve(points_.size());
+  for (const CalibrationPoint& point : points_) {
+    const double drawn = static_cast<double>(random() >> 11) * 0x1p-53;
+    use_.push_back(point.held_out           ? Use::kHeldOut
+                   : drawn < kDecidingShare ? Use::kDecide
+                                            : Use::kFit);
+  }
+}
+
+Expected<void> JointCalibration::check() const {
+  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+    std::size_t heard = 0;
+    std::size_t usable = 0;
+    for (const SampleSite& site : sites_) {
+      if (site.access_point == a) {
+        ++heard;
+        usable += use_[site.point] == Use::kFit ? 1U : 0U;
+      }
+    }
+    if (heard > 0 && usable < kLeastPoints) {
+      return bad_input("access point " + original_.access_points[a].id + ": " +
+                       std::to_string(usable) + " calibration points can be fitted, at least " +
+                       std::to_string(kLeastPoints) + " are needed");
+    }
+  }
+  if (sites_.empty()) {
+    return bad_input("no access point heard the device at any of the points");
+  }
+  return {};
+}
+
+Expected<void> JointCalibration::retrace() {
+  auto room = changed_room(original_, unknowns_, state_.values);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  auto traced = trace_samples(*room, unknowns_, sites_, options_.trace);
+  if (!traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  room_ = *std::move(room);
+  traced_ = *std::move(traced);
+  traced_at_ = state_.values;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    const Kind kind = unknowns_[i].kind;
+    if (kind == Kind::kSurfaceGain || kind == Kind::kSurfacePhase || kind == Kind::kChainGain ||
+        kind == Kind::kChainPhase) {
+      traced_at_[i] = 0.0;  // no scene holds these
+    }
+  }
+  measure();
+  return {};
+}
+
+// Removes the chain gains and aligns to what is expected now.
+void JointCalibration::measure() {
+  h_.assign(sites_.size(), {});
+  measured_.assign(sites_.size(), {});
+  const std::vector<double> changed = change();
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    const SampleSite& site = sites_[i];
+    const ChainGains& gains = original_.access_points[site.access_point].gains;
+    h_[i] = points_[site.point].h[site.access_point];
+    if (!gains.empty()) {
+      remove_gains(gains, h_[i]);
+    }
+    measured_[i] = model_.measured(traced_[i], {changed, state_.survey[site.point]}, h_[i]);
+  });
+}
+
+std::vector<double> JointCalibration::change() const {
+  std::vector<double> result(state_.values.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] = state_.values[i] - traced_at_[i];
+  }
+  return result;
+}
+
+double JointCalibration::correlation(std::size_t sample, const Vec3d& survey) const {
+  const std::vector<double> changed = change();
+  const auto expected = model_.expected_tones(traced_[sample], {changed, survey});
+  return model_.aligner().align(h_[sample], expected).correlation;
+}
+
+double JointCalibration::median_correlation(Use use) const {
+  std::vector<double> each(sites_.size(), -1.0);
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    if (use_[sites_[i].point] == use) {
+      each[i] = correlation(i, {});
+    }
+  });
+  std::erase(each, -1.0);
+  return median(std::move(each));
+}
+
+std::vector<char> JointCalibration::released(const Round& round) const {
+  std::vector<char> result(unknowns_.size());
+  // Of a surface that carries next to nothing the data say nothing either.
+  const std::vector<double> power = surface_power(traced_, *room_.scene);
+  const double most = *std::max_element(power.begin(), power.end());
+  constexpr double kFaint = 1e-4;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    const Unknown& unknown = unknowns_[i];
+    switch (unknown.kind) {
+      case Kind::kSurfaceOffset:
+        result[i] = power[unknown.index] > kFaint * most ? 1 : 0;
+        break;
+      case Kind::kSurfaceGain:
+      case Kind::kSurfacePhase:
+        result[i] = round.corrections && power[unknown.index] > kFaint * most ? 1 : 0;
+        break;
+      case Kind::kPermittivity:
+      case Kind::kConductivity:
+      case Kind::kThickness:
+        result[i] = round.corrections ? 1 : 0;
+        break;
+      case Kind::kElementPosition:
+        result[i] = round.survey ? 1 : 0;
+        break;
+      default:
+        result[i] = 1;
+    }
+  }
+  return result;
+}
+
+std::vector<JointSample> JointCalibration::fitted(bool with_deciding) const {
+  std::vector<JointSample> samples;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    const Use use = use_[sites_[i].point];
+    if (use == Use::kFit || (with_deciding && use == Use::kDecide)) {
+      samples.push_back({&traced_[i], &measured_[i]});
+    }
+  }
+  return samples;
+}
+
+bool JointCalibration::tell(const char* stage, double loss) {
+  history_.push_back({stage, static_cast<int>(history_.size()), loss, heldout_});
+  if (observer_ && !observer_({history_.back(), share_, points_.size()})) {
+    stopped_ = true;
+  }
+  return !stopped_;
+}
+
+bool JointCalibration::solve(const Round& round, bool with_deciding, const char* stage) {
+  const std::vector<char> free = released(round);
+  const auto samples = fitted(with_deciding);
+  const JointProblem problem(model_, unknowns_, samples, traced_at_);
+  problem.solve(joint_options(round, free), state_, [&](int, double cost) {
+    share_ +=
+        1.0 / static_cast<double>(static_cast<int>(kRounds.size()) * (options_.iterations + 3));
+    return tell(stage, cost);
+  });
+  return !stopped_;
+}
+
+JointOptions JointCalibration::joint_options(const Round& round, std::span<const char> free) const {
+  return {round.floor, options_.iterations, round.survey ? options_.priors.survey : 0.0, free};
+}
+
+// The gains of the chains found so far, and their ripple over the tones, go into the chain gains.
+void JointCalibration::fold_chains() {
+  const std::vector<double> changed = change();
+  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+    std::vector<ArrayPair> pairs;
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+      if (sites_[i].access_point == a && use_[sites_[i].point] == Use::kFit) {
+        pairs.push_back(
+            {h_[i], model_.expected_tones(traced_[i], {changed, state_.survey[sites_[i].point]})});
+      }
+    }
+    ChainGains& gains = original_.access_points[a].gains;
+    if (pairs.empty() || gains.empty()) {
+      continue;
+    }
+    const std::size_t tones = original_.grid.size();
+    for (std::size_t e = 1; e * tones < gains.gain.size(); ++e) {
+      double* chain = &state_.values[unknowns_.chain_gain(a, e)];
+      const auto factor = std::polar(std::exp(chain[0]), chain[1]);
+      for (std::size_t k = 0; k < tones; ++k) {
+        gains.gain[e * tones + k] *= factor;
+      }
+      chain[0] = chain[1] = 0.0;
+    }
+    const ChainRipple ripple = chain_ripple(model_.aligner(), original_.grid, std::move(pairs));
+    for (std::size_t k = 0; k < gains.gain.size(); ++k) {
+      gains.gain[k] *= ripple.gain[k];
+    }
+  }
+}
+
+Expected<bool> JointCalibration::run_round(std::size_t index) {
+  const Round& round = kRounds[index];
+  const JointState before = state_;
+  std::vector<ChainGains> gains_before;
+  for (const RoomAccessPoint& ap : original_.access_points) {
+    gains_before.push_back(ap.gains);
+  }
+  const double decided_before = median_correlation(Use::kDecide);
+  const auto samples = fitted(false);
+  scan_surfaces(model_,
+                unknowns_,
+                samples,
+                traced_at_,
+                surface_power(traced_, *room_.scene),
+                {round.floor, round.scan_range},
+                state_);
+  if (!tell("scan", 0.0) || !solve(round, false, "fit")) {
+    return true;
+  }
+  fold_chains();
+  if (auto traced = retrace(); !traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  if (median_correlation(Use::kDecide) < decided_before - kTolerance) {
+    state_ = before;
+    for (std::size_t a = 0; a < gains_before.size(); ++a) {
+      original_.access_points[a].gains = gains_before[a];
+    }
+    if (auto traced = retrace(); !traced) {
+      return tl::make_unexpected(std::move(traced.error()));
+    }
+    return false;
+  }
+  heldout_ = median_correlation(Use::kHeldOut);
+  return true;
+}
+
+// Where every point really was, the held-out ones too, the room held.
+void JointCalibration::place_points(const Round& round) {
+  std::vector<JointSample> samples;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    samples.push_back({&traced_[i], &measured_[i]});
+  }
+  const std::vector<char> none(unknowns_.size());
+  JointOptions options = joint_options(round, none);
+  options.survey_sigma = options_.priors.survey;
+  JointProblem(model_, unknowns_, samples, traced_at_).solve(options, state_, {});
+}
+
+std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
+  const std::vector<char> free = released(round);
+  const auto samples = fitted(true);
+  const JointProblem problem(model_, unknowns_, samples, traced_at_);
+  std::vector<double> sigma = problem.posterior(joint_options(round, free), state_);
+  widen_by_other_cycles(model_, unknowns_, samples, traced_at_, round.floor, state_, sigma);
+  std::vector<RoomParameter> result;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    if (free[i] == 0) {
+      continue;
+    }
+    result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
+  }
+  return result;
+}
+
+Expected<RoomCalibration> JointCalibration::run() {
+  if (auto traced = retrace(); !traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  RoomCalibration result;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    result.points.push_back(
+        {sites_[i].point, sites_[i].access_point, correlation(i, {}), 0.0, 0.0});
+  }
+  heldout_ = median_correlation(Use::kHeldOut);
+  Round last = kRounds[0];
+  std::size_t first = 0;
+  if (options_.resume != nullptr) {
+    first = static_cast<std::size_t>(options_.resume->rounds);
+    state_ = options_.resume->state;
+    for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+      original_.access_points[a].gains = options_.resume->gains[a];
+    }
+    if (auto traced = retrace(); !traced) {
+      return tl::make_unexpected(std::move(traced.error()));
+    }
+  }
+  for (std::size_t index = first; index < kRounds.size() && !stopped_; ++index) {
+    share_ = static_cast<double>(index) / static_cast<double>(kRounds.size());
+    const auto kept = run_round(index);
+    if (!kept) {
+      return tl::make_unexpected(kept.error());
+    }
+    if (*kept) {
+      last = kRounds[index];
+    }
+    if (options_.on_checkpoint && !stopped_) {
+      JointCheckpoint checkpoint{static_cast<int>(index) + 1, state_, {}};
+      for (const RoomAccessPoint& ap : original_.access_points) {
+        checkpoint.gains.push_back(ap.gains);
+      }
+      options_.on_checkpoint(checkpoint);
+    }
+  }
+  if (!stopped_) {
+    solve(last, true, "all points");
+    fold_chains();
+  }
+  if (auto traced = retrace(); !traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  parallel_for(
+      sites_.size(), 1, [&](std::size_t i) { result.points[i].after = correlation(i, {}); });
+  place_points(last);
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    result.points[i].placed = correlation(i, state_.survey[sites_[i].point]);
+  });
+  result.parameters = parameters(last);
+  result.room = room_;
+  result.room.trace = options_.use;
+  result.history = std::move(history_);
+  result.interrupted = stopped_;
+  return result;
+}
+
+}  // namespace
+
+Expected<RoomCalibration> calibrate_jointly(const RoomModel& room,
+                                            std::span<const CalibrationPoint> points,
+                                            const JointCalibrationOptions& options,
+                                            const CalibrationObserver& observer) {
+  JointCalibration calibration(room, points, options, observer);
+  if (auto checked = calibration.check(); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return calibration.run();
+}
+
+}  // namespace rayloc

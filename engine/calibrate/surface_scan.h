@@ -1,0 +1,41 @@
+// Scans of single surfaces over all points, the rest of the room held: what finds the right
+// half-wave cycle, and what tells when another one would do as well (METHODS B4, step 2).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/calibrate/joint_problem.h"
+
+namespace rayloc {
+
+// Mean share of a sample's power that comes by way of each surface.
+std::vector<double> surface_power(std::span<const TracedSample> samples, const Scene& scene);
+
+struct ScanOptions {
+  double floor = 0.3;
+  double range = 0.05;  // [m], to either side
+  double step = 0.002;  // [m]
+};
+
+// Moves each surface that matters to the best place within the range, the strongest first. The
+// device stands where state.survey says.
+void scan_surfaces(const SampleModel& model,
+                   const RoomUnknowns& unknowns,
+                   std::span<const JointSample> samples,
+                   std::span<const double> traced_at,
+                   std::span<const double> power,
+                   const ScanOptions& options,
+                   JointState& state);
+
+// Adds to the standard deviation of each surface's offset what its other cycles are worth: the
+// spread of the posterior over +-5 cm.
+void widen_by_other_cycles(const SampleModel& model,
+                           const RoomUnknowns& unknowns,
+                           std::span<const JointSample> samples,
+                           std::span<const double> traced_at,
+                           double floor,
+                           const JointState& state,
+                           std::vector<double>& sigma);
+
+}  // namespace rayloc
