@@ -97,6 +97,10 @@ class Calibration {
   Expected<void> fit_certainty(const RoomModel& room);
   Expected<void> write(const std::vector<CalibrationMethodResult>& methods);
   void print_summary(const CalibrationReport& report) const;
+  // "points.csv:17"
+  std::string place_of(std::size_t point) const {
+    return options_.points + ":" + std::to_string(inputs_.points[point].point.line);
+  }
   fs::path checkpoint() const { return fs::path(options_.out) / kCheckpointFile; }
 
   const Options& options_;
@@ -176,9 +180,7 @@ Expected<void> Calibration::refuse() {
     return tl::make_unexpected(std::move(error));
   }
   for (const PointRefusal& refusal : *refusals) {
-    inputs_.refused.push_back(
-        {options_.points + ":" + std::to_string(inputs_.points[refusal.point].point.line),
-         refusal.reason});
+    inputs_.refused.push_back({place_of(refusal.point), refusal.reason});
     for (auto& h : points_[refusal.point].h) {
       h.clear();
     }
@@ -399,6 +401,11 @@ Expected<void> Calibration::run() {
       return tl::make_unexpected(std::move(result.error()));
     }
     methods.push_back(*std::move(result));
+  }
+  // In the calibrated room a point that was surveyed wrongly stands out; under the plan few do.
+  for (const PointRefusal& odd :
+       misfitting_points(plan_, methods.front().calibration.points, &PointFit::after)) {
+    inputs_.refused.push_back({place_of(odd.point), odd.reason + " (after the calibration)"});
   }
   const RoomModel& room = methods.front().calibration.room;
   if (auto fitted = fit_errors(room); !fitted) {
