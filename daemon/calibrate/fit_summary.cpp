@@ -38,7 +38,9 @@ FitSummary summarize_fit(const CalibrationReport& report,
                          std::size_t access_point) {
   const auto before = heldout_correlations(report, calibration, access_point, &PointFit::before);
   const auto after = heldout_correlations(report, calibration, access_point, &PointFit::after);
-  return {after.size(), summarize(before), summarize(after)};
+  auto placed = heldout_correlations(report, calibration, access_point, &PointFit::placed);
+  std::erase(placed, 0.0);
+  return {after.size(), summarize(before), summarize(after), summarize(placed)};
 }
 
 }  // namespace rayloc

@@ -21,6 +21,7 @@ struct FitSummary {
   std::size_t points = 0;
   std::optional<CorrelationSummary> before;  // absent without a point
   std::optional<CorrelationSummary> after;
+  std::optional<CorrelationSummary> placed;  // PointFit::placed; absent where no method fitted it
 };
 
 // PointFit::`share` of the points held out, at one access point.

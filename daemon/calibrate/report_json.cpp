@@ -19,6 +19,9 @@ Json heldout_json(const CalibrationReport& report, const RoomCalibration& calibr
     Json& one = all[report.access_points[ap]];
     one["before"] = fit.before ? Json(fit.before->median) : Json();
     one["after"] = fit.after ? Json(fit.after->median) : Json();
+    if (fit.placed) {
+      one["after_survey_fitted"] = fit.placed->median;
+    }
     one["points"] = fit.points;
     for (const auto& [name, summary] :
          {std::pair("before", fit.before), std::pair("after", fit.after)}) {
@@ -66,7 +69,8 @@ Json point_fits_json(const CalibrationReport& report, const RoomCalibration& cal
                    {"ap", report.access_points.at(fit.access_point)},
                    {"held_out", static_cast<bool>(report.held_out.at(fit.point))},
                    {"before", fit.before},
-                   {"after", fit.after}});
+                   {"after", fit.after},
+                   {"after_survey_fitted", fit.placed > 0.0 ? Json(fit.placed) : Json()}});
   }
   return all;
 }
