@@ -118,6 +118,9 @@ class JointCalibration {
   std::vector<char> released(const Round& round) const;
   JointOptions joint_options(const Round& round, std::span<const char> released) const;
   std::vector<JointSample> fitted(bool with_deciding) const;
+  JointContext context(std::span<const JointSample> samples) const {
+    return {model_, unknowns_, samples, traced_at_};
+  }
   ModelPoint at(std::size_t sample, std::vector<double>& change) const;
   std::vector<double> change() const;
   double correlation(std::size_t sample, const Vec3d& survey) const;
@@ -299,7 +302,7 @@ bool JointCalibration::tell(const char* stage, double loss) {
 bool JointCalibration::solve(const Round& round, bool with_deciding, const char* stage) {
   const std::vector<char> free = released(round);
   const auto samples = fitted(with_deciding);
-  const JointProblem problem(model_, unknowns_, samples, traced_at_);
+  const JointProblem problem(context(samples));
   problem.solve(joint_options(round, free), state_, [&](int, double cost) {
     share_ +=
         1.0 / static_cast<double>(static_cast<int>(kRounds.size()) * (options_.iterations + 3));
@@ -352,10 +355,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
   }
   const double decided_before = median_correlation(Use::kDecide);
   const auto samples = fitted(false);
-  scan_surfaces(model_,
-                unknowns_,
-                samples,
-                traced_at_,
+  scan_surfaces(context(samples),
                 surface_power(traced_, *room_.scene),
                 {round.floor, round.scan_range},
                 state_);
@@ -389,15 +389,15 @@ void JointCalibration::place_points(const Round& round) {
   const std::vector<char> none(unknowns_.size());
   JointOptions options = joint_options(round, none);
   options.survey_sigma = options_.priors.survey;
-  JointProblem(model_, unknowns_, samples, traced_at_).solve(options, state_, {});
+  JointProblem(context(samples)).solve(options, state_, {});
 }
 
 std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
   const std::vector<char> free = released(round);
   const auto samples = fitted(true);
-  const JointProblem problem(model_, unknowns_, samples, traced_at_);
+  const JointProblem problem(context(samples));
   std::vector<double> sigma = problem.posterior(joint_options(round, free), state_);
-  widen_by_other_cycles(model_, unknowns_, samples, traced_at_, round.floor, state_, sigma);
+  widen_by_other_cycles(context(samples), round.floor, state_, sigma);
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     if (free[i] == 0) {

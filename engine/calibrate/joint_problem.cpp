@@ -25,31 +25,28 @@ struct Values {
 // one by one: the order in which Ceres sums does not depend on the threads.
 class Evaluations : public ceres::EvaluationCallback {
  public:
-  Evaluations(const SampleModel& model,
-              std::span<const JointSample> samples,
-              std::span<const double> traced_at,
+  Evaluations(const JointContext& context,
               const Values& values,
               std::vector<std::vector<std::uint32_t>> unknowns)
-      : model_(model),
-        samples_(samples),
-        traced_at_(traced_at),
+      : context_(context),
         values_(values),
         unknowns_(std::move(unknowns)),
-        results_(samples.size()) {}
+        results_(context.samples.size()) {}
 
   void PrepareForEvaluation(bool derivatives, bool /*moved*/) override {
-    std::vector<double> change(traced_at_.size());
+    std::vector<double> change(context_.traced_at.size());
     for (std::size_t i = 0; i < change.size(); ++i) {
-      change[i] = values_.room[i] - traced_at_[i];
+      change[i] = values_.room[i] - context_.traced_at[i];
     }
-    parallel_for(samples_.size(), 1, [&](std::size_t i) {
-      const auto& survey = values_.survey[samples_[i].traced->point];
+    parallel_for(context_.samples.size(), 1, [&](std::size_t i) {
+      const auto& survey = values_.survey[context_.samples[i].traced->point];
       const ModelPoint at{change, {survey[0], survey[1], survey[2]}};
-      results_[i] = model_.residual(*samples_[i].traced,
-                                    *samples_[i].measured,
-                                    at,
-                                    derivatives ? std::span<const std::uint32_t>(unknowns_[i])
-                                                : std::span<const std::uint32_t>());
+      results_[i] =
+          context_.model.residual(*context_.samples[i].traced,
+                                  *context_.samples[i].measured,
+                                  at,
+                                  derivatives ? std::span<const std::uint32_t>(unknowns_[i])
+                                              : std::span<const std::uint32_t>());
     });
   }
 
@@ -57,9 +54,7 @@ class Evaluations : public ceres::EvaluationCallback {
   const std::vector<std::uint32_t>& unknowns(std::size_t sample) const { return unknowns_[sample]; }
 
  private:
-  const SampleModel& model_;
-  std::span<const JointSample> samples_;
-  std::span<const double> traced_at_;
+  JointContext context_;
   const Values& values_;
   std::vector<std::vector<std::uint32_t>> unknowns_;
   std::vector<SampleResidual> results_;
@@ -163,57 +158,13 @@ struct Assembled {
   std::vector<std::size_t> points;      // that some sample is of
 };
 
-}  // namespace
-
-JointProblem::JointProblem(const SampleModel& model,
-                           const RoomUnknowns& unknowns,
-                           std::span<const JointSample> samples,
-                           std::span<const double> traced_at)
-    : model_(model), unknowns_(unknowns), samples_(samples), traced_at_(traced_at) {}
-
-namespace {
-
-void assemble(const SampleModel& model,
-              const RoomUnknowns& unknowns,
-              std::span<const JointSample> samples,
-              std::span<const double> traced_at,
-              const JointOptions& options,
-              const JointState& state,
-              Assembled& assembled) {
-  Values& values = assembled.values;
-  values.room = state.values;
-  for (const Vec3d& error : state.survey) {
-    values.survey.push_back({error.x, error.y, error.z});
-  }
-  std::vector<std::vector<std::uint32_t>> each;
-  std::vector<char> used(unknowns.size());
-  std::vector<char> used_point(values.survey.size());
-  for (const JointSample& sample : samples) {
-    each.push_back(unknowns_of(*sample.traced, options.released));
-    for (const std::uint32_t unknown : each.back()) {
-      used[unknown] = 1;
-    }
-    used_point[sample.traced->point] = 1;
-  }
-  assembled.evaluations =
-      std::make_unique<Evaluations>(model, samples, traced_at, values, std::move(each));
-  ceres::Problem::Options problem_options;
-  problem_options.evaluation_callback = assembled.evaluations.get();
-  assembled.problem = std::make_unique<ceres::Problem>(problem_options);
+void add_priors(const JointContext& context,
+                const JointOptions& options,
+                std::span<const char> used,
+                std::span<const char> used_point,
+                Assembled& assembled) {
   ceres::Problem& problem = *assembled.problem;
-  // Problem owns the costs and the losses. rho(s) = 2 kEvidence ln(1 + s / floor), half of which
-  // is the cost.
-  auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(std::sqrt(options.floor)),
-                                     2.0 * kEvidence / options.floor,
-                                     ceres::TAKE_OWNERSHIP);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    std::vector<double*> blocks{values.survey[samples[i].traced->point].data()};
-    for (const std::uint32_t unknown : assembled.evaluations->unknowns(i)) {
-      blocks.push_back(&values.room[unknown]);
-    }
-    problem.AddResidualBlock(
-        new SampleCost(*assembled.evaluations, i, samples[i].measured->y.size()), loss, blocks);
-  }
+  Values& values = assembled.values;
   for (std::size_t p = 0; p < used_point.size(); ++p) {
     if (used_point[p] == 0) {
       continue;
@@ -230,9 +181,51 @@ void assemble(const SampleModel& model,
     if (used[unknown] != 0) {
       assembled.released.push_back(unknown);
       problem.AddResidualBlock(
-          new PriorCost(1, unknowns[unknown].sigma), nullptr, &values.room[unknown]);
+          new PriorCost(1, context.unknowns[unknown].sigma), nullptr, &values.room[unknown]);
     }
   }
+}
+
+void assemble(const JointContext& context,
+              const JointOptions& options,
+              const JointState& state,
+              Assembled& assembled) {
+  Values& values = assembled.values;
+  values.room = state.values;
+  for (const Vec3d& error : state.survey) {
+    values.survey.push_back({error.x, error.y, error.z});
+  }
+  std::vector<std::vector<std::uint32_t>> each;
+  std::vector<char> used(context.unknowns.size());
+  std::vector<char> used_point(values.survey.size());
+  for (const JointSample& sample : context.samples) {
+    each.push_back(unknowns_of(*sample.traced, options.released));
+    for (const std::uint32_t unknown : each.back()) {
+      used[unknown] = 1;
+    }
+    used_point[sample.traced->point] = 1;
+  }
+  assembled.evaluations = std::make_unique<Evaluations>(context, values, std::move(each));
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = assembled.evaluations.get();
+  assembled.problem = std::make_unique<ceres::Problem>(problem_options);
+  ceres::Problem& problem = *assembled.problem;
+  // Problem owns the costs and the losses. rho(s) = 2 kEvidence ln(1 + s / floor), half of which
+  // is the cost.
+  auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(std::sqrt(options.floor)),
+                                     2.0 * kEvidence / options.floor,
+                                     ceres::TAKE_OWNERSHIP);
+  for (std::size_t i = 0; i < context.samples.size(); ++i) {
+    std::vector<double*> blocks{values.survey[context.samples[i].traced->point].data()};
+    for (const std::uint32_t unknown : assembled.evaluations->unknowns(i)) {
+      blocks.push_back(&values.room[unknown]);
+    }
+    problem.AddResidualBlock(
+        new SampleCost(*assembled.evaluations, i, context.samples[i].measured->y.size()),
+        loss,
+        blocks);
+  }
+  add_priors(context, options, used, used_point, assembled);
 }
 
 }  // namespace
@@ -241,7 +234,7 @@ double JointProblem::solve(const JointOptions& options,
                            JointState& state,
                            const JointObserver& observer) const {
   Assembled assembled;
-  assemble(model_, unknowns_, samples_, traced_at_, options, state, assembled);
+  assemble(context_, options, state, assembled);
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.iterations;
   solver.linear_solver_type =
@@ -277,7 +270,7 @@ double JointProblem::solve(const JointOptions& options,
 std::vector<double> JointProblem::posterior(const JointOptions& options,
                                             const JointState& state) const {
   Assembled assembled;
-  assemble(model_, unknowns_, samples_, traced_at_, options, state, assembled);
+  assemble(context_, options, state, assembled);
   ceres::Problem::EvaluateOptions evaluate;
   for (const std::uint32_t unknown : assembled.released) {
     evaluate.parameter_blocks.push_back(&assembled.values.room[unknown]);
@@ -303,7 +296,7 @@ std::vector<double> JointProblem::posterior(const JointOptions& options,
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(information.rows(), count);
   inverse.topRows(count).setIdentity();
   factor.matrixL().solveInPlace(inverse);
-  std::vector<double> sigma(unknowns_.size());
+  std::vector<double> sigma(context_.unknowns.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     sigma[assembled.released[static_cast<std::size_t>(i)]] = inverse.col(i).norm();
   }

@@ -25,6 +25,14 @@ struct JointSample {
   const MeasuredSample* measured = nullptr;
 };
 
+// What a fit is about. References stay.
+struct JointContext {
+  const SampleModel& model;
+  const RoomUnknowns& unknowns;
+  std::span<const JointSample> samples;
+  std::span<const double> traced_at;  // values of the unknowns where the rays were traced
+};
+
 struct JointState {
   std::vector<double> values;  // of each unknown, against the original room
   std::vector<Vec3d> survey;   // [m], error of each point
@@ -42,11 +50,7 @@ using JointObserver = std::function<bool(int iteration, double cost)>;
 
 class JointProblem {
  public:
-  // `traced_at`: the values at which the samples' rays were traced. References stay.
-  JointProblem(const SampleModel& model,
-               const RoomUnknowns& unknowns,
-               std::span<const JointSample> samples,
-               std::span<const double> traced_at);
+  explicit JointProblem(const JointContext& context) : context_(context) {}
 
   // Improves `state`; returns the cost that is reached.
   double solve(const JointOptions& options, JointState& state, const JointObserver& observer) const;
@@ -56,10 +60,7 @@ class JointProblem {
   std::vector<double> posterior(const JointOptions& options, const JointState& state) const;
 
  private:
-  const SampleModel& model_;
-  const RoomUnknowns& unknowns_;
-  std::span<const JointSample> samples_;
-  std::span<const double> traced_at_;
+  JointContext context_;
 };
 
 }  // namespace rayloc

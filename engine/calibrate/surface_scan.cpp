@@ -18,27 +18,24 @@ constexpr double kHeldOthers = 0.5;
 
 // Minus the logarithm of the posterior at each value of one unknown, up to a constant; empty when
 // no sample depends on it.
-std::vector<double> profile(const SampleModel& model,
-                            const RoomUnknowns& unknowns,
-                            std::span<const JointSample> samples,
-                            std::span<const double> traced_at,
+std::vector<double> profile(const JointContext& context,
                             double floor,
                             const JointState& state,
                             std::uint32_t unknown,
                             std::span<const double> values) {
   std::vector<double> change(state.values.size());
   for (std::size_t i = 0; i < change.size(); ++i) {
-    change[i] = state.values[i] - traced_at[i];
+    change[i] = state.values[i] - context.traced_at[i];
   }
   std::vector<double> moved(values.begin(), values.end());  // as changes against the traced room
   for (double& value : moved) {
-    value -= traced_at[unknown];
+    value -= context.traced_at[unknown];
   }
-  std::vector<std::vector<double>> each(samples.size());
-  parallel_for(samples.size(), 1, [&](std::size_t i) {
-    const TracedSample& traced = *samples[i].traced;
-    each[i] = model.scan(
-        traced, *samples[i].measured, {change, state.survey[traced.point]}, unknown, moved);
+  std::vector<std::vector<double>> each(context.samples.size());
+  parallel_for(context.samples.size(), 1, [&](std::size_t i) {
+    const TracedSample& traced = *context.samples[i].traced;
+    each[i] = context.model.scan(
+        traced, *context.samples[i].measured, {change, state.survey[traced.point]}, unknown, moved);
   });
   std::vector<double> sum(values.size());
   bool any = false;
@@ -52,7 +49,7 @@ std::vector<double> profile(const SampleModel& model,
     return {};
   }
   for (std::size_t j = 0; j < values.size(); ++j) {
-    const double off = values[j] / unknowns[unknown].sigma;
+    const double off = values[j] / context.unknowns[unknown].sigma;
     sum[j] += 0.5 * off * off;
   }
   return sum;
@@ -92,10 +89,7 @@ std::vector<double> surface_power(std::span<const TracedSample> samples, const S
   return power;
 }
 
-void scan_surfaces(const SampleModel& model,
-                   const RoomUnknowns& unknowns,
-                   std::span<const JointSample> samples,
-                   std::span<const double> traced_at,
+void scan_surfaces(const JointContext& context,
                    std::span<const double> power,
                    const ScanOptions& options,
                    JointState& state) {
@@ -111,10 +105,9 @@ void scan_surfaces(const SampleModel& model,
     if (power[surface] < kFaint * power[order.front()]) {
       break;
     }
-    const std::uint32_t unknown = unknowns.surface_offset(surface);
+    const std::uint32_t unknown = context.unknowns.surface_offset(surface);
     const auto values = places(state.values[unknown], options.range, options.step);
-    const auto cost =
-        profile(model, unknowns, samples, traced_at, options.floor, state, unknown, values);
+    const auto cost = profile(context, options.floor, state, unknown, values);
     if (!cost.empty()) {
       state.values[unknown] = values[static_cast<std::size_t>(
           std::min_element(cost.begin(), cost.end()) - cost.begin())];
@@ -122,21 +115,18 @@ void scan_surfaces(const SampleModel& model,
   }
 }
 
-void widen_by_other_cycles(const SampleModel& model,
-                           const RoomUnknowns& unknowns,
-                           std::span<const JointSample> samples,
-                           std::span<const double> traced_at,
+void widen_by_other_cycles(const JointContext& context,
                            double floor,
                            const JointState& state,
                            std::vector<double>& sigma) {
   constexpr double kRange = 0.06;  // [m]: two half waves at 5 GHz
   constexpr double kStep = 0.001;
-  for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
-    if (unknowns[i].kind != Unknown::Kind::kSurfaceOffset || sigma[i] <= 0.0) {
+  for (std::uint32_t i = 0; i < context.unknowns.size(); ++i) {
+    if (context.unknowns[i].kind != Unknown::Kind::kSurfaceOffset || sigma[i] <= 0.0) {
       continue;
     }
     const auto values = places(state.values[i], kRange, kStep);
-    const auto cost = profile(model, unknowns, samples, traced_at, floor, state, i, values);
+    const auto cost = profile(context, floor, state, i, values);
     if (cost.empty()) {
       continue;
     }

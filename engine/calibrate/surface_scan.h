@@ -19,21 +19,15 @@ struct ScanOptions {
 };
 
 // Moves each surface that matters to the best place within the range, the strongest first. The
-// device stands where state.survey says.
-void scan_surfaces(const SampleModel& model,
-                   const RoomUnknowns& unknowns,
-                   std::span<const JointSample> samples,
-                   std::span<const double> traced_at,
+// device stands where state.survey says. `power`: surface_power().
+void scan_surfaces(const JointContext& context,
                    std::span<const double> power,
                    const ScanOptions& options,
                    JointState& state);
 
 // Adds to the standard deviation of each surface's offset what its other cycles are worth: the
-// spread of the posterior over +-5 cm.
-void widen_by_other_cycles(const SampleModel& model,
-                           const RoomUnknowns& unknowns,
-                           std::span<const JointSample> samples,
-                           std::span<const double> traced_at,
+// spread of the posterior over +-6 cm.
+void widen_by_other_cycles(const JointContext& context,
                            double floor,
                            const JointState& state,
                            std::vector<double>& sigma);
