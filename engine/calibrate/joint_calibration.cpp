@@ -400,7 +400,9 @@ std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
   widen_by_other_cycles(context(samples), round.floor, state_, sigma);
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-    if (free[i] == 0) {
+    const bool chain =
+        unknowns_[i].kind == Kind::kChainGain || unknowns_[i].kind == Kind::kChainPhase;
+    if (free[i] == 0 || chain) {  // chains are in the gains (fold_chains)
       continue;
     }
     result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
