@@ -21,6 +21,7 @@
 #include "daemon/calibrate/fit_summary.h"
 #include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/cli/calibrate_plan.h"
+#include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/calibration_progress.h"
 #include "daemon/cli/stop_signal.h"
@@ -49,6 +50,7 @@ struct Options {
   std::uint64_t seed = 1;
   PlanArguments plan;
   bool make_plan = false;
+  bool rechain = false;
   bool gains_only = false;
   bool compare = false;
   bool resume = false;
@@ -437,6 +439,17 @@ Expected<void> run(Options options) {
     options.plan.quiet = options.quiet;
     return run_plan(options.plan);
   }
+  if (options.rechain && !options.captures.empty() && !options.out.empty()) {
+    return run_rechain({options.site,
+                        options.captures,
+                        options.points,
+                        options.out,
+                        options.force,
+                        options.quiet});
+  }
+  if (options.rechain) {
+    return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
+  }
   if (options.captures.empty() || options.points.empty() || options.out.empty()) {
     return make_error(ErrorKind::kUsage,
                       "a calibration needs --capture, --points and --out; --plan needs the site "
@@ -470,6 +483,10 @@ RunVerb declare(CLI::App& app) {
       "--plan", options->make_plan, "says where to stand in a survey, before there is one");
   app.add_option("--plan-points", options->plan.points, "how many points to plan");
   app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
+  app.add_flag("--rechain",
+               options->rechain,
+               "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
+               "from the site's fixed transmitters");
   app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
   app.add_flag("--compare", options->compare, "also runs the other method, for the report");
   app.add_option("--holdout", options->holdout, "share of the points kept for checking");
@@ -486,7 +503,9 @@ extern const Verb kCalibrate;
 const Verb kCalibrate = {"calibrate",
                          "Calibrate a site from a survey",
                          "rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
-                         "--out office-calibrated",
+                         "--out office-calibrated\n"
+                         "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
+                         "--out office-today",
                          declare};
 
 }  // namespace rayloc::cli

@@ -1,0 +1,401 @@
+#include "daemon/cli/calibrate_rechain.h"
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "capture/csi_receiver.h"
+#include "capture/pcap_source.h"
+#include "daemon/calibrate/calibrated_site.h"
+#include "daemon/cli/calibration_inputs.h"
+#include "daemon/site/calibration_file.h"
+#include "daemon/site/content_hash.h"
+#include "daemon/site/room_model.h"
+#include "daemon/site/site_copy.h"
+#include "engine/calibrate/chain_refit.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Frames of one transmitter at a known place, of all access points.
+struct SpotFrames {
+  Vec3d position;
+  DeviceModel device;
+  std::vector<CsiFrame> frames;
+};
+
+// What was known and what was heard.
+struct Heard {
+  std::vector<SpotFrames> spots;
+  std::vector<bool> recorded;  // of each access point
+  std::vector<RefusedInput> refused;
+  std::string content;  // hash of it
+};
+
+struct RefitAccessPoint {
+  std::size_t index = 0;
+  ChainRefit refit;
+  std::optional<UsualFit> usual;
+};
+
+Expected<Heard> hear_points(const Site& site,
+                            const RoomModel& room,
+                            const std::vector<CaptureArgument>& captures,
+                            const std::string& points) {
+  auto inputs = read_calibration_inputs(site, captures, points);
+  if (!inputs) {
+    return tl::make_unexpected(std::move(inputs.error()));
+  }
+  Heard heard{{}, std::move(inputs->recorded), std::move(inputs->refused), inputs->content};
+  for (SurveyedFrames& spot : inputs->points) {
+    heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames)});
+  }
+  return heard;
+}
+
+std::vector<SpotFrames> fixed_spots(const Site& site, std::map<MacAddress, std::size_t>& by_mac) {
+  std::vector<SpotFrames> spots;
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    if (transmitter.role == TransmitterRole::kFixed && transmitter.position) {
+      by_mac[transmitter.mac] = spots.size();
+      spots.push_back({*transmitter.position,
+                       {transmitter.position->z, transmitter.pattern, transmitter.polarization},
+                       {}});
+    }
+  }
+  return spots;
+}
+
+// All frames of fixed transmitters in a recording.
+Expected<void> read_fixed(const CaptureArgument& capture,
+                          const CsiReceiverOptions& options,
+                          const std::map<MacAddress, std::size_t>& by_mac,
+                          std::vector<SpotFrames>& spots) {
+  PcapFileOptions file_options;
+  file_options.max_disorder = kAnyDisorder;
+  auto source = PcapFileSource::open(capture.file, file_options);
+  if (!source) {
+    return tl::make_unexpected(std::move(source.error()));
+  }
+  CsiReceiver receiver(options);
+  DatagramBatch batch;
+  while (!batch.ended) {
+    std::vector<CsiFrame> frames;
+    if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
+      return tl::make_unexpected(std::move(read.error()));
+    }
+    for (const Datagram& datagram : batch.datagrams) {
+      receiver.push(datagram, frames);
+    }
+    if (batch.ended) {
+      receiver.flush(frames);
+    }
+    for (CsiFrame& frame : frames) {
+      if (const auto found = by_mac.find(frame.transmitter); found != by_mac.end()) {
+        spots[found->second].frames.push_back(std::move(frame));
+      }
+    }
+  }
+  return {};
+}
+
+Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
+  std::map<MacAddress, std::size_t> by_mac;
+  Heard heard;
+  heard.spots = fixed_spots(site, by_mac);
+  heard.recorded.resize(site.access_points.size());
+  if (heard.spots.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "the site states no fixed transmitter; give --points with one to three "
+                      "places where a device stood, or add a [[transmitter]] with role = \"fixed\" "
+                      "and its position to site.toml");
+  }
+  for (const CaptureArgument& capture : captures) {
+    const auto index = find_access_point(site, capture.access_point);
+    if (!index) {
+      return tl::make_unexpected(index.error());
+    }
+    const SiteAccessPoint& ap = site.access_points[static_cast<std::size_t>(*index)];
+    CsiReceiverOptions options;
+    options.access_point = *index;
+    options.format = ap.format;
+    options.expected_cores = ap.cores;
+    if (auto read = read_fixed(capture, options, by_mac, heard.spots); !read) {
+      return tl::make_unexpected(std::move(read.error()));
+    }
+    heard.recorded[static_cast<std::size_t>(*index)] = true;
+  }
+  return heard;
+}
+
+// `heldout` of the report beside the calibration; null where there is none.
+Json usual_fits(const Site& site) {
+  const auto text = read_file(site.calibration_file->parent_path() / "report.json");
+  const Json report = text ? Json::parse(*text, nullptr, false) : Json();
+  return report.is_object() && report.contains("heldout") ? report["heldout"] : Json();
+}
+
+std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access_point) {
+  if (!heldout.is_object() || !heldout.contains(access_point)) {
+    return std::nullopt;
+  }
+  const Json& one = heldout[access_point];
+  const Json median = one.value("after", Json());
+  const Json quartiles = one.value("quartiles_after", Json());
+  if (!median.is_number() || !quartiles.is_array() || quartiles.size() != 2 ||
+      !quartiles[0].is_number() || !quartiles[1].is_number()) {
+    return std::nullopt;
+  }
+  return UsualFit{median, quartiles[0], quartiles[1]};
+}
+
+// A run of the verb.
+class Rechain {
+ public:
+  explicit Rechain(const RechainArguments& arguments) : arguments_(arguments) {}
+  Expected<void> run();
+
+ private:
+  Expected<void> read();
+  Expected<void> refit();
+  Expected<void> write();
+  std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
+  Json report() const;
+  Json chains_json(const RefitAccessPoint& result) const;
+  void print() const;
+
+  const RechainArguments& arguments_;
+  const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  Site site_;
+  RoomModel room_;
+  CalibrationFile before_;
+  CalibrationFile after_;
+  Heard heard_;
+  Json heldout_;
+  std::vector<RefitAccessPoint> results_;
+};
+
+Expected<void> Rechain::read() {
+  auto site = load_site(arguments_.site);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  site_ = *std::move(site);
+  if (!site_.calibration_file) {
+    return make_error(ErrorKind::kConfiguration,
+                      arguments_.site +
+                          ": is not calibrated; --rechain only renews the chain gains of a "
+                          "calibrated site: run `rayloc calibrate` with a survey first");
+  }
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  room_ = *std::move(room);
+  auto calibration = load_calibration_file(*site_.calibration_file);
+  if (!calibration) {
+    return tl::make_unexpected(std::move(calibration.error()));
+  }
+  before_ = *std::move(calibration);
+  heldout_ = usual_fits(site_);
+  std::vector<std::string> ids;
+  for (const SiteAccessPoint& ap : site_.access_points) {
+    ids.push_back(ap.id);
+  }
+  const auto captures = resolve_captures(arguments_.captures, ids);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  auto heard = arguments_.points.empty() ? hear_fixed(site_, *captures)
+                                         : hear_points(site_, room_, *captures, arguments_.points);
+  if (!heard) {
+    return tl::make_unexpected(std::move(heard.error()));
+  }
+  heard_ = *std::move(heard);
+  return {};
+}
+
+std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& content) {
+  const RoomAccessPoint& ap = room_.access_points[access_point];
+  std::vector<KnownSpot> spots;
+  for (const SpotFrames& spot : heard_.spots) {
+    auto burst =
+        combine_burst(spot.frames, {static_cast<int>(access_point), room_.grid, ap.cores, {}});
+    if (!burst) {
+      heard_.refused.push_back({fmt::format("{} at ({:g}, {:g}, {:g})",
+                                            ap.id,
+                                            spot.position.x,
+                                            spot.position.y,
+                                            spot.position.z),
+                                burst.error().message});
+      continue;
+    }
+    for (const auto& value : burst->h) {
+      content.add(value.real());
+      content.add(value.imag());
+    }
+    spots.push_back({spot.position, spot.device, std::move(burst->h)});
+  }
+  return spots;
+}
+
+Expected<void> Rechain::refit() {
+  after_ = before_;
+  ContentHash content;
+  content.add(before_.id);
+  content.add("rechain");
+  for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
+    const RoomAccessPoint& ap = room_.access_points[a];
+    if (!heard_.recorded[a] || ap.gains.empty()) {
+      heard_.refused.push_back(
+          {ap.id, heard_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
+      continue;
+    }
+    const auto spots = spots_of(a, content);
+    if (spots.empty()) {
+      return bad_input("access point " + ap.id + ": " +
+                       (arguments_.points.empty() ? "its recording holds no frame of a fixed "
+                                                    "transmitter of the site"
+                                                  : "no known place has frames"));
+    }
+    ChainRefitOptions options;
+    options.usual = usual_fit(heldout_, ap.id);
+    auto refit = refit_chains(room_, a, spots, options);
+    if (!refit) {
+      return tl::make_unexpected(std::move(refit.error()));
+    }
+    for (CalibratedAccessPoint& stated : after_.access_points) {
+      if (stated.id == ap.id) {
+        stated.gains = refit->gains;
+        stated.gain_sigma = refit->sigma;
+      }
+    }
+    results_.push_back({a, *std::move(refit), options.usual});
+  }
+  after_.id = content.text();
+  return {};
+}
+
+// Mean phase and gain of every chain against the first.
+Json Rechain::chains_json(const RefitAccessPoint& result) const {
+  const std::string& id = room_.access_points[result.index].id;
+  const auto parameters_of = [&](const CalibrationFile& file) {
+    for (const CalibratedAccessPoint& ap : file.access_points) {
+      if (ap.id == id) {
+        return chain_parameters(ap);  // gain and phase of each core but the first
+      }
+    }
+    return std::vector<RoomParameter>();
+  };
+  const auto before = parameters_of(before_);
+  const auto after = parameters_of(after_);
+  const auto& cores = result.refit.gains.cores;
+  Json chains = Json::array();
+  for (std::size_t i = 0; i + 1 < after.size(); i += 2) {
+    chains.push_back(
+        {{"core", cores[1 + i / 2]},
+         {"against", cores[0]},
+         {"before", {{"gain_db", before[i].value}, {"phase_deg", before[i + 1].value}}},
+         {"after", {{"gain_db", after[i].value}, {"phase_deg", after[i + 1].value}}},
+         {"sigma", {{"gain_db", after[i].sigma}, {"phase_deg", after[i + 1].sigma}}}});
+  }
+  return chains;
+}
+
+Json Rechain::report() const {
+  Json access_points = Json::array();
+  for (const RefitAccessPoint& result : results_) {
+    access_points.push_back({{"id", room_.access_points[result.index].id},
+                             {"spots", result.refit.spots},
+                             {"ripple", result.refit.ripple},
+                             {"fit", result.refit.fit},
+                             {"usual_fit", result.usual ? Json(result.usual->median) : Json()},
+                             {"chains", chains_json(result)}});
+  }
+  Json refused = Json::array();
+  for (const RefusedInput& one : heard_.refused) {
+    refused.push_back({{"what", one.what}, {"reason", one.reason}});
+  }
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
+  return {{"method", "rechain"},
+          {"site", site_.name},
+          {"calibration_id", after_.id},
+          {"room_calibration_id", before_.id},
+          {"source", arguments_.points.empty() ? "fixed transmitters" : "points"},
+          {"seconds", taken.count()},
+          {"access_points", std::move(access_points)},
+          {"heldout", heldout_},
+          {"refused", std::move(refused)}};
+}
+
+void Rechain::print() const {
+  for (const RefitAccessPoint& result : results_) {
+    const std::string& id = room_.access_points[result.index].id;
+    std::fprintf(stderr,
+                 "%s: %zu known places, fit %.3f%s\n",
+                 id.c_str(),
+                 result.refit.spots,
+                 result.refit.fit,
+                 result.usual
+                     ? fmt::format(" ({:.3f} when calibrated)", result.usual->median).c_str()
+                     : "; no report of the calibration to compare with");
+    for (const Json& chain : chains_json(result)) {
+      std::fprintf(stderr,
+                   "  core %d against %d: phase %.1f -> %.1f deg (sigma %.1f), gain %.2f -> %.2f "
+                   "dB\n",
+                   chain["core"].get<int>(),
+                   chain["against"].get<int>(),
+                   chain["before"]["phase_deg"].get<double>(),
+                   chain["after"]["phase_deg"].get<double>(),
+                   chain["sigma"]["phase_deg"].get<double>(),
+                   chain["before"]["gain_db"].get<double>(),
+                   chain["after"]["gain_db"].get<double>());
+    }
+  }
+}
+
+Expected<void> Rechain::write() {
+  const fs::path out = arguments_.out;
+  if (auto prepared = prepare_output(out, arguments_.force); !prepared) {
+    return prepared;
+  }
+  if (auto written = write_site(site_, to_toml(after_), out); !written) {
+    return written;
+  }
+  return write_file(out / "report.json", report().dump(2) + "\n");
+}
+
+Expected<void> Rechain::run() {
+  if (auto done = read(); !done) {
+    return done;
+  }
+  if (auto done = refit(); !done) {
+    return done;
+  }
+  if (auto done = write(); !done) {
+    return done;
+  }
+  if (!arguments_.quiet) {
+    print();
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<void> run_rechain(const RechainArguments& arguments) { return Rechain(arguments).run(); }
+
+}  // namespace rayloc::cli

@@ -1,0 +1,25 @@
+// `rayloc calibrate SITE --rechain`: new chain gains after a power cycle, the room kept.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+
+namespace rayloc::cli {
+
+struct RechainArguments {
+  std::string site;                   // calibrated
+  std::vector<std::string> captures;  // [AP=]FILE
+  std::string points;                 // csv; empty: the fixed transmitters of the site
+  std::string out;                    // folder to create
+  bool force = false;
+  bool quiet = false;
+};
+
+// Writes `out` as a complete site with report.json. Access points without a recording keep their
+// gains. An Error when the site is not calibrated, an access point heard no transmitter at a known
+// place, or what it heard contradicts the calibrated room (refit_chains()).
+Expected<void> run_rechain(const RechainArguments& arguments);
+
+}  // namespace rayloc::cli

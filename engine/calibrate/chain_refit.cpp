@@ -1,0 +1,373 @@
+#include "engine/calibrate/chain_refit.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/spot_arrays.h"
+#include "engine/observe/alignment.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr int kIterations = 8;
+// Reflections beyond those that the likelihood knows; tried, and kept where they explain more. They
+// average out over a survey, not over one spot: where the strong paths to an antenna cancel, what
+// is left of them turns the phase.
+constexpr int kMoreDepth = 1;
+// [s], by how much the delay of a chain may change with a power cycle: a clock divider that starts
+// at another edge moves phases by whole quarters of a turn, delays by a share of a sample at most.
+constexpr double kDelaySigma = 0.3e-9;
+// Of the calibrated tolerance of surfaces. The calibration's is found on a coarse scan and speaks
+// of all surfaces; what explains these spots best is as good.
+constexpr std::array<double, 3> kTolerances = {1.0, 0.5, 0.0};
+
+double power(std::span<const Value> values) {
+  double sum = 0.0;
+  for (const Value& v : values) {
+    sum += std::norm(v);
+  }
+  return sum;
+}
+
+void scale_to_unit(std::vector<Value>& values) {
+  const double sum = power(values);
+  const double scale = sum > 0.0 ? std::sqrt(static_cast<double>(values.size()) / sum) : 0.0;
+  for (Value& v : values) {
+    v *= scale;
+  }
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double logit(double share) {
+  const double inside = std::clamp(share, 1e-6, 1.0 - 1e-6);
+  return std::log(inside / (1.0 - inside));
+}
+
+std::vector<Value> through(const std::vector<Value>& gain, const std::vector<Value>& expected) {
+  std::vector<Value> product(gain.size());
+  for (std::size_t j = 0; j < gain.size(); ++j) {
+    product[j] = gain[j] * expected[j];
+  }
+  return product;
+}
+
+// Sums over the spots for one chain: measured against the gain times the expected, per tone.
+struct ChainSums {
+  std::vector<Value> cross;
+  std::vector<double> power;
+  double measured = 0.0;
+
+  // Share of the measured power that a factor on top of the gain explains.
+  double correlation() const {
+    Value sum;
+    double own = 0.0;
+    for (std::size_t k = 0; k < cross.size(); ++k) {
+      sum += cross[k];
+      own += power[k];
+    }
+    return own > 0.0 && measured > 0.0 ? std::norm(sum) / (own * measured) : 0.0;
+  }
+};
+
+// Factors and delays of the chains on top of gains that are known up to these.
+class FactorFit {
+ public:
+  FactorFit(const OfdmGrid& grid, std::vector<ArrayPair> pairs, std::vector<Value> gain)
+      : tones_(grid.size()), aligner_(grid), pairs_(std::move(pairs)), gain_(std::move(gain)) {
+    const double middle = 0.5 * (grid.tone_index.front() + grid.tone_index.back());
+    for (const auto tone : grid.tone_index) {
+      angular_.push_back(2.0 * std::numbers::pi * grid.spacing_hz * (tone - middle));
+    }
+    delay_.resize(rows());
+    for (ArrayPair& pair : pairs_) {
+      scale_to_unit(pair.measured);
+      scale_to_unit(pair.expected);
+    }
+  }
+
+  void run() {
+    align_by_one_chain();
+    for (int iteration = 0; iteration < kIterations; ++iteration) {
+      for (std::size_t row = 0; row < rows(); ++row) {
+        improve(row);
+      }
+      scale_to_unit(gain_);
+      align();
+    }
+  }
+
+  const std::vector<Value>& gain() const { return gain_; }
+
+  // [rad], of each chain; a chain of a spot is one independent value: what is wrong with the room
+  // is wrong in about the same way at all tones.
+  std::vector<double> sigma() const {
+    std::vector<double> result;
+    for (std::size_t row = 0; row < rows(); ++row) {
+      const double share = std::clamp(sums(row).correlation(), 1e-6, 1.0);
+      const auto spots = static_cast<double>(pairs_.size());
+      result.push_back(
+          std::min(std::sqrt((1.0 - share) / (2.0 * share * spots)), std::numbers::pi));
+    }
+    return result;
+  }
+
+ private:
+  std::size_t rows() const { return gain_.size() / tones_; }
+
+  // All chains at once would cancel as long as their phases are unknown; one chain tells the delay
+  // and the phase of each spot, the same chain for all spots.
+  void align_by_one_chain() {
+    std::size_t best = 0;
+    double most = -1.0;
+    for (std::size_t row = 0; row < rows(); ++row) {
+      double sum = 0.0;
+      for (const ArrayPair& pair : pairs_) {
+        const std::span measured = std::span(pair.measured).subspan(row * tones_, tones_);
+        sum += align_row(pair, row).correlation * power(measured);
+      }
+      if (sum > most) {
+        most = sum;
+        best = row;
+      }
+    }
+    for (ArrayPair& pair : pairs_) {
+      aligner_.apply(align_row(pair, best), pair.measured);
+    }
+  }
+
+  Alignment align_row(const ArrayPair& pair, std::size_t row) const {
+    const auto model = through(gain_, pair.expected);
+    return aligner_.align(std::span(model).subspan(row * tones_, tones_),
+                          std::span(pair.measured).subspan(row * tones_, tones_));
+  }
+
+  void align() {
+    parallel_for(pairs_.size(), 4, [&](std::size_t i) {
+      ArrayPair& pair = pairs_[i];
+      aligner_.apply(aligner_.align(through(gain_, pair.expected), pair.measured), pair.measured);
+    });
+  }
+
+  ChainSums sums(std::size_t row) const {
+    ChainSums sums{std::vector<Value>(tones_), std::vector<double>(tones_), 0.0};
+    for (const ArrayPair& pair : pairs_) {
+      for (std::size_t k = 0; k < tones_; ++k) {
+        const std::size_t j = row * tones_ + k;
+        const Value model = gain_[j] * pair.expected[j];
+        sums.cross[k] += pair.measured[j] * std::conj(model);
+        sums.power[k] += std::norm(model);
+        sums.measured += std::norm(pair.measured[j]);
+      }
+    }
+    return sums;
+  }
+
+  // One Newton step for the delay, the factor in closed form.
+  void improve(std::size_t row) {
+    const ChainSums now = sums(row);
+    Value sum;
+    double own = 0.0;
+    for (std::size_t k = 0; k < tones_; ++k) {
+      sum += now.cross[k];
+      own += now.power[k];
+    }
+    if (!(own > 0.0) || !(std::abs(sum) > 0.0)) {
+      return;
+    }
+    const Value turned = std::conj(sum) / std::abs(sum);
+    double slope = 0.0;
+    double curvature = 0.0;
+    for (std::size_t k = 0; k < tones_; ++k) {
+      slope += angular_[k] * (turned * now.cross[k]).imag();
+      curvature += angular_[k] * angular_[k] * now.power[k] * std::abs(sum) / own;
+    }
+    const double share = std::clamp(now.correlation(), 0.0, 1.0 - 1e-6);
+    // Weight of the data: 2 c / (1 - c) a spot and chain, spread over the tones.
+    const double weight = 2.0 * share / (1.0 - share) * static_cast<double>(pairs_.size()) /
+                          std::max(std::abs(sum), 1e-12);
+    const double prior = 1.0 / (kDelaySigma * kDelaySigma);
+    const double step =
+        (weight * slope - prior * delay_[row]) / std::max(weight * curvature + prior, 1e-300);
+    delay_[row] += step;
+    for (std::size_t k = 0; k < tones_; ++k) {
+      gain_[row * tones_ + k] *= sum / own * std::polar(1.0, angular_[k] * step);
+    }
+  }
+
+  std::size_t tones_;
+  Aligner aligner_;
+  std::vector<double> angular_;  // [rad/s], of each tone from the middle
+  std::vector<ArrayPair> pairs_;
+  std::vector<Value> gain_;
+  std::vector<double> delay_;  // [s], added to each chain, ahead
+};
+
+// A refit under one assumption of how well surfaces are known.
+struct Attempt {
+  ChainRefit refit;
+  double tolerance = 0.0;
+  double sum = 0.0;  // of the correlations
+};
+
+class Refit {
+ public:
+  Refit(const RoomModel& room, std::size_t access_point, std::span<const KnownSpot> spots)
+      : access_point_(room.access_points[access_point]),
+        grid_(room.grid),
+        arrays_(room, access_point),
+        aligner_(room.grid) {
+    for (const KnownSpot& spot : spots) {
+      RAYLOC_CHECK(spot.h.size() == access_point_.gains.gain.size());
+      auto rays = arrays_.rays(spot.position, spot.device);
+      if (!rays.empty()) {
+        spots_.push_back(&spot);
+        rays_.push_back(std::move(rays));
+      }
+    }
+  }
+
+  bool empty() const { return spots_.empty(); }
+
+  Attempt best() const {
+    Attempt best;
+    for (const double share : kTolerances) {
+      Attempt one = attempt(share * access_point_.error.plan_tolerance);
+      if (best.refit.spots == 0 || one.sum > best.sum) {
+        best = std::move(one);
+      }
+    }
+    return best;
+  }
+
+  // Adds what the uncertainty of the places does to the phase of each chain against the first.
+  void add_place(double place_sigma, Attempt& attempt) const {
+    const std::size_t tones = grid_.size();
+    std::vector<double> variance(attempt.refit.sigma.size());
+    for (std::size_t s = 0; s < spots_.size(); ++s) {
+      const auto here = arrays_.expected(rays_[s], attempt.tolerance);
+      for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
+        const auto rays = arrays_.rays(spots_[s]->position + place_sigma * axis, spots_[s]->device);
+        auto there = arrays_.expected(rays, attempt.tolerance);
+        aligner_.apply(aligner_.align(here, there), there);
+        std::vector<Value> turn(variance.size());
+        for (std::size_t j = 0; j < here.size(); ++j) {
+          turn[j / tones] += there[j] * std::conj(here[j]);
+        }
+        for (std::size_t m = 1; m < variance.size(); ++m) {
+          const double angle = std::arg(turn[m] * std::conj(turn[0]));
+          variance[m] += angle * angle;
+        }
+      }
+    }
+    const auto count = static_cast<double>(spots_.size());
+    for (std::size_t m = 0; m < variance.size(); ++m) {
+      attempt.refit.sigma[m] = std::hypot(attempt.refit.sigma[m], std::sqrt(variance[m]) / count);
+    }
+  }
+
+ private:
+  Attempt attempt(double tolerance) const {
+    std::vector<ArrayPair> pairs;
+    for (std::size_t s = 0; s < spots_.size(); ++s) {
+      pairs.push_back({spots_[s]->h, arrays_.expected(rays_[s], tolerance)});
+    }
+    Attempt one;
+    one.tolerance = tolerance;
+    one.refit.spots = spots_.size();
+    one.refit.ripple = spots_.size() >= kRippleSpots;
+    if (one.refit.ripple) {
+      ChainRipple ripple = chain_ripple(aligner_, grid_, pairs);
+      one.refit.gains = {grid_, access_point_.cores, std::move(ripple.gain)};
+      one.refit.sigma = std::move(ripple.sigma);
+    } else {
+      FactorFit fit(grid_, pairs, access_point_.gains.gain);
+      fit.run();
+      one.refit.gains = {grid_, access_point_.cores, fit.gain()};
+      one.refit.sigma = fit.sigma();
+    }
+    std::vector<double> correlations;
+    for (ArrayPair& pair : pairs) {
+      remove_gains(one.refit.gains, pair.measured);
+      correlations.push_back(aligner_.align(pair.expected, pair.measured).correlation);
+      one.sum += correlations.back();
+    }
+    one.refit.fit = median(std::move(correlations));
+    return one;
+  }
+
+  const RoomAccessPoint access_point_;
+  const OfdmGrid grid_;
+  const SpotArrays arrays_;
+  const Aligner aligner_;
+  std::vector<const KnownSpot*> spots_;
+  std::vector<std::vector<Ray>> rays_;
+};
+
+RoomModel traced_deeper(RoomModel room) {
+  room.trace.max_depth += kMoreDepth;
+  return room;
+}
+
+std::string text_of(double share) {
+  std::array<char, 16> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), share, std::chars_format::fixed, 3);
+  return {text.data(), end.ptr};
+}
+
+bool is_far_below(double fit, const UsualFit& usual) {
+  constexpr double kQuartiles = 1.349;  // between the quartiles of a normal distribution, in sigmas
+  const double spread = std::max(
+      (logit(usual.upper_quartile) - logit(usual.lower_quartile)) / kQuartiles, kLeastSpread);
+  return logit(fit) < logit(usual.median) - kFarBelowUsual * spread;
+}
+
+}  // namespace
+
+Expected<ChainRefit> refit_chains(const RoomModel& room,
+                                  std::size_t access_point,
+                                  std::span<const KnownSpot> spots,
+                                  const ChainRefitOptions& options) {
+  const RoomAccessPoint& ap = room.access_points.at(access_point);
+  RAYLOC_CHECK(!ap.gains.empty());
+  const Refit usual(room, access_point, spots);
+  const Refit deeper(traced_deeper(room), access_point, spots);
+  if (usual.empty()) {
+    return bad_input("access point " + ap.id + ": no ray of the room reaches it from " +
+                     std::to_string(spots.size()) + " known places; are they inside the room?");
+  }
+  Attempt best = usual.best();
+  Attempt other = deeper.best();
+  if (other.sum > best.sum) {
+    best = std::move(other);
+    deeper.add_place(options.place_sigma, best);
+  } else {
+    usual.add_place(options.place_sigma, best);
+  }
+  if (options.usual && is_far_below(best.refit.fit, *options.usual)) {
+    return bad_input("access point " + ap.id + ": new chain gains explain " +
+                     text_of(best.refit.fit) + " of what it hears (median of " +
+                     std::to_string(best.refit.spots) + " known places), the calibration " +
+                     text_of(options.usual->median) +
+                     ": the room or the access point has changed, or a place is wrong; check the "
+                     "places, or calibrate anew");
+  }
+  return std::move(best.refit);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,67 @@
+// refit_chains: new chain gains of a calibrated access point after a power cycle, from a few
+// transmitters at known places; everything else of the room stays as calibrated (METHODS B4, step
+// 1, alone).
+//
+// A power cycle turns the phases of the chains; their ripple over the band is that of filters and
+// stays. From fewer than kRippleSpots spots a complex factor and a delay of each chain are
+// therefore fitted on top of the old gains; from more, the gains of every tone (chain_ripple()).
+//
+// One spot says nothing about itself: a wrong place turns the phases as a power cycle would, and is
+// seen only where the spectrum does not fit. Two and more contradict each other.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// What an access point heard of a transmitter at a known place.
+struct KnownSpot {
+  Vec3d position;  // [m]
+  DeviceModel device;
+  std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+};
+
+// Squared normalised correlations of measured and expected arrays when the room was calibrated, at
+// points that did not enter the calibration.
+struct UsualFit {
+  double median = 0.0;
+  double lower_quartile = 0.0;
+  double upper_quartile = 0.0;
+};
+
+struct ChainRefitOptions {
+  double place_sigma = 0.01;      // [m] along each axis, of the places stated
+  std::optional<UsualFit> usual;  // nothing: the fit is compared with nothing
+};
+
+struct ChainRefit {
+  ChainGains gains;
+  // Of the phase of each core [rad]. The difference of two has the root of the sum of the squares.
+  std::vector<double> sigma;
+  double fit = 0.0;       // median of the spots' squared normalised correlation
+  std::size_t spots = 0;  // that a ray reaches
+  bool ripple = false;    // of every tone, else the old ripple
+};
+
+inline constexpr std::size_t kRippleSpots = 12;
+
+// An Error when no ray of the room reaches a spot, or when the spots fit far worse than usual: more
+// than kFarBelowUsual robust standard deviations below on the scale log(c / (1 - c)), one of which
+// is taken as at least kLeastSpread. It names both numbers.
+// REQUIRES: room.access_points[access_point].gains not empty; every h of its size.
+inline constexpr double kFarBelowUsual = 3.5;
+inline constexpr double kLeastSpread = 0.5;
+Expected<ChainRefit> refit_chains(const RoomModel& room,
+                                  std::size_t access_point,
+                                  std::span<const KnownSpot> spots,
+                                  const ChainRefitOptions& options = {});
+
+}  // namespace rayloc

@@ -1,0 +1,41 @@
+#include "engine/calibrate/spot_arrays.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kMostRays = 64;
+
+ReceiverTracer tracer_at(const RoomModel& room, const AntennaArray& array) {
+  return PathTracer(room.scene, room.trace)
+      .at(Receiver{
+          {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+}
+
+}  // namespace
+
+SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
+    : room_(room),
+      access_point_(room.access_points.at(access_point)),
+      model_(room.grid, access_point_.cores.size()),
+      tracer_(tracer_at(room, access_point_.array)) {}
+
+std::vector<Ray> SpotArrays::rays(const Vec3d& position, const DeviceModel& device) const {
+  const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
+  return rays_of(tracer_.trace(transmitter), room_, position, kMostRays);
+}
+
+std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& rays,
+                                                       double plan_tolerance,
+                                                       const ArrayMotion& motion) const {
+  AntennaArray array = access_point_.array;
+  array.pose.orientation.yaw += motion.yaw;
+  std::vector<Vec3d> offsets;
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    offsets.push_back(element_position(array, i) - array.pose.position + motion.shift);
+  }
+  ModelError error = access_point_.error;
+  error.plan_tolerance = plan_tolerance;
+  return model_.expected({rays, offsets, 0.0}, error);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,43 @@
+// SpotArrays: the array that a calibrated room expects of a transmitter at a known place.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/localize/observation_model.h"
+#include "engine/localize/ray.h"
+#include "engine/localize/room_model.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+
+// How an array stands against its calibrated pose; it turns about its centre.
+struct ArrayMotion {
+  Vec3d shift;       // [m], axes of the room
+  double yaw = 0.0;  // [rad], to the left
+};
+
+// Thread safety: const members may be used from many threads.
+class SpotArrays {
+ public:
+  SpotArrays(const RoomModel& room, std::size_t access_point);
+
+  // The paths from there to the centre of the array; empty where no ray arrives.
+  std::vector<Ray> rays(const Vec3d& position, const DeviceModel& device) const;
+
+  // [core][tone] at the antennas, before the chains. `plan_tolerance` [m]: how far surfaces may be
+  // off; reflections count the less the larger it is. A moved array meets the same rays.
+  std::vector<std::complex<double>> expected(const std::vector<Ray>& rays,
+                                             double plan_tolerance,
+                                             const ArrayMotion& motion = {}) const;
+
+ private:
+  RoomModel room_;
+  RoomAccessPoint access_point_;
+  ObservationModel model_;
+  ReceiverTracer tracer_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,132 @@
+#include "engine/calibrate/chain_refit.h"
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/observe/burst.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using ::testing::HasSubstr;
+using Value = std::complex<double>;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr UsualFit kUsual{0.97, 0.95, 0.98};
+
+// The room of the tests as it was calibrated before a power cycle: frames_at() makes the chains of
+// after it.
+RoomModel before_the_power_cycle(const std::vector<double>& turn_deg) {
+  RoomModel room = test::make_room();
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.002;
+    for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+      for (std::size_t k = 0; k < room.grid.size(); ++k) {
+        ap.gains.gain[m * room.grid.size() + k] *= std::polar(1.0, -turn_deg[m] * kDegree);
+      }
+    }
+  }
+  return room;
+}
+
+KnownSpot hear(const RoomModel& room, const Vec3d& position, unsigned seed = 1) {
+  const auto frames = test::frames_at(room, position, {8, 30.0, seed});
+  return {position,
+          room.device,
+          combine_burst(frames, {0, room.grid, room.access_points[0].cores, {}}).value().h};
+}
+
+// Mean phase of chain `m` against the first, of one set of gains less another [rad].
+double turn_between(const ChainGains& from, const ChainGains& to, std::size_t m) {
+  const std::size_t tones = from.grid.size();
+  const auto ratio = [&](const ChainGains& gains) {
+    Value sum;
+    for (std::size_t k = 0; k < tones; ++k) {
+      sum += gains.gain[m * tones + k] * std::conj(gains.gain[k]);
+    }
+    return sum;
+  };
+  return std::arg(ratio(to) * std::conj(ratio(from)));
+}
+
+void expect_true_phases(const ChainRefit& refit, double tolerance) {
+  const ChainGains truth = test::make_gains(test::make_room(), 0);
+  for (std::size_t m = 1; m < 3; ++m) {
+    const double error = std::abs(turn_between(truth, refit.gains, m));
+    EXPECT_LT(error, tolerance) << m;
+    EXPECT_LT(error, 3.0 * std::hypot(refit.sigma[m], refit.sigma[0])) << m;
+  }
+}
+
+TEST(RefitChains, FindsThePhasesFromOneSpot) {
+  const RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
+  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  ASSERT_TRUE(refit) << refit.error().message;
+  EXPECT_EQ(refit->spots, 1U);
+  EXPECT_FALSE(refit->ripple);
+  EXPECT_GT(refit->fit, 0.98);
+  expect_true_phases(*refit, 3.0 * kDegree);
+}
+
+TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
+  const RoomModel room = before_the_power_cycle({30.0, -120.0, 75.0});
+  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1}, 1),
+                                        hear(room, {-0.5, -0.6, 1.2}, 2),
+                                        hear(room, {0.9, 0.3, 1.3}, 3)};
+  const auto one = refit_chains(room, 0, std::span(spots).first(1));
+  const auto three = refit_chains(room, 0, spots);
+  ASSERT_TRUE(one && three);
+  expect_true_phases(*three, 3.0 * kDegree);
+  EXPECT_LT(three->sigma[1], one->sigma[1]);
+  EXPECT_GT(three->sigma[1], 0.0);
+}
+
+TEST(RefitChains, ManySpotsTellTheRippleToo) {
+  RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
+  for (std::size_t k = 0; k < room.grid.size(); ++k) {
+    room.access_points[0].gains.gain[k] *=
+        std::polar(1.0, 0.4 * std::sin(0.05 * static_cast<double>(k)));
+  }
+  std::vector<KnownSpot> spots;
+  for (unsigned i = 0; i < 16; ++i) {
+    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * (i / 4), 1.2}, i + 1));
+  }
+  const auto refit = refit_chains(room, 0, spots);
+  ASSERT_TRUE(refit);
+  EXPECT_TRUE(refit->ripple);
+  EXPECT_GT(refit->fit, 0.98);
+  expect_true_phases(*refit, 3.0 * kDegree);
+}
+
+TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
+  const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
+  std::vector<KnownSpot> spots;
+  for (unsigned i = 0; i < 6; ++i) {
+    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * (i / 3), 1.2}, i + 1));
+    spots.back().position.x *= -1.0;
+  }
+  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  ASSERT_FALSE(refit) << refit->fit;
+  EXPECT_EQ(refit.error().kind, ErrorKind::kBadInput);
+  EXPECT_THAT(refit.error().message, HasSubstr("access point a"));
+  EXPECT_THAT(refit.error().message, HasSubstr("the calibration 0.970"));
+}
+
+TEST(RefitChains, RefusesAPlaceThatNoRayReaches) {
+  const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
+  std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  spots[0].position = {20.0, 0.0, 1.1};
+  const auto refit = refit_chains(room, 0, spots);
+  ASSERT_FALSE(refit);
+  EXPECT_THAT(refit.error().message, HasSubstr("no ray"));
+}
+
+}  // namespace
+}  // namespace rayloc
