@@ -1,5 +1,6 @@
 #include "daemon/calibrate/checkpoint_file.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -32,6 +33,7 @@ std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& i
   }
   return Json{{"inputs", inputs},
               {"rounds", checkpoint.rounds},
+              {"last_kept", checkpoint.last_kept},
               {"values", checkpoint.state.values},
               {"survey", std::move(survey)},
               {"gains", std::move(gains)}}
@@ -59,6 +61,7 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
       return unusable(file, "was made from other inputs or options");
     }
     checkpoint.rounds = json.at("rounds");
+    checkpoint.last_kept = json.at("last_kept");
     checkpoint.state.values = json.at("values").get<std::vector<double>>();
     for (const Json& error : json.at("survey")) {
       checkpoint.state.survey.push_back({error.at(0), error.at(1), error.at(2)});
@@ -78,7 +81,9 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
     return unusable(file, error.what());
   }
   if (checkpoint.state.values.size() != RoomUnknowns(room, {}).size() ||
-      checkpoint.state.survey.size() != points || checkpoint.rounds < 0) {
+      checkpoint.state.survey.size() != points || checkpoint.last_kept < 0 ||
+      checkpoint.rounds < 0 || checkpoint.last_kept > std::max(0, checkpoint.rounds - 1) ||
+      checkpoint.rounds > kJointRounds) {
     return unusable(file, "has other numbers than the site");
   }
   return checkpoint;

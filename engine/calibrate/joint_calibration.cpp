@@ -8,9 +8,12 @@
 #include <random>
 #include <utility>
 
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/stated_parameter.h"
 #include "engine/calibrate/surface_scan.h"
+#include "engine/calibrate/wave_cycles.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -23,14 +26,19 @@ struct Round {
   double scan_range;  // [m]
   bool corrections;   // materials and the gains and phases of surfaces
   bool survey;        // survey errors and the places of antennas
+  bool cycles;        // other half-wave cycles are tried
 };
-constexpr std::array<Round, 4> kRounds{{{0.3, 0.05, false, false},
-                                        {0.12, 0.03, true, false},
-                                        {0.05, 0.03, true, true},
-                                        {0.03, 0.03, true, true}}};
+constexpr std::array<Round, kJointRounds> kRounds{{{0.3, 0.05, false, false, false},
+                                                   {0.12, 0.03, true, false, false},
+                                                   {0.05, 0.03, true, true, true},
+                                                   {0.03, 0.03, true, true, false}}};
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
 constexpr double kTolerance = 0.01;      // by which a round may lessen the correlation
 constexpr std::size_t kLeastPoints = 4;
+// Of the surfaces whose other half-wave cycles are tried.
+constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
+constexpr std::size_t kMostTried = 8;
+constexpr int kTrialIterations = 5;
 
 enum class Use : std::uint8_t { kFit, kDecide, kHeldOut };
 
@@ -41,47 +49,6 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-// Factors are stated as values of what they multiply, with the slope of the exponential for sigma.
-RoomParameter stated_parameter(const Unknown& unknown,
-                               const RoomModel& room,
-                               double value,
-                               double sigma) {
-  RoomParameter parameter{unknown_name(unknown, room), "m", value, 0.0, unknown.sigma, sigma};
-  const auto factor_of = [&](double prior, const char* unit) {
-    parameter.unit = unit;
-    parameter.prior = prior;
-    parameter.value = prior * std::exp(value);
-    parameter.prior_sigma = prior * unknown.sigma;
-    parameter.sigma = parameter.value * sigma;
-  };
-  switch (unknown.kind) {
-    case Kind::kSurfaceOffset:
-    case Kind::kElementPosition:
-      break;
-    case Kind::kSurfaceGain:
-    case Kind::kChainGain:
-      factor_of(1.0, "1");
-      break;
-    case Kind::kSurfacePhase:
-    case Kind::kArrayAngle:
-    case Kind::kChainPhase:
-      parameter.unit = "rad";
-      break;
-    case Kind::kPermittivity:
-      factor_of(room.scene->materials()[unknown.index].relative_permittivity, "1");
-      break;
-    case Kind::kConductivity:
-      factor_of(room.scene->materials()[unknown.index].conductivity, "S/m");
-      break;
-    case Kind::kThickness:
-      factor_of(room.scene->materials()[unknown.index].thickness, "m");
-      break;
-    case Kind::kArrayPosition:
-      break;
-  }
-  return parameter;
 }
 
 class JointCalibration {
@@ -126,8 +93,12 @@ class JointCalibration {
   double correlation(std::size_t sample, const Vec3d& survey) const;
   double median_correlation(Use use) const;
   bool solve(const Round& round, bool with_deciding, const char* stage);
+  bool settle(const Round& round, bool with_deciding, const char* stage);
   Expected<bool> run_round(std::size_t index);
+  void checkpoint(JointCheckpoint& reached) const;
+  void finish(const Round& round);
   bool tell(const char* stage, double loss);
+  bool go_on();
   void fold_chains();
   void place_points(const Round& round);
   std::vector<RoomParameter> parameters(const Round& round);
@@ -146,6 +117,7 @@ class JointCalibration {
   std::vector<TracedSample> traced_;
   std::vector<MeasuredSample> measured_;
   std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
+  std::vector<WaveCycle> other_cycles_;
   std::vector<CalibrationStep> history_;
   double heldout_ = 0.0;
   double share_ = 0.0;
@@ -293,6 +265,11 @@ std::vector<JointSample> JointCalibration::fitted(bool with_deciding) const {
 
 bool JointCalibration::tell(const char* stage, double loss) {
   history_.push_back({stage, static_cast<int>(history_.size()), loss, heldout_});
+  return go_on();
+}
+
+// Between trials, which are no steps on the way.
+bool JointCalibration::go_on() {
   if (observer_ && !observer_({history_.back(), share_, points_.size()})) {
     stopped_ = true;
   }
@@ -309,6 +286,23 @@ bool JointCalibration::solve(const Round& round, bool with_deciding, const char*
     return tell(stage, cost);
   });
   return !stopped_;
+}
+
+// Tries the other half-wave cycles of the strongest surfaces; where one is better, all is fitted
+// again.
+bool JointCalibration::settle(const Round& round, bool with_deciding, const char* stage) {
+  const std::vector<char> free = released(round);
+  const auto samples = fitted(with_deciding);
+  const auto strongest =
+      strongest_surfaces(surface_power(traced_, *room_.scene), kTriedShare, kMostTried);
+  WaveCycleSearch search{
+      strongest, 0.5 * kSpeedOfLight / original_.grid.centre_hz, joint_options(round, free), [&] {
+        return go_on();
+      }};
+  search.options.iterations = kTrialIterations;
+  const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
+  other_cycles_ = cycles.others;
+  return !stopped_ && (!cycles.moved || solve(round, with_deciding, stage));
 }
 
 JointOptions JointCalibration::joint_options(const Round& round, std::span<const char> free) const {
@@ -347,7 +341,8 @@ void JointCalibration::fold_chains() {
 }
 
 Expected<bool> JointCalibration::run_round(std::size_t index) {
-  const Round& round = kRounds[index];
+  const Round& round = kRounds.at(index);
+  share_ = static_cast<double>(index) / static_cast<double>(kRounds.size());
   const JointState before = state_;
   std::vector<ChainGains> gains_before;
   for (const RoomAccessPoint& ap : original_.access_points) {
@@ -359,8 +354,10 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
                 surface_power(traced_, *room_.scene),
                 {round.floor, round.scan_range},
                 state_);
-  if (!tell("scan", 0.0) || !solve(round, false, "fit")) {
-    return true;
+  if (!tell("scan", 0.0) || !solve(round, false, "fit") ||
+      (round.cycles && !settle(round, false, "fit"))) {
+    state_ = before;  // the last good one
+    return false;
   }
   fold_chains();
   if (auto traced = retrace(); !traced) {
@@ -398,6 +395,7 @@ std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
   const JointProblem problem(context(samples));
   std::vector<double> sigma = problem.posterior(joint_options(round, free), state_);
   widen_by_other_cycles(context(samples), round.floor, state_, sigma);
+  widen_by_wave_cycles(other_cycles_, unknowns_, state_, sigma);
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const bool chain =
@@ -410,6 +408,30 @@ std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
   return result;
 }
 
+void JointCalibration::checkpoint(JointCheckpoint& reached) const {
+  reached.state = state_;
+  reached.gains.clear();
+  for (const RoomAccessPoint& ap : original_.access_points) {
+    reached.gains.push_back(ap.gains);
+  }
+  if (options_.on_checkpoint) {
+    options_.on_checkpoint(reached);
+  }
+}
+
+// With the points that decided, too.
+void JointCalibration::finish(const Round& round) {
+  if (stopped_) {
+    return;
+  }
+  const JointState before = state_;
+  if (solve(round, true, "all points") && settle(round, true, "all points")) {
+    fold_chains();
+  } else {
+    state_ = before;
+  }
+}
+
 Expected<RoomCalibration> JointCalibration::run() {
   if (auto traced = retrace(); !traced) {
     return tl::make_unexpected(std::move(traced.error()));
@@ -420,39 +442,30 @@ Expected<RoomCalibration> JointCalibration::run() {
         {sites_[i].point, sites_[i].access_point, correlation(i, {}), 0.0, 0.0});
   }
   heldout_ = median_correlation(Use::kHeldOut);
-  Round last = kRounds[0];
-  std::size_t first = 0;
+  JointCheckpoint reached;
   if (options_.resume != nullptr) {
-    first = static_cast<std::size_t>(options_.resume->rounds);
-    state_ = options_.resume->state;
+    reached = *options_.resume;
+    state_ = reached.state;
     for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
-      original_.access_points[a].gains = options_.resume->gains[a];
+      original_.access_points[a].gains = reached.gains[a];
     }
     if (auto traced = retrace(); !traced) {
       return tl::make_unexpected(std::move(traced.error()));
     }
   }
-  for (std::size_t index = first; index < kRounds.size() && !stopped_; ++index) {
-    share_ = static_cast<double>(index) / static_cast<double>(kRounds.size());
-    const auto kept = run_round(index);
+  while (reached.rounds < kJointRounds && !stopped_) {
+    const auto kept = run_round(static_cast<std::size_t>(reached.rounds));
     if (!kept) {
       return tl::make_unexpected(kept.error());
     }
-    if (*kept) {
-      last = kRounds[index];
-    }
-    if (options_.on_checkpoint && !stopped_) {
-      JointCheckpoint checkpoint{static_cast<int>(index) + 1, state_, {}};
-      for (const RoomAccessPoint& ap : original_.access_points) {
-        checkpoint.gains.push_back(ap.gains);
-      }
-      options_.on_checkpoint(checkpoint);
+    if (!stopped_) {
+      reached.last_kept = *kept ? reached.rounds : reached.last_kept;
+      ++reached.rounds;
+      checkpoint(reached);
     }
   }
-  if (!stopped_) {
-    solve(last, true, "all points");
-    fold_chains();
-  }
+  const Round& last = kRounds.at(static_cast<std::size_t>(reached.last_kept));
+  finish(last);
   if (auto traced = retrace(); !traced) {
     return tl::make_unexpected(std::move(traced.error()));
   }

@@ -3,9 +3,10 @@
 //
 // Rounds from a high robust floor to a low one. In each, the surfaces are scanned one by one, the
 // strongest first, because a wall that is 1 cm off is 2 cm of path, beyond the quarter wave that a
-// descent can bridge; then all unknowns that the round releases are fitted together; then the room
-// is traced anew. Points kept from the fit (not those held out by the caller) decide whether what a
-// round released stays.
+// descent can bridge; then all unknowns that the round releases are fitted together; then, where
+// the fit is good enough to tell, half waves to either side are tried (wave_cycles.h); then the
+// room is traced anew. Points kept from the fit (not those held out by the caller) decide whether
+// what a round released stays.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +21,12 @@
 
 namespace rayloc {
 
+inline constexpr int kJointRounds = 4;
+
 // Where a calibration stands between two rounds; all that is needed to go on.
 struct JointCheckpoint {
-  int rounds = 0;  // done
+  int rounds = 0;     // done
+  int last_kept = 0;  // of them, counted from 0
   JointState state;
   std::vector<ChainGains> gains;  // of each access point
 };

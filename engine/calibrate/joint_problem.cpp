@@ -267,6 +267,14 @@ double JointProblem::solve(const JointOptions& options,
   return summary.final_cost;
 }
 
+double JointProblem::cost(const JointOptions& options, const JointState& state) const {
+  Assembled assembled;
+  assemble(context_, options, state, assembled);
+  double cost = 0.0;
+  assembled.problem->Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  return cost;
+}
+
 std::vector<double> JointProblem::posterior(const JointOptions& options,
                                             const JointState& state) const {
   Assembled assembled;

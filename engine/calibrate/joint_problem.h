@@ -55,6 +55,9 @@ class JointProblem {
   // Improves `state`; returns the cost that is reached.
   double solve(const JointOptions& options, JointState& state, const JointObserver& observer) const;
 
+  // Of `state`, the priors of what is released included.
+  double cost(const JointOptions& options, const JointState& state) const;
+
   // Posterior standard deviation of every released unknown, 0 for the others: of the Gaussian about
   // `state`, the survey errors integrated out.
   std::vector<double> posterior(const JointOptions& options, const JointState& state) const;

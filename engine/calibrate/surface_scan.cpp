@@ -89,22 +89,25 @@ std::vector<double> surface_power(std::span<const TracedSample> samples, const S
   return power;
 }
 
-void scan_surfaces(const JointContext& context,
-                   std::span<const double> power,
-                   const ScanOptions& options,
-                   JointState& state) {
+std::vector<std::uint32_t> strongest_surfaces(std::span<const double> power,
+                                              double share,
+                                              std::size_t most) {
   std::vector<std::uint32_t> order(power.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return power[a] > power[b];
   });
-  if (order.size() > kMostSurfaces) {
-    order.resize(kMostSurfaces);
-  }
-  for (const std::uint32_t surface : order) {
-    if (power[surface] < kFaint * power[order.front()]) {
-      break;
-    }
+  const double least = share * power[order.front()];
+  order.resize(std::min(most, order.size()));
+  std::erase_if(order, [&](std::uint32_t surface) { return power[surface] < least; });
+  return order;
+}
+
+void scan_surfaces(const JointContext& context,
+                   std::span<const double> power,
+                   const ScanOptions& options,
+                   JointState& state) {
+  for (const std::uint32_t surface : strongest_surfaces(power, kFaint, kMostSurfaces)) {
     const std::uint32_t unknown = context.unknowns.surface_offset(surface);
     const auto values = places(state.values[unknown], options.range, options.step);
     const auto cost = profile(context, options.floor, state, unknown, values);

@@ -2,6 +2,8 @@
 // half-wave cycle, and what tells when another one would do as well (METHODS B4, step 2).
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -11,6 +13,11 @@ namespace rayloc {
 
 // Mean share of a sample's power that comes by way of each surface.
 std::vector<double> surface_power(std::span<const TracedSample> samples, const Scene& scene);
+
+// Those with at least `share` of the strongest one's power, the strongest first, `most` at most.
+std::vector<std::uint32_t> strongest_surfaces(std::span<const double> power,
+                                              double share,
+                                              std::size_t most);
 
 struct ScanOptions {
   double floor = 0.3;

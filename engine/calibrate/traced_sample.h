@@ -2,8 +2,8 @@
 // delays and amplitudes follow the unknowns of the room, to first order about where the room was
 // traced.
 //
-// Delays in a room of planes are nearly linear in the offsets of the planes; over the few
-// centimetres of a calibration the second order is some micrometres. Amplitudes follow materials.
+// Delays in a room of planes are nearly linear in the offsets of the planes: over a centimetre the
+// second order is less than a tenth of a millimetre of path. Amplitudes follow materials.
 // What a change does to which paths exist is seen when the room is traced anew.
 #pragma once
 
