@@ -1,0 +1,279 @@
+// Rooms of known truth, calibrated: how near the truth is what is found, and how honestly stated.
+#include "engine/calibrate/joint_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "tests/support/surveyed_room.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+JointCalibrationOptions options_of(const test::SurveyedRoom& room) {
+  JointCalibrationOptions options;
+  options.trace = room.plan.trace;
+  options.use = room.plan.trace;
+  return options;
+}
+
+// Mean correlation over the points that no fit has seen.
+double held_out_fit(const test::SurveyedRoom& room,
+                    const RoomCalibration& calibration,
+                    double PointFit::*of) {
+  double sum = 0.0;
+  int count = 0;
+  for (const PointFit& fit : calibration.points) {
+    if (room.points[fit.point].held_out) {
+      sum += fit.*of;
+      ++count;
+    }
+  }
+  return sum / count;
+}
+
+double truth_of(const test::SurveyedRoom& room, const RoomParameter& parameter) {
+  const auto known = room.truth.find(parameter.name);
+  return known == room.truth.end() ? parameter.prior : known->second;
+}
+
+double error_of(const test::SurveyedRoom& room,
+                const RoomCalibration& calibration,
+                const std::string& name) {
+  for (const RoomParameter& parameter : calibration.parameters) {
+    if (parameter.name == name) {
+      return parameter.value - truth_of(room, parameter);
+    }
+  }
+  ADD_FAILURE() << "no parameter " << name;
+  return 0.0;
+}
+
+// Of a chain against the first, mean over the tones [rad].
+double chain_phase(const RoomAccessPoint& ap, std::size_t core) {
+  const std::size_t tones = ap.gains.grid.size();
+  std::complex<double> sum;
+  for (std::size_t k = 0; k < tones; ++k) {
+    sum += ap.gains.gain[core * tones + k] * std::conj(ap.gains.gain[k]);
+  }
+  return std::arg(sum);
+}
+
+// No number may be stated more surely than the truth allows.
+void expect_honest(const test::SurveyedRoom& room, const RoomCalibration& calibration) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RoomParameter& parameter : calibration.parameters) {
+    if (parameter.sigma == 0.0) {
+      EXPECT_EQ(parameter.value, parameter.prior) << parameter.name;  // nothing is known
+      continue;
+    }
+    const double z = (parameter.value - truth_of(room, parameter)) / parameter.sigma;
+    EXPECT_LT(std::abs(z), 4.0) << parameter.name << " " << parameter.value << ", truth "
+                                << truth_of(room, parameter) << ", sigma " << parameter.sigma;
+    sum += z * z;
+    ++count;
+  }
+  EXPECT_GT(count, 40);
+  EXPECT_LT(std::sqrt(sum / count), 1.3);
+}
+
+struct Calibrated {
+  test::SurveyedRoom room;
+  RoomCalibration found;
+
+  explicit Calibrated(const test::SurveyedRoomOptions& how)
+      : room(test::make_surveyed_room(how)),
+        found(calibrate_jointly(room.plan, room.points, options_of(room), {}).value()) {}
+};
+
+// As many points as a survey of such a room has.
+const Calibrated& well_surveyed() {
+  static const Calibrated kCalibrated({.points = 120});
+  return kCalibrated;
+}
+
+TEST(JointCalibration, RecoversTheWalls) {
+  const auto& [room, found] = well_surveyed();
+  for (const char* wall : {"west.+x", "east.-x", "south.+y", "north.-y"}) {
+    EXPECT_LT(std::abs(error_of(room, found, wall + std::string(".offset"))), 0.003) << wall;
+  }
+}
+
+// Not the height of the array: all points are of its height, and only floor and ceiling tell.
+TEST(JointCalibration, RecoversTheArray) {
+  const auto& [room, found] = well_surveyed();
+  EXPECT_LT(std::abs(error_of(room, found, "a.position.x")), 0.002);
+  EXPECT_LT(std::abs(error_of(room, found, "a.position.y")), 0.002);
+  EXPECT_LT(std::abs(error_of(room, found, "a.yaw")), 0.2 * kDegree);
+}
+
+TEST(JointCalibration, RecoversTheChains) {
+  const auto& [room, found] = well_surveyed();
+  const RoomAccessPoint& truth = room.built.access_points[0];
+  for (const std::size_t core : {1U, 2U}) {
+    EXPECT_GT(std::abs(chain_phase(truth, core)), 5.0 * kDegree);
+    EXPECT_NEAR(
+        chain_phase(found.room.access_points[0], core), chain_phase(truth, core), 3.0 * kDegree);
+  }
+}
+
+TEST(JointCalibration, ExplainsPointsThatItHasNotSeen) {
+  const auto& [room, found] = well_surveyed();
+  EXPECT_LT(held_out_fit(room, found, &PointFit::before), 0.9);
+  EXPECT_GT(held_out_fit(room, found, &PointFit::after), 0.97);
+  // Survey errors are most of the rest.
+  EXPECT_GT(held_out_fit(room, found, &PointFit::placed), 0.99);
+}
+
+// In the third, two walls first settle half a wave off, and are set right by wave_cycles.
+TEST(JointCalibration, StatesNothingThatTheTruthContradicts) {
+  expect_honest(well_surveyed().room, well_surveyed().found);
+  for (const unsigned seed : {2U, 3U}) {
+    const Calibrated other({.seed = seed});
+    expect_honest(other.room, other.found);
+  }
+}
+
+TEST(JointCalibration, FitsAllAccessPointsTogether) {
+  const Calibrated three({.points = 40, .access_points = 3, .trace = {.max_depth = 2}});
+  for (const char* id : {"a", "b", "c"}) {
+    EXPECT_LT(std::abs(error_of(three.room, three.found, id + std::string(".yaw"))), 0.3 * kDegree)
+        << id;
+  }
+  EXPECT_GT(held_out_fit(three.room, three.found, &PointFit::after), 0.97);
+}
+
+// A small survey, for what does not need a good one.
+const test::SurveyedRoom& small_survey() {
+  static const test::SurveyedRoom kRoom =
+      test::make_surveyed_room({.points = 30, .furniture = 1, .trace = {.max_depth = 2}});
+  return kRoom;
+}
+
+JointCalibrationOptions quick() {
+  JointCalibrationOptions options = options_of(small_survey());
+  options.iterations = 4;
+  return options;
+}
+
+// Everything that a calibration says, as numbers.
+std::vector<double> numbers(const RoomCalibration& calibration) {
+  std::vector<double> all;
+  for (const RoomParameter& parameter : calibration.parameters) {
+    all.insert(all.end(), {parameter.value, parameter.sigma});
+  }
+  for (const PointFit& fit : calibration.points) {
+    all.insert(all.end(), {fit.before, fit.after, fit.placed});
+  }
+  for (const RoomAccessPoint& ap : calibration.room.access_points) {
+    for (const std::complex<double>& gain : ap.gains.gain) {
+      all.insert(all.end(), {gain.real(), gain.imag()});
+    }
+  }
+  return all;
+}
+
+TEST(JointCalibration, DoesNotDependOnTheNumberOfThreads) {
+  const auto on_threads = [](int threads) {
+    const tbb::global_control at_least(tbb::global_control::max_allowed_parallelism, 4);
+    tbb::task_arena arena(threads);
+    std::vector<double> result;
+    arena.execute([&] {
+      result = numbers(
+          calibrate_jointly(small_survey().plan, small_survey().points, quick(), {}).value());
+    });
+    return result;
+  };
+  const std::vector<double> one = on_threads(1);
+  EXPECT_GT(one.size(), 100U);
+  EXPECT_EQ(one, on_threads(2));
+  EXPECT_EQ(one, on_threads(4));
+}
+
+TEST(JointCalibration, GoesOnFromEachCheckpointAsIfNeverInterrupted) {
+  std::vector<JointCheckpoint> checkpoints;
+  JointCalibrationOptions options = quick();
+  options.on_checkpoint = [&](const JointCheckpoint& one) { checkpoints.push_back(one); };
+  const auto whole =
+      calibrate_jointly(small_survey().plan, small_survey().points, options, {}).value();
+  ASSERT_EQ(checkpoints.size(), 4U);
+  for (const JointCheckpoint& checkpoint : checkpoints) {
+    JointCalibrationOptions from = quick();
+    from.resume = &checkpoint;
+    const auto resumed =
+        calibrate_jointly(small_survey().plan, small_survey().points, from, {}).value();
+    EXPECT_EQ(numbers(resumed), numbers(whole)) << checkpoint.rounds;
+  }
+}
+
+TEST(JointCalibration, LeavesTheLastGoodStateWhenItIsStopped) {
+  int steps = 0;
+  const auto count = [&](const CalibrationProgress&) { return ++steps > 0; };
+  ASSERT_FALSE(calibrate_jointly(small_survey().plan, small_survey().points, quick(), count)
+                   .value()
+                   .interrupted);
+  for (const int stop_at : {1, 2, steps / 2, steps}) {
+    std::optional<JointCheckpoint> good;
+    JointCalibrationOptions options = quick();
+    options.on_checkpoint = [&](const JointCheckpoint& one) { good = one; };
+    int calls = 0;
+    const auto stopped =
+        calibrate_jointly(small_survey().plan,
+                          small_survey().points,
+                          options,
+                          [&](const CalibrationProgress&) { return ++calls < stop_at; })
+            .value();
+    EXPECT_TRUE(stopped.interrupted) << stop_at;
+    EXPECT_EQ(calls, stop_at);
+    EXPECT_GE(held_out_fit(small_survey(), stopped, &PointFit::after),
+              held_out_fit(small_survey(), stopped, &PointFit::before) - 1e-6)
+        << stop_at;
+    for (const RoomParameter& parameter : stopped.parameters) {
+      if (!good && parameter.unit == "m" && parameter.name.ends_with("offset")) {
+        EXPECT_EQ(parameter.value, 0.0) << parameter.name;  // as planned
+      }
+    }
+    if (stop_at > steps / 4) {
+      ASSERT_TRUE(good) << stop_at;
+      EXPECT_EQ(stopped.room.access_points[0].gains.gain, good->gains[0].gain) << stop_at;
+    }
+  }
+}
+
+TEST(JointCalibration, NamesAnAccessPointWithTooFewPoints) {
+  test::SurveyedRoom room =
+      test::make_surveyed_room({.points = 12, .access_points = 2, .trace = {.max_depth = 1}});
+  for (std::size_t p = 3; p < room.points.size(); ++p) {
+    room.points[p].h[1].clear();
+  }
+  const auto found = calibrate_jointly(room.plan, room.points, options_of(room), {});
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("access point b: "), std::string::npos)
+      << found.error().message;
+  EXPECT_NE(found.error().message.find("at least 4 are needed"), std::string::npos);
+}
+
+TEST(JointCalibration, RefusesASurveyThatNobodyHeard) {
+  test::SurveyedRoom room = test::make_surveyed_room({.points = 6, .trace = {.max_depth = 1}});
+  for (CalibrationPoint& point : room.points) {
+    point.h[0].clear();
+  }
+  const auto found = calibrate_jointly(room.plan, room.points, options_of(room), {});
+  ASSERT_FALSE(found);
+  EXPECT_NE(found.error().message.find("no access point heard"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rayloc
