@@ -14,7 +14,7 @@
 #include <span>
 
 #include "engine/base/expected.h"
-#include "engine/calibrate/paper_rmsprop.h"
+#include "engine/base/rmsprop.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/localize/ray.h"
 #include "engine/observe/csi_ratio.h"

@@ -1,4 +1,4 @@
-#include "engine/calibrate/paper_rmsprop.h"
+#include "engine/base/rmsprop.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Rmsprop: descent by gradients divided by their own running size, with momentum; the optimiser
-// that the paper names for localization (METHODS A4), taken for its calibration too.
+// that the paper names for localization (METHODS A4), which its calibration takes too.
 //
 //   s <- decay s + (1 - decay) g^2,   v <- momentum v + g / (sqrt(s / (1 - decay^t)) + least),
 //   x <- x - rate v.
