@@ -9,6 +9,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/localize/hearing.h"
 #include "engine/localize/observation_model.h"
 #include "engine/localize/posterior.h"
 #include "engine/localize/ray.h"
@@ -29,7 +30,6 @@ constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
-constexpr double kMotionWarning = 0.1;
 constexpr double kLeastResidual = 1e-30;
 
 // One access point that can be used, and its part of the map.
@@ -62,27 +62,6 @@ Receiver centre_of(const AntennaArray& array) {
   return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
 }
 
-std::string check(const RoomModel& room, const RoomAccessPoint& ap) {
-  if (ap.array.element_offset.size() != ap.cores.size() || ap.cores.empty()) {
-    return "has " + std::to_string(ap.cores.size()) + " cores for " +
-           std::to_string(ap.array.element_offset.size()) + " antennas";
-  }
-  if (ap.gains.empty()) {
-    return "has no chain gains: calibrate the site first (rayloc calibrate)";
-  }
-  if (ap.gains.grid != room.grid || ap.gains.cores != ap.cores ||
-      ap.gains.gain.size() != ap.cores.size() * room.grid.size()) {
-    return "was calibrated with other tones or cores: calibrate again";
-  }
-  return {};
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 class Localizer::Impl {
@@ -94,7 +73,7 @@ class Localizer::Impl {
     const PathTracer tracer(room_->scene, room_->trace);
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
-      const std::string problem = check(*room_, ap);
+      const std::string problem = calibration_problem(*room_, ap);
       if (!problem.empty()) {
         warnings_.push_back("access point " + ap.id + " " + problem);
         continue;
@@ -140,10 +119,9 @@ class Localizer::Impl {
   }
 
   std::vector<Heard> listen(std::span<const CsiFrame> frames, LocationEstimate& estimate) const;
-  std::optional<Heard> hear(const Station& station,
-                            std::span<const CsiFrame> frames,
-                            LocationEstimate& estimate,
-                            std::vector<double>& snr) const;
+  std::optional<Heard> heard_by(const Station& station,
+                                const BurstObservation& burst,
+                                LocationEstimate& estimate) const;
   std::vector<double> map_of(const std::vector<Heard>& heard) const;
   double model_residual(const std::vector<Heard>& heard, const Vec3d& position) const;
 
@@ -154,59 +132,37 @@ class Localizer::Impl {
   std::vector<std::string> warnings_;
 };
 
-std::optional<Heard> Localizer::Impl::hear(const Station& station,
-                                           std::span<const CsiFrame> frames,
-                                           LocationEstimate& estimate,
-                                           std::vector<double>& snr) const {
+// Of a burst that is a channel of this room.
+std::optional<Heard> Localizer::Impl::heard_by(const Station& station,
+                                               const BurstObservation& burst,
+                                               LocationEstimate& estimate) const {
   const RoomAccessPoint& ap = room_->access_points[station.index];
-  const auto index = static_cast<int>(station.index);
-  if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
-        return frame.access_point == index;
-      })) {
-    return std::nullopt;
-  }
-  auto burst = combine_burst(frames, {index, room_->grid, ap.cores, options_.burst});
-  if (!burst) {
-    estimate.warnings.push_back("access point " + ap.id + ": " + burst.error().message);
-    return std::nullopt;
-  }
-  Heard heard{&station, {}, std::move(burst->h), 1.0};
-  remove_gains(ap.gains, heard.h);
-  heard.observed = station.model.observe(heard.h);
+  Heard heard{&station, station.model.observe(burst.h), burst.h, 1.0};
   if (heard.observed.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
-  if (burst->motion_residual > kMotionWarning) {
-    estimate.warnings.push_back("access point " + ap.id + ": the channel changes within the burst");
-  }
   // The map's covariances hold the model's noise only; a weak burst counts less.
-  const double in_basis = burst->noise_variance * static_cast<double>(station.model.dimension()) /
+  const double in_basis = burst.noise_variance * static_cast<double>(station.model.dimension()) /
                           static_cast<double>(heard.h.size());
   heard.weight = ap.error.noise / (ap.error.noise + in_basis);
-  const bool first = estimate.frames_used == 0;
-  estimate.capture_start = first ? burst->first : std::min(estimate.capture_start, burst->first);
-  estimate.capture_end = first ? burst->last : std::max(estimate.capture_end, burst->last);
-  estimate.frames_used += burst->frames_used;
-  estimate.antennas_used += ap.cores.size();
-  ++estimate.access_points_used;
-  snr.push_back(burst->snr_db);
   return heard;
 }
 
 std::vector<Heard> Localizer::Impl::listen(std::span<const CsiFrame> frames,
                                            LocationEstimate& estimate) const {
   std::vector<Heard> heard;
-  std::vector<double> snr;
+  HearingTally tally;
   for (const Station& station : stations_) {
-    if (auto one = hear(station, frames, estimate, snr)) {
+    const auto burst = hear(*room_, station.index, frames, options_.burst, estimate.warnings);
+    auto one = burst ? heard_by(station, *burst, estimate) : std::nullopt;
+    if (one) {
+      tally.add(room_->access_points[station.index], *burst);
       heard.push_back(*std::move(one));
     }
   }
-  if (!snr.empty()) {
-    estimate.snr_db = median(snr);
-  }
+  tally.fill(frames, estimate);
   return heard;
 }
 
@@ -260,12 +216,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
     estimate.reason = "no frames";
     return estimate;
   }
-  estimate.capture_start = frames.front().time;
-  estimate.capture_end = frames.back().time;
   const auto heard = listen(frames, estimate);
-  estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
-  estimate.capture_start = frames.front().time;
-  estimate.capture_end = frames.back().time;
   if (heard.empty()) {
     estimate.reason = estimate.warnings.empty() ? "no access point of the site heard the burst"
                                                 : estimate.warnings.front();

@@ -1,0 +1,49 @@
+// What the access points of a room hear of one burst: the part of a fix that every method of
+// localization begins with.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/channel/csi_frame.h"
+#include "engine/localize/location_estimate.h"
+#include "engine/localize/room_model.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc {
+
+// Why nothing can be made of what this access point hears, to follow its name; empty: nothing is
+// wrong.
+std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point);
+
+// The burst of one access point of RoomModel::access_points, chain gains removed; nothing when it
+// heard none that can be used, and what was wrong with it is a warning.
+// REQUIRES: calibration_problem() is empty.
+std::optional<BurstObservation> hear(const RoomModel& room,
+                                     std::size_t access_point,
+                                     std::span<const CsiFrame> frames,
+                                     const BurstOptions& options,
+                                     std::vector<std::string>& warnings);
+
+// Adds up what an estimate says of the bursts that were used for it.
+class HearingTally {
+ public:
+  void add(const RoomAccessPoint& access_point, const BurstObservation& burst);
+
+  // Numbers, snr_db, times, and a warning of motion. Without a burst: times are those of the
+  // frames. REQUIRES: frames not empty.
+  void fill(std::span<const CsiFrame> frames, LocationEstimate& estimate) const;
+
+ private:
+  std::size_t frames_ = 0;
+  std::size_t antennas_ = 0;
+  Timestamp first_;
+  Timestamp last_;
+  std::vector<double> snr_db_;  // of each access point
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace rayloc
