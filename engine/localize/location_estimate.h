@@ -26,6 +26,9 @@ struct LocationEstimate {
   std::optional<Vec3d> position;
   std::string reason;
 
+  // A method that finds a position and knows nothing of its error states none: then the next three
+  // are meaningless, and there are no hypotheses.
+  bool is_uncertainty_stated = true;
   // Of the whole posterior about `position`; meaningless without one.
   std::array<double, 9> covariance{};
   double accuracy_m = 0.0;            // horizontal radius that contains the target ...
@@ -35,10 +38,14 @@ struct LocationEstimate {
   double residual_probability = 1.0;   // 1 - sum of the weights: somewhere else
   bool ambiguous = false;              // another hypothesis is nearly as likely
 
-  double loss = 0.0;    // negative log-likelihood of `position`, up to a constant of the site
-  double snr_db = 0.0;  // of one frame, median over the access points
+  // Negative log-likelihood of `position`, up to a constant of the site, or what else the method
+  // makes least.
+  double loss = 0.0;
+  double snr_db = 0.0;             // of one frame, median over the access points
   double model_residual_db = 0.0;  // power that the model at `position` leaves unexplained
 
+  std::size_t iterations = 0;  // steps that led to `position`; 0: the method has none
+  std::size_t starts = 0;      // places they were begun from; 0: the method has none
   std::size_t frames_used = 0;
   std::size_t access_points_used = 0;
   std::size_t antennas_used = 0;
