@@ -37,6 +37,7 @@ struct Options {
   std::string format = "jsonl";
   std::string out = "-";
   std::uint64_t seed = 1;
+  std::size_t starts = 1;
   int threads = 0;
   bool quiet = false;
 };
@@ -177,6 +178,12 @@ Expected<void> run(const Options& options) {
     return make_error(ErrorKind::kUsage,
                       "--kind person: this version locates devices only; use --kind device");
   }
+  if (options.starts > 1 && options.method != "paper") {
+    return make_error(ErrorKind::kUsage,
+                      "--multi-start: method " + options.method +
+                          " starts nowhere; use --method "
+                          "paper");
+  }
   const Expected<Duration> burst = parse_burst(options.burst);
   if (!burst) {
     return tl::make_unexpected(burst.error());
@@ -194,7 +201,11 @@ Expected<void> run(const Options& options) {
   if (!inputs) {
     return tl::make_unexpected(inputs.error());
   }
-  Expected<std::unique_ptr<DeviceEstimator>> estimator = DeviceEstimator::create(*site, {});
+  DeviceEstimator::Options estimation;
+  estimation.method = options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
+  estimation.paper.seed = options.seed;
+  estimation.paper.starts = options.starts;
+  Expected<std::unique_ptr<DeviceEstimator>> estimator = DeviceEstimator::create(*site, estimation);
   if (!estimator) {
     return tl::make_unexpected(estimator.error());
   }
@@ -222,8 +233,8 @@ RunVerb declare(CLI::App& app) {
   app.add_option("site", options->site, "directory with site.toml")->required();
   app.add_option("captures", options->captures, "[AP=]FILE: pcap, pcapng, .gz, or - for stdin")
       ->required();
-  app.add_option("--method", options->method, "how positions are estimated")
-      ->check(CLI::IsMember({"rayloc"}))
+  app.add_option("--method", options->method, "rayloc, or paper: the published one, as it is")
+      ->check(CLI::IsMember({"rayloc", "paper"}))
       ->capture_default_str();
   app.add_option("--kind", options->kind, "targets to locate")
       ->check(CLI::IsMember({"device", "person", "all"}))
@@ -235,7 +246,10 @@ RunVerb declare(CLI::App& app) {
       ->check(CLI::IsMember({"jsonl", "pb"}))
       ->capture_default_str();
   app.add_option("--out", options->out, "file to write instead of standard output");
-  app.add_option("--seed", options->seed, "of random numbers; the method draws none")
+  app.add_option("--seed", options->seed, "of random numbers; rayloc draws none")
+      ->capture_default_str();
+  app.add_option("--multi-start", options->starts, "random starts of paper; the least loss wins")
+      ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(CLI::Range(0, 1024))
@@ -247,9 +261,11 @@ RunVerb declare(CLI::App& app) {
 }  // namespace
 
 extern const Verb kReplay;
-const Verb kReplay = {"replay",
-                      "Locate targets in recordings, as raylocd would have",
-                      "rayloc replay room/ ap1=monday.pcap ap2=monday-2.pcap.gz > locations.jsonl",
-                      &declare};
+const Verb kReplay = {
+    "replay",
+    "Locate targets in recordings, as raylocd would have",
+    "rayloc replay room/ ap1=monday.pcap ap2=monday-2.pcap.gz > locations.jsonl\n"
+    "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7",
+    &declare};
 
 }  // namespace rayloc::cli

@@ -8,6 +8,28 @@
 
 namespace rayloc {
 
+const RoomModel& DeviceEstimator::Room::room() const {
+  return std::visit([](const auto& of) -> const RoomModel& { return of.room(); }, localizer);
+}
+
+LocationEstimate DeviceEstimator::Room::locate(std::span<const CsiFrame> frames) const {
+  return std::visit([&](const auto& of) { return of.locate(frames); }, localizer);
+}
+
+Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
+    std::shared_ptr<const RoomModel> room) const {
+  const DeviceModel device = room->device;
+  const auto held = [&](auto localizer) -> Expected<Room> {
+    if (!localizer) {
+      return tl::make_unexpected(localizer.error());
+    }
+    return Room{device, *std::move(localizer)};
+  };
+  return options_.method == LocationMethod::kPaper
+             ? held(PaperLocalizer::create(std::move(room), options_.paper))
+             : held(Localizer::create(std::move(room), options_.localizer));
+}
+
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
   DeviceModel device;
   if (stated == nullptr) {
@@ -46,12 +68,11 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
   }
   for (const DeviceModel& device : devices) {
     room->device = device;
-    Expected<Localizer> localizer =
-        Localizer::create(std::make_shared<const RoomModel>(*room), options.localizer);
-    if (!localizer) {
-      return tl::make_unexpected(localizer.error());
+    Expected<Room> prepared = estimator->prepare(std::make_shared<const RoomModel>(*room));
+    if (!prepared) {
+      return tl::make_unexpected(prepared.error());
     }
-    estimator->rooms_.push_back({device, std::move(*localizer)});
+    estimator->rooms_.push_back(*std::move(prepared));
   }
   return estimator;
 }
@@ -74,11 +95,11 @@ void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& ou
   }
   context.frame.set_crs("local");
   context.frame.set_site(site_.name);
-  context.frame.set_scene_hash(room->localizer.room().scene_hash);
-  context.frame.set_calibration_id(room->localizer.room().calibration_id);
-  context.method = "rayloc";
+  context.frame.set_scene_hash(room->room().scene_hash);
+  context.frame.set_calibration_id(room->room().calibration_id);
+  context.method = options_.method == LocationMethod::kPaper ? "paper" : "rayloc";
   context.valid_for = options_.valid_for;
-  out.push_back(location_message(room->localizer.locate(burst.frames), context));
+  out.push_back(location_message(room->locate(burst.frames), context));
 }
 
 }  // namespace rayloc

@@ -4,22 +4,30 @@
 // Frames of a fixed transmitter are for the device-free estimator; this one leaves them alone.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/localize/localizer.h"
+#include "engine/localize/paper_localizer.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
+enum class LocationMethod : std::uint8_t { kRayloc, kPaper };
+
 class DeviceEstimator : public Estimator {
  public:
   struct Options {
-    LocalizerOptions localizer;
+    LocationMethod method = LocationMethod::kRayloc;
+    LocalizerOptions localizer;                           // of kRayloc
+    PaperLocalizerOptions paper;                          // of kPaper
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
   };
 
@@ -30,15 +38,19 @@ class DeviceEstimator : public Estimator {
 
   void estimate(const Burst& burst, std::vector<v1::Location>& out) override;
 
-  const RoomModel& room() const { return rooms_.front().localizer.room(); }
+  const RoomModel& room() const { return rooms_.front().room(); }
 
  private:
   struct Room {
     DeviceModel device;
-    Localizer localizer;
+    std::variant<Localizer, PaperLocalizer> localizer;
+
+    const RoomModel& room() const;
+    LocationEstimate locate(std::span<const CsiFrame> frames) const;
   };
 
   DeviceEstimator(Site site, const Options& options) : site_(std::move(site)), options_(options) {}
+  Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   DeviceModel device_of(const SiteTransmitter* stated) const;
 
   const Site site_;

@@ -22,10 +22,12 @@ std::string event_id(const LocationEstimate& estimate, const LocationContext& co
 void set_position(const LocationEstimate& estimate, v1::Location* message) {
   message->set_mode(v1::FIX_MODE_2D);
   set_point(*estimate.position, message->mutable_position());
-  message->mutable_position_covariance()->Add(estimate.covariance.begin(),
-                                              estimate.covariance.end());
-  message->set_accuracy_m(estimate.accuracy_m);
-  message->set_accuracy_confidence(estimate.accuracy_confidence);
+  if (estimate.is_uncertainty_stated) {
+    message->mutable_position_covariance()->Add(estimate.covariance.begin(),
+                                                estimate.covariance.end());
+    message->set_accuracy_m(estimate.accuracy_m);
+    message->set_accuracy_confidence(estimate.accuracy_confidence);
+  }
   for (const Hypothesis& hypothesis : estimate.hypotheses) {
     v1::Hypothesis* to = message->add_hypotheses();
     set_point(hypothesis.position, to->mutable_position());
@@ -46,6 +48,8 @@ void set_quality(const LocationEstimate& estimate,
   if (estimate.frames_used > 0) {
     quality->set_snr_db(estimate.snr_db);
   }
+  quality->set_iterations(static_cast<std::uint32_t>(estimate.iterations));
+  quality->set_starts(static_cast<std::uint32_t>(estimate.starts));
   if (estimate.position) {
     quality->set_loss(estimate.loss);
     quality->set_model_residual_db(estimate.model_residual_db);

@@ -28,6 +28,8 @@ TEST(Replay, RefusesOptionsThatMeanNothing) {
                                       std::pair{"--speed", "0"},
                                       std::pair{"--speed", "1x"},
                                       std::pair{"--method", "magic"},
+                                      std::pair{"--multi-start", "0"},
+                                      std::pair{"--multi-start", "2"},  // of method rayloc
                                       std::pair{"--kind", "person"}}) {
     const Finished finished = replay({kSite, capture, option, value});
     EXPECT_EQ(finished.status, 64) << option << " " << value;
@@ -50,6 +52,15 @@ TEST(Replay, StatesNoFixWithoutACalibration) {
   EXPECT_NE(finished.out.find("FIX_MODE_NO_FIX"), std::string::npos);
   EXPECT_EQ(finished.out.find("\"position\""), std::string::npos);
   EXPECT_NE(finished.out.find("no_fix_reason"), std::string::npos);
+}
+
+TEST(Replay, SaysWhichMethodWasAsked) {
+  for (const std::string method : {"rayloc", "paper"}) {
+    const Finished finished =
+        replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--quiet", "--method", method});
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    EXPECT_NE(finished.out.find("\"method\":\"" + method + "\""), std::string::npos) << method;
+  }
 }
 
 }  // namespace

@@ -64,6 +64,24 @@ TEST(LocationMessage, NoFixHasNoPositionAndAReason) {
   EXPECT_EQ(message.quality().no_fix_reason(), "no usable frame");
 }
 
+TEST(LocationMessage, UncertaintyThatIsNotStatedIsAbsent) {
+  LocationEstimate estimate = fix();
+  estimate.is_uncertainty_stated = false;
+  estimate.hypotheses.clear();
+  estimate.residual_probability = 1.0;
+  estimate.iterations = 100;
+  estimate.starts = 8;
+  const v1::Location message = location_message(estimate, context());
+  EXPECT_EQ(message.mode(), v1::FIX_MODE_2D);
+  EXPECT_EQ(message.position().y(), -2.0);
+  EXPECT_EQ(message.position_covariance_size(), 0);
+  EXPECT_FALSE(message.has_accuracy_m());
+  EXPECT_FALSE(message.has_accuracy_confidence());
+  EXPECT_EQ(message.residual_probability(), 1.0);
+  EXPECT_EQ(message.quality().iterations(), 100U);
+  EXPECT_EQ(message.quality().starts(), 8U);
+}
+
 TEST(LocationMessage, IdTellsTargetInstantAndKindApart) {
   LocationContext filtered = context();
   filtered.kind = v1::LOCATION_KIND_FILTERED;
