@@ -280,10 +280,10 @@ bool JointCalibration::solve(const Round& round, bool with_deciding, const char*
   const std::vector<char> free = released(round);
   const auto samples = fitted(with_deciding);
   const JointProblem problem(context(samples));
-  problem.solve(joint_options(round, free), state_, [&](int, double cost) {
+  problem.solve(joint_options(round, free), state_, [&](double unexplained) {
     share_ +=
         1.0 / static_cast<double>(static_cast<int>(kRounds.size()) * (options_.iterations + 3));
-    return tell(stage, cost);
+    return tell(stage, unexplained);
   });
   return !stopped_;
 }
@@ -354,7 +354,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
                 surface_power(traced_, *room_.scene),
                 {round.floor, round.scan_range},
                 state_);
-  if (!tell("scan", 0.0) || !solve(round, false, "fit") ||
+  if (!tell("scan", mean_unexplained(context(samples), state_)) || !solve(round, false, "fit") ||
       (round.cycles && !settle(round, false, "fit"))) {
     state_ = before;  // the last good one
     return false;

@@ -41,6 +41,8 @@ struct JointCalibrationOptions {
   std::function<void(const JointCheckpoint&)> on_checkpoint;  // after each round
 };
 
+// The loss of its history is mean_unexplained() of the points that are fitted.
+//
 // `room`: the floor plan with the chain gains and the yaw of fit_access_point. Every access point
 // that heard something is calibrated. An Error names an access point with too few points.
 Expected<RoomCalibration> calibrate_jointly(const RoomModel& room,

@@ -21,6 +21,14 @@ struct Values {
   std::vector<std::array<double, 3>> survey;  // [m], of each point
 };
 
+JointState state_of(const Values& values) {
+  JointState state{values.room, {}};
+  for (const auto& error : values.survey) {
+    state.survey.push_back({error[0], error[1], error[2]});
+  }
+  return state;
+}
+
 // Residuals and derivatives of all samples, made at once by all threads before Ceres asks for them
 // one by one: the order in which Ceres sums does not depend on the threads.
 class Evaluations : public ceres::EvaluationCallback {
@@ -125,14 +133,17 @@ class PriorCost : public ceres::CostFunction {
 
 class StopWhenTold : public ceres::IterationCallback {
  public:
-  explicit StopWhenTold(const JointObserver& observer) : observer_(observer) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    return !observer_ || observer_(summary.iteration, summary.cost)
+  StopWhenTold(const JointContext& context, const Values& values, const JointObserver& observer)
+      : context_(context), values_(values), observer_(observer) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& /*summary*/) override {
+    return !observer_ || observer_(mean_unexplained(context_, state_of(values_)))
                ? ceres::SOLVER_CONTINUE
                : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
  private:
+  const JointContext& context_;
+  const Values& values_;
   const JointObserver& observer_;
 };
 
@@ -230,6 +241,24 @@ void assemble(const JointContext& context,
 
 }  // namespace
 
+double mean_unexplained(const JointContext& context, const JointState& state) {
+  std::vector<double> change(state.values.size());
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    change[i] = state.values[i] - context.traced_at[i];
+  }
+  std::vector<double> each(context.samples.size());
+  parallel_for(each.size(), 1, [&](std::size_t i) {
+    const JointSample& sample = context.samples[i];
+    each[i] = context.model.unexplained(
+        *sample.traced, *sample.measured, {change, state.survey[sample.traced->point]});
+  });
+  double sum = 0.0;
+  for (const double one : each) {
+    sum += one;
+  }
+  return each.empty() ? 0.0 : sum / static_cast<double>(each.size());
+}
+
 double JointProblem::solve(const JointOptions& options,
                            JointState& state,
                            const JointObserver& observer) const {
@@ -253,16 +282,13 @@ double JointProblem::solve(const JointOptions& options,
     }
     solver.linear_solver_ordering = ordering;
   }
-  StopWhenTold stop(observer);
+  StopWhenTold stop(context_, assembled.values, observer);
+  solver.update_state_every_iteration = true;  // the observer looks at it
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, assembled.problem.get(), &summary);
   if (summary.IsSolutionUsable()) {
-    state.values = assembled.values.room;
-    for (std::size_t p = 0; p < state.survey.size(); ++p) {
-      const auto& error = assembled.values.survey[p];
-      state.survey[p] = {error[0], error[1], error[2]};
-    }
+    state = state_of(assembled.values);
   }
   return summary.final_cost;
 }

@@ -45,8 +45,12 @@ struct JointOptions {
   std::span<const char> released;  // of each unknown
 };
 
-// After each iteration: its cost; false stops.
-using JointObserver = std::function<bool(int iteration, double cost)>;
+// Mean share of the measured arrays that the model leaves unexplained, whatever the floor: what
+// rounds compare by.
+double mean_unexplained(const JointContext& context, const JointState& state);
+
+// After each iteration: mean_unexplained(); false stops.
+using JointObserver = std::function<bool(double unexplained)>;
 
 class JointProblem {
  public:
