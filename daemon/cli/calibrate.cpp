@@ -18,12 +18,12 @@
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/calibrate/calibration_report.h"
 #include "daemon/calibrate/checkpoint_file.h"
-#include "daemon/calibrate/fit_summary.h"
 #include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/calibration_progress.h"
+#include "daemon/cli/calibration_summary.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verb.h"
 #include "daemon/site/calibration_file.h"
@@ -95,10 +95,10 @@ class Calibration {
   Expected<void> fit_gains();
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer);
+  void count_from_survey(std::vector<RoomParameter>& parameters) const;
   Expected<void> fit_errors(const RoomModel& room);
   Expected<void> fit_certainty(const RoomModel& room);
   Expected<void> write(const std::vector<CalibrationMethodResult>& methods);
-  void print_summary(const CalibrationReport& report) const;
   // "points.csv:17"
   std::string place_of(std::size_t point) const {
     return options_.points + ":" + std::to_string(inputs_.points[point].point.line);
@@ -248,8 +248,21 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     return tl::make_unexpected(std::move(calibration.error()));
   }
   result.calibration = *std::move(calibration);
+  count_from_survey(result.calibration.parameters);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
+}
+
+// A method starts from the yaw that the gains were fitted with; people count from the survey.
+void Calibration::count_from_survey(std::vector<RoomParameter>& parameters) const {
+  for (RoomParameter& parameter : parameters) {
+    for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
+      if (parameter.name == plan_.access_points[a].id + ".yaw") {
+        parameter.value += start_.access_points[a].array.pose.orientation.yaw -
+                           plan_.access_points[a].array.pose.orientation.yaw;
+      }
+    }
+  }
 }
 
 // What the likelihood needs to know of the calibrated room.
@@ -337,44 +350,13 @@ Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& me
     return html;
   }
   if (!options_.quiet) {
-    print_summary(report);
+    std::vector<AccessPointUse> used;
+    for (const AccessPointResult& result : results_) {
+      used.push_back({result.index, result.fit.samples_used});
+    }
+    print_summary(report, used);
   }
   return {};
-}
-
-void Calibration::print_summary(const CalibrationReport& report) const {
-  for (const CalibrationMethodResult& method : report.methods) {
-    for (const AccessPointResult& result : results_) {
-      const FitSummary fit = summarize_fit(report, method.calibration, result.index);
-      if (!fit.before || !fit.after) {
-        continue;
-      }
-      std::fprintf(stderr,
-                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)\n",
-                   method.method.c_str(),
-                   report.access_points[result.index].c_str(),
-                   result.fit.samples_used,
-                   fit.before->median,
-                   fit.after->median,
-                   fit.points);
-    }
-  }
-  const HeldOutFixes& last = report.fixes.back();
-  std::fprintf(stderr,
-               "held-out fixes: %zu of %zu points, median error %.3f m, %zu within the stated "
-               "95 %% radius (likelihood exponent %.2f)\n",
-               last.fixes,
-               last.points,
-               last.median_error_m,
-               last.within_accuracy,
-               last.temper);
-  if (!report.refused.empty()) {
-    std::fprintf(stderr,
-                 "%zu inputs refused, the first: %s: %s; see report.json\n",
-                 report.refused.size(),
-                 report.refused.front().what.c_str(),
-                 report.refused.front().reason.c_str());
-  }
 }
 
 Expected<void> Calibration::run() {
@@ -407,7 +389,8 @@ Expected<void> Calibration::run() {
   // In the calibrated room a point that was surveyed wrongly stands out; under the plan few do.
   for (const PointRefusal& odd :
        misfitting_points(plan_, methods.front().calibration.points, &PointFit::after)) {
-    inputs_.refused.push_back({place_of(odd.point), odd.reason + " (after the calibration)"});
+    inputs_.refused.push_back(
+        {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
   const RoomModel& room = methods.front().calibration.room;
   if (auto fitted = fit_errors(room); !fitted) {

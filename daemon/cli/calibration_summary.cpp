@@ -1,0 +1,44 @@
+#include "daemon/cli/calibration_summary.h"
+
+#include <cstdio>
+
+#include "daemon/calibrate/fit_summary.h"
+
+namespace rayloc::cli {
+
+void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used) {
+  for (const CalibrationMethodResult& method : report.methods) {
+    for (const AccessPointUse& one : used) {
+      const FitSummary fit = summarize_fit(report, method.calibration, one.index);
+      if (!fit.before || !fit.after) {
+        continue;
+      }
+      std::fprintf(stderr,
+                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)\n",
+                   method.method.c_str(),
+                   report.access_points[one.index].c_str(),
+                   one.points,
+                   fit.before->median,
+                   fit.after->median,
+                   fit.points);
+    }
+  }
+  const HeldOutFixes& last = report.fixes.back();
+  std::fprintf(stderr,
+               "held-out fixes: %zu of %zu points, median error %.3f m, %zu within the stated "
+               "95 %% radius (likelihood exponent %.2f)\n",
+               last.fixes,
+               last.points,
+               last.median_error_m,
+               last.within_accuracy,
+               last.temper);
+  if (!report.refused.empty()) {
+    std::fprintf(stderr,
+                 "%zu inputs refused, the first: %s: %s; see report.json\n",
+                 report.refused.size(),
+                 report.refused.front().what.c_str(),
+                 report.refused.front().reason.c_str());
+  }
+}
+
+}  // namespace rayloc::cli
