@@ -52,7 +52,9 @@ void set_quality(const LocationEstimate& estimate,
   quality->set_starts(static_cast<std::uint32_t>(estimate.starts));
   if (estimate.position) {
     quality->set_loss(estimate.loss);
-    quality->set_model_residual_db(estimate.model_residual_db);
+    if (estimate.model_residual_db) {
+      quality->set_model_residual_db(*estimate.model_residual_db);
+    }
     quality->set_ambiguous(estimate.ambiguous);
   } else {
     quality->set_no_fix_reason(estimate.reason);
@@ -60,6 +62,20 @@ void set_quality(const LocationEstimate& estimate,
   for (const std::string& warning : estimate.warnings) {
     quality->add_warnings(warning);
   }
+}
+
+v1::TrackState to_proto(TrackState state) {
+  switch (state) {
+    case TrackState::kTentative:
+      return v1::TRACK_STATE_TENTATIVE;
+    case TrackState::kConfirmed:
+      return v1::TRACK_STATE_CONFIRMED;
+    case TrackState::kCoasting:
+      return v1::TRACK_STATE_COASTING;
+    case TrackState::kLost:
+      return v1::TRACK_STATE_LOST;
+  }
+  return v1::TRACK_STATE_UNSPECIFIED;
 }
 
 }  // namespace
@@ -81,6 +97,20 @@ v1::Location location_message(const LocationEstimate& estimate, const LocationCo
   }
   *message.mutable_valid_for() = to_proto(context.valid_for);
   set_quality(estimate, context, message.mutable_quality());
+  return message;
+}
+
+v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext context) {
+  context.kind = v1::LOCATION_KIND_FILTERED;
+  v1::Location message = location_message(estimate.location, context);
+  if (estimate.predicted && estimate.location.position) {
+    message.set_mode(v1::FIX_MODE_PREDICTED);
+  }
+  message.set_track_state(to_proto(estimate.state));
+  if (estimate.velocity) {
+    message.mutable_velocity()->set_x(estimate.velocity->x);
+    message.mutable_velocity()->set_y(estimate.velocity->y);
+  }
   return message;
 }
 

@@ -5,6 +5,7 @@
 
 #include "engine/base/timestamp.h"
 #include "engine/localize/location_estimate.h"
+#include "engine/track/track.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
@@ -21,5 +22,8 @@ struct LocationContext {
 // A function of its arguments: a replay gives the same bytes. With NO_FIX there is neither a
 // position nor an accuracy, and `quality.no_fix_reason` says why.
 v1::Location location_message(const LocationEstimate& estimate, const LocationContext& context);
+
+// The same of the tracker: `context.kind` is LOCATION_KIND_FILTERED whatever it was.
+v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext context);
 
 }  // namespace rayloc

@@ -42,14 +42,6 @@ struct Station {
   PlaceModel nowhere;
 };
 
-// What a station hears in one burst.
-struct Heard {
-  const Station* station;
-  ObservedArray observed;
-  std::vector<std::complex<double>> h;
-  double weight;  // of its log-likelihood
-};
-
 std::vector<Vec3d> offsets_of(const AntennaArray& array) {
   std::vector<Vec3d> offsets;
   for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
@@ -88,8 +80,13 @@ class Localizer::Impl {
     }
   }
 
+  Hearing hear_burst(std::span<const CsiFrame> frames) const;
+  // far_below: taken from the cells that are not looked at closely.
+  std::vector<double> map_of(const std::vector<HeardArray>& heard, double far_below) const;
   LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
   const RoomModel& room() const { return *room_; }
+  const RoomGrid& grid() const { return grid_; }
+  const LocalizerOptions& options() const { return options_; }
 
  private:
   static RoomGrid make_grid(const RoomModel& room) {
@@ -118,12 +115,12 @@ class Localizer::Impl {
     });
   }
 
-  std::vector<Heard> listen(std::span<const CsiFrame> frames, LocationEstimate& estimate) const;
-  std::optional<Heard> heard_by(const Station& station,
-                                const BurstObservation& burst,
-                                LocationEstimate& estimate) const;
-  std::vector<double> map_of(const std::vector<Heard>& heard) const;
-  double model_residual(const std::vector<Heard>& heard, const Vec3d& position) const;
+  std::vector<HeardArray> listen(std::span<const CsiFrame> frames,
+                                 LocationEstimate& estimate) const;
+  std::optional<HeardArray> heard_by(std::size_t number,
+                                     const BurstObservation& burst,
+                                     LocationEstimate& estimate) const;
+  double model_residual(const std::vector<HeardArray>& heard, const Vec3d& position) const;
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
@@ -133,11 +130,12 @@ class Localizer::Impl {
 };
 
 // Of a burst that is a channel of this room.
-std::optional<Heard> Localizer::Impl::heard_by(const Station& station,
-                                               const BurstObservation& burst,
-                                               LocationEstimate& estimate) const {
+std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
+                                                    const BurstObservation& burst,
+                                                    LocationEstimate& estimate) const {
+  const Station& station = stations_[number];
   const RoomAccessPoint& ap = room_->access_points[station.index];
-  Heard heard{&station, station.model.observe(burst.h), burst.h, 1.0};
+  HeardArray heard{number, station.model.observe(burst.h), burst.h, 1.0};
   if (heard.observed.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
@@ -150,13 +148,15 @@ std::optional<Heard> Localizer::Impl::heard_by(const Station& station,
   return heard;
 }
 
-std::vector<Heard> Localizer::Impl::listen(std::span<const CsiFrame> frames,
-                                           LocationEstimate& estimate) const {
-  std::vector<Heard> heard;
+std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames,
+                                                LocationEstimate& estimate) const {
+  std::vector<HeardArray> heard;
   HearingTally tally;
-  for (const Station& station : stations_) {
-    const auto burst = hear(*room_, station.index, frames, options_.burst, estimate.warnings);
-    auto one = burst ? heard_by(station, *burst, estimate) : std::nullopt;
+  for (std::size_t number = 0; number < stations_.size(); ++number) {
+    const Station& station = stations_[number];
+    const auto burst =
+        rayloc::hear(*room_, station.index, frames, options_.burst, estimate.warnings);
+    auto one = burst ? heard_by(number, *burst, estimate) : std::nullopt;
     if (one) {
       tally.add(room_->access_points[station.index], *burst);
       heard.push_back(*std::move(one));
@@ -167,16 +167,18 @@ std::vector<Heard> Localizer::Impl::listen(std::span<const CsiFrame> frames,
 }
 
 // Log-likelihood of every cell above that of being nowhere in particular.
-std::vector<double> Localizer::Impl::map_of(const std::vector<Heard>& heard) const {
+std::vector<double> Localizer::Impl::map_of(const std::vector<HeardArray>& heard,
+                                            double far_below) const {
   std::vector<double> nowhere;
   nowhere.reserve(heard.size());
-  for (const Heard& one : heard) {
-    nowhere.push_back(ObservationModel::log_likelihood(one.station->nowhere, one.observed));
+  for (const HeardArray& one : heard) {
+    nowhere.push_back(
+        ObservationModel::log_likelihood(stations_[one.station].nowhere, one.observed));
   }
   const auto sum = [&](std::size_t cell, auto log_likelihood) {
     double total = 0.0;
     for (std::size_t i = 0; i < heard.size(); ++i) {
-      const PlaceModel& place = heard[i].station->cells[cell];
+      const PlaceModel& place = stations_[heard[i].station].cells[cell];
       if (place.reachable) {
         total += heard[i].weight * (log_likelihood(place, heard[i].observed) - nowhere[i]);
       }
@@ -190,51 +192,61 @@ std::vector<double> Localizer::Impl::map_of(const std::vector<Heard>& heard) con
   const double least = *std::max_element(map.begin(), map.end()) - kCoarseMargin;
   parallel_for(map.size(), 64, [&](std::size_t cell) {
     map[cell] =
-        map[cell] >= least ? sum(cell, ObservationModel::log_likelihood) : map[cell] - kFarBelow;
+        map[cell] >= least ? sum(cell, ObservationModel::log_likelihood) : map[cell] - far_below;
   });
   return map;
 }
 
-double Localizer::Impl::model_residual(const std::vector<Heard>& heard,
+double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
                                        const Vec3d& position) const {
   double residual = 0.0;
   const Aligner aligner(room_->grid);
-  for (const Heard& one : heard) {
-    const auto rays = rays_to(*one.station, position);
-    const auto expected = one.station->model.expected(
-        {rays, one.station->element_offset, 0.0}, room_->access_points[one.station->index].error);
+  for (const HeardArray& one : heard) {
+    const Station& station = stations_[one.station];
+    const auto rays = rays_to(station, position);
+    const auto expected = station.model.expected({rays, station.element_offset, 0.0},
+                                                 room_->access_points[station.index].error);
     residual += 1.0 - aligner.align(expected, one.h).correlation;
   }
   return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
 }
 
-LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, double temper) const {
-  LocationEstimate estimate;
+Hearing Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
+  Hearing hearing;
+  LocationEstimate& estimate = hearing.estimate;
   estimate.warnings = warnings_;
   estimate.accuracy_confidence = options_.accuracy_confidence;
   if (frames.empty()) {
     estimate.reason = "no frames";
-    return estimate;
+    return hearing;
   }
-  const auto heard = listen(frames, estimate);
-  if (heard.empty()) {
+  hearing.arrays = listen(frames, estimate);
+  if (hearing.arrays.empty()) {
     estimate.reason = estimate.warnings.empty() ? "no access point of the site heard the burst"
                                                 : estimate.warnings.front();
-    return estimate;
   }
-  const auto map = map_of(heard);
+  return hearing;
+}
+
+LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, double temper) const {
+  Hearing hearing = hear_burst(frames);
+  LocationEstimate& estimate = hearing.estimate;
+  if (hearing.arrays.empty()) {
+    return std::move(estimate);
+  }
+  const auto map = map_of(hearing.arrays, kFarBelow);
   const double best = *std::max_element(map.begin(), map.end());
   if (best <= 0.0) {
     estimate.reason = "no place of the room explains the burst better than diffuse scattering";
     estimate.loss = -best;
-    return estimate;
+    return std::move(estimate);
   }
   summarise_posterior(
       grid_, map, {temper, options_.accuracy_confidence, options_.max_hypotheses}, estimate);
   if (estimate.position) {
-    estimate.model_residual_db = model_residual(heard, *estimate.position);
+    estimate.model_residual_db = model_residual(hearing.arrays, *estimate.position);
   }
-  return estimate;
+  return std::move(estimate);
 }
 
 Expected<Localizer> Localizer::create(std::shared_ptr<const RoomModel> room,
@@ -265,6 +277,16 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames, double temp
   return impl_->locate(frames, temper);
 }
 
+Hearing Localizer::hear(std::span<const CsiFrame> frames) const {
+  return impl_->hear_burst(frames);
+}
+std::vector<double> Localizer::log_likelihood(const Hearing& hearing) const {
+  RAYLOC_CHECK(!hearing.arrays.empty());
+  return impl_->map_of(hearing.arrays, 0.0);
+}
+
+const RoomGrid& Localizer::grid() const { return impl_->grid(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }
+const LocalizerOptions& Localizer::options() const { return impl_->options(); }
 
 }  // namespace rayloc

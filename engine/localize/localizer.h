@@ -6,14 +6,21 @@
 //
 // create() traces the grid of the room once (seconds); locate() costs milliseconds and depends on
 // its arguments alone: the same frames give the same bytes, whatever the number of threads.
+//
+// A tracker takes the two halves of locate() apart: hear(), then log_likelihood() of every cell.
 #pragma once
 
+#include <complex>
+#include <cstddef>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/location_estimate.h"
+#include "engine/localize/observation_model.h"
+#include "engine/localize/posterior.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/burst.h"
 
@@ -23,6 +30,19 @@ struct LocalizerOptions {
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
   BurstOptions burst;
+};
+
+// A burst as one access point heard it, its chain gains removed.
+struct HeardArray {
+  std::size_t station = 0;  // number among the access points that the localizer can use
+  ObservedArray observed;
+  std::vector<std::complex<double>> h;  // [core][tone], up to one complex factor and one delay
+  double weight = 1.0;                  // of its log-likelihood; 1 when noise is negligible
+};
+
+struct Hearing {
+  std::vector<HeardArray> arrays;  // empty: nothing usable, estimate.reason says why
+  LocationEstimate estimate;       // times, counts and warnings, no position
 };
 
 class Localizer {
@@ -40,7 +60,15 @@ class Localizer {
   // With another exponent of the likelihood than RoomModel::temper: for fitting that.
   LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
 
+  Hearing hear(std::span<const CsiFrame> frames) const;
+  // Of every cell of grid(), relative to the device being nowhere in particular, not tempered.
+  // Cells that are far from the best are known less precisely, as a lower bound.
+  // REQUIRES: hearing.arrays is not empty.
+  std::vector<double> log_likelihood(const Hearing& hearing) const;
+  const RoomGrid& grid() const;
+
   const RoomModel& room() const;
+  const LocalizerOptions& options() const;
 
  private:
   class Impl;

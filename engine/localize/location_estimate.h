@@ -41,8 +41,9 @@ struct LocationEstimate {
   // Negative log-likelihood of `position`, up to a constant of the site, or what else the method
   // makes least.
   double loss = 0.0;
-  double snr_db = 0.0;             // of one frame, median over the access points
-  double model_residual_db = 0.0;  // power that the model at `position` leaves unexplained
+  double snr_db = 0.0;  // of one frame, median over the access points
+  // Power that the model at `position` leaves unexplained; absent where it is not worked out.
+  std::optional<double> model_residual_db;
 
   std::size_t iterations = 0;  // steps that led to `position`; 0: the method has none
   std::size_t starts = 0;      // places they were begun from; 0: the method has none

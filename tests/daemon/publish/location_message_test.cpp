@@ -98,5 +98,31 @@ TEST(LocationMessage, IdTellsTargetInstantAndKindApart) {
   EXPECT_EQ(location_message(fix(), person).event_id(), "person-3-1718000958500000000-snapshot");
 }
 
+TEST(LocationMessage, StatesTheTrack) {
+  FilteredEstimate filtered;
+  filtered.location.position = Vec3d{1.0, 2.0, 1.2};
+  filtered.location.time = Timestamp(std::chrono::seconds(5));
+  filtered.state = TrackState::kConfirmed;
+  filtered.velocity = Vec3d{0.5, -0.25, 0.0};
+  LocationContext context;
+  context.target.set_mac("02:52:4c:00:00:01");
+  v1::Location message = filtered_message(filtered, context);
+  EXPECT_EQ(message.kind(), v1::LOCATION_KIND_FILTERED);
+  EXPECT_EQ(message.event_id(), "02:52:4c:00:00:01-5000000000-filtered");
+  EXPECT_EQ(message.mode(), v1::FIX_MODE_2D);
+  EXPECT_EQ(message.track_state(), v1::TRACK_STATE_CONFIRMED);
+  EXPECT_EQ(message.velocity().x(), 0.5);
+  EXPECT_EQ(message.velocity().y(), -0.25);
+  EXPECT_FALSE(message.quality().has_model_residual_db());
+
+  filtered.state = TrackState::kCoasting;
+  filtered.predicted = true;
+  filtered.velocity.reset();
+  message = filtered_message(filtered, context);
+  EXPECT_EQ(message.mode(), v1::FIX_MODE_PREDICTED);
+  EXPECT_EQ(message.track_state(), v1::TRACK_STATE_COASTING);
+  EXPECT_FALSE(message.has_velocity());
+}
+
 }  // namespace
 }  // namespace rayloc

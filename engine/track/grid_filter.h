@@ -1,0 +1,63 @@
+// GridFilter: a Bayes filter over the cells of a room for one target that stands or walks.
+//
+// METHODS B6. A mass per cell and mode of motion: one mode stands, the others walk in eight
+// directions at two speeds. A walking mass moves over the open links of FreeSpace, so that it
+// passes no wall; what a step carries only part of the way to the next cell spreads it, which
+// stands for the speeds between. A walk keeps its direction for about a second.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/timestamp.h"
+#include "engine/track/free_space.h"
+
+namespace rayloc {
+
+struct MotionModel {
+  std::vector<double> walking_speeds{0.5, 1.0};  // [m/s], a stroll and a brisk walk
+  double direction_time = 1.0;                   // [s], for which a walk keeps its direction
+  double switching_rate = 0.5;                   // [1/s], from standing to walking and back
+  // Odds that a channel which has changed is one of a walk, and one that has not of a stand.
+  double change_odds = 10.0;
+  // Probability that a burst says nothing of the place: somebody is in the way, or the model is
+  // wrong there. It bounds what one burst can rule out.
+  double outlier = 0.02;
+};
+
+class GridFilter {
+ public:
+  // Everywhere that is free, standing or walking with equal probability.
+  // REQUIRES: a walking speed, all of them positive.
+  GridFilter(std::shared_ptr<const FreeSpace> space, const MotionModel& motion);
+
+  // Time passes. REQUIRES: elapsed >= 0.
+  void predict(Duration elapsed);
+
+  // The channel has changed since the last measurement: 0 not at all, 1 as by a move.
+  void weigh_change(double change);
+
+  // What a burst says of every cell; `exponent` tempers it.
+  void update(std::span<const double> log_likelihood, double exponent);
+
+  std::vector<double> mass() const;  // of all modes, sums to 1
+  double standing() const;           // probability
+
+ private:
+  struct Mode {
+    double velocity_x = 0.0;  // [m/s]
+    double velocity_y = 0.0;
+    std::vector<float> mass;
+  };
+
+  void normalise();
+  void change_modes(double seconds);
+  void carry(Mode& mode, double seconds) const;
+
+  std::shared_ptr<const FreeSpace> space_;
+  MotionModel motion_;
+  std::vector<Mode> modes_;  // the first stands
+};
+
+}  // namespace rayloc
