@@ -9,25 +9,29 @@
 namespace rayloc {
 
 const RoomModel& DeviceEstimator::Room::room() const {
-  return std::visit([](const auto& of) -> const RoomModel& { return of.room(); }, localizer);
+  return std::visit([](const auto& of) -> const RoomModel& { return of->room(); }, localizer);
 }
 
 LocationEstimate DeviceEstimator::Room::locate(std::span<const CsiFrame> frames) const {
-  return std::visit([&](const auto& of) { return of.locate(frames); }, localizer);
+  return std::visit([&](const auto& of) { return of->locate(frames); }, localizer);
 }
 
 Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     std::shared_ptr<const RoomModel> room) const {
   const DeviceModel device = room->device;
-  const auto held = [&](auto localizer) -> Expected<Room> {
-    if (!localizer) {
-      return tl::make_unexpected(localizer.error());
+  if (options_.method == LocationMethod::kPaper) {
+    auto made = PaperLocalizer::create(std::move(room), options_.paper);
+    if (!made) {
+      return tl::make_unexpected(made.error());
     }
-    return Room{device, *std::move(localizer)};
-  };
-  return options_.method == LocationMethod::kPaper
-             ? held(PaperLocalizer::create(std::move(room), options_.paper))
-             : held(Localizer::create(std::move(room), options_.localizer));
+    return Room{device, std::make_shared<const PaperLocalizer>(*std::move(made)), std::nullopt};
+  }
+  auto made = Localizer::create(std::move(room), options_.localizer);
+  if (!made) {
+    return tl::make_unexpected(made.error());
+  }
+  const auto localizer = std::make_shared<const Localizer>(*std::move(made));
+  return Room{device, localizer, DeviceTracker(localizer, options_.tracker)};
 }
 
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
@@ -87,19 +91,47 @@ void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& ou
   const auto room = std::find_if(rooms_.begin(), rooms_.end(), [&](const Room& candidate) {
     return candidate.device == device;
   });
+  out.push_back(location_message(room->locate(burst.frames), context_of(burst.transmitter, *room)));
+  if (room->tracker) {
+    std::vector<DeviceUpdate> updates;
+    room->tracker->hear(burst.transmitter, burst.frames, updates);
+    append(updates, *room, out);
+  }
+}
+
+void DeviceEstimator::advance(Timestamp time, std::vector<v1::Location>& out) {
+  for (Room& room : rooms_) {
+    if (room.tracker) {
+      std::vector<DeviceUpdate> updates;
+      room.tracker->advance(time, updates);
+      append(updates, room, out);
+    }
+  }
+}
+
+LocationContext DeviceEstimator::context_of(const MacAddress& device, const Room& room) const {
+  const RoomModel& model = room.room();
   LocationContext context;
   context.target.set_kind(v1::TARGET_KIND_DEVICE);
-  context.target.set_mac(to_string(burst.transmitter));
-  if (stated != nullptr) {
+  context.target.set_mac(to_string(device));
+  if (const SiteTransmitter* stated = find_transmitter(site_, device)) {
     context.target.set_name(stated->name);
   }
   context.frame.set_crs("local");
   context.frame.set_site(site_.name);
-  context.frame.set_scene_hash(room->room().scene_hash);
-  context.frame.set_calibration_id(room->room().calibration_id);
+  context.frame.set_scene_hash(model.scene_hash);
+  context.frame.set_calibration_id(model.calibration_id);
   context.method = options_.method == LocationMethod::kPaper ? "paper" : "rayloc";
   context.valid_for = options_.valid_for;
-  out.push_back(location_message(room->locate(burst.frames), context));
+  return context;
+}
+
+void DeviceEstimator::append(const std::vector<DeviceUpdate>& updates,
+                             const Room& room,
+                             std::vector<v1::Location>& out) const {
+  for (const DeviceUpdate& update : updates) {
+    out.push_back(filtered_message(update.estimate, context_of(update.device, room)));
+  }
 }
 
 }  // namespace rayloc

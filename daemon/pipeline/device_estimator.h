@@ -1,21 +1,25 @@
 // DeviceEstimator: locates the transmitters that the site wants located (device-based): those
-// listed with role "device" and, unless the site says otherwise, those not listed at all.
+// listed with role "device" and, unless the site says otherwise, those not listed at all. Each
+// burst gives a snapshot, and filtered estimates of the moments within it.
 //
 // Frames of a fixed transmitter are for the device-free estimator; this one leaves them alone.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/publish/location_message.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/paper_localizer.h"
+#include "engine/track/device_tracker.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
@@ -27,6 +31,7 @@ class DeviceEstimator : public Estimator {
   struct Options {
     LocationMethod method = LocationMethod::kRayloc;
     LocalizerOptions localizer;                           // of kRayloc
+    DeviceTrackerOptions tracker;                         // of kRayloc
     PaperLocalizerOptions paper;                          // of kPaper
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
   };
@@ -38,12 +43,15 @@ class DeviceEstimator : public Estimator {
 
   void estimate(const Burst& burst, std::vector<v1::Location>& out) override;
 
+  void advance(Timestamp time, std::vector<v1::Location>& out) override;
+
   const RoomModel& room() const { return rooms_.front().room(); }
 
  private:
   struct Room {
     DeviceModel device;
-    std::variant<Localizer, PaperLocalizer> localizer;
+    std::variant<std::shared_ptr<const Localizer>, std::shared_ptr<const PaperLocalizer>> localizer;
+    std::optional<DeviceTracker> tracker;  // the paper's method has none
 
     const RoomModel& room() const;
     LocationEstimate locate(std::span<const CsiFrame> frames) const;
@@ -52,6 +60,10 @@ class DeviceEstimator : public Estimator {
   DeviceEstimator(Site site, const Options& options) : site_(std::move(site)), options_(options) {}
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   DeviceModel device_of(const SiteTransmitter* stated) const;
+  LocationContext context_of(const MacAddress& device, const Room& room) const;
+  void append(const std::vector<DeviceUpdate>& updates,
+              const Room& room,
+              std::vector<v1::Location>& out) const;
 
   const Site site_;
   const Options options_;

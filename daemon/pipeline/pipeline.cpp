@@ -1,5 +1,6 @@
 #include "daemon/pipeline/pipeline.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "rayloc/v1/location.pb.h"
@@ -35,11 +36,14 @@ void Pipeline::start() {
 void Pipeline::estimate_all() {
   BurstCollector collector(options_.burst);
   std::vector<Burst> ended;
+  std::vector<v1::Location> locations;
+  Timestamp newest = Timestamp::min();
   for (bool more = true; more;) {
     FrameMailbox::Taken taken = mailbox_.take();
     more = !taken.ended;
     const std::size_t frames = taken.frames.size();
     for (CsiFrame& frame : taken.frames) {
+      newest = std::max(newest, frame.time);
       collector.add(std::move(frame), ended);
     }
     collector.advance(taken.safe_time, ended);
@@ -54,7 +58,13 @@ void Pipeline::estimate_all() {
       }
     }
     explain(ended);
-    sink_.advance(collector.earliest_open(taken.safe_time));
+    const Timestamp open = collector.earliest_open(taken.safe_time);
+    if (!hurried_ && newest != Timestamp::min()) {
+      // Silence is known up to the newest frame, however far the sources can promise it.
+      estimator_.advance(std::min(open, newest), locations);
+      publish(locations);
+    }
+    sink_.advance(open);
   }
   finished_ = true;
 }
@@ -74,16 +84,24 @@ void Pipeline::explain(std::vector<Burst>& bursts) {
       (locations.empty() ? counters_.unwanted : counters_.used) += burst.frames.size();
       ++counters_.bursts;
       --counters_.bursts_in_flight;
-      for (const v1::Location& location : locations) {
-        ++counters_.locations;
-        counters_.no_fix += location.mode() == v1::FIX_MODE_NO_FIX ? 1U : 0U;
-      }
     }
-    for (v1::Location& location : locations) {
-      sink_.location(std::move(location));
-    }
+    publish(locations);
   }
   bursts.clear();
+}
+
+void Pipeline::publish(std::vector<v1::Location>& locations) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const v1::Location& location : locations) {
+      ++counters_.locations;
+      counters_.no_fix += location.mode() == v1::FIX_MODE_NO_FIX ? 1U : 0U;
+    }
+  }
+  for (v1::Location& location : locations) {
+    sink_.location(std::move(location));
+  }
+  locations.clear();
 }
 
 void Pipeline::stop() {

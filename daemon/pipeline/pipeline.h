@@ -36,6 +36,8 @@ class Estimator {
   virtual ~Estimator() = default;
   // Appends what is to be published: nothing for a transmitter that nobody looks for.
   virtual void estimate(const Burst& burst, std::vector<v1::Location>& out) = 0;
+  // No burst that comes later has a frame before `time`: appends what silence says.
+  virtual void advance(Timestamp /*time*/, std::vector<v1::Location>& /*out*/) {}
 };
 
 // Takes the results. Called by the estimation thread alone, and must not block it for long.
@@ -97,6 +99,7 @@ class Pipeline {
  private:
   void estimate_all();
   void explain(std::vector<Burst>& bursts);
+  void publish(std::vector<v1::Location>& locations);
   void join();
 
   const PipelineOptions options_;
