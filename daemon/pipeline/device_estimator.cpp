@@ -78,11 +78,32 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
     }
     estimator->rooms_.push_back(*std::move(prepared));
   }
+  estimator->monitor_ =
+      std::make_unique<CalibrationMonitor>(std::make_shared<const RoomModel>(*room));
   return estimator;
+}
+
+void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burst& burst) {
+  if (!fixed.position) {
+    return;
+  }
+  const DeviceModel device{fixed.position->z, fixed.pattern, fixed.polarization};
+  monitor_->observe({*fixed.position, device}, burst.frames);
+  const std::lock_guard lock(mutex_);
+  warnings_ = monitor_->warnings();
+}
+
+std::vector<CalibrationWarning> DeviceEstimator::calibration_warnings() const {
+  const std::lock_guard lock(mutex_);
+  return warnings_;
 }
 
 void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& out) {
   const SiteTransmitter* stated = find_transmitter(site_, burst.transmitter);
+  if (stated != nullptr && stated->role == TransmitterRole::kFixed) {
+    check_calibration(*stated, burst);
+    return;
+  }
   if (stated == nullptr ? !site_.targets.track_unlisted
                         : stated->role != TransmitterRole::kDevice) {
     return;
@@ -91,11 +112,17 @@ void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& ou
   const auto room = std::find_if(rooms_.begin(), rooms_.end(), [&](const Room& candidate) {
     return candidate.device == device;
   });
+  const std::size_t first = out.size();
   out.push_back(location_message(room->locate(burst.frames), context_of(burst.transmitter, *room)));
   if (room->tracker) {
     std::vector<DeviceUpdate> updates;
     room->tracker->hear(burst.transmitter, burst.frames, updates);
     append(updates, *room, out);
+  }
+  for (const CalibrationWarning& warning : calibration_warnings()) {
+    for (std::size_t i = first; i < out.size(); ++i) {
+      out[i].mutable_quality()->add_warnings(warning.text);
+    }
   }
 }
 

@@ -2,11 +2,13 @@
 // listed with role "device" and, unless the site says otherwise, those not listed at all. Each
 // burst gives a snapshot, and filtered estimates of the moments within it.
 //
-// Frames of a fixed transmitter are for the device-free estimator; this one leaves them alone.
+// Bursts of fixed transmitters give no location here; they tell whether the calibration still holds
+// (CalibrationMonitor), and what they tell stands in the warnings of every location.
 #pragma once
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -17,6 +19,7 @@
 #include "daemon/publish/location_message.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
+#include "engine/calibrate/calibration_monitor.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/paper_localizer.h"
 #include "engine/track/device_tracker.h"
@@ -45,6 +48,9 @@ class DeviceEstimator : public Estimator {
 
   void advance(Timestamp time, std::vector<v1::Location>& out) override;
 
+  // What holds now. Thread safety: may be called from any thread.
+  std::vector<CalibrationWarning> calibration_warnings() const;
+
   const RoomModel& room() const { return rooms_.front().room(); }
 
  private:
@@ -59,6 +65,7 @@ class DeviceEstimator : public Estimator {
 
   DeviceEstimator(Site site, const Options& options) : site_(std::move(site)), options_(options) {}
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
+  void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   DeviceModel device_of(const SiteTransmitter* stated) const;
   LocationContext context_of(const MacAddress& device, const Room& room) const;
   void append(const std::vector<DeviceUpdate>& updates,
@@ -67,7 +74,10 @@ class DeviceEstimator : public Estimator {
 
   const Site site_;
   const Options options_;
-  std::vector<Room> rooms_;  // the first is that of unlisted devices
+  std::vector<Room> rooms_;                      // the first is that of unlisted devices
+  std::unique_ptr<CalibrationMonitor> monitor_;  // the estimation thread's
+  mutable std::mutex mutex_;
+  std::vector<CalibrationWarning> warnings_;  // guarded by mutex_
 };
 
 }  // namespace rayloc

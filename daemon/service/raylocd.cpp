@@ -63,6 +63,9 @@ std::string wait_for_stop(const sigset_t& signals, Service& service) {
     for (const std::string& error : service.new_errors()) {
       spdlog::error("{}", error);
     }
+    for (const std::string& warning : service.new_warnings()) {
+      spdlog::warn("{}", warning);
+    }
   }
 }
 

@@ -13,6 +13,8 @@
 namespace rayloc {
 namespace {
 
+constexpr auto kRepeatWarning = std::chrono::minutes(10);
+
 Timestamp system_now() {
   return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
 }
@@ -55,6 +57,7 @@ Expected<std::unique_ptr<Service>> Service::open(DaemonSetup setup) {
     return tl::make_unexpected(estimator.error());
   }
   service->estimator_ = std::move(*estimator);
+  service->status_.estimator = service->estimator_.get();
   service->status_.scene_hash = service->estimator_->room().scene_hash;
   service->status_.calibration_id = service->estimator_->room().calibration_id;
 
@@ -137,6 +140,26 @@ std::vector<std::string> Service::source_descriptions() const {
     lines.push_back(report.access_point + ": " + report.description);
   }
   return lines;
+}
+
+std::vector<std::string> Service::new_warnings() {
+  const auto now = std::chrono::steady_clock::now();
+  std::vector<std::string> fresh;
+  for (const CalibrationWarning& warning : estimator_->calibration_warnings()) {
+    const auto told =
+        std::find_if(told_warnings_.begin(), told_warnings_.end(), [&](const ToldWarning& one) {
+          return one.warning.same_as(warning);
+        });
+    if (told == told_warnings_.end()) {
+      told_warnings_.push_back({warning, now});
+    } else if (now - told->time >= kRepeatWarning) {
+      told->time = now;
+    } else {
+      continue;
+    }
+    fresh.push_back(warning.text);
+  }
+  return fresh;
 }
 
 std::vector<std::string> Service::new_errors() {

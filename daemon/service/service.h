@@ -4,6 +4,7 @@
 // Thread safety: one thread (main). It starts the others and joins them.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ class Service {
   std::vector<std::string> source_descriptions() const;
   // Sources that failed since the last call, and recordings that could not be written.
   std::vector<std::string> new_errors();
+  // What speaks against the calibration; the same trouble once in ten minutes.
+  std::vector<std::string> new_warnings();
 
  private:
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
@@ -50,6 +53,11 @@ class Service {
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;
   std::vector<std::string> told_errors_;
+  struct ToldWarning {
+    CalibrationWarning warning;
+    std::chrono::steady_clock::time_point time;
+  };
+  std::vector<ToldWarning> told_warnings_;
 };
 
 }  // namespace rayloc

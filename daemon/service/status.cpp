@@ -104,6 +104,9 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   heartbeat.set_software_version(RAYLOC_VERSION);
   heartbeat.set_scene_hash(sources.scene_hash);
   heartbeat.set_calibration_id(sources.calibration_id);
+  for (const CalibrationWarning& warning : sources.estimator->calibration_warnings()) {
+    heartbeat.add_calibration_warnings(warning.text);
+  }
   // The mailbox first: a receiving thread reports its frames before it puts them there, so that
   // what it reports afterwards contains whatever the mailbox had.
   const std::vector<MailboxCounters> mailbox = sources.pipeline->mailbox_counters();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/publisher_stage.h"
 #include "daemon/pipeline/recorder_stage.h"
@@ -15,6 +16,7 @@ namespace rayloc {
 struct StatusSources {
   const Pipeline* pipeline = nullptr;
   const PublisherStage* publisher = nullptr;
+  const DeviceEstimator* estimator = nullptr;
   std::vector<const RecorderStage*> recorders;
   std::vector<bool> live;  // by source: arrival stamps are of this machine's clock
   Timestamp started;

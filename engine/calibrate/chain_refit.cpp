@@ -256,27 +256,17 @@ class Refit {
 
   // Adds what the uncertainty of the places does to the phase of each chain against the first.
   void add_place(double place_sigma, Attempt& attempt) const {
-    const std::size_t tones = grid_.size();
-    std::vector<double> variance(attempt.refit.sigma.size());
-    for (std::size_t s = 0; s < spots_.size(); ++s) {
-      const auto here = arrays_.expected(rays_[s], attempt.tolerance);
-      for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
-        const auto rays = arrays_.rays(spots_[s]->position + place_sigma * axis, spots_[s]->device);
-        auto there = arrays_.expected(rays, attempt.tolerance);
-        aligner_.apply(aligner_.align(here, there), there);
-        std::vector<Value> turn(variance.size());
-        for (std::size_t j = 0; j < here.size(); ++j) {
-          turn[j / tones] += there[j] * std::conj(here[j]);
-        }
-        for (std::size_t m = 1; m < variance.size(); ++m) {
-          const double angle = std::arg(turn[m] * std::conj(turn[0]));
-          variance[m] += angle * angle;
-        }
+    std::vector<double> sigma(attempt.refit.sigma.size());
+    for (const KnownSpot* spot : spots_) {
+      const auto own =
+          arrays_.place_phase_sigma(spot->position, spot->device, attempt.tolerance, place_sigma);
+      for (std::size_t m = 0; m < sigma.size(); ++m) {
+        sigma[m] = std::hypot(sigma[m], own[m]);
       }
     }
-    const auto count = static_cast<double>(spots_.size());
-    for (std::size_t m = 0; m < variance.size(); ++m) {
-      attempt.refit.sigma[m] = std::hypot(attempt.refit.sigma[m], std::sqrt(variance[m]) / count);
+    for (std::size_t m = 0; m < sigma.size(); ++m) {
+      attempt.refit.sigma[m] =
+          std::hypot(attempt.refit.sigma[m], sigma[m] / static_cast<double>(spots_.size()));
     }
   }
 

@@ -1,5 +1,7 @@
 #include "engine/calibrate/spot_arrays.h"
 
+#include <cmath>
+
 namespace rayloc {
 namespace {
 
@@ -15,6 +17,7 @@ ReceiverTracer tracer_at(const RoomModel& room, const AntennaArray& array) {
 
 SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
     : room_(room),
+      aligner_(room.grid),
       access_point_(room.access_points.at(access_point)),
       model_(room.grid, access_point_.cores.size()),
       tracer_(tracer_at(room, access_point_.array)) {}
@@ -36,6 +39,27 @@ std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& r
   ModelError error = access_point_.error;
   error.plan_tolerance = plan_tolerance;
   return model_.expected({rays, offsets, 0.0}, error);
+}
+
+std::vector<double> SpotArrays::place_phase_sigma(const Vec3d& position,
+                                                  const DeviceModel& device,
+                                                  double plan_tolerance,
+                                                  double place_sigma) const {
+  const std::size_t tones = room_.grid.size();
+  const auto here = expected(rays(position, device), plan_tolerance);
+  std::vector<double> sigma(access_point_.cores.size());
+  for (const Vec3d& axis : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}) {
+    auto there = expected(rays(position + place_sigma * axis, device), plan_tolerance);
+    aligner_.apply(aligner_.align(here, there), there);
+    std::vector<std::complex<double>> turn(sigma.size());
+    for (std::size_t j = 0; j < here.size(); ++j) {
+      turn[j / tones] += there[j] * std::conj(here[j]);
+    }
+    for (std::size_t m = 1; m < sigma.size(); ++m) {
+      sigma[m] = std::hypot(sigma[m], std::arg(turn[m] * std::conj(turn[0])));
+    }
+  }
+  return sigma;
 }
 
 }  // namespace rayloc

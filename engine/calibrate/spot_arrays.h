@@ -9,6 +9,7 @@
 #include "engine/localize/observation_model.h"
 #include "engine/localize/ray.h"
 #include "engine/localize/room_model.h"
+#include "engine/observe/alignment.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
@@ -33,8 +34,16 @@ class SpotArrays {
                                              double plan_tolerance,
                                              const ArrayMotion& motion = {}) const;
 
+  // [rad], by how much the phase of each chain against the first is uncertain when the place is, by
+  // `place_sigma` [m] along each axis: what the array does at places shifted by that much.
+  std::vector<double> place_phase_sigma(const Vec3d& position,
+                                        const DeviceModel& device,
+                                        double plan_tolerance,
+                                        double place_sigma) const;
+
  private:
   RoomModel room_;
+  Aligner aligner_;
   RoomAccessPoint access_point_;
   ObservationModel model_;
   ReceiverTracer tracer_;

@@ -3,12 +3,16 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "capture/pcap_source.h"
+#include "daemon/pipeline/device_estimator.h"
+#include "daemon/site/site.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -206,6 +210,44 @@ TEST_F(RechainVerb, FindsTheNewPhasesFromOneSpotThreeSpotsAndTheFixedTransmitter
   const double renewed = median_error("three", "again", three);
   EXPECT_LT(renewed, 0.2);
   EXPECT_GT(median_error("calibrated", "again", three), 2.0 * renewed);
+}
+
+class Forget : public LocationSink {
+ public:
+  void location(v1::Location&& /*location*/) override {}
+};
+
+// What the estimator of the daemon says of a recording.
+std::vector<CalibrationWarning> warnings_of(const std::string& site_folder,
+                                            const std::string& file) {
+  const Site site = load_site(site_folder).value();
+  const auto estimator = DeviceEstimator::create(site, {}).value();
+  std::vector<SourceWorker::Input> inputs(1);
+  inputs[0].access_point = "ap1";
+  inputs[0].source = PcapFileSource::open(file).value();
+  inputs[0].receiver.access_point = 0;
+  Forget sink;
+  PipelineOptions options;
+  options.overflow = Overflow::kWait;
+  Pipeline pipeline(options, std::move(inputs), *estimator, sink);
+  pipeline.start();
+  pipeline.wait();
+  return estimator->calibration_warnings();
+}
+
+TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
+  std::string spots = kHeader;
+  for (int i = 0; i < 20; ++i) {
+    spots +=
+        std::to_string(5000 + 2 * i) + "," + std::to_string(5000.2 + 2 * i) + ",1.2,-0.4,0.6\n";
+  }
+  const std::string plug = write("plug.csv", spots);
+  simulate("1", "same", plug, "plug");
+  simulate("7", "other", plug, "plug");
+  EXPECT_TRUE(warnings_of(path("calibrated"), path("same.pcap")).empty());
+  const auto warnings = warnings_of(path("calibrated"), path("other.pcap"));
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings[0].text, HasSubstr("chain_phase_jump: access point ap1, core "));
 }
 
 TEST_F(RechainVerb, RefusesWhatItCannotUse) {

@@ -1,0 +1,417 @@
+#include "engine/calibrate/calibration_monitor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/observe/alignment.h"
+#include "engine/observe/burst.h"
+#include "engine/observe/chain_gains.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kFramesOfBurst = 6;
+constexpr std::size_t kScannedRays = 16;  // the strongest; the scan is about the large part
+constexpr double kShiftStep = 0.01;       // [m], a sixth of a wavelength
+constexpr double kYawStep = 2.0 * kDegree;
+constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
+constexpr int kRescan = 10;  // windows from one scan to the next: it takes as long as ten fixes
+// [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
+constexpr double kMostJumpBound = 1.309;
+// A motion is believed when it leaves at most this share of what chains leave unexplained.
+constexpr double kBetter = 0.5;
+
+std::string rounded(double value) { return std::to_string(std::lround(value)); }
+
+std::string percent(double share) { return rounded(100.0 * share) + " %"; }
+
+bool is_worse(double unexplained, double usual, double strictness) {
+  return unexplained > usual * (1.0 + (CalibrationMonitor::kDriftRatio - 1.0) * strictness) &&
+         unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
+}
+
+// Says yes after kSteady windows of yes, no after as many of no.
+class Steady {
+ public:
+  bool update(bool now) {
+    run_ = now == state_ ? 0 : run_ + 1;
+    if (run_ >= CalibrationMonitor::kSteady) {
+      state_ = now;
+      run_ = 0;
+    }
+    return state_;
+  }
+  bool state() const { return state_; }
+
+ private:
+  bool state_ = false;
+  int run_ = 0;
+};
+
+// One transmitter, as one access point should hear it and does.
+struct Spot {
+  CalibrationMonitor::Transmitter transmitter;
+  std::vector<Ray> rays;
+  std::vector<Value> expected;
+  std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
+  std::vector<CsiFrame> frames;  // of the window
+};
+
+// What an access point heard of one spot in a window, chains removed.
+struct HeardSpot {
+  const Spot* spot = nullptr;
+  std::vector<Value> h;
+};
+
+}  // namespace
+
+class CalibrationMonitor::Station {
+ public:
+  Station(const RoomModel& room, std::size_t index, std::optional<double> usual)
+      : index_(index),
+        ap_(room.access_points[index]),
+        grid_(room.grid),
+        arrays_(room, index),
+        aligner_(room.grid),
+        usual_(usual),
+        jump_(ap_.cores.size()),
+        jump_phase_(ap_.cores.size()) {}
+
+  void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
+    Spot& spot = spot_of(transmitter);
+    std::size_t taken = 0;
+    for (const CsiFrame& frame : frames) {
+      if (frame.access_point == static_cast<int>(index_) && taken < kFramesOfBurst) {
+        spot.frames.push_back(frame);
+        ++taken;
+      }
+    }
+    if (taken > 0 && !spot.rays.empty() && ++bursts_ >= kBursts) {
+      bursts_ = 0;
+      evaluate(hear());
+    }
+    if (spot.rays.empty()) {
+      spot.frames.clear();
+    }
+  }
+
+  void append_warnings(std::vector<CalibrationWarning>& out) const;
+
+ private:
+  Spot& spot_of(const Transmitter& transmitter);
+  std::vector<HeardSpot> hear();
+  void evaluate(const std::vector<HeardSpot>& heard);
+  std::vector<double> turns(const std::vector<HeardSpot>& heard) const;
+  double correlation(const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const;
+  double correlation(const std::vector<HeardSpot>& heard, const ArrayMotion& motion) const;
+  bool explained_by_motion(const std::vector<HeardSpot>& heard, double unexplained);
+  ArrayMotion scan(const std::vector<HeardSpot>& heard) const;
+  std::vector<bool> jumped(const std::vector<HeardSpot>& heard,
+                           const std::vector<double>& turn) const;
+  CalibrationWarning warning(CalibrationProblem problem) const;
+
+  std::size_t index_;
+  RoomAccessPoint ap_;
+  OfdmGrid grid_;
+  SpotArrays arrays_;
+  Aligner aligner_;
+  std::vector<std::unique_ptr<Spot>> spots_;
+  std::size_t bursts_ = 0;
+  std::optional<double> usual_;
+  std::vector<double> first_;  // fits of the first windows, until usual_ is known
+  double fit_ = 0.0;           // of the last window
+  double slow_ = 0.0;          // mean of what is unexplained
+  bool has_slow_ = false;
+  std::vector<Steady> jump_;  // of each chain
+  std::vector<double> jump_phase_;
+  Steady moved_;
+  ArrayMotion motion_;
+  double moved_fit_ = 0.0;
+  int since_scan_ = kRescan;  // windows
+  bool drifted_ = false;
+};
+
+Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
+  for (const auto& spot : spots_) {
+    if (spot->transmitter.position == transmitter.position &&
+        spot->transmitter.device == transmitter.device) {
+      return *spot;
+    }
+  }
+  auto spot = std::make_unique<Spot>();
+  spot->transmitter = transmitter;
+  spot->rays = arrays_.rays(transmitter.position, transmitter.device);
+  spot->expected = arrays_.expected(spot->rays, ap_.error.plan_tolerance);
+  if (!spot->rays.empty()) {
+    spot->sigma = arrays_.place_phase_sigma(
+        transmitter.position, transmitter.device, ap_.error.plan_tolerance, kPlaceSigma);
+  }
+  spots_.push_back(std::move(spot));
+  return *spots_.back();
+}
+
+std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
+  std::vector<HeardSpot> heard;
+  for (const auto& spot : spots_) {
+    auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
+    spot->frames.clear();
+    if (burst) {
+      remove_gains(ap_.gains, burst->h);
+      heard.push_back({spot.get(), std::move(burst->h)});
+    }
+  }
+  return heard;
+}
+
+// Of each chain against the chain that most others agree with [rad]. The delay of a spot is found
+// on one chain, the one that fits best: together, turned chains would cancel.
+std::vector<double> CalibrationMonitor::Station::turns(const std::vector<HeardSpot>& heard) const {
+  const std::size_t tones = grid_.size();
+  const std::size_t chains = ap_.cores.size();
+  std::vector<std::vector<Value>> relative(chains, std::vector<Value>(chains));
+  for (const HeardSpot& one : heard) {
+    Alignment best;
+    for (std::size_t m = 0; m < chains; ++m) {
+      const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
+                                            std::span(one.h).subspan(m * tones, tones));
+      best = alignment.correlation > best.correlation ? alignment : best;
+    }
+    auto h = one.h;
+    aligner_.apply(best, h);
+    std::vector<Value> along(chains);
+    for (std::size_t j = 0; j < h.size(); ++j) {
+      along[j / tones] += h[j] * std::conj(one.spot->expected[j]);
+    }
+    for (std::size_t m = 0; m < chains; ++m) {
+      for (std::size_t n = 0; n < chains; ++n) {
+        relative[n][m] += along[m] * std::conj(along[n]);
+      }
+    }
+  }
+  std::vector<double> result;
+  double least = 0.0;
+  for (const std::vector<Value>& against : relative) {
+    std::vector<double> turn;
+    double sum = 0.0;
+    for (const Value& value : against) {
+      turn.push_back(std::arg(value));
+      sum += std::abs(turn.back());
+    }
+    if (result.empty() || sum < least) {
+      result = std::move(turn);
+      least = sum;
+    }
+  }
+  return result;
+}
+
+double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
+                                                const std::vector<double>& turn) const {
+  double sum = 0.0;
+  for (const HeardSpot& one : heard) {
+    auto h = one.h;
+    for (std::size_t j = 0; j < h.size(); ++j) {
+      h[j] *= std::polar(1.0, -turn[j / grid_.size()]);
+    }
+    sum += aligner_.align(one.spot->expected, h).correlation;
+  }
+  return sum / static_cast<double>(heard.size());
+}
+
+double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
+                                                const ArrayMotion& motion) const {
+  double sum = 0.0;
+  for (const HeardSpot& one : heard) {
+    const auto& all = one.spot->rays;
+    const std::vector<Ray> strong(
+        all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kScannedRays)));
+    sum += aligner_.align(arrays_.expected(strong, ap_.error.plan_tolerance, motion), one.h)
+               .correlation;
+  }
+  return sum / static_cast<double>(heard.size());
+}
+
+// The best of a grid, and of ever smaller steps from there.
+ArrayMotion CalibrationMonitor::Station::scan(const std::vector<HeardSpot>& heard) const {
+  const int shifts = static_cast<int>(std::lround(kMostShift / kShiftStep));
+  const int yaws = static_cast<int>(std::lround(kMostYaw / kYawStep));
+  std::vector<ArrayMotion> grid;
+  for (int yaw = -yaws; yaw <= yaws; ++yaw) {
+    for (int x = -shifts; x <= shifts; ++x) {
+      for (int y = -shifts; y <= shifts; ++y) {
+        grid.push_back({{kShiftStep * x, kShiftStep * y, 0.0}, kYawStep * yaw});
+      }
+    }
+  }
+  std::vector<double> fit(grid.size());
+  parallel_for(grid.size(), 16, [&](std::size_t i) { fit[i] = correlation(heard, grid[i]); });
+  const auto most = std::max_element(fit.begin(), fit.end());
+  ArrayMotion best = grid[static_cast<std::size_t>(most - fit.begin())];
+  double top = *most;
+  for (const double step : {0.5, 0.25, 0.125}) {
+    for (int round = 0; round < 2; ++round) {
+      for (const std::array<double, 3>& way : {std::array<double, 3>{1, 0, 0},
+                                               {-1, 0, 0},
+                                               {0, 1, 0},
+                                               {0, -1, 0},
+                                               {0, 0, 1},
+                                               {0, 0, -1}}) {
+        ArrayMotion next = best;
+        next.shift = next.shift + step * kShiftStep * Vec3d{way[0], way[1], 0.0};
+        next.yaw += step * kYawStep * way[2];
+        if (const double value = correlation(heard, next); value > top) {
+          best = next;
+          top = value;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+// Whether a motion leaves much less than `unexplained`: the one found last, or that of a new scan.
+bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpot>& heard,
+                                                      double unexplained) {
+  moved_fit_ = correlation(heard, motion_);
+  if (1.0 - moved_fit_ >= kBetter * unexplained && since_scan_ >= kRescan) {
+    since_scan_ = 0;
+    motion_ = scan(heard);
+    moved_fit_ = correlation(heard, motion_);
+  }
+  return 1.0 - moved_fit_ < kBetter * unexplained;
+}
+
+// By more than three sigmas, and kJump.
+std::vector<bool> CalibrationMonitor::Station::jumped(const std::vector<HeardSpot>& heard,
+                                                      const std::vector<double>& turn) const {
+  std::vector<bool> result;
+  for (std::size_t m = 0; m < turn.size(); ++m) {
+    double sigma = 0.0;
+    for (const HeardSpot& one : heard) {
+      sigma = std::hypot(sigma, one.spot->sigma[m]);
+    }
+    sigma /= static_cast<double>(heard.size());
+    result.push_back(std::abs(turn[m]) > std::clamp(3.0 * sigma, kJump, kMostJumpBound));
+  }
+  return result;
+}
+
+void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) {
+  if (heard.empty()) {
+    return;
+  }
+  const std::vector<double> none(ap_.cores.size());
+  fit_ = correlation(heard, none);
+  if (!usual_) {
+    first_.push_back(fit_);
+    if (first_.size() >= static_cast<std::size_t>(kSteady)) {
+      usual_ = *std::max_element(first_.begin(), first_.end());
+    }
+  }
+  ++since_scan_;
+  const double usual = 1.0 - usual_.value_or(fit_);
+  const bool bad = is_worse(1.0 - fit_, usual, 1.0);
+  const auto turn = turns(heard);
+  const auto jump = jumped(heard, turn);
+  const bool any_jump = std::find(jump.begin(), jump.end(), true) != jump.end();
+  const double by_chains = any_jump ? correlation(heard, turn) : fit_;
+  const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
+                     explained_by_motion(heard, 1.0 - std::max(by_chains, fit_));
+  for (std::size_t m = 0; m < jump.size(); ++m) {
+    const bool now = jump[m] && !moved;
+    jump_phase_[m] = now ? turn[m] : jump_phase_[m];
+    jump_[m].update(now);
+  }
+  moved_.update(moved);
+  slow_ += has_slow_ ? kSlowness * (1.0 - fit_ - slow_) : 1.0 - fit_;
+  has_slow_ = true;
+  drifted_ = is_worse(slow_, usual, drifted_ ? 0.5 : 1.0);
+}
+
+CalibrationWarning CalibrationMonitor::Station::warning(CalibrationProblem problem) const {
+  CalibrationWarning warning;
+  warning.problem = problem;
+  warning.access_point = index_;
+  warning.fit = fit_;
+  warning.usual_fit = usual_.value_or(fit_);
+  return warning;
+}
+
+void CalibrationMonitor::Station::append_warnings(std::vector<CalibrationWarning>& out) const {
+  const std::string fits =
+      "; the room explains " + percent(fit_) + " of it, usually " + percent(usual_.value_or(fit_));
+  bool explained = false;
+  for (std::size_t m = 0; m < jump_.size(); ++m) {
+    if (!jump_[m].state()) {
+      continue;
+    }
+    CalibrationWarning one = warning(CalibrationProblem::kChainPhaseJump);
+    one.core = ap_.cores[m];
+    one.phase = jump_phase_[m];
+    one.text = "chain_phase_jump: access point " + ap_.id + ", core " + std::to_string(one.core) +
+               ": its phase has changed by " + rounded(one.phase / kDegree) + " degrees" + fits +
+               "; after a power cycle run `rayloc calibrate --rechain`";
+    out.push_back(std::move(one));
+    explained = true;
+  }
+  if (moved_.state()) {
+    CalibrationWarning one = warning(CalibrationProblem::kAccessPointMoved);
+    one.motion = motion_;
+    one.text = "access_point_moved: access point " + ap_.id + ": as if shifted by " +
+               rounded(100.0 * motion_.shift.x) + " cm in x and " +
+               rounded(100.0 * motion_.shift.y) + " cm in y and turned by " +
+               rounded(motion_.yaw / kDegree) + " degrees, which explains " + percent(moved_fit_) +
+               fits + "; put it back, or calibrate anew";
+    out.push_back(std::move(one));
+    explained = true;
+  }
+  if (drifted_ && !explained) {
+    CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
+    one.text = "residual_drift: access point " + ap_.id + ": " + percent(slow_) +
+               " of what it hears of known transmitters is unexplained, usually " +
+               percent(1.0 - usual_.value_or(fit_)) + "; has the room changed?";
+    out.push_back(std::move(one));
+  }
+}
+
+CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
+                                       std::vector<std::optional<double>> usual_fit)
+    : room_(std::move(room)) {
+  RAYLOC_CHECK(room_ != nullptr);
+  usual_fit.resize(room_->access_points.size());
+  for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+    stations_.push_back(room_->access_points[i].gains.empty()
+                            ? nullptr
+                            : std::make_unique<Station>(*room_, i, usual_fit[i]));
+  }
+}
+
+CalibrationMonitor::~CalibrationMonitor() = default;
+
+void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->observe(transmitter, frames);
+    }
+  }
+}
+
+std::vector<CalibrationWarning> CalibrationMonitor::warnings() const {
+  std::vector<CalibrationWarning> all;
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->append_warnings(all);
+    }
+  }
+  return all;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,127 @@
+#include "engine/calibrate/calibration_monitor.h"
+
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+const std::vector<Vec3d> kPlugs = {{1.2, -0.9, 0.6}, {-0.4, -1.0, 1.9}, {0.6, 0.9, 1.5}};
+
+RoomModel calibrated() {
+  RoomModel room = test::make_room();
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.002;
+  }
+  return room;
+}
+
+// A room that lives: what its access points hear of the plugs goes to a monitor that believes in
+// another one.
+class Stream {
+ public:
+  explicit Stream(const RoomModel& believed)
+      : monitor_(std::make_shared<const RoomModel>(believed)), device_(believed.device) {}
+
+  // `turn` [rad] of core 3 of the first access point.
+  void send(const RoomModel& room, int bursts, double turn = 0.0, double snr_db = 25.0) {
+    for (int i = 0; i < bursts; ++i) {
+      const Vec3d& plug = kPlugs[seed_ % kPlugs.size()];
+      auto frames = test::frames_at(room, plug, {3, snr_db, ++seed_});
+      for (CsiFrame& frame : frames) {
+        if (frame.access_point == 0) {
+          for (auto& value : frame.csi.row(2, 0)) {
+            value *= std::complex<float>(std::polar(1.0, turn));
+          }
+        }
+      }
+      monitor_.observe({plug, device_}, frames);
+    }
+  }
+  std::vector<CalibrationWarning> warnings() const { return monitor_.warnings(); }
+
+ private:
+  CalibrationMonitor monitor_;
+  DeviceModel device_;
+  unsigned seed_ = 0;
+};
+
+TEST(CalibrationMonitor, SaysNothingOfAHealthyRoom) {
+  const RoomModel room = calibrated();
+  Stream stream(room);
+  for (int i = 0; i < 50; ++i) {
+    stream.send(room, 1);
+    ASSERT_TRUE(stream.warnings().empty()) << i << " " << stream.warnings()[0].text;
+  }
+}
+
+TEST(CalibrationMonitor, NamesTheChainThatJumpedAndForgetsItAfterwards) {
+  const RoomModel room = calibrated();
+  Stream stream(room);
+  stream.send(room, 15);
+  stream.send(room, 15, std::numbers::pi / 2.0);
+  auto warnings = stream.warnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].problem, CalibrationProblem::kChainPhaseJump);
+  EXPECT_EQ(warnings[0].access_point, 0U);
+  EXPECT_EQ(warnings[0].core, 3);
+  EXPECT_NEAR(warnings[0].phase, std::numbers::pi / 2.0, 5.0 * kDegree);
+  EXPECT_THAT(warnings[0].text, HasSubstr("chain_phase_jump: access point a, core 3"));
+  stream.send(room, 100);
+  EXPECT_TRUE(stream.warnings().empty());
+}
+
+TEST(CalibrationMonitor, SeesAJumpThatWasThereBeforeItStarted) {
+  const RoomModel room = calibrated();
+  Stream stream(room);
+  stream.send(room, 15, std::numbers::pi);
+  ASSERT_EQ(stream.warnings().size(), 1U);
+  EXPECT_NEAR(std::abs(stream.warnings()[0].phase), std::numbers::pi, 5.0 * kDegree);
+}
+
+TEST(CalibrationMonitor, StatesHowAnAccessPointHasMoved) {
+  const RoomModel room = calibrated();
+  RoomModel kicked = room;
+  Pose& pose = kicked.access_points[1].array.pose;
+  pose.position = pose.position + Vec3d{-0.02, 0.03, 0.0};
+  pose.orientation.yaw += 4.0 * kDegree;
+  Stream stream(room);
+  stream.send(room, 15);
+  stream.send(kicked, 20);
+  const auto warnings = stream.warnings();
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(warnings[0].problem, CalibrationProblem::kAccessPointMoved) << warnings[0].text;
+  EXPECT_EQ(warnings[0].access_point, 1U);
+  EXPECT_NEAR(warnings[0].motion.shift.x, -0.02, 0.01);
+  EXPECT_NEAR(warnings[0].motion.shift.y, 0.03, 0.01);
+  EXPECT_NEAR(warnings[0].motion.yaw, 4.0 * kDegree, 1.0 * kDegree);
+  EXPECT_THAT(warnings[0].text, HasSubstr("3 cm in y"));
+}
+
+TEST(CalibrationMonitor, WarnsWhenTheRoomExplainsLessThanItDid) {
+  const RoomModel room = calibrated();
+  Stream stream(room);
+  stream.send(room, 15);
+  stream.send(room, 5, 0.0, -5.0);  // one spoilt window is no drift
+  EXPECT_TRUE(stream.warnings().empty());
+  stream.send(room, 100, 0.0, 0.0);
+  const auto warnings = stream.warnings();
+  ASSERT_EQ(warnings.size(), 3U);
+  EXPECT_EQ(warnings[0].problem, CalibrationProblem::kResidualDrift);
+  EXPECT_THAT(warnings[0].text, HasSubstr("residual_drift: access point a"));
+}
+
+}  // namespace
+}  // namespace rayloc
