@@ -81,7 +81,6 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // [KiB] on Linux
 }
 
-// A run of the verb: what was given, and what was found so far.
 class Calibration {
  public:
   explicit Calibration(const Options& options) : options_(options) {}
@@ -98,6 +97,8 @@ class Calibration {
   void count_from_survey(std::vector<RoomParameter>& parameters) const;
   Expected<void> fit_errors(const RoomModel& room);
   Expected<void> fit_certainty(const RoomModel& room);
+  CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods,
+                              const CalibrationFile& file) const;
   Expected<void> write(const std::vector<CalibrationMethodResult>& methods);
   // "points.csv:17"
   std::string place_of(std::size_t point) const {
@@ -211,7 +212,6 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
   JointCalibrationOptions joint;
   joint.seed = options_.seed;
   joint.on_checkpoint = [&](const JointCheckpoint& state) {
-    // A checkpoint that cannot be written is missed by --resume, and by nobody else.
     static_cast<void>(write_file(checkpoint(), to_json_text(state, id_)));
   };
   JointCheckpoint from;
@@ -296,28 +296,8 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
   return {};
 }
 
-Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& methods) {
-  const RoomModel& room = methods.front().calibration.room;
-  const bool refined = methods.front().method != "gains-only";
-  CalibrationFile file;
-  file.id = id_;
-  file.method = methods.front().method;
-  file.scene_hash = scene_hash(*room.scene);
-  file.points_hash = inputs_.points_hash;
-  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
-  file.ray_depth = room.trace.max_depth;
-  file.transmission = room.trace.transmission;
-  file.access_points = calibrated_access_points(plan_, room, results_);
-  file.surfaces = calibrated_surfaces(room);
-  file.parameters = methods.front().calibration.parameters;
-  if (auto written =
-          write_site(site_,
-                     to_toml(file),
-                     options_.out,
-                     refined ? refined_scene(*room.scene) : std::map<std::string, std::string>());
-      !written) {
-    return written;
-  }
+CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResult>& methods,
+                                         const CalibrationFile& file) const {
   CalibrationReport report;
   report.site = site_.name;
   report.calibration_id = id_;
@@ -342,6 +322,32 @@ Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& me
   report.fixes = fixes_;
   report.refused = inputs_.refused;
   report.peak_memory_bytes = peak_memory();
+  return report;
+}
+
+Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& methods) {
+  const RoomModel& room = methods.front().calibration.room;
+  const bool refined = methods.front().method != "gains-only";
+  CalibrationFile file;
+  file.id = id_;
+  file.method = methods.front().method;
+  file.scene_hash = scene_hash(*room.scene);
+  file.points_hash = inputs_.points_hash;
+  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
+  file.ray_depth = room.trace.max_depth;
+  file.transmission = room.trace.transmission;
+  file.access_points = calibrated_access_points(plan_, room, results_);
+  file.surfaces = calibrated_surfaces(room);
+  file.parameters = methods.front().calibration.parameters;
+  if (auto written =
+          write_site(site_,
+                     to_toml(file),
+                     options_.out,
+                     refined ? refined_scene(*room.scene) : std::map<std::string, std::string>());
+      !written) {
+    return written;
+  }
+  const CalibrationReport report = report_of(methods, file);
   const fs::path out = options_.out;
   if (auto json = write_file(out / "report.json", to_json(report).dump(2) + "\n"); !json) {
     return json;
@@ -406,7 +412,6 @@ Expected<void> Calibration::run() {
     std::fprintf(stderr,
                  "interrupted: %s holds the last good state; --resume goes on\n",
                  options_.out.c_str());
-    // Ends as whoever interrupted expects it: by the signal.
     std::signal(SIGINT, SIG_DFL);
     std::raise(SIGINT);
   }

@@ -63,7 +63,8 @@ class DeviceEstimator : public Estimator {
     LocationEstimate locate(std::span<const CsiFrame> frames) const;
   };
 
-  DeviceEstimator(Site site, const Options& options) : site_(std::move(site)), options_(options) {}
+  DeviceEstimator(Site site, Options options)
+      : site_(std::move(site)), options_(std::move(options)) {}
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   DeviceModel device_of(const SiteTransmitter* stated) const;

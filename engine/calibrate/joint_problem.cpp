@@ -164,6 +164,7 @@ std::vector<std::uint32_t> unknowns_of(const TracedSample& sample, std::span<con
 struct Assembled {
   Values values;
   std::unique_ptr<Evaluations> evaluations;
+  std::unique_ptr<ceres::LossFunction> loss;
   std::unique_ptr<ceres::Problem> problem;
   std::vector<std::uint32_t> released;  // unknowns that some sample depends on
   std::vector<std::size_t> points;      // that some sample is of
@@ -218,14 +219,16 @@ void assemble(const JointContext& context,
   }
   assembled.evaluations = std::make_unique<Evaluations>(context, values, std::move(each));
   ceres::Problem::Options problem_options;
+  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.evaluation_callback = assembled.evaluations.get();
   assembled.problem = std::make_unique<ceres::Problem>(problem_options);
   ceres::Problem& problem = *assembled.problem;
-  // Problem owns the costs and the losses. rho(s) = 2 kEvidence ln(1 + s / floor), half of which
+  // rho(s) = 2 kEvidence ln(1 + s / floor), half of which
   // is the cost.
-  auto* loss = new ceres::ScaledLoss(new ceres::CauchyLoss(std::sqrt(options.floor)),
-                                     2.0 * kEvidence / options.floor,
-                                     ceres::TAKE_OWNERSHIP);
+  assembled.loss =
+      std::make_unique<ceres::ScaledLoss>(new ceres::CauchyLoss(std::sqrt(options.floor)),
+                                          2.0 * kEvidence / options.floor,
+                                          ceres::TAKE_OWNERSHIP);
   for (std::size_t i = 0; i < context.samples.size(); ++i) {
     std::vector<double*> blocks{values.survey[context.samples[i].traced->point].data()};
     for (const std::uint32_t unknown : assembled.evaluations->unknowns(i)) {
@@ -233,7 +236,7 @@ void assemble(const JointContext& context,
     }
     problem.AddResidualBlock(
         new SampleCost(*assembled.evaluations, i, context.samples[i].measured->y.size()),
-        loss,
+        assembled.loss.get(),
         blocks);
   }
   add_priors(context, options, used, used_point, assembled);
@@ -325,7 +328,7 @@ std::vector<double> JointProblem::posterior(const JointOptions& options,
       crs.values.data());
   const Eigen::MatrixXd information = Eigen::SparseMatrix<double>(jacobian.transpose() * jacobian);
   const Eigen::LLT<Eigen::MatrixXd> factor(information);
-  const Eigen::Index count = static_cast<Eigen::Index>(assembled.released.size());
+  const auto count = static_cast<Eigen::Index>(assembled.released.size());
   // Row i of inverse(L)^T: variance_i = |inverse(L) e_i|^2.
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(information.rows(), count);
   inverse.topRows(count).setIdentity();

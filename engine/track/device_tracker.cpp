@@ -17,8 +17,10 @@ std::shared_ptr<const FreeSpace> free_space_of(const Localizer& localizer) {
 }  // namespace
 
 DeviceTracker::DeviceTracker(std::shared_ptr<const Localizer> localizer,
-                             const DeviceTrackerOptions& options)
-    : localizer_(std::move(localizer)), space_(free_space_of(*localizer_)), options_(options) {}
+                             DeviceTrackerOptions options)
+    : localizer_(std::move(localizer)),
+      space_(free_space_of(*localizer_)),
+      options_(std::move(options)) {}
 
 bool DeviceTracker::coast(Tracks::value_type& track,
                           Timestamp until,

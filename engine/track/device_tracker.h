@@ -38,7 +38,7 @@ struct DeviceUpdate {
 
 class DeviceTracker {
  public:
-  DeviceTracker(std::shared_ptr<const Localizer> localizer, const DeviceTrackerOptions& options);
+  DeviceTracker(std::shared_ptr<const Localizer> localizer, DeviceTrackerOptions options);
 
   // Appends an estimate for every moment of the burst. `frames`: of `device`, in order of time.
   void hear(const MacAddress& device,

@@ -39,8 +39,8 @@ double sum_of(const std::vector<float>& values) {
 
 }  // namespace
 
-GridFilter::GridFilter(std::shared_ptr<const FreeSpace> space, const MotionModel& motion)
-    : space_(std::move(space)), motion_(motion) {
+GridFilter::GridFilter(std::shared_ptr<const FreeSpace> space, MotionModel motion)
+    : space_(std::move(space)), motion_(std::move(motion)) {
   RAYLOC_CHECK(!motion_.walking_speeds.empty());
   modes_.push_back({0.0, 0.0, {space_->free.begin(), space_->free.end()}});
   const auto walks = static_cast<float>(kDirections * motion_.walking_speeds.size());

@@ -30,7 +30,7 @@ class GridFilter {
  public:
   // Everywhere that is free, standing or walking with equal probability.
   // REQUIRES: a walking speed, all of them positive.
-  GridFilter(std::shared_ptr<const FreeSpace> space, const MotionModel& motion);
+  GridFilter(std::shared_ptr<const FreeSpace> space, MotionModel motion);
 
   // Time passes. REQUIRES: elapsed >= 0.
   void predict(Duration elapsed);

@@ -74,6 +74,7 @@ std::vector<nlohmann::json> snapshots_of(const std::vector<nlohmann::json>& loca
 // sorted by time.
 std::vector<std::string> sorted(const std::vector<nlohmann::json>& locations) {
   std::vector<std::string> texts;
+  texts.reserve(locations.size());
   for (const nlohmann::json& location : locations) {
     texts.push_back(location.at("event_id").get<std::string>() + " " + location.dump());
   }

@@ -74,9 +74,10 @@ class RechainVerb : public ::testing::Test {
     std::ofstream(path("site") + "/site.toml", std::ios::app) << kFixed;
     std::string survey = kHeader;
     for (int i = 0; i < 30; ++i) {
+      const int row = i / 6;
       survey += std::to_string(1000 + 2 * i) + "," + std::to_string(1000.5 + 2 * i) + "," +
-                std::to_string(-1.05 + 0.4 * (i % 6)) + "," +
-                std::to_string(-0.75 + 0.3 * (i / 6)) + ",1.2\n";
+                std::to_string(-1.05 + 0.4 * (i % 6)) + "," + std::to_string(-0.75 + 0.3 * row) +
+                ",1.2\n";
     }
     simulate("1", "survey", write("survey.csv", survey), "");
     run({"calibrate",
