@@ -19,9 +19,11 @@ namespace {
 
 // The parent may have threads: between fork() and _exit() only async-signal-safe calls are allowed.
 
-// Where the process keeps its two descriptors.
-constexpr int kSocket = 0;
-constexpr int kFile = 1;
+// Where the process keeps its two descriptors. Not among the standard ones, which it has not: what
+// anything in it says there, say a sanitizer that empties the parent's buffers in _exit(), must not
+// become part of the recording.
+constexpr int kSocket = 3;
+constexpr int kFile = 4;
 
 // 0 or errno; a partial write is undone.
 int append_whole(const std::byte* bytes, std::size_t size) {
@@ -37,30 +39,54 @@ int append_whole(const std::byte* bytes, std::size_t size) {
   return ftruncate(kFile, before) == 0 ? ENOSPC : errno;
 }
 
+// Room for one descriptor that comes with a message.
+struct Passed {
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(int))> bytes{};
+};
+
+// 0 or errno, of a message that brings the next file.
+int take_file(const cmsghdr& control) {
+  int file = -1;
+  std::memcpy(&file, CMSG_DATA(&control), sizeof file);
+  const int result = dup2(file, kFile) == kFile ? 0 : errno;
+  close(file);
+  return result;
+}
+
 [[noreturn]] void serve() {
   std::array<std::byte, AppendProcess::kMaxBytes> buffer;
   while (true) {
-    const ssize_t got = recv(kSocket, buffer.data(), buffer.size(), 0);
+    Passed passed;
+    iovec bytes{.iov_base = buffer.data(), .iov_len = buffer.size()};
+    msghdr message{};
+    message.msg_iov = &bytes;
+    message.msg_iovlen = 1;
+    message.msg_control = passed.bytes.data();
+    message.msg_controllen = passed.bytes.size();
+    const ssize_t got = recvmsg(kSocket, &message, 0);
     if (got < 0 && errno == EINTR) {
       continue;
     }
     if (got <= 0) {
       _exit(0);  // the parent is gone
     }
-    const int result = append_whole(buffer.data(), static_cast<std::size_t>(got));
+    const cmsghdr* const control = CMSG_FIRSTHDR(&message);
+    const int result = control != nullptr
+                           ? take_file(*control)
+                           : append_whole(buffer.data(), static_cast<std::size_t>(got));
     send(kSocket, &result, sizeof result, MSG_NOSIGNAL);
   }
 }
 
-// Keeps nothing of the parent but the two descriptors, which lie above kFile: not its ports, and
-// not the pipes whose end others wait for. The parent decides when it is over, not a Ctrl-C.
+// Keeps nothing of the parent but the two descriptors, which come from above kFile: not its ports,
+// and not the pipes whose end others wait for. The parent decides when it is over, not a Ctrl-C.
 [[noreturn]] void become_writer(int socket, int file) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ}) {
     std::signal(signal, SIG_IGN);
   }
   prctl(PR_SET_NAME, "rayloc-append");
   if (dup2(socket, kSocket) != kSocket || dup2(file, kFile) != kFile ||
-      close_range(kFile + 1, ~0U, 0) != 0) {
+      close_range(0, kSocket - 1, 0) != 0 || close_range(kFile + 1, ~0U, 0) != 0) {
     _exit(1);
   }
   serve();
@@ -102,7 +128,18 @@ Expected<AppendProcess> AppendProcess::start(int file) {
 AppendProcess::AppendProcess(AppendProcess&& other) noexcept
     : socket_(std::exchange(other.socket_, -1)), process_(std::exchange(other.process_, -1)) {}
 
-AppendProcess::~AppendProcess() {
+AppendProcess::~AppendProcess() { end(); }
+
+AppendProcess& AppendProcess::operator=(AppendProcess&& other) noexcept {
+  if (this != &other) {
+    end();
+    socket_ = std::exchange(other.socket_, -1);
+    process_ = std::exchange(other.process_, -1);
+  }
+  return *this;
+}
+
+void AppendProcess::end() {
   if (socket_ < 0) {
     return;
   }
@@ -117,18 +154,41 @@ int AppendProcess::append(std::span<const std::byte> bytes) const {
   do {
     done = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
   } while (done < 0 && errno == EINTR);
+  return done < 0 ? errno : answer();
+}
+
+int AppendProcess::use(int file) const {
+  std::byte one{};
+  iovec bytes{.iov_base = &one, .iov_len = 1};
+  Passed passed;
+  msghdr message{};
+  message.msg_iov = &bytes;
+  message.msg_iovlen = 1;
+  message.msg_control = passed.bytes.data();
+  message.msg_controllen = passed.bytes.size();
+  cmsghdr* const control = CMSG_FIRSTHDR(&message);
+  control->cmsg_level = SOL_SOCKET;
+  control->cmsg_type = SCM_RIGHTS;
+  control->cmsg_len = CMSG_LEN(sizeof file);
+  std::memcpy(CMSG_DATA(control), &file, sizeof file);
+  ssize_t done = 0;
+  do {
+    done = sendmsg(socket_, &message, MSG_NOSIGNAL);
+  } while (done < 0 && errno == EINTR);
+  return done < 0 ? errno : answer();
+}
+
+// What the process says of the last message: 0 or errno.
+int AppendProcess::answer() const {
   int result = 0;
-  while (done >= 0) {
-    done = recv(socket_, &result, sizeof result, 0);
-    if (done == static_cast<ssize_t>(sizeof result)) {
-      return result;
-    }
-    if (done == 0) {
-      return EPIPE;  // somebody killed the process
-    }
-    done = errno == EINTR ? 0 : -1;
+  ssize_t got = 0;
+  do {
+    got = recv(socket_, &result, sizeof result, 0);
+  } while (got < 0 && errno == EINTR);
+  if (got == 0) {
+    return EPIPE;  // somebody killed the process
   }
-  return errno;
+  return got < 0 ? errno : result;
 }
 
 }  // namespace rayloc

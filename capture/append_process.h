@@ -27,13 +27,18 @@ class AppendProcess {
   // Waits for the process to end.
   ~AppendProcess();
   AppendProcess(AppendProcess&& other) noexcept;
-  AppendProcess& operator=(AppendProcess&&) = delete;
+  AppendProcess& operator=(AppendProcess&& other) noexcept;
+
+  // From now on it appends to this file, which stays the caller's; 0 or errno.
+  int use(int file) const;
 
   // 0, or the errno of what went wrong: nothing of `bytes` is in the file then.
   int append(std::span<const std::byte> bytes) const;
 
  private:
   AppendProcess(int socket, pid_t process) : socket_(socket), process_(process) {}
+  void end();
+  int answer() const;
 
   int socket_;
   pid_t process_;

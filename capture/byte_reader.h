@@ -40,6 +40,9 @@ class ByteReader {
   std::uint64_t u48(std::size_t offset) const {
     return u32(offset) | static_cast<std::uint64_t>(u16(offset + 4)) << 32U;
   }
+  std::uint64_t u64(std::size_t offset) const {
+    return u32(offset) | static_cast<std::uint64_t>(u32(offset + 4)) << 32U;
+  }
 
   // REQUIRES: offset + count <= size().
   std::span<const std::byte> bytes(std::size_t offset, std::size_t count) const {

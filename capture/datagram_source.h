@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,12 @@ struct SourceCounters {
   std::uint64_t delivered = 0;     // handed to the caller as Datagram
   std::uint64_t bytes = 0;         // payload bytes delivered
   std::uint64_t kernel_drops = 0;  // SO_RXQ_OVFL, pcap_stats
+  std::uint64_t clock_steps = 0;   // times that the machine's clock was set meanwhile; live sources
+  // Of a recording: datagrams that its marks of gaps ("gap_mark" below, recording_gap.h) say were
+  // received and not recorded, as far as known. Not part of `received`.
+  std::uint64_t unrecorded = 0;
   // By reason: "not_udp", "wrong_port", "ip_fragment", "truncated_capture", "length_mismatch",
-  // "oversized", "interface_not_allowed", ...
+  // "oversized", "interface_not_allowed", "sender_not_allowed", ...
   std::map<std::string, std::uint64_t> rejected;
 };
 
@@ -33,6 +38,11 @@ struct DatagramBatch {
   // sources advances by it; it is what lets several sources merge by time without a delay.
   Timestamp watermark{};
   bool ended = false;  // the file is read to its end; never of a live source
+  // A recording that is played is read to its end, but may be asked to go on elsewhere.
+  bool rests = false;
+  // It goes on elsewhere, for so many times now: nothing more comes of where it was, and times may
+  // be earlier from now on. The batch is empty otherwise.
+  std::optional<std::uint64_t> moved = {};
 };
 
 class DatagramSource {

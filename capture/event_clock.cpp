@@ -16,6 +16,32 @@ Duration read_clock(clockid_t clock) {
   return std::chrono::seconds(now.tv_sec) + Duration(now.tv_nsec);
 }
 
+struct Reading {
+  Duration realtime{};
+  Duration monotonic{};
+  bool narrow = false;  // both at one instant
+};
+
+// An interruption between the two clocks looks like a step: some attempts for a reading without.
+Reading read_clocks(int attempts) {
+  Reading reading;
+  for (int i = 0; i < attempts && !reading.narrow; ++i) {
+    const Duration before = read_clock(CLOCK_MONOTONIC);
+    reading.realtime = read_clock(CLOCK_REALTIME);
+    reading.monotonic = read_clock(CLOCK_MONOTONIC);
+    reading.narrow = reading.monotonic - before < kReadingJitter / 2;
+  }
+  return reading;
+}
+
+// CLOCK_REALTIME - CLOCK_MONOTONIC when this process first asked: the sources of a process must
+// agree on event time, whenever each of them began.
+Duration offset_at_the_start() {
+  constexpr int kAttempts = 1000;
+  static const Reading kFirst = read_clocks(kAttempts);
+  return kFirst.realtime - kFirst.monotonic;
+}
+
 Timestamp to_microseconds(Timestamp time) {
   return std::chrono::floor<std::chrono::microseconds>(time);
 }
@@ -32,33 +58,29 @@ void EventClock::observe(Timestamp realtime, Duration monotonic) {
   if (step > kReadingJitter || step < -kReadingJitter) {
     ++steps_;
     offset_ = offset;
-    correction_ = std::max(Duration::zero(), correction_ - step);
+    correction_ -= step;
   }
   observed_ = realtime + correction_;
 }
 
 void EventClock::observe_now() {
-  // The narrowest of a few readings: an interruption between the two looks like a step.
-  Duration monotonic{};
-  Duration realtime{};
-  for (int attempt = 0; attempt < 3; ++attempt) {
-    const Duration before = read_clock(CLOCK_MONOTONIC);
-    realtime = read_clock(CLOCK_REALTIME);
-    monotonic = read_clock(CLOCK_MONOTONIC);
-    if (monotonic - before < kReadingJitter / 2) {
-      break;
-    }
+  if (!started_) {
+    started_ = true;
+    offset_ = offset_at_the_start();
   }
-  observe(Timestamp(realtime), monotonic);
+  constexpr int kAttempts = 3;
+  const Reading now = read_clocks(kAttempts);
+  // Nothing is known of a step then; the next reading tells.
+  observe(Timestamp(now.narrow ? now.realtime : now.monotonic + offset_), now.monotonic);
 }
 
 Timestamp EventClock::event_time(Timestamp stamp) const {
   return std::max(to_microseconds(stamp + correction_), watermark_);
 }
 
-void EventClock::drained() { advance(observed_ - kQueueing); }
+void EventClock::drained() { advance(observed_ - queueing_); }
 
-void EventClock::not_drained(Timestamp last) { advance(last - kQueueing); }
+void EventClock::not_drained(Timestamp last) { advance(last - queueing_); }
 
 void EventClock::advance(Timestamp time) {
   watermark_ = std::max(watermark_, to_microseconds(time));

@@ -1,9 +1,10 @@
-// EventClock: turns the kernel's time stamps into event times that never go back, whatever is done
-// to the machine's clock.
+// EventClock: turns the kernel's time stamps into event times that go on evenly, whatever is done
+// to the machine's clock: nobody's track may end because the clock was set.
 //
 // CLOCK_REALTIME - CLOCK_MONOTONIC changes only when the clock is set, never when it is slewed.
-// When it is set back, event time goes on where it was, ahead of the clock; it falls in with the
-// clock again as far as that is later set forward. Setting it forward moves event time forward.
+// Event time is the machine's clock when the process first looked, and what has passed since: the
+// same for all sources of a process. ahead() says how much later the clock is by now, for whoever
+// tells people times.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +18,8 @@ class EventClock {
   // How much later than its stamp a datagram may become readable: the kernel stamps it first and
   // queues it then, and other work of the same processor may come in between.
   static constexpr Duration kQueueing = std::chrono::milliseconds(2);
+
+  explicit EventClock(Duration queueing = kQueueing) : queueing_(queueing) {}
 
   // The clocks, read just before the socket is.
   void observe(Timestamp realtime, Duration monotonic);
@@ -34,13 +37,16 @@ class EventClock {
   Timestamp watermark() const { return watermark_; }
   // How often the clock was set.
   std::uint64_t steps() const { return steps_; }
+  // The machine's clock less event time: what it was set by in all.
+  Duration ahead() const { return -correction_; }
 
  private:
   void advance(Timestamp time);
 
+  Duration queueing_;
   bool started_ = false;
   Duration offset_{};      // realtime - monotonic
-  Duration correction_{};  // event time - realtime, never negative
+  Duration correction_{};  // event time - realtime
   Timestamp observed_{};   // event time of the last observe()
   Timestamp watermark_ = Timestamp::min();
   std::uint64_t steps_ = 0;

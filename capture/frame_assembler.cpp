@@ -260,6 +260,10 @@ void FrameAssembler::flush() {
   while (!pending_.empty()) {
     close(0);
   }
+  // Nothing of this input comes any more: where a recording is played anew, it is no repetition.
+  emitted_.clear();
+  emitted_keys_.clear();
+  next_emitted_ = 0;
 }
 
 const AssembledFrame* FrameAssembler::next_ready() {

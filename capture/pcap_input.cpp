@@ -10,8 +10,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <limits>
 
+#include "capture/poll_timeout.h"
 #include "engine/base/check.h"
 
 namespace rayloc::pcap {
@@ -26,12 +26,6 @@ constexpr int kGzipWindow = 16 + MAX_WBITS;
 
 std::string system_error(const std::string& name, const char* what) {
   return name + ": " + what + ": " + std::strerror(errno);
-}
-
-int poll_milliseconds(Duration timeout) {
-  // Rounded up: a wait that ends early would spin.
-  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-  return static_cast<int>(std::clamp<std::int64_t>(ms, 0, std::numeric_limits<int>::max()));
 }
 
 // 1 readable, 0 not within the time, -1 errno.

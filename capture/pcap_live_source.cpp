@@ -3,16 +3,15 @@
 #include <pcap/pcap.h>
 #include <poll.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <limits>
 #include <mutex>
 #include <vector>
 
 #include "capture/event_clock.h"
 #include "capture/pcap_packet.h"
+#include "capture/poll_timeout.h"
 
 namespace rayloc {
 namespace {
@@ -25,11 +24,6 @@ struct CloseHandle {
   void operator()(pcap_t* handle) const { pcap_close(handle); }
 };
 using Handle = std::unique_ptr<pcap_t, CloseHandle>;
-
-int poll_milliseconds(Duration timeout) {
-  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-  return static_cast<int>(std::clamp<std::int64_t>(ms, 0, std::numeric_limits<int>::max()));
-}
 
 tl::unexpected<Error> activation_error(pcap_t* handle, const std::string& interface, int status) {
   std::string message = "interface " + interface + ": " + pcap_statustostr(status);
@@ -165,6 +159,7 @@ Expected<void> PcapLiveSource::Impl::read(DatagramBatch& batch, Duration timeout
     clock_.not_drained(batch.datagrams.back().time);
   }
   batch.watermark = clock_.watermark();
+  counting_.clock_steps = clock_.steps();
   count_drops();
   const std::lock_guard lock(mutex_);
   published_ = counting_;

@@ -26,7 +26,7 @@ struct PcapRecorderCounters {
   std::uint64_t written = 0;
   std::uint64_t lost = 0;    // in batches that could not be written
   std::uint64_t errors = 0;  // such batches
-  std::uint64_t bytes = 0;   // length of the file
+  std::uint64_t bytes = 0;   // length of the file it writes now
 };
 
 class PcapRecorder {
@@ -42,16 +42,23 @@ class PcapRecorder {
   // Times are truncated to microseconds. Call it some ten times a second with what has come since.
   Expected<void> write(std::span<const Datagram> batch);
 
+  // Brings the file to the disk, closes it, and goes on in a new one, by the same process. After an
+  // Error nothing has changed. Counters but `bytes` go on.
+  Expected<void> continue_in(const std::string& path);
+
   // Brings the file to the disk. write() does so every few seconds: what a power failure may cost.
   Expected<void> sync();
 
   const PcapRecorderCounters& counters() const { return counters_; }
   const std::string& path() const { return path_; }
+  // Of the file, for locks; it stays the recorder's.
+  int descriptor() const { return fd_; }
 
  private:
   PcapRecorder(int fd, std::string path, AppendProcess writer);
 
   Expected<void> append_records();
+  tl::unexpected<Error> undo(int error);
   // Where records end: the appends that a batch is divided into.
   std::size_t next_append(std::size_t begin, std::size_t& record) const;
 

@@ -4,6 +4,7 @@
 
 #include "capture/pcap_input.h"
 #include "capture/pcap_parser.h"
+#include "capture/recording_gap.h"
 
 namespace rayloc {
 namespace {
@@ -80,6 +81,11 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
 void PcapFileSource::take_packet(const pcap::Packet& packet, DatagramBatch& batch) {
   ++counting_.received;
   const auto datagram = pcap::udp_datagram(packet, options_.port);
+  if (const auto gap = datagram ? recording_gap(*datagram) : std::nullopt) {
+    ++counting_.rejected["gap_mark"];
+    counting_.unrecorded += gap->datagrams.value_or(0);
+    return;
+  }
   const char* const reason = !datagram                      ? datagram.error()
                              : datagram->time < watermark() ? "time_went_back"
                                                             : nullptr;

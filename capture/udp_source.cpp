@@ -10,16 +10,16 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <ctime>
-#include <limits>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "capture/event_clock.h"
+#include "capture/file_descriptor.h"
+#include "capture/poll_timeout.h"
 #include "capture/udp_address.h"
 
 namespace rayloc {
@@ -29,23 +29,6 @@ constexpr std::size_t kBatchDatagrams = 64;
 constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(timespec)) +
                                       CMSG_SPACE(sizeof(in_pktinfo)) +
                                       CMSG_SPACE(sizeof(std::uint32_t));
-
-// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) {
-      close(fd_);
-    }
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 tl::unexpected<Error> unavailable(const std::string& what) {
   return make_error(ErrorKind::kUnavailable, what + ": " + std::strerror(errno));
@@ -61,12 +44,6 @@ void enlarge_receive_buffer(int fd, int bytes) {
   if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
   }
-}
-
-int poll_milliseconds(Duration timeout) {
-  // Rounded up: a wait that ends early would spin.
-  const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-  return static_cast<int>(std::clamp<std::int64_t>(ms, 0, std::numeric_limits<int>::max()));
 }
 
 // What the kernel says about one datagram besides its bytes.
@@ -127,7 +104,7 @@ bool read_sender(const sockaddr_storage& name, DatagramAddress& address) {
 
 class UdpSource::Impl {
  public:
-  Impl(int fd, int wake_fd, std::string description, unsigned interface_index);
+  Impl(int fd, int wake_fd, std::string description, const UdpSourceOptions& options);
 
   Expected<void> set_up(const UdpSourceOptions& options);
   Expected<void> read(DatagramBatch& batch, Duration timeout);
@@ -139,7 +116,6 @@ class UdpSource::Impl {
   void wake() const { eventfd_write(wake_fd_.get(), 1); }
   std::uint16_t port() const { return port_; }
   int receive_buffer_bytes() const { return receive_buffer_bytes_; }
-  std::uint64_t clock_steps() const { return clock_steps_; }
 
  private:
   Expected<std::size_t> receive();
@@ -149,10 +125,11 @@ class UdpSource::Impl {
   void count_drops(std::uint32_t total);
   void count_drops_of_idle_socket();
 
-  const Descriptor fd_;
-  const Descriptor wake_fd_;
+  const FileDescriptor fd_;
+  const FileDescriptor wake_fd_;
   const std::string description_;
   const unsigned interface_index_;  // 0: any
+  const std::vector<AddressRange> senders_;
   std::uint16_t port_ = 0;
   int receive_buffer_bytes_ = 0;
 
@@ -167,14 +144,14 @@ class UdpSource::Impl {
 
   mutable std::mutex mutex_;
   SourceCounters published_;
-  std::atomic<std::uint64_t> clock_steps_{0};
 };
 
-UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, unsigned interface_index)
+UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, const UdpSourceOptions& options)
     : fd_(fd),
       wake_fd_(wake_fd),
       description_(std::move(description)),
-      interface_index_(interface_index) {
+      interface_index_(options.interface.empty() ? 0 : if_nametoindex(options.interface.c_str())),
+      senders_(options.senders) {
   for (std::size_t i = 0; i < kBatchDatagrams; ++i) {
     vectors_[i] = {.iov_base = buffer_.data() + i * kMaxDatagramBytes,
                    .iov_len = kMaxDatagramBytes};
@@ -186,6 +163,11 @@ UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, unsigned int
 }
 
 Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
+  if (!options.interface.empty() && interface_index_ == 0) {
+    return make_error(ErrorKind::kUnavailable,
+                      description_ + ": there is no interface '" + options.interface +
+                          "'; ip link lists what there is");
+  }
   if (!switch_on(fd_.get(), SOL_SOCKET, SO_TIMESTAMPNS) ||
       !switch_on(fd_.get(), SOL_SOCKET, SO_RXQ_OVFL) ||
       !switch_on(fd_.get(), IPPROTO_IP, IP_PKTINFO)) {
@@ -263,7 +245,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
     clock_.not_drained(batch.datagrams.back().time);
   }
   batch.watermark = clock_.watermark();
-  clock_steps_ = clock_.steps();
+  counting_.clock_steps = clock_.steps();
   const std::lock_guard lock(mutex_);
   published_ = counting_;
   return {};
@@ -286,6 +268,12 @@ const char* UdpSource::Impl::admit(mmsghdr& message,
   const auto index = static_cast<unsigned>(ancillary.arrival->ipi_ifindex);
   if (interface_index_ != 0 && index != interface_index_) {
     return "interface_not_allowed";
+  }
+  const auto has_sender = [&](const AddressRange& range) {
+    return range.contains(address.source_ip);
+  };
+  if (!senders_.empty() && std::none_of(senders_.begin(), senders_.end(), has_sender)) {
+    return "sender_not_allowed";
   }
   return (message.msg_hdr.msg_flags & MSG_TRUNC) != 0 ? "oversized" : nullptr;
 }
@@ -350,13 +338,7 @@ Expected<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& opt
     }
   }
   const int wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-  const unsigned index = options.interface.empty() ? 0 : if_nametoindex(options.interface.c_str());
-  auto impl = std::make_unique<Impl>(fd, wake_fd, description, index);
-  if (!options.interface.empty() && index == 0) {
-    return make_error(ErrorKind::kUnavailable,
-                      description + ": there is no interface '" + options.interface +
-                          "'; ip link lists what there is");
-  }
+  auto impl = std::make_unique<Impl>(fd, wake_fd, description, options);
   if (const auto ready = impl->set_up(options); !ready) {
     return tl::make_unexpected(ready.error());
   }
@@ -374,6 +356,5 @@ std::string UdpSource::description() const { return impl_->description(); }
 void UdpSource::wake() { impl_->wake(); }
 std::uint16_t UdpSource::port() const { return impl_->port(); }
 int UdpSource::receive_buffer_bytes() const { return impl_->receive_buffer_bytes(); }
-std::uint64_t UdpSource::clock_steps() const { return impl_->clock_steps(); }
 
 }  // namespace rayloc

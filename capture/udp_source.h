@@ -1,7 +1,7 @@
 // UdpSource: the datagrams that arrive at a UDP port, with the kernel's time stamps.
 //
-// Receives unicast and broadcast IPv4. Datagrams of an interface that is not the one asked for, or
-// longer than any CSI datagram, are rejected and counted; what the kernel dropped because the
+// Receives unicast and broadcast IPv4. Datagrams of an interface or a sender that is not asked for,
+// or longer than any CSI datagram, are rejected and counted; what the kernel dropped because the
 // receive buffer was full is counted exactly (SO_RXQ_OVFL and, once the socket is idle,
 // SO_MEMINFO). Thread safety: one thread reads; wake() and counters() from any.
 #pragma once
@@ -10,14 +10,17 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "capture/address_range.h"
 #include "capture/datagram_source.h"
 
 namespace rayloc {
 
 struct UdpSourceOptions {
-  std::string address = "0.0.0.0:5500";  // HOST:PORT; port 0 takes a free one
-  std::string interface = {};            // only what arrives on this one, when not empty
+  std::string address = "0.0.0.0:5500";    // HOST:PORT; port 0 takes a free one
+  std::string interface = {};              // only what arrives on this one, when not empty
+  std::vector<AddressRange> senders = {};  // only what comes from these, when there are any
   // An open and bound UDP socket to take over (socket activation) instead of `address`.
   int adopted_fd = -1;
   // OPERATIONS.md trap 4: the default of 208 KiB loses datagrams at 10,000 a second.
@@ -44,8 +47,6 @@ class UdpSource final : public DatagramSource {
   std::uint16_t port() const;  // the one that was bound
   // What the kernel granted of receive_buffer_bytes; it counts its own bookkeeping in it.
   int receive_buffer_bytes() const;
-  // How often the machine's clock was set while this source was reading (event_clock.h).
-  std::uint64_t clock_steps() const;
 
  private:
   class Impl;

@@ -14,10 +14,14 @@ find_package(spdlog REQUIRED)         # spdlog::spdlog
 find_package(nlohmann_json REQUIRED)  # nlohmann_json::nlohmann_json
 find_package(Protobuf REQUIRED)       # protobuf::libprotobuf, protobuf_generate_cpp
 find_package(cppzmq REQUIRED)         # cppzmq
+find_package(prometheus-cpp REQUIRED)   # prometheus-cpp::core
 find_package(ZLIB REQUIRED)           # ZLIB::ZLIB
 find_package(hwy REQUIRED)            # hwy::hwy
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo)          # PkgConfig::CAIRO
+pkg_check_modules(CAPNG REQUIRED IMPORTED_TARGET libcap-ng)       # PkgConfig::CAPNG
+pkg_check_modules(HTTPLIB REQUIRED IMPORTED_TARGET cpp-httplib)  # PkgConfig::HTTPLIB
 pkg_check_modules(PCAP REQUIRED IMPORTED_TARGET libpcap)         # PkgConfig::PCAP
+pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)     # PkgConfig::SODIUM
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)   # PkgConfig::SYSTEMD
 if(RAYLOC_TESTS)
   find_package(GTest REQUIRED)        # GTest::gmock_main

@@ -44,11 +44,8 @@ if(RAYLOC_SANITIZE)
                       -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${RAYLOC_SANITIZE})
 endif()
-if(RAYLOC_FUZZ)
-  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-    message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
-  endif()
-  add_compile_options(-fsanitize=fuzzer-no-link)
+if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset asan)")
 endif()
 
 # rayloc_library(NAME SOURCES file... [DEPENDS target...]): one folder, one static library.
@@ -58,6 +55,9 @@ function(rayloc_library name)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE rayloc_warnings PUBLIC ${ARG_DEPENDS})
     target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
+    if(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
+      target_compile_options(${name} PRIVATE -fsanitize=fuzzer-no-link)
+    endif()
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE ${ARG_DEPENDS})
@@ -83,12 +83,13 @@ elseif(RAYLOC_SANITIZE)
   set(RAYLOC_TEST_PREFIX "asan.")
 endif()
 
-# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...]): a GoogleTest program.
-# The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by RAYLOC_BIN.
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY]): a GoogleTest
+# program. The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by RAYLOC_BIN.
 # Labels: `threads` (the only tests built under ThreadSanitizer), `slow` and `e2e` (real processes,
-# one at a time; neither is built under a sanitizer), `replay`; `unit` when none is given.
+# one at a time unless FILES_ONLY says that nothing in them happens in real time; neither is built
+# under a sanitizer), `replay`; `unit` when none is given.
 function(rayloc_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "FILES_ONLY" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -109,11 +110,21 @@ function(rayloc_test name)
   add_dependencies(rayloc_tests ${name})
   set(serial FALSE)
   if("e2e" IN_LIST ARG_LABELS)
-    set(serial TRUE)
+    if(NOT ARG_FILES_ONLY)
+      set(serial TRUE)
+    endif()
     add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${RAYLOC_TEST_PREFIX}"
-                       PROPERTIES TIMEOUT 300 RUN_SERIAL ${serial})
+  if(RAYLOC_SANITIZE)
+    # One entry a program: a start under a sanitizer takes longer than most tests.
+    add_test(NAME "${RAYLOC_TEST_PREFIX}${name}" COMMAND ${name} --gtest_brief=1)
+    set_tests_properties("${RAYLOC_TEST_PREFIX}${name}" PROPERTIES LABELS "${ARG_LABELS}"
+      TIMEOUT 1200 ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+    return()
+  endif()
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+                       PROPERTIES TIMEOUT 300 RUN_SERIAL ${serial}
+                       ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
   # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
   set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")
   file(WRITE "${labels_file}"
@@ -121,23 +132,26 @@ function(rayloc_test name)
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${labels_file}")
 endfunction()
 
-# rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ; in every
-# other build a program that replays tests/fuzz/corpus/NAME, run by ctest.
+# rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ, in every
+# other build a plain one; ctest replays tests/fuzz/corpus/NAME in both.
 function(rayloc_fuzzer name)
   cmake_parse_arguments(ARG "" "SOURCE" "DEPENDS" ${ARGN})
+  if(RAYLOC_SANITIZE MATCHES "thread")
+    return()
+  endif()
+  add_executable(fuzz_${name} ${ARG_SOURCE})
+  target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+  set(replay -runs=0)  # libFuzzer: every input of the corpus once, no new ones
   if(RAYLOC_FUZZ)
-    add_executable(fuzz_${name} ${ARG_SOURCE})
+    target_compile_options(fuzz_${name} PRIVATE -fsanitize=fuzzer-no-link)
     target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
   else()
-    if(RAYLOC_SANITIZE MATCHES "thread")
-      return()
-    endif()
-    add_executable(fuzz_${name} ${ARG_SOURCE} "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
-    add_dependencies(rayloc_tests fuzz_${name})
-    set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
-    add_test(NAME ${test}
-             COMMAND fuzz_${name} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
-    set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
+    target_sources(fuzz_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
+    set(replay)
   endif()
-  target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+  add_dependencies(rayloc_tests fuzz_${name})
+  set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
+  add_test(NAME ${test}
+           COMMAND fuzz_${name} ${replay} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
+  set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
 endfunction()

@@ -25,13 +25,16 @@ struct CalibrationMethodResult {
   double seconds = 0.0;  // wall clock
 };
 
-// Fixes of the points held out, with the likelihood raised to one exponent (RoomModel::temper).
+// Fixes of the points held out, with the likelihood raised to one exponent (RoomModel::temper) and
+// the RoomModel::least_sigma that scores best with it.
 struct HeldOutFixes {
   double temper = 0.0;
-  std::size_t points = 0;  // held out and heard
+  double least_sigma = 0.0;  // [m]
+  std::size_t points = 0;    // held out and heard
   std::size_t fixes = 0;
   std::size_t within_accuracy = 0;  // truths within the stated 95 % radius
   double median_error_m = 0.0;      // horizontal
+  double log_score = 0.0;           // mean logarithm of the density stated at the truth [1/m^2]
 };
 
 struct CalibrationReport {
@@ -44,7 +47,7 @@ struct CalibrationReport {
   std::vector<bool> held_out;              // of each CalibrationPoint
   RoomModel before;                        // floor plan and survey
   std::vector<CalibrationMethodResult> methods;
-  std::vector<HeldOutFixes> fixes;  // of the first method, in the order tried; the last was taken
+  std::vector<HeldOutFixes> fixes;  // of the first method, the last was taken
   std::vector<RefusedInput> refused;
   std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/site/site_copy.h"
+#include "engine/scene/scene.h"
 
 namespace rayloc {
 namespace {
@@ -31,12 +32,17 @@ std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& i
     }
     gains.push_back(std::move(values));
   }
+  Json cycles = Json::array();
+  for (const WaveCycle& one : checkpoint.other_cycles) {
+    cycles.push_back({one.surface, one.offset, one.excess});
+  }
   return Json{{"inputs", inputs},
               {"rounds", checkpoint.rounds},
               {"last_kept", checkpoint.last_kept},
               {"values", checkpoint.state.values},
               {"survey", std::move(survey)},
-              {"gains", std::move(gains)}}
+              {"gains", std::move(gains)},
+              {"other_cycles", std::move(cycles)}}
              .dump() +
          "\n";
 }
@@ -68,7 +74,7 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
     }
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
       const RoomAccessPoint& ap = room.access_points[a];
-      ChainGains gains{ap.gains.grid, ap.cores, {}};
+      ChainGains gains{ap.gains.grid, ap.cores, {}, ap.gains.coupling};
       for (const Json& gain : json.at("gains").at(a)) {
         gains.gain.emplace_back(gain.at(0).get<double>(), gain.at(1).get<double>());
       }
@@ -76,6 +82,12 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
         return unusable(file, "has other gains than the site");
       }
       checkpoint.gains.push_back(std::move(gains));
+    }
+    for (const Json& one : json.at("other_cycles")) {
+      checkpoint.other_cycles.push_back({one.at(0), one.at(1), one.at(2)});
+      if (checkpoint.other_cycles.back().surface >= room.scene->surfaces().size()) {
+        return unusable(file, "has other surfaces than the site");
+      }
     }
   } catch (const Json::exception& error) {
     return unusable(file, error.what());

@@ -1,9 +1,12 @@
 #include "daemon/calibrate/held_out_fixes.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "daemon/evaluate/credible_region.h"
 #include "daemon/evaluate/error_statistics.h"
 #include "engine/localize/localizer.h"
 
@@ -11,17 +14,54 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kLeastFixes = 10;
-constexpr double kConfidence = 0.95;
+// Tried from the first on, until the score has fallen twice.
+constexpr std::array kExponents = {
+    2.0, 1.6, 1.3, 1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
+constexpr std::size_t kFalls = 2;
+constexpr double kTold = 1.0;  // difference of the sums of log scores that tells exponents apart
+constexpr std::array kLeastSigmas = {0.002, 0.003, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03};  // [m]
+
+// The estimate if its variances were larger by `more` [m^2] on each axis.
+LocationEstimate widened(LocationEstimate estimate, double more) {
+  const auto widen = [&](std::array<double, 9>& covariance) {
+    covariance[0] += more;
+    covariance[4] += more;
+  };
+  widen(estimate.covariance);
+  for (Hypothesis& hypothesis : estimate.hypotheses) {
+    widen(hypothesis.covariance);
+  }
+  return estimate;
+}
+
+// Mean over the spots. A spot without a fix is one that may be anywhere.
+double log_score(std::span<const LocationEstimate> estimates,
+                 std::span<const HeldOutSpot> spots,
+                 double area,
+                 double more) {
+  double score = 0.0;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    score += std::log(stated_density(widened(estimates[i], more), spots[i].position, area));
+  }
+  return score / static_cast<double>(spots.size());
+}
 
 HeldOutFixes fixes_with(const Localizer& localizer,
                         std::span<const HeldOutSpot> spots,
-                        double temper) {
+                        double temper,
+                        std::span<const double> sigmas,
+                        double survey_sigma) {
   HeldOutFixes result;
   result.temper = temper;
   result.points = spots.size();
   std::vector<double> errors;
+  std::vector<LocationEstimate> estimates;
+  const RoomModel& room = localizer.room();
+  const double area =
+      (room.bounds_max.x - room.bounds_min.x) * (room.bounds_max.y - room.bounds_min.y);
   for (const HeldOutSpot& spot : spots) {
-    const auto estimate = localizer.locate(spot.frames, temper);
+    estimates.push_back(localizer.locate(spot.frames, temper));
+    const LocationEstimate& estimate = estimates.back();
     if (!estimate.position) {
       continue;
     }
@@ -31,33 +71,57 @@ HeldOutFixes fixes_with(const Localizer& localizer,
     result.within_accuracy += error <= estimate.accuracy_m ? 1U : 0U;
     errors.push_back(error);
   }
+  const double stated = room.least_sigma * room.least_sigma;
+  result.log_score = -std::numeric_limits<double>::infinity();
+  for (const double sigma : sigmas) {
+    const double score =
+        log_score(estimates, spots, area, sigma * sigma - stated + survey_sigma * survey_sigma);
+    if (score > result.log_score) {
+      result.log_score = score;
+      result.least_sigma = sigma;
+    }
+  }
   result.median_error_m = errors.empty() ? 0.0 : percentile(std::move(errors), 0.5);
   return result;
 }
 
 }  // namespace
 
-Expected<std::vector<HeldOutFixes>> fit_temper(std::shared_ptr<const RoomModel> room,
-                                               std::span<const HeldOutSpot> spots) {
+Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
+                                                     std::span<const HeldOutSpot> spots,
+                                                     double survey_sigma) {
   const double usual = room->temper;
+  const std::array usual_sigma{room->least_sigma};
   const auto localizer = Localizer::create(std::move(room), {});
   if (!localizer) {
     return tl::make_unexpected(localizer.error());
   }
   if (spots.size() < kLeastFixes) {
-    return std::vector<HeldOutFixes>{fixes_with(*localizer, spots, usual)};
+    return std::vector<HeldOutFixes>{
+        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma)};
   }
   std::vector<HeldOutFixes> tried;
-  for (const double exponent : {1.0, 0.8, 0.6, 0.45, 0.3, 0.2, 0.13, 0.09, 0.06}) {
-    tried.push_back(fixes_with(*localizer, spots, exponent));
+  std::size_t best = 0;
+  for (const double exponent : kExponents) {
+    tried.push_back(fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma));
     if (tried.back().fixes < kLeastFixes) {
-      return std::vector<HeldOutFixes>{fixes_with(*localizer, spots, usual)};
+      return std::vector<HeldOutFixes>{
+          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma)};
     }
-    if (static_cast<double>(tried.back().within_accuracy) >=
-        kConfidence * static_cast<double>(tried.back().fixes)) {
+    if (tried.back().log_score > tried[best].log_score) {
+      best = tried.size() - 1;
+    } else if (tried.size() - 1 - best >= kFalls) {
       break;
     }
   }
+  // Of exponents that so few spots cannot tell apart the least: it states the widest regions.
+  const double enough = tried[best].log_score - kTold / static_cast<double>(spots.size());
+  for (std::size_t i = best + 1; i < tried.size(); ++i) {
+    best = tried[i].log_score >= enough ? i : best;
+  }
+  std::rotate(tried.begin() + static_cast<std::ptrdiff_t>(best),
+              tried.begin() + static_cast<std::ptrdiff_t>(best) + 1,
+              tried.end());
   return tried;
 }
 

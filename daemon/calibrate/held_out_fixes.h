@@ -18,10 +18,14 @@ struct HeldOutSpot {
   std::span<const CsiFrame> frames;  // not empty
 };
 
-// The largest exponent of the likelihood (RoomModel::temper) whose 95 % regions hold 95 % of the
-// spots is the last of what is returned; those tried before it are larger. With few spots nothing
-// can be said, and only room.temper is tried.
-Expected<std::vector<HeldOutFixes>> fit_temper(std::shared_ptr<const RoomModel> room,
-                                               std::span<const HeldOutSpot> spots);
+// The exponent of the likelihood (RoomModel::temper), and RoomModel::least_sigma with it, that have
+// the best log score (to within what the spots can tell) are the last of what is returned: that of
+// the probabilities stated for the spots. It punishes regions that are too narrow and regions that
+// are too wide alike, so that those of 50 % come out right as well as those of 95 %. Spots are
+// compared by where they were surveyed, with `survey_sigma` [m] on each axis, which is no error of
+// the fix. With few spots nothing can be said, and only the room's are tried.
+Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
+                                                     std::span<const HeldOutSpot> spots,
+                                                     double survey_sigma);
 
 }  // namespace rayloc

@@ -9,15 +9,19 @@
 
 #include "daemon/calibrate/calibration_report.h"
 #include "daemon/calibrate/fit_summary.h"
-#include "daemon/calibrate/html.h"
 #include "daemon/calibrate/parameter_change.h"
 #include "daemon/calibrate/report_figures.h"
+#include "daemon/draw/html.h"
 #include "daemon/draw/svg.h"
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 
 namespace rayloc {
 namespace {
+
+using draw::html_page;
+using draw::html_text;
+using draw::HtmlTable;
 
 constexpr const char* kNone = "\u2013";
 

@@ -94,9 +94,11 @@ Json fixes_json(const std::vector<HeldOutFixes>& fixes) {
   Json all = Json::array();
   for (const HeldOutFixes& one : fixes) {
     all.push_back({{"temper", one.temper},
+                   {"least_sigma_m", one.least_sigma},
                    {"points", one.points},
                    {"fixes", one.fixes},
                    {"within_accuracy_95", one.within_accuracy},
+                   {"log_score", one.log_score},
                    {"median_error_m", one.median_error_m}});
   }
   return all;

@@ -27,13 +27,14 @@
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verb.h"
 #include "daemon/site/calibration_file.h"
-#include "daemon/site/content_hash.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "engine/base/content_hash.h"
 #include "engine/calibrate/input_check.h"
 #include "engine/calibrate/joint_calibration.h"
 #include "engine/calibrate/paper_calibration.h"
 #include "engine/observe/burst.h"
+#include "engine/scene/scene_hash.h"
 
 namespace rayloc::cli {
 namespace {
@@ -124,11 +125,7 @@ Expected<void> Calibration::measure() {
     return tl::make_unexpected(std::move(site.error()));
   }
   site_ = *std::move(site);
-  std::vector<std::string> ids;
-  for (const SiteAccessPoint& ap : site_.access_points) {
-    ids.push_back(ap.id);
-  }
-  const auto captures = resolve_captures(options_.captures, ids);
+  const auto captures = resolve_captures(options_.captures, access_point_ids(site_));
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
@@ -288,7 +285,7 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
       spots.push_back({points_[p].position, inputs_.points[p].frames});
     }
   }
-  auto fixes = fit_temper(std::move(trained), spots);
+  auto fixes = fit_certainty_of(std::move(trained), spots, CalibrationPriors().survey);
   if (!fixes) {
     return tl::make_unexpected(std::move(fixes.error()));
   }
@@ -319,6 +316,8 @@ CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResu
     }
   }
   parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
+  parameters.push_back(
+      {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
   report.fixes = fixes_;
   report.refused = inputs_.refused;
   report.peak_memory_bytes = peak_memory();
@@ -334,6 +333,7 @@ Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& me
   file.scene_hash = scene_hash(*room.scene);
   file.points_hash = inputs_.points_hash;
   file.temper = {fixes_.back().temper, plan_.temper, 0.0};
+  file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
   file.ray_depth = room.trace.max_depth;
   file.transmission = room.trace.transmission;
   file.access_points = calibrated_access_points(plan_, room, results_);

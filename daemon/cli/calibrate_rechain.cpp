@@ -1,10 +1,11 @@
 #include "daemon/cli/calibrate_rechain.h"
 
+#include <algorithm>
 #include <chrono>
+#include <complex>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -13,14 +14,14 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/csi_receiver.h"
-#include "capture/pcap_source.h"
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/cli/calibration_inputs.h"
+#include "daemon/cli/fixed_frames.h"
 #include "daemon/site/calibration_file.h"
-#include "daemon/site/content_hash.h"
+#include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "engine/base/content_hash.h"
 #include "engine/calibrate/chain_refit.h"
 #include "engine/observe/burst.h"
 
@@ -35,6 +36,7 @@ struct SpotFrames {
   Vec3d position;
   DeviceModel device;
   std::vector<CsiFrame> frames;
+  std::optional<MacAddress> fixed;  // of a fixed transmitter
 };
 
 // What was known and what was heard.
@@ -61,82 +63,39 @@ Expected<Heard> hear_points(const Site& site,
   }
   Heard heard{{}, std::move(inputs->recorded), std::move(inputs->refused), inputs->content};
   for (SurveyedFrames& spot : inputs->points) {
-    heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames)});
+    heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
   }
   return heard;
 }
 
-std::vector<SpotFrames> fixed_spots(const Site& site, std::map<MacAddress, std::size_t>& by_mac) {
-  std::vector<SpotFrames> spots;
-  for (const SiteTransmitter& transmitter : site.transmitters) {
-    if (transmitter.role == TransmitterRole::kFixed && transmitter.position) {
-      by_mac[transmitter.mac] = spots.size();
-      spots.push_back({*transmitter.position,
-                       {transmitter.position->z, transmitter.pattern, transmitter.polarization},
-                       {}});
-    }
-  }
-  return spots;
-}
-
-// All frames of fixed transmitters in a recording.
-Expected<void> read_fixed(const CaptureArgument& capture,
-                          const CsiReceiverOptions& options,
-                          const std::map<MacAddress, std::size_t>& by_mac,
-                          std::vector<SpotFrames>& spots) {
-  PcapFileOptions file_options;
-  file_options.max_disorder = kAnyDisorder;
-  auto source = PcapFileSource::open(capture.file, file_options);
-  if (!source) {
-    return tl::make_unexpected(std::move(source.error()));
-  }
-  CsiReceiver receiver(options);
-  DatagramBatch batch;
-  while (!batch.ended) {
-    std::vector<CsiFrame> frames;
-    if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
-    for (const Datagram& datagram : batch.datagrams) {
-      receiver.push(datagram, frames);
-    }
-    if (batch.ended) {
-      receiver.flush(frames);
-    }
-    for (CsiFrame& frame : frames) {
-      if (const auto found = by_mac.find(frame.transmitter); found != by_mac.end()) {
-        spots[found->second].frames.push_back(std::move(frame));
-      }
-    }
-  }
-  return {};
-}
-
+// Of the fixed transmitters whose places are stated.
 Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>& captures) {
-  std::map<MacAddress, std::size_t> by_mac;
-  Heard heard;
-  heard.spots = fixed_spots(site, by_mac);
-  heard.recorded.resize(site.access_points.size());
-  if (heard.spots.empty()) {
+  const auto has_place = [](const SiteTransmitter& transmitter) {
+    return transmitter.role == TransmitterRole::kFixed && transmitter.position;
+  };
+  if (std::none_of(site.transmitters.begin(), site.transmitters.end(), has_place)) {
     return make_error(ErrorKind::kUsage,
                       "the site states no fixed transmitter; give --points with one to three "
                       "places where a device stood, or add a [[transmitter]] with role = \"fixed\" "
                       "and its position to site.toml");
   }
+  auto frames = read_fixed_frames(site, captures);
+  if (!frames) {
+    return tl::make_unexpected(std::move(frames.error()));
+  }
+  Heard heard;
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    if (has_place(transmitter)) {
+      heard.spots.push_back(
+          {*transmitter.position,
+           {transmitter.position->z, transmitter.pattern, transmitter.polarization},
+           std::move((*frames)[transmitter.mac]),
+           transmitter.mac});
+    }
+  }
+  heard.recorded.resize(site.access_points.size());
   for (const CaptureArgument& capture : captures) {
-    const auto index = find_access_point(site, capture.access_point);
-    if (!index) {
-      return tl::make_unexpected(index.error());
-    }
-    const SiteAccessPoint& ap = site.access_points[static_cast<std::size_t>(*index)];
-    CsiReceiverOptions options;
-    options.access_point = *index;
-    options.format = ap.format;
-    options.expected_cores = ap.cores;
-    if (auto read = read_fixed(capture, options, by_mac, heard.spots); !read) {
-      return tl::make_unexpected(std::move(read.error()));
-    }
-    heard.recorded[static_cast<std::size_t>(*index)] = true;
+    heard.recorded[static_cast<std::size_t>(*find_access_point(site, capture.access_point))] = true;
   }
   return heard;
 }
@@ -162,6 +121,20 @@ std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access
   return UsualFit{median, quartiles[0], quartiles[1]};
 }
 
+// What the access point heard of the transmitter in the empty room; nothing without a reference.
+std::vector<std::complex<double>> empty_room(const std::vector<PersonReference>& references,
+                                             const std::optional<MacAddress>& transmitter,
+                                             std::size_t access_point) {
+  for (const PersonReference& reference : references) {
+    for (const PersonLink& link : reference.links) {
+      if (reference.mac == transmitter && link.access_point == access_point) {
+        return link.empty;
+      }
+    }
+  }
+  return {};
+}
+
 // A run of the verb.
 class Rechain {
  public:
@@ -181,6 +154,7 @@ class Rechain {
   const std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
   Site site_;
   RoomModel room_;
+  std::vector<PersonReference> references_;
   CalibrationFile before_;
   CalibrationFile after_;
   Heard heard_;
@@ -205,17 +179,18 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(room.error()));
   }
   room_ = *std::move(room);
+  auto references = load_references(site_, room_);
+  if (!references) {
+    return tl::make_unexpected(std::move(references.error()));
+  }
+  references_ = *std::move(references);
   auto calibration = load_calibration_file(*site_.calibration_file);
   if (!calibration) {
     return tl::make_unexpected(std::move(calibration.error()));
   }
   before_ = *std::move(calibration);
   heldout_ = usual_fits(site_);
-  std::vector<std::string> ids;
-  for (const SiteAccessPoint& ap : site_.access_points) {
-    ids.push_back(ap.id);
-  }
-  const auto captures = resolve_captures(arguments_.captures, ids);
+  const auto captures = resolve_captures(arguments_.captures, access_point_ids(site_));
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
@@ -247,7 +222,10 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
       content.add(value.real());
       content.add(value.imag());
     }
-    spots.push_back({spot.position, spot.device, std::move(burst->h)});
+    spots.push_back({spot.position,
+                     spot.device,
+                     std::move(burst->h),
+                     empty_room(references_, spot.fixed, access_point)});
   }
   return spots;
 }
@@ -374,6 +352,17 @@ Expected<void> Rechain::write() {
   }
   if (auto written = write_site(site_, to_toml(after_), out); !written) {
     return written;
+  }
+  if (site_.reference_file) {
+    const auto reference = read_file(*site_.reference_file);
+    if (!reference) {
+      return tl::make_unexpected(reference.error());
+    }
+    if (auto written =
+            write_file(out / "reference.toml", reference_of_calibration(*reference, after_.id));
+        !written) {
+      return written;
+    }
   }
   return write_file(out / "report.json", report().dump(2) + "\n");
 }

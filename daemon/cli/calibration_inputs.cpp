@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <utility>
 
-#include "capture/csi_receiver.h"
-#include "capture/pcap_source.h"
-#include "daemon/site/content_hash.h"
+#include "daemon/cli/recorded_frames.h"
+#include "engine/base/content_hash.h"
 #include "engine/base/vec3.h"
 
 namespace rayloc::cli {
@@ -43,11 +41,6 @@ SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
   return nullptr;
 }
 
-bool is_fixed(const Site& site, const MacAddress& mac) {
-  const SiteTransmitter* transmitter = find_transmitter(site, mac);
-  return transmitter != nullptr && transmitter->role == TransmitterRole::kFixed;
-}
-
 void add_to_hash(ContentHash& hash, const CsiFrame& frame) {
   hash.add(static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
   for (const auto value : frame.csi.values()) {
@@ -58,48 +51,24 @@ void add_to_hash(ContentHash& hash, const CsiFrame& frame) {
 
 Expected<Extent> read_capture(const Site& site,
                               const CaptureArgument& capture,
-                              int index,
                               CalibrationInputs& inputs,
                               ContentHash& hash) {
-  PcapFileOptions file_options;
-  file_options.max_disorder = kAnyDisorder;
-  auto source = PcapFileSource::open(capture.file, file_options);
-  if (!source) {
-    return tl::make_unexpected(std::move(source.error()));
-  }
-  const SiteAccessPoint& ap = site.access_points[static_cast<std::size_t>(index)];
-  CsiReceiverOptions options;
-  options.access_point = index;
-  options.format = ap.format;
-  options.expected_cores = ap.cores;
-  CsiReceiver receiver(options);
-  DatagramBatch batch;
-  std::vector<CsiFrame> frames;
   Extent extent;
-  while (!batch.ended) {
-    frames.clear();
-    if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
-      return tl::make_unexpected(std::move(read.error()));
+  auto read = for_each_frame(site, capture, [&](CsiFrame&& frame) {
+    if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
+      ++extent.fixed_frames;
+      return;
     }
-    for (const Datagram& datagram : batch.datagrams) {
-      receiver.push(datagram, frames);
+    extent.first = extent.frames == 0 ? frame.time : std::min(extent.first, frame.time);
+    extent.last = extent.frames == 0 ? frame.time : std::max(extent.last, frame.time);
+    ++extent.frames;
+    if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
+      add_to_hash(hash, frame);
+      spot->frames.push_back(std::move(frame));
     }
-    if (batch.ended) {
-      receiver.flush(frames);
-    }
-    for (CsiFrame& frame : frames) {
-      if (is_fixed(site, frame.transmitter)) {
-        ++extent.fixed_frames;
-        continue;
-      }
-      extent.first = extent.frames == 0 ? frame.time : std::min(extent.first, frame.time);
-      extent.last = extent.frames == 0 ? frame.time : std::max(extent.last, frame.time);
-      ++extent.frames;
-      if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
-        add_to_hash(hash, frame);
-        spot->frames.push_back(std::move(frame));
-      }
-    }
+  });
+  if (!read) {
+    return tl::make_unexpected(std::move(read.error()));
   }
   return extent;
 }
@@ -148,20 +117,10 @@ Expected<void> check_points(const Site& site,
 void keep_one_transmitter(const std::string& file,
                           SurveyedFrames& spot,
                           std::vector<RefusedInput>& refused) {
-  std::map<MacAddress, std::size_t> counts;
-  for (const CsiFrame& frame : spot.frames) {
-    ++counts[frame.transmitter];
+  if (const auto kept = keep_most_heard(spot.frames)) {
+    refused.push_back({file + ":" + std::to_string(spot.point.line),
+                       "several transmitters; only " + to_string(*kept) + " is used"});
   }
-  if (counts.size() < 2) {
-    return;
-  }
-  const auto most =
-      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
-        return a.second < b.second;
-      });
-  std::erase_if(spot.frames, [&](const CsiFrame& f) { return f.transmitter != most->first; });
-  refused.push_back({file + ":" + std::to_string(spot.point.line),
-                     "several transmitters; only " + to_string(most->first) + " is used"});
 }
 
 // A recording of another time is a mistake; single points without frames are only left out.
@@ -233,7 +192,7 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
       return tl::make_unexpected(index.error());
     }
     inputs.recorded[static_cast<std::size_t>(*index)] = true;
-    const auto extent = read_capture(site, capture, *index, inputs, content);
+    const auto extent = read_capture(site, capture, inputs, content);
     if (!extent) {
       return tl::make_unexpected(extent.error());
     }

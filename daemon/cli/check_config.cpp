@@ -35,6 +35,9 @@ Expected<std::string> check_room(const Site& site) {
   if (!room) {
     return tl::make_unexpected(room.error());
   }
+  for (const std::string& warning : zone_warnings(site, room->bounds_min, room->bounds_max)) {
+    std::fprintf(stderr, "%s\n", warning.c_str());
+  }
   return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
 }
 

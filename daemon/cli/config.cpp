@@ -1,4 +1,4 @@
-// `rayloc config default|schema|show FILE`: raylocd's configuration in words.
+// `rayloc config default|schema|man|show FILE`: raylocd's configuration in words.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -24,12 +24,16 @@ RunVerb declare(CLI::App& app) {
   const CLI::App* example = app.add_subcommand(
       "default", "Print every key with its default and what it means, as a file to start from");
   const CLI::App* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
+  const CLI::App* manual = app.add_subcommand("man", "Print the manual page raylocd.toml(5)");
   CLI::App* show = app.add_subcommand("show", "Print the values that hold with a file");
   show->add_option("FILE", *file, "raylocd.toml")->required();
   app.require_subcommand(1);
-  return [file, example, schema] {
+  return [file, example, schema, manual] {
     if (example->parsed()) {
       return print(config_example());
+    }
+    if (manual->parsed()) {
+      return print(config_manual_page());
     }
     return print(schema->parsed() ? config_json_schema() : effective_config(*file));
   };

@@ -39,6 +39,7 @@ struct Summary {
   std::uint64_t late = 0;
   std::uint64_t frames = 0;
   std::uint64_t partial = 0;
+  std::uint64_t unrecorded = 0;  // as marks of gaps in the recordings say; no part of datagrams
   std::map<std::string, std::uint64_t> rejected;
 
   void add(const SourceCounters& source, const CsiReceiverCounters& receiver) {
@@ -48,6 +49,7 @@ struct Summary {
     late += receiver.late;
     frames += receiver.frames;
     partial += receiver.partial;
+    unrecorded += source.unrecorded;
     for (const auto& counts : {source.rejected, receiver.rejected}) {
       for (const auto& [reason, count] : counts) {
         rejected[reason] += count;
@@ -153,6 +155,7 @@ std::string summary_line(const Summary& summary, bool json) {
                   {"late", summary.late},
                   {"frames", summary.frames},
                   {"partial", summary.partial},
+                  {"unrecorded", summary.unrecorded},
                   {"rejected", summary.rejected}}}}
         .dump();
   }
@@ -163,6 +166,9 @@ std::string summary_line(const Summary& summary, bool json) {
                      " frames, " + std::to_string(summary.partial) + " partial";
   for (const auto& [reason, count] : summary.rejected) {
     line += ", " + std::to_string(count) + " rejected: " + reason;
+  }
+  if (summary.unrecorded > 0) {
+    line += "; not recorded, as the recording says: " + std::to_string(summary.unrecorded);
   }
   return line;
 }

@@ -1,28 +1,17 @@
 // `rayloc`: the command line. Data goes to stdout, words for people to stderr.
-#include <array>
 #include <cstdio>
 #include <exception>
-#include <span>
-#include <string>
-#include <vector>
 
-#include "daemon/cli/verb.h"
-#include "daemon/cli/verbs.h"
+#include "daemon/cli/command_line.h"
 #include "daemon/service/exit_status.h"
 
 namespace rayloc::cli {
 namespace {
 
 int run(int argc, const char* const* argv) {
-  CLI::App app{"Wi-Fi localization from channel state information", "rayloc"};
-  app.set_version_flag("--version", "rayloc " RAYLOC_VERSION);
-  app.require_subcommand(1);
+  CLI::App app;
   RunVerb chosen;
-  for (const Verb& verb : verbs()) {
-    CLI::App* sub = app.add_subcommand(verb.name, verb.summary);
-    sub->footer(std::string("Example:\n  ") + verb.example);
-    sub->callback([&chosen, run_verb = verb.declare(*sub)] { chosen = run_verb; });
-  }
+  declare_command_line(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/cli/printable.h"
 #include "daemon/publish/proto_time.h"
 #include "rayloc/v1/envelope.pb.h"
 
@@ -82,19 +83,29 @@ std::string describe(const v1::SourceState& source) {
                      source.detail());
 }
 
+std::string describe(const v1::ZoneEvent& event) {
+  std::string text = fmt::format("zone       {} {} {}",
+                                 name_of(event.target()),
+                                 short_name(v1::ZoneEventKind_Name(event.kind()), 16),
+                                 event.zone());
+  if (event.has_dwell()) {
+    text += fmt::format(" after {:.1f} s", to_seconds(from_proto(event.dwell())));
+  }
+  text += fmt::format(", {} inside", event.occupancy());
+  return text + (event.reason().empty() ? "" : ": " + event.reason());
+}
+
 std::string describe(const v1::Envelope& envelope) {
   switch (envelope.body_case()) {
     case v1::Envelope::kLocation:
       return describe(envelope.location());
     case v1::Envelope::kTrack:
-      return fmt::format("track      {} {}",
+      return fmt::format("track      {} {}: {}",
                          name_of(envelope.track().target()),
-                         short_name(v1::TrackState_Name(envelope.track().state()), 12));
+                         short_name(v1::TrackState_Name(envelope.track().state()), 12),
+                         envelope.track().reason());
     case v1::Envelope::kZone:
-      return fmt::format("zone       {} {} {}",
-                         name_of(envelope.zone().target()),
-                         short_name(v1::ZoneEventKind_Name(envelope.zone().kind()), 16),
-                         envelope.zone().zone());
+      return describe(envelope.zone());
     case v1::Envelope::kSource:
       return describe(envelope.source());
     case v1::Envelope::kHeartbeat:
@@ -116,14 +127,7 @@ std::string describe(const v1::Envelope& envelope) {
 }  // namespace
 
 std::string message_line(const v1::Envelope& envelope) {
-  std::string line = time_of_day(envelope.sent()) + "  " + describe(envelope);
-  for (char& c : line) {
-    // Names come from the network: no escape sequence of theirs reaches the terminal.
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
-      c = '?';
-    }
-  }
-  return line;
+  return printable(time_of_day(envelope.sent()) + "  " + describe(envelope));
 }
 
 }  // namespace rayloc::cli

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <google/protobuf/io/coded_stream.h>
@@ -18,11 +19,19 @@
 #include "daemon/cli/output_file.h"
 #include "daemon/cli/verb.h"
 #include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/paced_source.h"
+#include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/zone_estimator.h"
 #include "daemon/publish/json.h"
+#include "daemon/publish/target_names.h"
+#include "daemon/site/path_grid_files.h"
+#include "daemon/site/receiver_options.h"
 #include "daemon/site/site.h"
+#include "engine/localize/likelihood.h"
+#include "engine/localize/paper_settings.h"
 
 namespace rayloc::cli {
 namespace {
@@ -31,14 +40,20 @@ struct Options {
   std::string site;
   std::vector<std::string> captures;
   std::string method = "rayloc";
+  std::string likelihood{likelihood_names().front().name};
   std::string kind = "all";
   std::string burst = "0.2s";
   std::string speed = "max";
   std::string format = "jsonl";
   std::string out = "-";
+  std::string zone_events;  // file; empty: not written
   std::uint64_t seed = 1;
   std::size_t starts = 1;
+  std::vector<std::string> paper;
   int threads = 0;
+  std::string target_key;  // file; empty: devices are called by their addresses
+  double target_rotate_h = 24.0;
+  bool no_cache = false;
   bool quiet = false;
 };
 
@@ -73,6 +88,22 @@ Expected<Duration> parse_burst(const std::string& text) {
       "--burst " + text + ": write a duration from 1ms to 60s, for example 0.2s or 500ms");
 }
 
+std::vector<std::string> names_of_likelihoods() {
+  std::vector<std::string> names;
+  for (const LikelihoodName& one : likelihood_names()) {
+    names.emplace_back(one.name);
+  }
+  return names;
+}
+
+std::string help_of_likelihoods() {
+  std::string help = "what method rayloc compares:";
+  for (const LikelihoodName& one : likelihood_names()) {
+    help += "\n" + std::string(one.name) + ": " + std::string(one.description);
+  }
+  return help;
+}
+
 // Nothing for "max".
 Expected<std::optional<double>> parse_speed(const std::string& text) {
   if (text == "max") {
@@ -87,11 +118,7 @@ Expected<std::optional<double>> parse_speed(const std::string& text) {
 }
 
 Expected<std::vector<SourceWorker::Input>> open_captures(const Options& options, const Site& site) {
-  std::vector<std::string> ids;
-  for (const SiteAccessPoint& access_point : site.access_points) {
-    ids.push_back(access_point.id);
-  }
-  const auto captures = resolve_captures(options.captures, ids);
+  const auto captures = resolve_captures(options.captures, access_point_ids(site));
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
@@ -107,30 +134,40 @@ Expected<std::vector<SourceWorker::Input>> open_captures(const Options& options,
       return tl::make_unexpected(file.error());
     }
     const int index = *find_access_point(site, capture.access_point);
-    const SiteAccessPoint& access_point = site.access_points[static_cast<std::size_t>(index)];
     SourceWorker::Input input;
     input.access_point = capture.access_point;
     input.source = std::move(*file);
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
-    input.receiver.access_point = index;
-    input.receiver.format = access_point.format;
-    input.receiver.expected_cores = access_point.cores;
+    input.receiver = receiver_options(site, index);
     inputs.push_back(std::move(input));
   }
   return inputs;
 }
 
-// Locations of our own always have a JSON form.
-void write_location(const v1::Location& location, const std::string& format, OutputFile& out) {
+// Messages of our own always have a JSON form.
+void write(const google::protobuf::Message& message, const std::string& format, OutputFile& out) {
   if (format == "pb") {
     std::string bytes;
     google::protobuf::io::StringOutputStream stream(&bytes);
-    google::protobuf::util::SerializeDelimitedToZeroCopyStream(location, &stream);
+    google::protobuf::util::SerializeDelimitedToZeroCopyStream(message, &stream);
     out.write(bytes);
   } else {
-    out.write(to_json(location).value() + "\n");
+    out.write(to_json(message).value() + "\n");
+  }
+}
+
+// What the recording itself says that it lacks.
+void report_gaps(const SourceReport& source) {
+  const auto marks = source.source.rejected.find("gap_mark");
+  if (marks != source.source.rejected.end()) {
+    std::fprintf(stderr,
+                 "%s: gaps are marked in the recording: %llu, with at least %llu datagrams that "
+                 "were received and not recorded\n",
+                 source.access_point.c_str(),
+                 static_cast<unsigned long long>(marks->second),
+                 static_cast<unsigned long long>(source.source.unrecorded));
   }
 }
 
@@ -155,17 +192,20 @@ Expected<void> report(const Pipeline& pipeline, bool quiet) {
                    static_cast<unsigned long long>(rejected),
                    static_cast<unsigned long long>(source.receiver.frames),
                    static_cast<unsigned long long>(source.receiver.partial));
+      report_gaps(source);
     }
     if (!source.error.empty()) {
       failed += (failed.empty() ? "" : "\n") + source.error;
     }
   }
   if (!quiet) {
-    std::fprintf(stderr,
-                 "%llu bursts, %llu locations, %llu of them without a fix\n",
-                 static_cast<unsigned long long>(counters.bursts),
-                 static_cast<unsigned long long>(counters.locations),
-                 static_cast<unsigned long long>(counters.no_fix));
+    std::fprintf(
+        stderr,
+        "%llu bursts, %llu snapshots, %llu of them without a fix, %llu filtered estimates\n",
+        static_cast<unsigned long long>(counters.bursts),
+        static_cast<unsigned long long>(counters.snapshots),
+        static_cast<unsigned long long>(counters.no_fix),
+        static_cast<unsigned long long>(counters.filtered));
   }
   if (!failed.empty()) {
     return bad_input(failed);
@@ -173,16 +213,146 @@ Expected<void> report(const Pipeline& pipeline, bool quiet) {
   return {};
 }
 
-Expected<void> run(const Options& options) {
-  if (options.kind == "person") {
-    return make_error(ErrorKind::kUsage,
-                      "--kind person: this version locates devices only; use --kind device");
+Expected<PaperLocalizerOptions> paper_options(const Options& options) {
+  if (options.method != "paper" && (options.starts > 1 || !options.paper.empty())) {
+    const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
+    return make_error(
+        ErrorKind::kUsage,
+        option + " is of method paper, not of " + options.method + "; use --method paper");
   }
-  if (options.starts > 1 && options.method != "paper") {
+  PaperLocalizerOptions paper;
+  paper.seed = options.seed;
+  paper.starts = options.starts;
+  for (const std::string& assignment : options.paper) {
+    if (auto set = set_paper(assignment, paper); !set) {
+      return make_error(ErrorKind::kUsage, "--paper " + set.error().message);
+    }
+  }
+  return paper;
+}
+
+// Nothing where they are not to be kept, or nobody knows where.
+std::shared_ptr<PathGridStore> path_grids(const Options& options) {
+  const auto directory = options.no_cache ? std::nullopt : cache_directory();
+  if (!directory) {
+    return nullptr;
+  }
+  PathGridFiles::Options files;
+  files.directory = *directory;
+  if (!options.quiet) {
+    files.log = [](const std::string& line) {
+      std::fprintf(stderr, "rayloc replay: cache: %s\n", line.c_str());
+    };
+  }
+  return std::make_shared<PathGridFiles>(std::move(files));
+}
+
+Expected<std::shared_ptr<TargetNames>> target_names(const Options& options) {
+  TargetNames::Options names;
+  if (!options.target_key.empty()) {
+    Expected<std::string> key = TargetNames::read_key(options.target_key);
+    if (!key) {
+      return tl::make_unexpected(key.error());
+    }
+    names.hashed = true;
+    names.key = *std::move(key);
+    names.period = from_seconds(3600.0 * options.target_rotate_h);
+  }
+  return std::make_shared<TargetNames>(std::move(names));
+}
+
+// Of the kinds of targets that are asked for.
+struct Estimators {
+  std::unique_ptr<DeviceEstimator> devices;
+  std::unique_ptr<PersonEstimator> people;
+  EstimatorList all;
+};
+
+Expected<Estimators> make_estimators(const Options& options,
+                                     const Site& site,
+                                     PaperLocalizerOptions paper) {
+  Estimators estimators;
+  if (options.kind != "person") {
+    DeviceEstimator::Options estimation;
+    auto names = target_names(options);
+    if (!names) {
+      return tl::make_unexpected(names.error());
+    }
+    estimation.names = *std::move(names);
+    estimation.method =
+        options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
+    estimation.localizer.path_grids = path_grids(options);
+    estimation.paper = paper;
+    estimation.localizer.likelihood = likelihood_of(options.likelihood);
+    auto devices = DeviceEstimator::create(site, estimation);
+    if (!devices) {
+      return tl::make_unexpected(devices.error());
+    }
+    estimators.devices = *std::move(devices);
+    estimators.all.add(*estimators.devices);
+  }
+  // Without a reference nobody can be seen; who asks for people alone is told so.
+  if (options.kind == "person" ||
+      (options.kind == "all" && options.method != "paper" && site.reference_file)) {
+    auto people = PersonEstimator::create(site, {});
+    if (!people) {
+      return tl::make_unexpected(people.error());
+    }
+    estimators.people = *std::move(people);
+    estimators.all.add(*estimators.people);
+  }
+  return estimators;
+}
+
+Expected<void> write_all(const Options& options,
+                         const PipelineOptions& pipeline_options,
+                         std::vector<SourceWorker::Input> inputs,
+                         Estimator& estimator) {
+  Expected<OutputFile> out = OutputFile::open(options.out);
+  if (!out) {
+    return tl::make_unexpected(out.error());
+  }
+  std::optional<OutputFile> events;
+  if (!options.zone_events.empty()) {
+    Expected<OutputFile> opened = OutputFile::open(options.zone_events);
+    if (!opened) {
+      return tl::make_unexpected(opened.error());
+    }
+    events = std::move(*opened);
+  }
+  OrderedSink sink([&](const v1::Location& location) { write(location, options.format, *out); },
+                   [&](const v1::ZoneEvent& event) {
+                     if (events) {
+                       write(event, options.format, *events);
+                     }
+                   });
+  Pipeline pipeline(pipeline_options, std::move(inputs), estimator, sink);
+  pipeline.start();
+  pipeline.wait();
+  sink.finish();
+  if (Expected<void> closed = out->close(); !closed) {
+    return closed;
+  }
+  if (events) {
+    if (Expected<void> closed = events->close(); !closed) {
+      return closed;
+    }
+  }
+  return report(pipeline, options.quiet);
+}
+
+Expected<void> run(const Options& options) {
+  if (options.kind == "person" && options.method == "paper") {
     return make_error(ErrorKind::kUsage,
-                      "--multi-start: method " + options.method +
-                          " starts nowhere; use --method "
-                          "paper");
+                      "--method paper locates devices only; use --kind device, or --method rayloc");
+  }
+  auto paper = paper_options(options);
+  if (!paper) {
+    return tl::make_unexpected(std::move(paper.error()));
+  }
+  if (options.method == "paper" && options.likelihood != likelihood_names().front().name) {
+    return make_error(ErrorKind::kUsage,
+                      "--likelihood: method paper has a loss of its own; leave --likelihood out");
   }
   const Expected<Duration> burst = parse_burst(options.burst);
   if (!burst) {
@@ -201,31 +371,15 @@ Expected<void> run(const Options& options) {
   if (!inputs) {
     return tl::make_unexpected(inputs.error());
   }
-  DeviceEstimator::Options estimation;
-  estimation.method = options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
-  estimation.paper.seed = options.seed;
-  estimation.paper.starts = options.starts;
-  Expected<std::unique_ptr<DeviceEstimator>> estimator = DeviceEstimator::create(*site, estimation);
-  if (!estimator) {
-    return tl::make_unexpected(estimator.error());
+  auto estimators = make_estimators(options, *site, *std::move(paper));
+  if (!estimators) {
+    return tl::make_unexpected(estimators.error());
   }
-  Expected<OutputFile> out = OutputFile::open(options.out);
-  if (!out) {
-    return tl::make_unexpected(out.error());
-  }
-  OrderedSink sink(
-      [&](const v1::Location& location) { write_location(location, options.format, *out); });
   PipelineOptions pipeline_options;
   pipeline_options.burst.length = *burst;
   pipeline_options.overflow = Overflow::kWait;
-  Pipeline pipeline(pipeline_options, std::move(*inputs), **estimator, sink);
-  pipeline.start();
-  pipeline.wait();
-  sink.finish();
-  if (Expected<void> closed = out->close(); !closed) {
-    return closed;
-  }
-  return report(pipeline, options.quiet);
+  ZoneEstimator zones(estimators->all, site->zones);
+  return write_all(options, pipeline_options, std::move(*inputs), zones);
 }
 
 RunVerb declare(CLI::App& app) {
@@ -236,7 +390,13 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--method", options->method, "rayloc, or paper: the published one, as it is")
       ->check(CLI::IsMember({"rayloc", "paper"}))
       ->capture_default_str();
-  app.add_option("--kind", options->kind, "targets to locate")
+  app.add_option("--likelihood", options->likelihood, help_of_likelihoods())
+      ->check(CLI::IsMember(names_of_likelihoods()))
+      ->capture_default_str();
+  app.add_option("--kind",
+                 options->kind,
+                 "targets to locate: device, person (needs `rayloc reference`), or all that the "
+                 "site can")
       ->check(CLI::IsMember({"device", "person", "all"}))
       ->capture_default_str();
   app.add_option("--burst", options->burst, "length of a burst of frames")->capture_default_str();
@@ -246,14 +406,31 @@ RunVerb declare(CLI::App& app) {
       ->check(CLI::IsMember({"jsonl", "pb"}))
       ->capture_default_str();
   app.add_option("--out", options->out, "file to write instead of standard output");
+  app.add_option("--zone-events",
+                 options->zone_events,
+                 "file for who enters and leaves the zones of the site, one ZoneEvent a line");
   app.add_option("--seed", options->seed, "of random numbers; rayloc draws none")
       ->capture_default_str();
   app.add_option("--multi-start", options->starts, "random starts of paper; the least loss wins")
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
+  app.add_option(
+      "--paper",
+      options->paper,
+      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults:\n" +
+          paper_settings_help());
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  app.add_option("--target-key",
+                 options->target_key,
+                 "hash devices' addresses as raylocd does with this [privacy] key_file");
+  app.add_option("--target-rotate-h", options->target_rotate_h, "its rotate_h")
+      ->check(CLI::Range(0.01, 8760.0))
+      ->capture_default_str();
+  app.add_flag("--no-cache",
+               options->no_cache,
+               "trace the room anew; else its rays are kept in $XDG_CACHE_HOME/rayloc");
   app.add_flag("--quiet", options->quiet, "no summary on standard error");
   return [options] { return run(*options); };
 }
@@ -265,7 +442,11 @@ const Verb kReplay = {
     "replay",
     "Locate targets in recordings, as raylocd would have",
     "rayloc replay room/ ap1=monday.pcap ap2=monday-2.pcap.gz > locations.jsonl\n"
-    "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7",
+    "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7\n"
+    "  rayloc replay room/ ap1=monday.pcap --method paper --paper alpha=0.5 smoothing=false\n"
+    "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"
+    "  rayloc replay room/ ap1=monday.pcap --out locations.jsonl --zone-events zones.jsonl\n"
+    "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s",
     &declare};
 
 }  // namespace rayloc::cli

@@ -186,6 +186,11 @@ Expected<void> run(const Arguments& arguments) {
                                 scene.objects().size(),
                                 scene.carrier_hz() / 1e9);
   picture.marks = marks_of(*source);
+  if (source->site) {
+    for (const SiteZone& zone : source->site->zones) {
+      picture.zones.push_back({zone.name, zone.polygon});
+    }
+  }
   std::string note;
   if (*link) {
     add_paths(arguments, **link, *source, picture);

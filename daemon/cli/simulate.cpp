@@ -14,6 +14,7 @@
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc::cli {
@@ -27,6 +28,7 @@ struct Arguments {
   std::string transmitter;
   TransmissionOptions transmissions;
   TraceOptions trace;
+  bool person = false;
   bool force = false;
   bool quiet = false;
 };
@@ -86,6 +88,14 @@ Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulati
   if (!sender) {
     return tl::make_unexpected(sender.error());
   }
+  if (arguments.person) {
+    if (sender->role != TransmitterRole::kFixed || !sender->position) {
+      return make_error(ErrorKind::kUsage,
+                        "--person needs a fixed transmitter of the site; name it with "
+                        "--transmitter");
+    }
+    simulation.options.person = SimulatedPerson{*sender->position, stated_person(site).body};
+  }
   simulation.options.transmitter = sender->mac;
   simulation.options.pattern = sender->pattern;
   simulation.options.polarization = sender->polarization;
@@ -97,12 +107,8 @@ Expected<Simulation> prepare(const Arguments& arguments) {
   if (!site) {
     return tl::make_unexpected(site.error());
   }
-  std::vector<std::string> ids;
-  for (const SiteAccessPoint& ap : site->access_points) {
-    ids.push_back(ap.id);
-  }
   Simulation simulation;
-  auto outputs = resolve_captures(arguments.out, ids);
+  auto outputs = resolve_captures(arguments.out, access_point_ids(*site));
   if (!outputs) {
     return tl::make_unexpected(std::move(outputs.error()));
   }
@@ -148,18 +154,21 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   CaptureSimulator simulator(simulation.room, index, simulation.options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   for (const SimulatedSpot& spot : simulation.spots) {
-    const SpotCapture heard = simulator.hear(spot);
+    const auto heard = simulator.hear(spot);
+    if (!heard) {
+      return bad_input("point of line " + std::to_string(spot.line) + ": " + heard.error().message);
+    }
     std::vector<Datagram> batch;
-    batch.reserve(heard.datagrams.size());
-    for (const SimulatedDatagram& datagram : heard.datagrams) {
+    batch.reserve(heard->datagrams.size());
+    for (const SimulatedDatagram& datagram : heard->datagrams) {
       batch.push_back({datagram.time, {}, datagram.payload});
     }
     if (auto written = recorder->write(batch); !written) {
       return tl::make_unexpected(std::move(written.error()));
     }
     report.datagrams += batch.size();
-    report.lost += heard.lost;
-    if (heard.paths == 0) {
+    report.lost += heard->lost;
+    if (heard->paths == 0) {
       report.unheard_lines.push_back(spot.line);
     }
   }
@@ -224,6 +233,11 @@ RunVerb declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option(
       "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
+  app.add_flag(
+      "--person",
+      arguments->person,
+      "The points are those of a person without a device, as [person] of site.toml states, "
+      "past whom the fixed --transmitter is heard");
   app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
       ->check(CLI::Range(0, 8))
       ->capture_default_str();
@@ -242,6 +256,8 @@ const Verb kSimulate = {
     "simulate",
     "Make the recordings that a site's access points would make of a device, by our own tracer",
     "rayloc simulate office --points survey.csv --out ap1=a.pcap ap2=b.pcap\n"
+    "  rayloc simulate office --points people.csv --person --transmitter plug --out "
+    "ap1=people.pcap\n"
     "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n\n"
     "For tests, planning and studies: made with the model that locates, the recordings say nothing "
     "about accuracy.\n"

@@ -1,26 +1,33 @@
 // `rayloc sub`: prints what raylocd publishes.
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "daemon/cli/message_line.h"
+#include "daemon/cli/feed_writer.h"
+#include "daemon/cli/message_filter.h"
+#include "daemon/cli/message_source.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/publish/gap_detector.h"
-#include "daemon/publish/json.h"
-#include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc::cli {
 namespace {
 
+const char* const kHeartbeats = "v1/heartbeat/";
+
 struct SubArguments {
   std::vector<std::string> topics;
-  std::string endpoint = "tcp://127.0.0.1:5560";
+  MessageSource from;
+  std::string format = "text";
   bool json = false;
+  MessageFilter filter;
   std::uint64_t count = 0;  // 0: no end
   double timeout = 0.0;     // [s]; 0: none
 };
@@ -46,55 +53,163 @@ void report_losses(GapDetector& gaps, const std::string& topic, const v1::Envelo
   }
 }
 
-Expected<void> run_sub(const SubArguments& arguments) {
-  auto subscriber = Subscriber::connect(
-      arguments.endpoint,
-      arguments.topics.empty() ? std::vector<std::string>{"v1/"} : arguments.topics);
-  if (!subscriber) {
-    return tl::make_unexpected(subscriber.error());
+// The verb while it runs.
+class Subscription {
+ public:
+  Subscription(const SubArguments& arguments, FeedFormat format)
+      : arguments_(arguments), writer_(format), topics_(arguments.topics) {
+    if (topics_.empty()) {
+      topics_ = {writer_.is_of_locations_only() ? "v1/location/" : "v1/"};
+    }
   }
-  StopSignal::install();
-  GapDetector gaps;
-  std::uint64_t printed = 0;
-  auto last = std::chrono::steady_clock::now();
-  while (!StopSignal::requested() && (arguments.count == 0 || printed < arguments.count)) {
-    const auto message = subscriber->receive(std::chrono::milliseconds(200));
-    if (!message) {
-      const std::chrono::duration<double> silence = std::chrono::steady_clock::now() - last;
-      if (!StopSignal::requested() && arguments.timeout > 0.0 &&
-          silence.count() >= arguments.timeout) {
-        return make_error(ErrorKind::kUnavailable,
-                          "no message from " + arguments.endpoint + "; is raylocd running there?");
+
+  Expected<void> run() {
+    std::vector<std::string> prefixes = topics_;
+    if (writer_.needs_heartbeats()) {
+      prefixes.emplace_back(kHeartbeats);
+    }
+    const Expected<Receive> receive = connect(arguments_.from, prefixes);
+    if (!receive) {
+      return tl::make_unexpected(receive.error());
+    }
+    StopSignal::install();
+    if (const auto header = writer_.header()) {
+      if (auto written = print_line(*header); !written) {
+        return written;
       }
-      continue;
     }
-    last = std::chrono::steady_clock::now();
-    v1::Envelope envelope;
-    if (!envelope.ParseFromString(message->payload)) {
-      std::fprintf(stderr, "rayloc sub: a message of %s is no Envelope\n", message->topic.c_str());
-      continue;
+    while (!StopSignal::requested() && !is_done()) {
+      const auto message = (*receive)(std::chrono::milliseconds(200));
+      if (!message && is_silent()) {
+        return make_error(
+            ErrorKind::kUnavailable,
+            "no message from " + arguments_.from.endpoint + "; is raylocd running there?");
+      }
+      if (auto taken = message ? take(*message) : Expected<void>(); !taken) {
+        return taken;
+      }
     }
-    report_losses(gaps, message->topic, envelope);
-    const auto line =
-        arguments.json ? to_json(envelope) : Expected<std::string>(message_line(envelope));
-    if (!line) {
-      std::fprintf(stderr, "rayloc sub: %s\n", line.error().message.c_str());
-      continue;
-    }
-    if (auto written = print_line(*line); !written) {
-      return written;
-    }
-    ++printed;
+    report_left_out();
+    return {};
   }
-  return {};
+
+ private:
+  bool is_done() const { return arguments_.count != 0 && printed_ >= arguments_.count; }
+
+  bool is_silent() const {
+    const std::chrono::duration<double> silence = std::chrono::steady_clock::now() - last_;
+    return !StopSignal::requested() && arguments_.timeout > 0.0 &&
+           silence.count() >= arguments_.timeout;
+  }
+
+  bool is_asked_for(const std::string& topic) const {
+    return std::any_of(topics_.begin(), topics_.end(), [&](const std::string& prefix) {
+      return topic.starts_with(prefix);
+    });
+  }
+
+  Expected<void> take(const PublishedMessage& message) {
+    v1::Envelope envelope;
+    if (!envelope.ParseFromString(message.payload)) {
+      std::fprintf(stderr, "rayloc sub: a message of %s is no Envelope\n", message.topic.c_str());
+      return {};
+    }
+    report_losses(gaps_, message.topic, envelope);
+    if (envelope.has_heartbeat() && writer_.needs_heartbeats()) {
+      if (auto heard = writer_.hear(envelope.heartbeat()); !heard) {
+        return heard;
+      }
+    }
+    if (is_asked_for(message.topic)) {
+      last_ = std::chrono::steady_clock::now();
+      if (arguments_.filter.passes(envelope)) {
+        writer_.add(std::move(envelope));
+      }
+    }
+    return print_due();
+  }
+
+  Expected<void> print_due() {
+    while (!is_done()) {
+      const std::optional<std::string> line = writer_.next();
+      if (!line) {
+        return {};
+      }
+      if (auto written = print_line(*line); !written) {
+        return written;
+      }
+      ++printed_;
+    }
+    return {};
+  }
+
+  void report_left_out() const {
+    const auto say = [](std::uint64_t count, const char* what) {
+      if (count > 0) {
+        std::fprintf(stderr,
+                     "rayloc sub: %llu messages %s\n",
+                     static_cast<unsigned long long>(count),  // NOLINT(google-runtime-int)
+                     what);
+      }
+    };
+    say(writer_.without_form(), "have no form in this format and were left out");
+    say(writer_.dropped(), "were dropped while no heartbeat came");
+  }
+
+  const SubArguments& arguments_;
+  FeedWriter writer_;
+  std::vector<std::string> topics_;
+  GapDetector gaps_;
+  std::uint64_t printed_ = 0;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+Expected<void> run_sub(const SubArguments& arguments) {
+  const auto& names = feed_format_names();
+  const std::string& name = arguments.json ? "json" : arguments.format;
+  const auto index = std::find(names.begin(), names.end(), name) - names.begin();
+  return Subscription(arguments, static_cast<FeedFormat>(index)).run();
+}
+
+void declare_filter(CLI::App& app, MessageFilter& filter) {
+  app.add_option("--target",
+                 filter.targets,
+                 "Only of these targets: as in the topic (MAC, hash, person-N), or the name in "
+                 "site.toml");
+  app.add_option("--kind", filter.kind, "Only locations of one burst, or those of the tracker")
+      ->check(CLI::IsMember({"snapshot", "filtered"}));
+  app.add_option("--zone",
+                 filter.zones,
+                 "Only locations that are probably in one of these zones, and events of them");
+  app.add_option("--zone-probability",
+                 filter.zone_probability,
+                 "From which probability on a location is in a zone")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  app.add_option("--max-accuracy", filter.max_accuracy, "Only locations at least so accurate [m]")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--min-confidence",
+                 filter.min_confidence,
+                 "Only locations whose first hypothesis is at least so probable")
+      ->check(CLI::Range(0.0, 1.0));
 }
 
 RunVerb declare_sub(CLI::App& app) {
   auto arguments = std::make_shared<SubArguments>();
-  app.add_option("TOPIC", arguments->topics, "What the topics begin with; all unless told");
-  app.add_option("--endpoint", arguments->endpoint, "Where raylocd publishes")
+  app.add_option("TOPIC",
+                 arguments->topics,
+                 "What the topics begin with; unless told all, of csv, geojson and omlox "
+                 "v1/location/");
+  add_source_options(app, arguments->from);
+  app.add_option(
+         "--format",
+         arguments->format,
+         "text: for people; json: every Envelope; of locations alone csv, geojson (WGS 84 by "
+         "the site's georeference), omlox")
+      ->check(CLI::IsMember(feed_format_names()))
       ->capture_default_str();
-  app.add_flag("--json", arguments->json, "One Envelope per line as JSON");
+  app.add_flag("--json", arguments->json, "The same as --format json");
+  declare_filter(app, arguments->filter);
   app.add_option("--count", arguments->count, "Stop after this many messages");
   app.add_option(
          "--timeout", arguments->timeout, "Stop with status 69 after so many silent seconds")
@@ -104,9 +219,15 @@ RunVerb declare_sub(CLI::App& app) {
 
 }  // namespace
 
-extern const Verb kSub{"sub",
-                       "Print what raylocd publishes, one message per line",
-                       "rayloc sub --json v1/location/",
-                       declare_sub};
+extern const Verb kSub{
+    "sub",
+    "Print what raylocd publishes, one message per line",
+    "rayloc sub --json v1/location/\n"
+    "  rayloc sub --target 02:52:4c:00:00:01 --kind filtered --max-accuracy 0.5\n"
+    "  rayloc sub v1/zone/ v1/location/ --zone desk\n"
+    "  rayloc sub --format csv --kind snapshot --count 100 > fixes.csv\n"
+    "  rayloc sub --format geojson | jq --unbuffered .geometry\n"
+    "  rayloc sub --format omlox --snapshot tcp://127.0.0.1:5561",
+    declare_sub};
 
 }  // namespace rayloc::cli

@@ -45,14 +45,6 @@ struct Arguments {
 
 Timestamp now() { return std::chrono::system_clock::now(); }
 
-std::vector<std::string> ids_of(const Site& site) {
-  std::vector<std::string> ids;
-  for (const SiteAccessPoint& ap : site.access_points) {
-    ids.push_back(ap.id);
-  }
-  return ids;
-}
-
 // The UDP sources of raylocd's configuration as they would be written after --listen.
 Expected<std::vector<std::string>> configured_ports(const std::string& file) {
   const auto setup = load_daemon_setup(file);
@@ -62,9 +54,9 @@ Expected<std::vector<std::string>> configured_ports(const std::string& file) {
   std::vector<std::string> listen;
   for (const SourceConfig& source : setup->config.sources) {
     if (source.kind != SourceKind::kUdp) {
-      return make_error(ErrorKind::kUsage,
-                        file + ":" + std::to_string(source.line) +
-                            ": no UDP source; write --listen AP=HOST:PORT instead of --config");
+      return make_error(
+          ErrorKind::kUsage,
+          source.place + "no UDP source; write --listen AP=HOST:PORT instead of --config");
     }
     listen.push_back(source.access_point + "=" + source.listen_host + ":" +
                      std::to_string(source.listen_port));
@@ -83,8 +75,8 @@ Expected<std::vector<SurveyPort>> ports_of(const Arguments& arguments, const Sit
   if (!listen) {
     return tl::make_unexpected(std::move(listen.error()));
   }
-  const auto addresses = resolve_captures(*listen, ids_of(site));
-  const auto recordings = resolve_captures(arguments.record, ids_of(site));
+  const auto addresses = resolve_captures(*listen, access_point_ids(site));
+  const auto recordings = resolve_captures(arguments.record, access_point_ids(site));
   for (const auto* resolved : {&addresses, &recordings}) {
     if (!*resolved) {
       return tl::make_unexpected(resolved->error());

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "capture/udp_source.h"
+#include "daemon/site/receiver_options.h"
 
 namespace rayloc::cli {
 
@@ -18,11 +19,12 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
     if (!source) {
       return tl::make_unexpected(std::move(source.error()));
     }
-    CsiReceiverOptions receiver;
-    receiver.access_point = static_cast<int>(wanted.access_point);
-    receiver.format = ap.format;
-    receiver.expected_cores = ap.cores;
-    Port port{ap.id, ap.cores, std::move(*source), CsiReceiver(receiver), std::nullopt, 0};
+    Port port{ap.id,
+              ap.cores,
+              std::move(*source),
+              CsiReceiver(receiver_options(site, static_cast<int>(wanted.access_point))),
+              std::nullopt,
+              0};
     if (!wanted.recording.empty()) {
       auto recorder = PcapRecorder::create(wanted.recording);
       if (!recorder) {
@@ -36,8 +38,7 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
 }
 
 bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) const {
-  const SiteTransmitter* known = find_transmitter(*site_, frame.transmitter);
-  if (known != nullptr && known->role == TransmitterRole::kFixed) {
+  if (find_fixed_transmitter(*site_, frame.transmitter) != nullptr) {
     return false;
   }
   return std::all_of(port.cores.begin(), port.cores.end(), [&](std::uint8_t core) {

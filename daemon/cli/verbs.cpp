@@ -4,37 +4,59 @@
 
 namespace rayloc::cli {
 
-// One row a verb, in the order of `rayloc --help`.
+// One row a verb, in the order of `rayloc --help`; one a line, so that branches merge.
 extern const Verb kCalibrate;    // calibrate.cpp
 extern const Verb kCheckConfig;  // check_config.cpp
+extern const Verb kCompletion;   // completion.cpp
 extern const Verb kConfig;       // config.cpp
+extern const Verb kDoctor;       // doctor.cpp
 extern const Verb kEvaluate;     // evaluate.cpp
+extern const Verb kExperiment;   // experiment.cpp
 extern const Verb kFrames;       // frames.cpp
+extern const Verb kKeygen;       // keygen.cpp
+extern const Verb kMan;          // man.cpp
 extern const Verb kRecord;       // record.cpp
+extern const Verb kReference;    // reference.cpp
 extern const Verb kReplay;       // replay.cpp
 extern const Verb kScene;        // scene.cpp
 extern const Verb kSend;         // send.cpp
 extern const Verb kSimulate;     // simulate.cpp
+extern const Verb kSnapshot;     // snapshot.cpp
+extern const Verb kStatus;       // status.cpp
 extern const Verb kSub;          // sub.cpp
 extern const Verb kSurvey;       // survey.cpp
+extern const Verb kTop;          // top.cpp
 extern const Verb kTrace;        // trace.cpp
+extern const Verb kWaitReady;    // wait_ready.cpp
 
 std::span<const Verb> verbs() {
+  // clang-format off
   static const std::array kVerbs = {
       kCalibrate,
       kCheckConfig,
+      kCompletion,
       kConfig,
+      kDoctor,
       kEvaluate,
+      kExperiment,
       kFrames,
+      kKeygen,
+      kMan,
       kRecord,
+      kReference,
       kReplay,
       kScene,
       kSend,
       kSimulate,
+      kSnapshot,
+      kStatus,
       kSub,
       kSurvey,
+      kTop,
       kTrace,
+      kWaitReady,
   };
+  // clang-format on
   return kVerbs;
 }
 

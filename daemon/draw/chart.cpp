@@ -147,6 +147,9 @@ void draw_curve(const ChartCurve& curve, const AxisMap& x, const AxisMap& y, Dra
 void draw_names(const Chart& chart, Drawing& drawing) {
   double y = kHeight + 6.0;
   for (const ChartCurve& curve : chart.curves) {
+    if (curve.name.empty()) {
+      continue;
+    }
     drawing.shapes.emplace_back(
         Line{{{kLeft, y - 3.5}, {kLeft + 22.0, y - 3.5}}, {curve.colour, 1.8, curve.dashed}});
     drawing.shapes.emplace_back(Text{{kLeft + 30.0, y}, curve.name, kTextSize, kInk});

@@ -32,7 +32,7 @@ struct ChartPoint {
 };
 
 struct ChartCurve {
-  std::string name;  // in the legend
+  std::string name;  // in the legend; empty: not there
   std::vector<ChartPoint> points;
   Colour colour;
   bool dashed = false;

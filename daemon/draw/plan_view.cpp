@@ -6,16 +6,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/draw/face.h"
-#include "daemon/draw/mesh_section.h"
+#include "daemon/draw/floor_plan.h"
 #include "daemon/draw/palette.h"
 #include "daemon/draw/views.h"
 
 namespace rayloc::draw {
 namespace {
 
-constexpr double kCutHeight = 1.3;    // [m] above the lowest point, at most half the height
-constexpr double kNearlyLevel = 0.2;  // |z| of the normal from which a face is seen from above
 constexpr Pen kThin{kFaintInk, 0.7};
 constexpr Pen kOverhead{kFaintInk, 0.7, true};
 constexpr double kWallPen = 2.2;
@@ -27,14 +24,6 @@ std::vector<PagePoint> on_page(const std::vector<Vec3d>& points, const Projectio
     result.push_back(page(p));
   }
   return result;
-}
-
-double highest(const Face& face) {
-  double z = face.corners[0].z;
-  for (const Vec3d& corner : face.corners) {
-    z = std::max(z, corner.z);
-  }
-  return z;
 }
 
 void draw_face(const Face& face,
@@ -50,22 +39,11 @@ void draw_face(const Face& face,
   }
 }
 
-// What lies below the cut, from below.
-void draw_below(const Scene& scene,
+void draw_below(const FloorPlan& plan,
                 const std::vector<ScenePart>& parts,
-                double cut,
                 const Projection& page,
                 std::vector<Shape>& shapes) {
-  std::vector<Face> faces = scene_faces(scene);
-  std::erase_if(faces, [&](const Face& face) {
-    const bool seen =
-        face.solid ? face.normal.z > kNearlyLevel : std::abs(face.normal.z) > kNearlyLevel;
-    return !seen || highest(face) > cut;
-  });
-  std::stable_sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) {
-    return highest(a) < highest(b);
-  });
-  for (const Face& face : faces) {
+  for (const Face& face : plan.below) {
     const ScenePart& part = parts[face.object];
     Colour colour = material_colour(part.material);
     if (part.kind == PartKind::kFloor) {  // pale: the page that everything stands on
@@ -75,14 +53,12 @@ void draw_below(const Scene& scene,
   }
 }
 
-// What the cut goes through: bodies filled, sheets as thick lines.
-void draw_cut(const SceneObject& object,
+// Bodies filled, sheets as thick lines.
+void draw_cut(const MeshSection& section,
               const ScenePart& part,
-              double cut,
               const Projection& page,
               std::vector<Shape>& shapes) {
   const Colour dark = shaded(material_colour(part.material), 0.62);
-  const MeshSection section = cut_mesh(object.mesh, cut);
   for (const auto& loop : section.loops) {
     std::vector<PagePoint> corners = on_page(loop, page);
     shapes.emplace_back(Polygon{corners, shaded(material_colour(part.material), 0.85)});
@@ -213,16 +189,18 @@ void label_furniture(const ScenePart& part,
 std::vector<Shape> draw_plan(const Scene& scene,
                              const std::vector<ScenePart>& parts,
                              const Projection& page) {
-  const double height = scene.bounds_max().z - scene.bounds_min().z;
-  const double cut = scene.bounds_min().z + std::min(kCutHeight, 0.5 * height);
+  const FloorPlan plan = floor_plan(scene, parts);
   std::vector<Shape> shapes;
-  draw_below(scene, parts, cut, page, shapes);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Bounds& bounds = parts[i].bounds;
-    if (bounds.lower.z < cut && bounds.upper.z >= cut) {
-      draw_cut(scene.objects()[i], parts[i], cut, page, shapes);
-    } else if (bounds.lower.z >= cut && parts[i].kind != PartKind::kCeiling) {
+  draw_below(plan, parts, page, shapes);
+  // In the order of the objects, so that a picture is the same whatever it is made of.
+  std::size_t cut = 0;
+  std::size_t overhead = 0;
+  for (std::uint32_t i = 0; i < parts.size(); ++i) {
+    if (cut < plan.cuts.size() && plan.cuts[cut].object == i) {
+      draw_cut(plan.cuts[cut++].section, parts[i], page, shapes);
+    } else if (overhead < plan.overhead.size() && plan.overhead[overhead] == i) {
       draw_overhead(parts[i], page, shapes);
+      ++overhead;
     }
   }
   return shapes;

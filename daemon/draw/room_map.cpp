@@ -67,10 +67,9 @@ void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Sh
 }
 
 void draw_values(const RoomMap& map, const Projection& page, std::vector<Shape>& shapes) {
-  constexpr double kLinePen = 4.0;
   for (const MapLine& line : map.lines) {
     shapes.emplace_back(
-        Line{{page(line.from), page(line.to)}, {colour_of(map, line.value), kLinePen}});
+        Line{{page(line.from), page(line.to)}, {colour_of(map, line.value), map.line_width}});
   }
   const Pen plain{{255, 255, 255, 1.0}, 0.7};
   const Pen ring{kInk, 1.6};

@@ -32,6 +32,7 @@ struct RoomMap {
   const Scene* scene = nullptr;
   std::string title;
   std::vector<MapLine> lines;
+  double line_width = 4.0;  // [pixel]
   std::vector<MapDot> dots;
   std::vector<MapAntenna> antennas;
   std::string ring_meaning;  // of MapDot::ringed, for the legend; empty: none are

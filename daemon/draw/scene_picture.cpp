@@ -43,12 +43,17 @@ Extent extent_of(const Bounds& bounds, const Projection& projection) {
   return extent;
 }
 
-// Everything that is drawn: the scene, and antennas that may be outside of it.
+// Everything that is drawn: the scene, and antennas and zones that may be outside of it.
 Bounds bounds_of(const ScenePicture& picture) {
   Bounds bounds{picture.scene->bounds_min(), picture.scene->bounds_max()};
   for (const Mark& mark : picture.marks) {
     for (const Vec3d& antenna : mark.antennas) {
       bounds.include(antenna);
+    }
+  }
+  for (const DrawnZone& zone : picture.zones) {
+    for (const auto& [x, y] : zone.polygon) {
+      bounds.include({x, y, picture.scene->bounds_min().z});
     }
   }
   return bounds;
@@ -164,6 +169,28 @@ void draw_marks(const ScenePicture& picture,
   }
 }
 
+// A tint over the floor, a dashed outline, and its name in the middle of its corners.
+void draw_zones(const ScenePicture& picture,
+                const Projection& page,
+                Labels& labels,
+                std::vector<Shape>& shapes) {
+  for (const DrawnZone& zone : picture.zones) {
+    std::vector<PagePoint> corners;
+    PagePoint middle{0.0, 0.0};
+    for (const auto& [x, y] : zone.polygon) {
+      corners.push_back(page({x, y, picture.scene->bounds_min().z}));
+      middle.x += corners.back().x / static_cast<double>(zone.polygon.size());
+      middle.y += corners.back().y / static_cast<double>(zone.polygon.size());
+    }
+    shapes.emplace_back(Polygon{corners, kZoneTint});
+    corners.push_back(corners.front());
+    shapes.emplace_back(Line{std::move(corners), {kZoneInk, 1.2, true}});
+    Text name{middle, zone.name, 11.0, kZoneInk, TextAnchor::kMiddle};
+    name.halo = true;
+    labels.place({name});
+  }
+}
+
 void draw_title(const ScenePicture& picture, std::vector<Shape>& shapes) {
   Text title{{kMargin, kMargin + 10.0}, picture.title, 15.0, kInk};
   title.bold = true;
@@ -189,6 +216,7 @@ Drawing draw_scene(const ScenePicture& picture, View view) {
     append(draw_isometric(scene, parts, page.projection), drawing.shapes);
     append(draw_axes({kMargin + 32.0, kTitleHeight + kMargin + page.height - 8.0}), drawing.shapes);
   }
+  draw_zones(picture, page.projection, labels, drawing.shapes);
   draw_paths(picture, page.projection, drawing.shapes);
   draw_marks(picture, view, page.projection, labels, drawing.shapes);
   if (view == View::kPlan) {

@@ -1,6 +1,7 @@
 // draw_scene: a picture of a scene with its antennas and the paths between them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -29,12 +30,22 @@ struct DrawnPath {
   double power_db = 0.0;
 };
 
+inline constexpr Colour kZoneInk{130, 60, 130, 1.0};
+inline constexpr Colour kZoneTint{130, 60, 130, 0.12};
+
+// On the floor.
+struct DrawnZone {
+  std::string name;
+  std::vector<std::array<double, 2>> polygon;  // [m]
+};
+
 struct ScenePicture {
   const Scene* scene = nullptr;
   std::string title;
   std::string caption;  // below the title
   std::vector<Mark> marks;
   std::vector<DrawnPath> paths;
+  std::vector<DrawnZone> zones;
   double strongest_db = 0.0;  // of the colours
   double weakest_db = 0.0;
 };

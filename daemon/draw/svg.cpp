@@ -6,6 +6,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/draw/html.h"
+
 namespace rayloc::draw {
 namespace {
 
@@ -33,27 +35,6 @@ std::string points_text(const std::vector<PagePoint>& points) {
     text += fmt::format("{}{:.2f},{:.2f}", text.empty() ? "" : " ", p.x, p.y);
   }
   return text;
-}
-
-// XML has no way to write most control characters.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      default:
-        result += static_cast<unsigned char>(c) < 0x20 ? '?' : c;
-    }
-  }
-  return result;
 }
 
 struct Element {
@@ -99,7 +80,7 @@ struct Element {
     if (text.halo) {
       element += R"( stroke="#ffffff" stroke-width="2.5" paint-order="stroke")";
     }
-    return element + ">" + escaped(text.text) + "</text>\n";
+    return element + ">" + html_text(text.text) + "</text>\n";
   }
 };
 

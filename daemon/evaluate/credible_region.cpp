@@ -1,56 +1,16 @@
 #include "daemon/evaluate/credible_region.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "daemon/evaluate/horizontal_gaussian.h"
+
 namespace rayloc {
 namespace {
 
-// A horizontal Gaussian.
-class Gaussian {
- public:
-  // Nothing unless the covariance is positive definite.
-  static std::optional<Gaussian> create(const Vec3d& centre,
-                                        const std::array<double, 9>& covariance) {
-    const double xx = covariance[0];
-    const double xy = 0.5 * (covariance[1] + covariance[3]);
-    const double yy = covariance[4];
-    const double determinant = xx * yy - xy * xy;
-    if (!(xx > 0.0) || !(determinant > 0.0) || !std::isfinite(determinant)) {
-      return std::nullopt;
-    }
-    Gaussian gaussian;
-    gaussian.centre_ = centre;
-    gaussian.l11_ = std::sqrt(xx);
-    gaussian.l21_ = xy / gaussian.l11_;
-    gaussian.l22_ = std::sqrt(determinant / xx);
-    return gaussian;
-  }
-
-  double squared_distance(double x, double y) const {
-    const double u = (x - centre_.x) / l11_;
-    const double v = (y - centre_.y - l21_ * u) / l22_;
-    return u * u + v * v;
-  }
-  double density(double x, double y) const {
-    return std::exp(-0.5 * squared_distance(x, y)) / (2.0 * std::numbers::pi * l11_ * l22_);
-  }
-  // The point that is (u, v) of a standard normal distribution.
-  std::array<double, 2> point(double u, double v) const {
-    return {centre_.x + l11_ * u, centre_.y + l21_ * u + l22_ * v};
-  }
-
- private:
-  Vec3d centre_;
-  double l11_ = 1.0;  // Cholesky factor [m]
-  double l21_ = 0.0;
-  double l22_ = 1.0;
-};
-
 struct Component {
-  Gaussian gaussian;
+  HorizontalGaussian gaussian;
   double weight = 0.0;
 };
 
@@ -85,26 +45,37 @@ double mass_above(const std::vector<Component>& mixture, double level) {
   return mass;
 }
 
-}  // namespace
-
-std::optional<double> region_reaching(const LocationEstimate& estimate, const Vec3d& truth) {
+// Empty when the estimate has no position or states no covariance that is one.
+std::vector<Component> mixture_of(const LocationEstimate& estimate) {
   if (!estimate.position) {
-    return std::nullopt;
+    return {};
   }
   std::vector<Component> mixture;
   for (const Hypothesis& hypothesis : estimate.hypotheses) {
-    const auto gaussian = Gaussian::create(hypothesis.position, hypothesis.covariance);
+    const auto gaussian = HorizontalGaussian::create(hypothesis.position, hypothesis.covariance);
     if (!gaussian) {
-      return std::nullopt;
+      return {};
     }
     mixture.push_back({*gaussian, hypothesis.weight});
   }
   if (mixture.empty()) {
-    const auto gaussian = Gaussian::create(*estimate.position, estimate.covariance);
-    if (!gaussian) {
-      return std::nullopt;
+    if (const auto gaussian = HorizontalGaussian::create(*estimate.position, estimate.covariance)) {
+      mixture.push_back({*gaussian, 1.0});
     }
-    mixture.push_back({*gaussian, 1.0});
+  }
+  return mixture;
+}
+
+}  // namespace
+
+double stated_density(const LocationEstimate& estimate, const Vec3d& truth, double area) {
+  return density(mixture_of(estimate), truth.x, truth.y) + estimate.residual_probability / area;
+}
+
+std::optional<double> region_reaching(const LocationEstimate& estimate, const Vec3d& truth) {
+  const auto mixture = mixture_of(estimate);
+  if (mixture.empty()) {
+    return std::nullopt;
   }
   if (mixture.size() == 1) {
     const double d2 = mixture.front().gaussian.squared_distance(truth.x, truth.y);
@@ -118,7 +89,7 @@ std::optional<double> normalized_squared_error(const LocationEstimate& estimate,
   if (!estimate.position) {
     return std::nullopt;
   }
-  const auto gaussian = Gaussian::create(*estimate.position, estimate.covariance);
+  const auto gaussian = HorizontalGaussian::create(*estimate.position, estimate.covariance);
   if (!gaussian) {
     return std::nullopt;
   }

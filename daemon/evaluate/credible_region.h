@@ -21,6 +21,10 @@ namespace rayloc {
 // or states no covariance that is one. Exact for one Gaussian, otherwise to about 0.01.
 std::optional<double> region_reaching(const LocationEstimate& estimate, const Vec3d& truth);
 
+// Density [1/m^2] of what is stated at `truth`, "somewhere else" spread over `area` [m^2]; that
+// alone without a position or a covariance that is one. More than 0 when something is left over.
+double stated_density(const LocationEstimate& estimate, const Vec3d& truth, double area);
+
 // Squared Mahalanobis distance of `truth` by the horizontal covariance of the whole posterior; mean
 // 2 where that is right. Nothing as above.
 std::optional<double> normalized_squared_error(const LocationEstimate& estimate,

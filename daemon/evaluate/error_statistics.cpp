@@ -3,21 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
-#include "daemon/evaluate/credible_region.h"
 #include "engine/base/check.h"
 
 namespace rayloc {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double horizontal_distance(const Vec3d& a, const Vec3d& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
 
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -34,38 +27,8 @@ double share_below(const std::vector<double>& values, double limit) {
   return static_cast<double>(below) / static_cast<double>(values.size());
 }
 
-double best_of_5(const LocationEstimate& estimate, const Vec3d& truth) {
-  constexpr std::size_t kHypotheses = 5;
-  double best =
-      estimate.hypotheses.empty() ? horizontal_distance(*estimate.position, truth) : kInfinity;
-  for (std::size_t i = 0; i < std::min(kHypotheses, estimate.hypotheses.size()); ++i) {
-    best = std::min(best, horizontal_distance(estimate.hypotheses[i].position, truth));
-  }
-  return best;
-}
-
-// What one point contributes.
-struct PointResult {
-  double error = kInfinity;
-  double best_of_5 = kInfinity;
-  double region = kInfinity;  // region_reaching(); infinite: no stated region holds the truth
-  std::optional<double> normalized;
-};
-
-PointResult evaluate_point(const TruthPoint& truth, const LocationEstimate* estimate) {
-  PointResult result;
-  if (estimate == nullptr || !estimate->position) {
-    return result;
-  }
-  result.error = horizontal_distance(*estimate->position, truth.position);
-  result.best_of_5 = best_of_5(*estimate, truth.position);
-  result.region = region_reaching(*estimate, truth.position).value_or(kInfinity);
-  result.normalized = normalized_squared_error(*estimate, truth.position);
-  return result;
-}
-
 template <typename Member>
-std::vector<double> all(const std::vector<PointResult>& results, Member member) {
+std::vector<double> all(std::span<const PointResult> results, Member member) {
   std::vector<double> values;
   values.reserve(results.size());
   for (const PointResult& result : results) {
@@ -74,51 +37,188 @@ std::vector<double> all(const std::vector<PointResult>& results, Member member) 
   return values;
 }
 
-using Figure = std::function<double(const std::vector<double>&)>;
+std::vector<double> located_errors(std::span<const PointResult> results) {
+  std::vector<double> errors = all(results, &PointResult::error);
+  std::erase_if(errors, [](double error) { return std::isinf(error); });
+  return errors;
+}
 
-// Percentile bootstrap: the figure over points drawn with replacement.
-std::array<double, 2> bootstrap(const std::vector<double>& values,
-                                const Figure& figure,
-                                const StatisticsOptions& options) {
+// Absent when no point has one.
+std::optional<double> mean_normalized(const std::vector<std::optional<double>>& values) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (const auto& value : values) {
+    sum += value.value_or(0.0);
+    count += value ? 1U : 0U;
+  }
+  return count == 0 ? std::nullopt : std::optional(0.5 * sum / static_cast<double>(count));
+}
+
+// Nothing when both are infinite.
+std::optional<double> skill(double median, double control) {
+  const double value = 1.0 - median / control;
+  return std::isnan(value) ? std::nullopt : std::optional(value);
+}
+
+using Points = std::vector<std::size_t>;  // drawn with replacement
+using Figure = std::function<std::optional<double>(const Points&)>;
+
+// Percentile bootstrap: the figure over points drawn with replacement; the same draws for every
+// figure. Nothing when none of them has the figure.
+std::optional<std::array<double, 2>> bootstrap(std::size_t count,
+                                               const Figure& figure,
+                                               const BootstrapOptions& options) {
   std::mt19937_64 random(options.seed);
   std::vector<double> figures;
-  std::vector<double> drawn(values.size());
+  Points drawn(count);
   for (int i = 0; i < options.resamples; ++i) {
-    for (double& value : drawn) {
-      value = values[random() % values.size()];
+    for (std::size_t first = 0; first < count; first += options.together) {
+      const std::size_t group = random() % (count / options.together);
+      for (std::size_t k = 0; k < options.together; ++k) {
+        drawn[first + k] = group * options.together + k;
+      }
     }
-    figures.push_back(figure(drawn));
+    if (const auto value = figure(drawn)) {
+      figures.push_back(*value);
+    }
   }
-  return {percentile(figures, 0.025), percentile(figures, 0.975)};
+  if (figures.empty()) {
+    return std::nullopt;
+  }
+  return std::array{percentile(figures, 0.025), percentile(figures, 0.975)};
 }
 
-Figure percentile_at(double probability) {
-  return
-      [probability](const std::vector<double>& values) { return percentile(values, probability); };
+template <typename T>
+std::vector<T> at(const std::vector<T>& values, const Points& points) {
+  std::vector<T> chosen;
+  chosen.reserve(points.size());
+  for (const std::size_t point : points) {
+    chosen.push_back(values[point]);
+  }
+  return chosen;
 }
-Figure share_under(double limit) {
+
+using OfValues = std::function<double(const std::vector<double>&)>;
+
+OfValues percentile_at(double probability) {
+  return [probability](const std::vector<double>& v) { return percentile(v, probability); };
+}
+OfValues share_under(double limit) {
   return [limit](const std::vector<double>& values) { return share_below(values, limit); };
 }
 
-void add_intervals(const std::vector<PointResult>& results,
-                   const StatisticsOptions& options,
-                   ErrorStatistics& statistics) {
-  const std::vector<double> errors = all(results, &PointResult::error);
-  const std::vector<double> regions = all(results, &PointResult::region);
-  const auto add = [&](const char* name, const std::vector<double>& values, const Figure& figure) {
-    statistics.ci95[name] = bootstrap(values, figure, options);
+// Adds intervals to statistics whose figures are there.
+class Intervals {
+ public:
+  Intervals(const BootstrapOptions& options, std::size_t count, ErrorStatistics& statistics)
+      : options_(options), count_(count), statistics_(statistics) {}
+
+  void add(const char* name, const Figure& figure) {
+    if (const auto interval = bootstrap(count_, figure, options_)) {
+      statistics_.ci95[name] = *interval;
+    }
+  }
+  void add(const char* name, const std::vector<double>& values, const OfValues& figure) {
+    add(name, [&](const Points& points) { return std::optional(figure(at(values, points))); });
+  }
+  void add_skill(const char* name,
+                 const std::vector<double>& errors,
+                 const std::vector<double>& control) {
+    add(name, [&](const Points& points) {
+      return skill(percentile(at(errors, points), 0.5), percentile(at(control, points), 0.5));
+    });
+  }
+
+ private:
+  const BootstrapOptions& options_;
+  std::size_t count_;
+  ErrorStatistics& statistics_;
+};
+
+void state_errors(const std::vector<double>& errors,
+                  Intervals& intervals,
+                  ErrorStatistics& statistics) {
+  const auto state = [&](const char* name, double ErrorStatistics::*member, const OfValues& of) {
+    statistics.*member = of(errors);
+    intervals.add(name, errors, of);
   };
-  add("median_m", errors, percentile_at(0.5));
-  add("mean_m", errors, mean);
-  add("rmse_m", errors, root_mean_square);
-  add("cep50_m", errors, percentile_at(0.5));
-  add("cep90_m", errors, percentile_at(0.9));
-  add("cep95_m", errors, percentile_at(0.95));
-  add("below_0_5", errors, share_under(0.5));
-  add("below_1", errors, share_under(1.0));
-  add("coverage_50", regions, share_under(0.5));
-  add("coverage_95", regions, share_under(0.95));
-  add("best_of_5_median_m", all(results, &PointResult::best_of_5), percentile_at(0.5));
+  state("median_m", &ErrorStatistics::median_m, percentile_at(0.5));
+  state("mean_m", &ErrorStatistics::mean_m, mean);
+  state("rmse_m", &ErrorStatistics::rmse_m, root_mean_square);
+  state("cep50_m", &ErrorStatistics::cep50_m, percentile_at(0.5));
+  state("cep90_m", &ErrorStatistics::cep90_m, percentile_at(0.9));
+  state("cep95_m", &ErrorStatistics::cep95_m, percentile_at(0.95));
+  state("below_0_5", &ErrorStatistics::below_0_5, share_under(0.5));
+  state("below_1", &ErrorStatistics::below_1, share_under(1.0));
+}
+
+void state_located(std::span<const PointResult> results,
+                   Intervals& intervals,
+                   ErrorStatistics& statistics) {
+  const std::vector<double> located = located_errors(results);
+  statistics.missed = results.size() - located.size();
+  if (located.empty()) {
+    return;
+  }
+  statistics.located_mean_m = mean(located);
+  statistics.located_rmse_m = root_mean_square(located);
+  const std::vector<double> errors = all(results, &PointResult::error);
+  const auto add = [&](const char* name, const OfValues& of) {
+    intervals.add(name, [&errors, &of](const Points& points) {
+      std::vector<double> drawn = at(errors, points);
+      std::erase_if(drawn, [](double error) { return std::isinf(error); });
+      return drawn.empty() ? std::nullopt : std::optional(of(drawn));
+    });
+  };
+  add("located_mean_m", mean);
+  add("located_rmse_m", root_mean_square);
+}
+
+void state_uncertainty(std::span<const PointResult> results,
+                       Intervals& intervals,
+                       ErrorStatistics& statistics) {
+  const bool is_stated = std::any_of(
+      results.begin(), results.end(), [](const PointResult& r) { return r.is_uncertainty_stated; });
+  if (!is_stated && statistics.missed < results.size()) {
+    return;
+  }
+  const auto state = [&](const char* name,
+                         std::optional<double> ErrorStatistics::*member,
+                         const std::vector<double>& values,
+                         const OfValues& of) {
+    statistics.*member = of(values);
+    intervals.add(name, values, of);
+  };
+  const std::vector<double> regions = all(results, &PointResult::region);
+  state("coverage_50", &ErrorStatistics::coverage_50, regions, share_under(0.5));
+  state("coverage_95", &ErrorStatistics::coverage_95, regions, share_under(0.95));
+  state("best_of_5_median_m",
+        &ErrorStatistics::best_of_5_median_m,
+        all(results, &PointResult::best_of_5),
+        percentile_at(0.5));
+  std::vector<std::optional<double>> normalized;
+  for (const PointResult& result : results) {
+    normalized.push_back(result.normalized);
+  }
+  statistics.anees = mean_normalized(normalized);
+  intervals.add("anees",
+                [&](const Points& points) { return mean_normalized(at(normalized, points)); });
+}
+
+void state_control(const std::vector<double>& errors,
+                   const std::vector<double>& control,
+                   std::pair<const char*, std::optional<double> ErrorStatistics::*> median,
+                   std::pair<const char*, std::optional<double> ErrorStatistics::*> skill_of,
+                   std::pair<Intervals*, ErrorStatistics*> to) {
+  if (control.empty()) {
+    return;
+  }
+  RAYLOC_CHECK(control.size() == errors.size());
+  auto& [intervals, statistics] = to;
+  statistics->*median.second = percentile(control, 0.5);
+  statistics->*skill_of.second = skill(percentile(errors, 0.5), percentile(control, 0.5));
+  intervals->add(median.first, control, percentile_at(0.5));
+  intervals->add_skill(skill_of.first, errors, control);
 }
 
 }  // namespace
@@ -131,63 +231,37 @@ double percentile(std::vector<double> values, double probability) {
     rank = std::round(rank);
   }
   const auto below = static_cast<std::size_t>(rank);
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(below);
-  std::nth_element(values.begin(), at, values.end());
+  const auto position = values.begin() + static_cast<std::ptrdiff_t>(below);
+  std::nth_element(values.begin(), position, values.end());
   const double fraction = rank - static_cast<double>(below);
-  if (fraction == 0.0 || below + 1 == values.size() || std::isinf(*at)) {
-    return *at;
+  if (fraction == 0.0 || below + 1 == values.size() || std::isinf(*position)) {
+    return *position;
   }
-  const double above = *std::min_element(at + 1, values.end());
-  return std::isinf(above) ? above : *at + fraction * (above - *at);
+  const double above = *std::min_element(position + 1, values.end());
+  return std::isinf(above) ? above : *position + fraction * (above - *position);
 }
 
-ErrorStatistics compute_statistics(const std::vector<TruthPoint>& truth,
-                                   const std::vector<const LocationEstimate*>& matches,
-                                   const StatisticsOptions& options) {
-  RAYLOC_CHECK(!truth.empty() && truth.size() == matches.size());
-  std::vector<PointResult> results;
-  std::vector<double> located;
-  std::vector<double> normalized;
-  std::vector<double> control;
-  for (std::size_t i = 0; i < truth.size(); ++i) {
-    results.push_back(evaluate_point(truth[i], matches[i]));
-    if (std::isfinite(results.back().error)) {
-      located.push_back(results.back().error);
-    }
-    if (results.back().normalized) {
-      normalized.push_back(*results.back().normalized / 2.0);
-    }
-    if (options.room_centre) {
-      control.push_back(horizontal_distance(*options.room_centre, truth[i].position));
-    }
-  }
-  const std::vector<double> errors = all(results, &PointResult::error);
-  const std::vector<double> regions = all(results, &PointResult::region);
+ErrorStatistics compute_statistics(std::span<const PointResult> results,
+                                   const Controls& controls,
+                                   const BootstrapOptions& options) {
+  RAYLOC_CHECK(!results.empty() && options.together > 0 && results.size() % options.together == 0);
   ErrorStatistics statistics;
-  statistics.n = truth.size();
-  statistics.missed = truth.size() - located.size();
-  statistics.median_m = percentile(errors, 0.5);
-  statistics.mean_m = mean(errors);
-  statistics.rmse_m = root_mean_square(errors);
-  if (!located.empty()) {
-    statistics.located_mean_m = mean(located);
-    statistics.located_rmse_m = root_mean_square(located);
-  }
-  statistics.cep50_m = statistics.median_m;
-  statistics.cep90_m = percentile(errors, 0.9);
-  statistics.cep95_m = percentile(errors, 0.95);
-  statistics.below_0_5 = share_below(errors, 0.5);
-  statistics.below_1 = share_below(errors, 1.0);
-  statistics.coverage_50 = share_below(regions, 0.5);
-  statistics.coverage_95 = share_below(regions, 0.95);
-  if (!normalized.empty()) {
-    statistics.anees = mean(normalized);
-  }
-  statistics.best_of_5_median_m = percentile(all(results, &PointResult::best_of_5), 0.5);
-  if (options.room_centre) {
-    statistics.room_centre_median_m = percentile(control, 0.5);
-  }
-  add_intervals(results, options, statistics);
+  statistics.n = results.size();
+  Intervals intervals(options, results.size(), statistics);
+  const std::vector<double> errors = all(results, &PointResult::error);
+  state_errors(errors, intervals, statistics);
+  state_located(results, intervals, statistics);
+  state_uncertainty(results, intervals, statistics);
+  state_control(errors,
+                controls.room_centre,
+                {"room_centre_median_m", &ErrorStatistics::room_centre_median_m},
+                {"skill_room_centre", &ErrorStatistics::skill_room_centre},
+                {&intervals, &statistics});
+  state_control(errors,
+                controls.fingerprint,
+                {"fingerprint_median_m", &ErrorStatistics::fingerprint_median_m},
+                {"skill_fingerprint", &ErrorStatistics::skill_fingerprint},
+                {&intervals, &statistics});
   return statistics;
 }
 

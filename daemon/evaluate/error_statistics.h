@@ -10,12 +10,11 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "daemon/evaluate/truth.h"
-#include "engine/base/vec3.h"
-#include "engine/localize/location_estimate.h"
+#include "daemon/evaluate/point_result.h"
 
 namespace rayloc {
 
@@ -32,28 +31,50 @@ struct ErrorStatistics {
   double cep95_m = 0.0;
   double below_0_5 = 0.0;  // share of n with an error below 0.5 m
   double below_1 = 0.0;
+
+  // The next four are absent when points are located and no estimate says how sure it is. Where
+  // some do, one that does not is a region that holds nothing.
+  //
   // Share of n whose truth lies in the stated region of 50 %, 95 % (credible_region.h).
-  double coverage_50 = 0.0;
-  double coverage_95 = 0.0;
+  std::optional<double> coverage_50;
+  std::optional<double> coverage_95;
   // Normalised squared error divided by its two dimensions, averaged over the points located with a
   // covariance: 1 where stated covariances are right, above where they are too small.
   std::optional<double> anees;
-  double best_of_5_median_m = 0.0;             // of the nearest of the five heaviest hypotheses
-  std::optional<double> room_centre_median_m;  // of always answering `room_centre`
-  // Bootstrap intervals of 95 %, by name of the figure.
+  std::optional<double> best_of_5_median_m;  // of the nearest of the five heaviest hypotheses
+
+  // Controls: what it takes nothing, or only the survey, to reach.
+  std::optional<double> room_centre_median_m;  // of always answering the room's centre
+  std::optional<double> fingerprint_median_m;  // of answering the most similar surveyed point
+  // 1 - median_m / that of the control: 1 without error, 0 where the control is as good.
+  std::optional<double> skill_room_centre;
+  std::optional<double> skill_fingerprint;
+
+  // Bootstrap intervals of 95 %, by name of the figure. A skill's is of both medians on the same
+  // draws.
   std::map<std::string, std::array<double, 2>> ci95;
 };
 
-struct StatisticsOptions {
-  std::optional<Vec3d> room_centre;
-  int resamples = 2000;
-  std::uint64_t seed = 1;
+// The errors of a control, one a point of the truth [m], infinite where it says nothing; empty:
+// there is none.
+struct Controls {
+  std::vector<double> room_centre;
+  std::vector<double> fingerprint;
 };
 
-// matches[i] answers for truth[i]; nullptr: none. REQUIRES: same length, not empty.
-ErrorStatistics compute_statistics(const std::vector<TruthPoint>& truth,
-                                   const std::vector<const LocationEstimate*>& matches,
-                                   const StatisticsOptions& options);
+struct BootstrapOptions {
+  int resamples = 2000;
+  std::uint64_t seed = 1;
+  // Successive points that are no news of each other, such as one spot located several times: they
+  // are drawn together.
+  std::size_t together = 1;
+};
+
+// REQUIRES: results not empty, a multiple of options.together; a control has as many errors as
+// there are results.
+ErrorStatistics compute_statistics(std::span<const PointResult> results,
+                                   const Controls& controls,
+                                   const BootstrapOptions& options);
 
 // The value below which `probability` of `values` lies, with linear interpolation between order
 // statistics (numpy's and R's default); infinite as soon as an infinite value takes part.

@@ -61,6 +61,9 @@ Expected<PublishedEstimate> from_message(const v1::Location& location, const std
   const v1::Point& p = location.position();
   estimate.position = Vec3d{p.x(), p.y(), p.z()};
   estimate.covariance = *covariance;
+  // A method that states its uncertainty publishes a covariance, hypotheses, or both.
+  estimate.is_uncertainty_stated =
+      !location.position_covariance().empty() || !location.hypotheses().empty();
   estimate.residual_probability = location.residual_probability();
   for (const v1::Hypothesis& stated : location.hypotheses()) {
     const auto spread = read_covariance(stated.position_covariance());

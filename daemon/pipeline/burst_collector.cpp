@@ -21,6 +21,7 @@ void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
     found = open_.emplace(frame.transmitter, Burst{}).first;
     found->second.transmitter = frame.transmitter;
     found->second.first = frame.time;
+    found->second.heard_since = frame.time;
   }
   Burst& burst = found->second;
   burst.last = frame.time;

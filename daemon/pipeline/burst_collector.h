@@ -30,6 +30,9 @@ struct Burst {
   MacAddress transmitter;
   Timestamp first;  // event time of the first and last frame, surplus ones included
   Timestamp last;
+  // The first frame of the oldest burst that this one has replaced (BurstQueue), else `first`: the
+  // transmitter has not been silent since.
+  Timestamp heard_since;
   std::vector<CsiFrame> frames;  // by (time, access point)
   std::uint64_t surplus = 0;
 

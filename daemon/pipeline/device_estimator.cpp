@@ -4,9 +4,26 @@
 #include <utility>
 
 #include "daemon/publish/location_message.h"
+#include "daemon/publish/topic.h"
+#include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc {
+namespace {
+
+CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
+  return {*fixed.position, {fixed.position->z, fixed.pattern, fixed.polarization}};
+}
+
+}  // namespace
+
+DeviceEstimator::DeviceEstimator(Site site, Options options)
+    : site_(std::move(site)), options_([&] {
+        if (!options.names) {
+          options.names = std::make_shared<TargetNames>();
+        }
+        return std::move(options);
+      }()) {}
 
 const RoomModel& DeviceEstimator::Room::room() const {
   return std::visit([](const auto& of) -> const RoomModel& { return of->room(); }, localizer);
@@ -78,17 +95,35 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
     }
     estimator->rooms_.push_back(*std::move(prepared));
   }
-  estimator->monitor_ =
-      std::make_unique<CalibrationMonitor>(std::make_shared<const RoomModel>(*room));
+  if (auto watched = estimator->watch_calibration(*room); !watched) {
+    return tl::make_unexpected(std::move(watched.error()));
+  }
   return estimator;
+}
+
+Expected<void> DeviceEstimator::watch_calibration(const RoomModel& room) {
+  auto references = load_references(site_, room);
+  if (!references) {
+    return tl::make_unexpected(std::move(references.error()));
+  }
+  monitor_ = std::make_unique<CalibrationMonitor>(std::make_shared<const RoomModel>(room));
+  for (PersonReference& reference : *references) {
+    const SiteTransmitter* fixed = find_fixed_transmitter(site_, reference.mac);
+    for (PersonLink& link : reference.links) {
+      if (fixed != nullptr && fixed->position &&
+          !room.access_points[link.access_point].gains.empty()) {
+        monitor_->know(placed(*fixed), link.access_point, std::move(link.empty));
+      }
+    }
+  }
+  return {};
 }
 
 void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burst& burst) {
   if (!fixed.position) {
     return;
   }
-  const DeviceModel device{fixed.position->z, fixed.pattern, fixed.polarization};
-  monitor_->observe({*fixed.position, device}, burst.frames);
+  monitor_->observe(placed(fixed), burst.frames);
   const std::lock_guard lock(mutex_);
   warnings_ = monitor_->warnings();
 }
@@ -98,7 +133,23 @@ std::vector<CalibrationWarning> DeviceEstimator::calibration_warnings() const {
   return warnings_;
 }
 
-void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& out) {
+TrackerCounters DeviceEstimator::tracker_counters() const {
+  const std::lock_guard lock(mutex_);
+  return tracker_counters_;
+}
+
+void DeviceEstimator::publish_counters() {
+  TrackerCounters sum;
+  for (const Room& room : rooms_) {
+    if (room.tracker) {
+      sum += room.tracker->counters();
+    }
+  }
+  const std::lock_guard lock(mutex_);
+  tracker_counters_ = sum;
+}
+
+void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const SiteTransmitter* stated = find_transmitter(site_, burst.transmitter);
   if (stated != nullptr && stated->role == TransmitterRole::kFixed) {
     check_calibration(*stated, burst);
@@ -112,21 +163,41 @@ void DeviceEstimator::estimate(const Burst& burst, std::vector<v1::Location>& ou
   const auto room = std::find_if(rooms_.begin(), rooms_.end(), [&](const Room& candidate) {
     return candidate.device == device;
   });
-  const std::size_t first = out.size();
-  out.push_back(location_message(room->locate(burst.frames), context_of(burst.transmitter, *room)));
+  const std::size_t first = out.locations.size();
+  const LocationEstimate snapshot = room->locate(burst.frames);
+  out.locations.push_back(
+      location_message(snapshot, context_of(burst.transmitter, snapshot.time, *room)));
+  show_channel(burst, *room, out.locations.back());
   if (room->tracker) {
     std::vector<DeviceUpdate> updates;
-    room->tracker->hear(burst.transmitter, burst.frames, updates);
+    room->tracker->hear(burst.transmitter, burst.frames, updates, burst.heard_since);
     append(updates, *room, out);
+    publish_counters();
   }
   for (const CalibrationWarning& warning : calibration_warnings()) {
-    for (std::size_t i = first; i < out.size(); ++i) {
-      out[i].mutable_quality()->add_warnings(warning.text);
+    for (std::size_t i = first; i < out.locations.size(); ++i) {
+      out.locations[i].mutable_quality()->add_warnings(warning.text);
     }
   }
 }
 
-void DeviceEstimator::advance(Timestamp time, std::vector<v1::Location>& out) {
+void DeviceEstimator::show_channel(const Burst& burst,
+                                   const Room& room,
+                                   const v1::Location& location) {
+  const auto* localizer = std::get_if<std::shared_ptr<const Localizer>>(&room.localizer);
+  if (localizer == nullptr || !location.has_position() || !channels_.is_wanted()) {
+    return;
+  }
+  constexpr std::size_t kMostFrames = 24;  // over all access points: what a burst says is in them
+  const auto count = static_cast<std::ptrdiff_t>(std::min(burst.frames.size(), kMostFrames));
+  channels_.add({to_string(burst.transmitter),
+                 burst.last,
+                 {location.position().x(), location.position().y(), location.position().z()},
+                 {burst.frames.begin(), burst.frames.begin() + count},
+                 *localizer});
+}
+
+void DeviceEstimator::advance(Timestamp time, Estimates& out) {
   for (Room& room : rooms_) {
     if (room.tracker) {
       std::vector<DeviceUpdate> updates;
@@ -134,14 +205,30 @@ void DeviceEstimator::advance(Timestamp time, std::vector<v1::Location>& out) {
       append(updates, room, out);
     }
   }
+  publish_counters();
 }
 
-LocationContext DeviceEstimator::context_of(const MacAddress& device, const Room& room) const {
+void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
+  for (Room& room : rooms_) {
+    if (room.tracker) {
+      std::vector<DeviceUpdate> updates;
+      room.tracker->restart(reason, updates);
+      append(updates, room, out);
+    }
+  }
+  publish_counters();
+}
+
+LocationContext DeviceEstimator::context_of(const MacAddress& device,
+                                            Timestamp time,
+                                            const Room& room) const {
   const RoomModel& model = room.room();
   LocationContext context;
   context.target.set_kind(v1::TARGET_KIND_DEVICE);
-  context.target.set_mac(to_string(device));
-  if (const SiteTransmitter* stated = find_transmitter(site_, device)) {
+  options_.names->set(device, time, context.target);
+  // A name would tell for ever what the hash is to hide.
+  const SiteTransmitter* stated = find_transmitter(site_, device);
+  if (stated != nullptr && !options_.names->hashed()) {
     context.target.set_name(stated->name);
   }
   context.frame.set_crs("local");
@@ -153,11 +240,29 @@ LocationContext DeviceEstimator::context_of(const MacAddress& device, const Room
   return context;
 }
 
+// A device that is called anew is a new track to everyone outside: its number would tell.
+std::uint64_t DeviceEstimator::track_number(const MacAddress& device, const v1::Target& target) {
+  NumberedTrack& track = track_of_[device];
+  const std::string called = target_component(target);
+  if (track.target != called) {
+    track = {called, ++last_track_};
+  }
+  return track.number;
+}
+
 void DeviceEstimator::append(const std::vector<DeviceUpdate>& updates,
                              const Room& room,
-                             std::vector<v1::Location>& out) const {
+                             Estimates& out) {
   for (const DeviceUpdate& update : updates) {
-    out.push_back(filtered_message(update.estimate, context_of(update.device, room)));
+    LocationContext context = context_of(update.device, update.estimate.location.time, room);
+    context.target.set_track(track_number(update.device, context.target));
+    out.locations.push_back(filtered_message(update.estimate, context));
+    if (update.estimate.transition) {
+      out.events.push_back(track_event(update.estimate, context.target));
+    }
+    if (update.estimate.state == TrackState::kLost) {
+      track_of_.erase(update.device);
+    }
   }
 }
 

@@ -7,23 +7,27 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "daemon/pipeline/channel_watch.h"
+#include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/location_message.h"
+#include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/calibrate/calibration_monitor.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/paper_localizer.h"
 #include "engine/track/device_tracker.h"
-#include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
@@ -37,6 +41,8 @@ class DeviceEstimator : public Estimator {
     DeviceTrackerOptions tracker;                         // of kRayloc
     PaperLocalizerOptions paper;                          // of kPaper
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
+    // What devices are called; null: by their addresses.
+    std::shared_ptr<TargetNames> names;
   };
 
   // Reads the scene and prepares the room: seconds. Devices of different height or antenna need
@@ -44,12 +50,17 @@ class DeviceEstimator : public Estimator {
   static Expected<std::unique_ptr<DeviceEstimator>> create(const Site& site,
                                                            const Options& options);
 
-  void estimate(const Burst& burst, std::vector<v1::Location>& out) override;
+  void estimate(const Burst& burst, Estimates& out) override;
 
-  void advance(Timestamp time, std::vector<v1::Location>& out) override;
+  void advance(Timestamp time, Estimates& out) override;
 
-  // What holds now. Thread safety: may be called from any thread.
+  void restart(const std::string& reason, Estimates& out) override;
+
+  // What holds now. Thread safety: these may be called from any thread.
   std::vector<CalibrationWarning> calibration_warnings() const;
+  TrackerCounters tracker_counters() const;  // of all trackers
+
+  ChannelWatch& channels() { return channels_; }  // of devices, by kRayloc alone
 
   const RoomModel& room() const { return rooms_.front().room(); }
 
@@ -63,22 +74,33 @@ class DeviceEstimator : public Estimator {
     LocationEstimate locate(std::span<const CsiFrame> frames) const;
   };
 
-  DeviceEstimator(Site site, Options options)
-      : site_(std::move(site)), options_(std::move(options)) {}
+  DeviceEstimator(Site site, Options options);
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
+  Expected<void> watch_calibration(const RoomModel& room);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   DeviceModel device_of(const SiteTransmitter* stated) const;
-  LocationContext context_of(const MacAddress& device, const Room& room) const;
-  void append(const std::vector<DeviceUpdate>& updates,
-              const Room& room,
-              std::vector<v1::Location>& out) const;
+  void show_channel(const Burst& burst, const Room& room, const v1::Location& location);
+  LocationContext context_of(const MacAddress& device, Timestamp time, const Room& room) const;
+  std::uint64_t track_number(const MacAddress& device, const v1::Target& target);
+  void append(const std::vector<DeviceUpdate>& updates, const Room& room, Estimates& out);
+  void publish_counters();
 
   const Site site_;
   const Options options_;
   std::vector<Room> rooms_;                      // the first is that of unlisted devices
   std::unique_ptr<CalibrationMonitor> monitor_;  // the estimation thread's
+  ChannelWatch channels_;
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_
+  TrackerCounters tracker_counters_;          // guarded by mutex_
+  // Number of the track of each device, which has one at most, and what the device was called with
+  // it. The estimation thread's.
+  struct NumberedTrack {
+    std::string target;
+    std::uint64_t number = 0;
+  };
+  std::map<MacAddress, NumberedTrack> track_of_;
+  std::uint64_t last_track_ = 0;
 };
 
 }  // namespace rayloc

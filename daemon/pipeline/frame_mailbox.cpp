@@ -4,6 +4,16 @@
 #include <utility>
 
 namespace rayloc {
+namespace {
+
+// Stable: of one instant, in the order of the sources.
+void sort_by_time(std::vector<CsiFrame>& frames) {
+  std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
+    return a.time < b.time;
+  });
+}
+
+}  // namespace
 
 FrameMailbox::FrameMailbox(std::size_t sources, std::size_t capacity, Overflow overflow)
     : capacity_(capacity), overflow_(overflow), queues_(sources) {}
@@ -11,7 +21,7 @@ FrameMailbox::FrameMailbox(std::size_t sources, std::size_t capacity, Overflow o
 Timestamp FrameMailbox::safe_time() const {
   Timestamp earliest = Timestamp::max();
   for (const Queue& queue : queues_) {
-    if (!queue.ended) {
+    if (!queue.ended && queue.move == move_) {
       earliest = std::min(earliest, queue.safe_time);
     }
   }
@@ -30,9 +40,7 @@ void FrameMailbox::insert(Queue& queue, CsiFrame&& frame) {
 
 void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timestamp safe_time) {
   // A partial frame is given out after complete ones that are younger.
-  std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
-    return a.time < b.time;
-  });
+  sort_by_time(frames);
   std::unique_lock lock(mutex_);
   Queue& queue = queues_[source];
   for (CsiFrame& frame : frames) {
@@ -61,6 +69,19 @@ void FrameMailbox::put(std::size_t source, std::vector<CsiFrame>& frames, Timest
   }
 }
 
+void FrameMailbox::move(std::size_t source, std::uint64_t number) {
+  std::unique_lock lock(mutex_);
+  queues_[source].move = number;
+  changed_.notify_one();
+  moved_.notify_all();
+  moved_.wait(lock, [&] {
+    return closed_ || move_ >= number ||
+           std::any_of(queues_.begin(), queues_.end(), [&](const Queue& other) {
+             return other.move > number;
+           });
+  });
+}
+
 void FrameMailbox::end(std::size_t source) {
   const std::lock_guard lock(mutex_);
   queues_[source].ended = true;
@@ -72,33 +93,80 @@ void FrameMailbox::close() {
   closed_ = true;
   changed_.notify_all();
   taken_.notify_all();
+  moved_.notify_all();
+}
+
+bool FrameMailbox::all_ended() const {
+  return closed_ || std::all_of(queues_.begin(), queues_.end(), [](const Queue& queue) {
+           return queue.ended;
+         });
+}
+
+// All that go on, to the same place.
+bool FrameMailbox::all_moved() const {
+  std::uint64_t to = move_;
+  for (const Queue& queue : queues_) {
+    to = std::max(to, queue.move);
+  }
+  return to > move_ && std::all_of(queues_.begin(), queues_.end(), [&](const Queue& queue) {
+           return queue.ended || queue.move == to;
+         });
+}
+
+bool FrameMailbox::advanced() const {
+  return safe_time() > last_safe_time_ || all_ended() || all_moved();
 }
 
 FrameMailbox::Taken FrameMailbox::take() {
   std::unique_lock lock(mutex_);
-  const auto all_ended = [&] {
-    return closed_ || std::all_of(queues_.begin(), queues_.end(), [](const Queue& queue) {
-             return queue.ended;
-           });
-  };
-  changed_.wait(lock, [&] { return safe_time() > last_safe_time_ || all_ended(); });
+  changed_.wait(lock, [&] { return advanced(); });
+  Taken taken = take_locked();
+  lock.unlock();
+  sort_by_time(taken.frames);
+  return taken;
+}
+
+std::optional<FrameMailbox::Taken> FrameMailbox::try_take() {
+  std::unique_lock lock(mutex_);
+  if (!advanced()) {
+    return std::nullopt;
+  }
+  Taken taken = take_locked();
+  lock.unlock();
+  sort_by_time(taken.frames);
+  return taken;
+}
+
+// REQUIRES: the mutex is held.
+FrameMailbox::Taken FrameMailbox::take_locked() {
   Taken taken;
   taken.ended = all_ended();
-  taken.safe_time = taken.ended ? Timestamp::max() : safe_time();
+  taken.moved = !taken.ended && all_moved();
+  const bool all = taken.ended || taken.moved;
+  taken.safe_time = all ? Timestamp::max() : safe_time();
   last_safe_time_ = taken.safe_time;
   for (Queue& queue : queues_) {
-    while (!queue.frames.empty() && (taken.ended || queue.frames.front().time < taken.safe_time)) {
+    while (!queue.frames.empty() && (all || queue.frames.front().time < taken.safe_time)) {
       taken.frames.push_back(std::move(queue.frames.front()));
       queue.frames.pop_front();
       ++queue.counters.taken;
     }
   }
+  if (taken.moved) {
+    begin_elsewhere();
+  }
   taken_.notify_all();
-  lock.unlock();
-  std::stable_sort(taken.frames.begin(),
-                   taken.frames.end(),
-                   [](const CsiFrame& a, const CsiFrame& b) { return a.time < b.time; });
   return taken;
+}
+
+// REQUIRES: the mutex is held.
+void FrameMailbox::begin_elsewhere() {
+  last_safe_time_ = Timestamp::min();
+  for (Queue& queue : queues_) {
+    queue.safe_time = Timestamp::min();
+    move_ = std::max(move_, queue.move);
+  }
+  moved_.notify_all();
 }
 
 MailboxCounters FrameMailbox::counters(std::size_t source) const {

@@ -12,6 +12,12 @@ void OrderedSink::location(v1::Location&& location) {
   held_.emplace(std::move(key), std::move(location));
 }
 
+void OrderedSink::event(v1::ZoneEvent&& event) {
+  if (write_event_) {
+    write_event_(event);
+  }
+}
+
 void OrderedSink::advance(Timestamp time) {
   while (!held_.empty() &&
          (std::get<Timestamp>(held_.begin()->first) < time || time == Timestamp::max())) {

@@ -1,25 +1,32 @@
 // OrderedSink: passes locations on ordered by (time, target, kind), as `rayloc replay` writes them.
 //
 // Bursts of different transmitters overlap, so locations come nearly but not exactly in the order
-// of the instants they refer to; each is held until nothing earlier can come.
+// of the instants they refer to; each is held until nothing earlier can come. Events of zones come
+// in order and are passed on at once.
 #pragma once
 
 #include <functional>
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 #include "daemon/pipeline/pipeline.h"
 #include "engine/base/timestamp.h"
+#include "rayloc/v1/event.pb.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
 class OrderedSink : public LocationSink {
  public:
-  explicit OrderedSink(std::function<void(const v1::Location&)> write) : write_(std::move(write)) {}
+  // `write_event` may be empty.
+  explicit OrderedSink(std::function<void(const v1::Location&)> write,
+                       std::function<void(const v1::ZoneEvent&)> write_event = {})
+      : write_(std::move(write)), write_event_(std::move(write_event)) {}
 
   void location(v1::Location&& location) override;
+  void event(v1::ZoneEvent&& event) override;
   void advance(Timestamp time) override;
   // Passes on everything that is left.
   void finish() { advance(Timestamp::max()); }
@@ -28,6 +35,7 @@ class OrderedSink : public LocationSink {
   using Key = std::tuple<Timestamp, std::string, int>;
 
   std::function<void(const v1::Location&)> write_;
+  std::function<void(const v1::ZoneEvent&)> write_event_;
   std::multimap<Key, v1::Location> held_;
 };
 

@@ -1,9 +1,10 @@
 #include "daemon/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
-#include "rayloc/v1/location.pb.h"
+#include "daemon/pipeline/estimates.h"
 
 namespace rayloc {
 
@@ -35,73 +36,113 @@ void Pipeline::start() {
 
 void Pipeline::estimate_all() {
   BurstCollector collector(options_.burst);
+  BurstQueue waiting(options_.overflow);
   std::vector<Burst> ended;
-  std::vector<v1::Location> locations;
   Timestamp newest = Timestamp::min();
-  for (bool more = true; more;) {
-    FrameMailbox::Taken taken = mailbox_.take();
-    more = !taken.ended;
-    const std::size_t frames = taken.frames.size();
-    for (CsiFrame& frame : taken.frames) {
-      newest = std::max(newest, frame.time);
-      collector.add(std::move(frame), ended);
+  Timestamp safe_time = Timestamp::min();
+  progress_.beat();
+  for (bool more = true; more || (!waiting.empty() && !hurried_);) {
+    // Live, what has come meanwhile is looked at before every burst; a replay explains them all.
+    std::optional<FrameMailbox::Taken> taken;
+    if (more && (waiting.empty() || hurried_)) {
+      progress_.rest();
+      taken = mailbox_.take();
+    } else if (more && options_.overflow == Overflow::kDropOldest) {
+      taken = mailbox_.try_take();
     }
-    collector.advance(taken.safe_time, ended);
-    {
-      const std::lock_guard lock(mutex_);
-      counters_.taken += frames;
-      counters_.refused = collector.refused();
-      counters_.in_flight = collector.in_flight();
-      counters_.bursts_in_flight = collector.open_bursts() + ended.size();
-      for (const Burst& burst : ended) {
-        counters_.in_flight += burst.frames.size() + burst.surplus;
+    progress_.beat();
+    if (taken) {
+      more = !taken->ended;
+      safe_time = taken->safe_time;
+      const std::size_t frames = taken->frames.size();
+      for (CsiFrame& frame : taken->frames) {
+        newest = std::max(newest, frame.time);
+        collector.add(std::move(frame), ended);
       }
+      collector.advance(safe_time, ended);
+      waiting.push(ended);
+      count(collector, waiting, frames);
     }
-    explain(ended);
-    const Timestamp open = collector.earliest_open(taken.safe_time);
+    if (taken && taken->moved) {
+      go_elsewhere(waiting);
+      newest = safe_time = Timestamp::min();
+      continue;
+    }
+    if (!waiting.empty() && !hurried_) {
+      explain(waiting.pop());
+    }
+    // Silence is known up to the newest frame, however far the sources can promise it.
+    const Timestamp open = std::min(newest, waiting.earliest(collector.earliest_open(safe_time)));
     if (!hurried_ && newest != Timestamp::min()) {
-      // Silence is known up to the newest frame, however far the sources can promise it.
-      estimator_.advance(std::min(open, newest), locations);
-      publish(locations);
+      Estimates estimates;
+      estimator_.advance(open, estimates);
+      publish(estimates);
     }
     sink_.advance(open);
   }
   finished_ = true;
+  progress_.rest();
 }
 
-void Pipeline::explain(std::vector<Burst>& bursts) {
-  std::vector<v1::Location> locations;
-  for (const Burst& burst : bursts) {
-    if (hurried_) {
-      break;
-    }
-    locations.clear();
-    estimator_.estimate(burst, locations);
-    {
-      const std::lock_guard lock(mutex_);
-      counters_.in_flight -= burst.frames.size() + burst.surplus;
-      counters_.surplus += burst.surplus;
-      (locations.empty() ? counters_.unwanted : counters_.used) += burst.frames.size();
-      ++counters_.bursts;
-      --counters_.bursts_in_flight;
-    }
-    publish(locations);
+// Of what came before a move everything is explained; tracks do not go on behind it.
+void Pipeline::go_elsewhere(BurstQueue& waiting) {
+  while (!waiting.empty() && !hurried_) {
+    explain(waiting.pop());
+    progress_.beat();
   }
-  bursts.clear();
+  Estimates estimates;
+  estimator_.restart("the recording was moved to another place", estimates);
+  publish(estimates);
 }
 
-void Pipeline::publish(std::vector<v1::Location>& locations) {
+void Pipeline::count(const BurstCollector& collector,
+                     const BurstQueue& waiting,
+                     std::size_t taken) {
+  const std::lock_guard lock(mutex_);
+  counters_.taken += taken;
+  counters_.refused = collector.refused();
+  counters_.merged = waiting.merged_frames();
+  counters_.bursts_merged = waiting.merged_bursts();
+  counters_.in_flight = collector.in_flight() + waiting.frames();
+  counters_.bursts_in_flight = collector.open_bursts() + waiting.size();
+}
+
+void Pipeline::explain(const Burst& burst) {
+  Estimates estimates;
+  estimator_.estimate(burst, estimates);
   {
     const std::lock_guard lock(mutex_);
-    for (const v1::Location& location : locations) {
-      ++counters_.locations;
-      counters_.no_fix += location.mode() == v1::FIX_MODE_NO_FIX ? 1U : 0U;
-    }
+    counters_.in_flight -= burst.frames.size() + burst.surplus;
+    counters_.surplus += burst.surplus;
+    (estimates.locations.empty() ? counters_.unwanted : counters_.used) += burst.frames.size();
+    ++counters_.bursts;
+    --counters_.bursts_in_flight;
   }
-  for (v1::Location& location : locations) {
+  publish(estimates);
+}
+
+void Pipeline::publish(Estimates& estimates) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const v1::Location& location : estimates.locations) {
+      if (location.kind() == v1::LOCATION_KIND_FILTERED) {
+        ++counters_.filtered;
+      } else {
+        ++counters_.snapshots;
+        counters_.no_fix += location.mode() == v1::FIX_MODE_NO_FIX ? 1U : 0U;
+      }
+    }
+    counters_.events += estimates.events.size() + estimates.zone_events.size();
+  }
+  for (v1::Location& location : estimates.locations) {
     sink_.location(std::move(location));
   }
-  locations.clear();
+  for (v1::TrackEvent& event : estimates.events) {
+    sink_.event(std::move(event));
+  }
+  for (v1::ZoneEvent& event : estimates.zone_events) {
+    sink_.event(std::move(event));
+  }
 }
 
 void Pipeline::stop() {
@@ -141,6 +182,15 @@ std::vector<MailboxCounters> Pipeline::mailbox_counters() const {
     counters.push_back(mailbox_.counters(i));
   }
   return counters;
+}
+
+std::vector<Stage> Pipeline::stages() const {
+  std::vector<Stage> stages;
+  for (const auto& worker : workers_) {
+    stages.push_back({"source " + worker->report().access_point, &worker->progress()});
+  }
+  stages.push_back({"estimation", &progress_});
+  return stages;
 }
 
 EstimationCounters Pipeline::estimation_counters() const {

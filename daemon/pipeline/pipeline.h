@@ -1,7 +1,7 @@
 // Pipeline: from datagrams to locations; owns every thread between a source and a LocationSink.
 //
-//   source threads (SourceWorker) -> FrameMailbox -> estimation thread: BurstCollector -> Estimator
-//                                                                                -> LocationSink
+//   source threads (SourceWorker) -> FrameMailbox
+//     -> estimation thread: BurstCollector -> BurstQueue -> Estimator -> LocationSink
 //
 // raylocd and `rayloc replay` run this very class; only the sources, the overflow rule and the sink
 // differ. Event time is that of the datagrams; no stage reads a clock, so that the same datagrams
@@ -9,7 +9,7 @@
 //
 // Conservation, per source: delivered datagrams = rejected + duplicates + late + in frames + in
 // flight (CsiReceiverCounters); frames = dropped + taken + waiting (MailboxCounters); over all
-// sources: taken = used + surplus + refused + in open bursts (EstimationCounters).
+// sources: taken = used + surplus + unwanted + refused + merged + in flight (EstimationCounters).
 #pragma once
 
 #include <atomic>
@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "daemon/pipeline/burst_collector.h"
+#include "daemon/pipeline/burst_queue.h"
 #include "daemon/pipeline/frame_mailbox.h"
 #include "daemon/pipeline/source_worker.h"
 
@@ -28,16 +29,23 @@ namespace rayloc {
 
 namespace v1 {
 class Location;
-}
+class TrackEvent;
+class ZoneEvent;
+}  // namespace v1
+
+struct Estimates;
 
 // Explains a burst. Called by the estimation thread alone.
 class Estimator {
  public:
   virtual ~Estimator() = default;
   // Appends what is to be published: nothing for a transmitter that nobody looks for.
-  virtual void estimate(const Burst& burst, std::vector<v1::Location>& out) = 0;
+  virtual void estimate(const Burst& burst, Estimates& out) = 0;
   // No burst that comes later has a frame before `time`: appends what silence says.
-  virtual void advance(Timestamp /*time*/, std::vector<v1::Location>& /*out*/) {}
+  virtual void advance(Timestamp /*time*/, Estimates& /*out*/) {}
+  // A recording goes on elsewhere, perhaps earlier: every track ends, for that `reason`. Appends
+  // what says so.
+  virtual void restart(const std::string& /*reason*/, Estimates& /*out*/) {}
 };
 
 // Takes the results. Called by the estimation thread alone, and must not block it for long.
@@ -45,27 +53,36 @@ class LocationSink {
  public:
   virtual ~LocationSink() = default;
   virtual void location(v1::Location&& location) = 0;
-  // No location that comes later refers to an instant before `time`.
+  virtual void event(v1::TrackEvent&& /*event*/) {}
+  virtual void event(v1::ZoneEvent&& /*event*/) {}
+  // No location that comes later refers to an instant before `time`, unless the sources are
+  // recordings that people move (Playback).
   virtual void advance(Timestamp /*time*/) {}
 };
 
-// taken = used + surplus + unwanted + refused + in_flight, in frames.
+// taken = used + surplus + unwanted + refused + merged + in_flight, in frames.
 struct EstimationCounters {
   std::uint64_t taken = 0;
   std::uint64_t used = 0;      // in bursts that an estimator explained, NO_FIX included
   std::uint64_t surplus = 0;   // beyond what a burst keeps
   std::uint64_t unwanted = 0;  // of transmitters that nobody looks for
   std::uint64_t refused = 0;   // beyond the limit of transmitters
+  std::uint64_t merged = 0;    // in bursts that gave way to a newer one of their transmitter
   std::uint64_t in_flight = 0;
   std::uint64_t bursts = 0;
+  std::uint64_t bursts_merged = 0;
   std::uint64_t bursts_in_flight = 0;
-  std::uint64_t locations = 0;  // among them
-  std::uint64_t no_fix = 0;
+  std::uint64_t snapshots = 0;
+  std::uint64_t no_fix = 0;    // among them, those without a position
+  std::uint64_t filtered = 0;  // estimates of trackers
+  std::uint64_t events = 0;    // of tracks and zones
 };
 
 struct PipelineOptions {
   CollectorOptions burst;
   std::size_t ring_frames = 8192;  // frames waiting per source
+  // When estimates take longer than the frames do to come: live the oldest gives way, of frames in
+  // FrameMailbox and of bursts in BurstQueue, and is counted; a replay waits.
   Overflow overflow = Overflow::kDropOldest;
 };
 
@@ -95,11 +112,15 @@ class Pipeline {
   std::vector<SourceReport> source_reports() const;
   std::vector<MailboxCounters> mailbox_counters() const;
   EstimationCounters estimation_counters() const;
+  // Every thread; the pipeline outlives what it returns.
+  std::vector<Stage> stages() const;
 
  private:
   void estimate_all();
-  void explain(std::vector<Burst>& bursts);
-  void publish(std::vector<v1::Location>& locations);
+  void count(const BurstCollector& collector, const BurstQueue& waiting, std::size_t taken);
+  void explain(const Burst& burst);
+  void go_elsewhere(BurstQueue& waiting);
+  void publish(Estimates& estimates);
   void join();
 
   const PipelineOptions options_;
@@ -111,6 +132,7 @@ class Pipeline {
   std::atomic<bool> hurried_ = false;
   mutable std::mutex mutex_;
   EstimationCounters counters_;  // guarded by mutex_
+  StageProgress progress_;       // of the estimation thread
   std::thread estimation_;
 };
 

@@ -3,12 +3,37 @@
 #include <algorithm>
 #include <utility>
 
+#include "daemon/publish/csi_message.h"
+#include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 
 namespace rayloc {
+namespace {
+
+void move(Duration by, google::protobuf::Timestamp* time) {
+  if (by != Duration::zero()) {
+    *time = to_proto(from_proto(*time) + by);
+  }
+}
+
+// From event time to the time of day.
+void tell_by_the_clock(Duration ahead, v1::Location& location) {
+  move(ahead, location.mutable_time());
+  for (auto* const time :
+       {location.has_capture_start() ? location.mutable_capture_start() : nullptr,
+        location.has_capture_end() ? location.mutable_capture_end() : nullptr}) {
+    if (time != nullptr) {
+      move(ahead, time);
+    }
+  }
+}
+
+}  // namespace
 
 PublisherStage::PublisherStage(Publisher publisher, Options options)
-    : publisher_(std::move(publisher)), options_(std::move(options)) {}
+    : publisher_(std::move(publisher)),
+      options_(std::move(options)),
+      heartbeat_(options_.heartbeat.count()) {}
 
 PublisherStage::~PublisherStage() {
   if (thread_.joinable()) {
@@ -40,26 +65,90 @@ void PublisherStage::location(v1::Location&& location) {
   wake_.notify_one();
 }
 
+void PublisherStage::keep(Event&& event) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (events_.size() >= options_.max_waiting) {
+      events_.pop_front();
+      ++counters_.events_dropped;
+    }
+    events_.push_back(std::move(event));
+  }
+  wake_.notify_one();
+}
+
+void PublisherStage::tap(const std::string& access_point, std::span<const CsiFrame> frames) {
+  {
+    const std::lock_guard lock(mutex_);
+    for (const CsiFrame& frame : frames) {
+      if (csi_.size() >= options_.max_waiting_csi) {
+        csi_.pop_front();
+        ++counters_.csi_dropped;
+      }
+      csi_.push_back({access_point, frame});
+    }
+  }
+  wake_.notify_one();
+}
+
+void PublisherStage::publish_csi(std::deque<WaitingCsi>& frames) {
+  for (const WaitingCsi& waiting : frames) {
+    publisher_.publish(
+        csi_message(waiting.frame, waiting.access_point, options_.name(waiting.frame)),
+        options_.now());
+  }
+  frames.clear();
+}
+
 void PublisherStage::run() {
   auto next_status = std::chrono::steady_clock::now();
   std::deque<Waiting> publishing;
+  std::deque<Event> events;
+  std::deque<WaitingCsi> csi;
   bool finishing = false;
   while (!finishing) {
+    progress_.beat();
     {
       std::unique_lock lock(mutex_);
-      wake_.wait_until(lock, next_status, [&] { return finishing_ || !waiting_.empty(); });
+      progress_.rest();
+      wake_.wait_until(lock, next_status, [&] {
+        return finishing_ || !waiting_.empty() || !events_.empty() || !csi_.empty();
+      });
+      progress_.beat();
       std::swap(publishing, waiting_);
+      std::swap(events, events_);
+      std::swap(csi, csi_);
       finishing = finishing_;
     }
-    for (const Waiting& waiting : publishing) {
+    const Duration ahead = options_.clock_ahead ? options_.clock_ahead() : Duration::zero();
+    for (Waiting& waiting : publishing) {
+      tell_by_the_clock(ahead, waiting.location);
       publisher_.publish(waiting.location, options_.now(), waiting.coalesced);
     }
     publishing.clear();
+    for (Event& event : events) {
+      std::visit(
+          [&](auto& one) {
+            move(ahead, one.mutable_time());
+            publisher_.publish(one, options_.now());
+          },
+          event);
+    }
+    events.clear();
+    publish_csi(csi);
+    note_published();
     if (finishing || std::chrono::steady_clock::now() >= next_status) {
       publish_status();
-      next_status = std::chrono::steady_clock::now() + options_.heartbeat;
+      next_status = std::chrono::steady_clock::now() + Duration(heartbeat_);
     }
   }
+  progress_.rest();
+}
+
+void PublisherStage::note_published() {
+  const PublishedCounters published = publisher_.counters();
+  const std::lock_guard lock(mutex_);
+  counters_.published = published;
 }
 
 void PublisherStage::publish_status() {

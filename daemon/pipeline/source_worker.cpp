@@ -19,8 +19,10 @@ SourceWorker::SourceWorker(Input input, FrameMailbox& mailbox, std::size_t slot)
       receiver_(input.receiver),
       mailbox_(mailbox),
       slot_(slot),
-      tap_(input.tap) {
-  report_.access_point = std::move(input.access_point);
+      taps_(std::move(input.taps)),
+      frame_tap_(input.frame_tap),
+      access_point_(std::move(input.access_point)) {
+  report_.access_point = access_point_;
   report_.description = source_->description();
 }
 
@@ -42,6 +44,7 @@ void SourceWorker::join() {
 void SourceWorker::run() {
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
+  progress_.beat();
   while (!stopping_ && step(batch, frames, kReadTimeout)) {
   }
   // What was in the socket when the stop came has been received: it is still taken, but not for as
@@ -52,6 +55,8 @@ void SourceWorker::run() {
     }
   }
   receiver_.flush(frames);
+  show(frames);
+  progress_.rest();
   mailbox_.put(slot_, frames, batch.watermark);
   publish_report(batch);
   {
@@ -59,6 +64,7 @@ void SourceWorker::run() {
     report_.ended = true;
   }
   mailbox_.end(slot_);
+  progress_.rest();
 }
 
 bool SourceWorker::step(DatagramBatch& batch, std::vector<CsiFrame>& frames, Duration timeout) {
@@ -69,17 +75,46 @@ bool SourceWorker::step(DatagramBatch& batch, std::vector<CsiFrame>& frames, Dur
     report_.error = read.error().message;
     return false;
   }
-  if (tap_ != nullptr && !batch.datagrams.empty()) {
-    tap_->tap(batch.datagrams);
+  if (batch.moved) {
+    move(*batch.moved, batch, frames);
+    return true;
+  }
+  for (DatagramTap* const tap : taps_) {
+    tap->tap(batch.datagrams);
   }
   for (const Datagram& datagram : batch.datagrams) {
     receiver_.push(datagram, frames);
   }
   receiver_.advance(batch.watermark, frames);
   const Timestamp safe_time = receiver_.safe_time(batch.watermark);
+  show(frames);
   publish_report(batch);
+  progress_.rest();  // of a recording it waits for room
   mailbox_.put(slot_, frames, safe_time);
+  progress_.beat();
   return !batch.ended;
+}
+
+void SourceWorker::move(std::uint64_t number,
+                        const DatagramBatch& batch,
+                        std::vector<CsiFrame>& frames) {
+  for (DatagramTap* const tap : taps_) {
+    tap->moved();
+  }
+  receiver_.flush(frames);
+  show(frames);
+  publish_report(batch);
+  progress_.rest();  // it waits for the other sources and for what they have left
+  mailbox_.put(slot_, frames, Timestamp::max());
+  mailbox_.move(slot_, number);
+  progress_.beat();
+}
+
+void SourceWorker::show(std::span<const CsiFrame> frames) {
+  census_.add(frames);
+  if (frame_tap_ != nullptr && !frames.empty()) {
+    frame_tap_->tap(access_point_, frames);
+  }
 }
 
 void SourceWorker::publish_report(const DatagramBatch& batch) {
@@ -88,8 +123,11 @@ void SourceWorker::publish_report(const DatagramBatch& batch) {
   const std::lock_guard lock(mutex_);
   report_.source = std::move(source);
   report_.receiver = std::move(receiver);
+  report_.frames = census_;
+  report_.ended = batch.rests;
   if (!batch.datagrams.empty()) {
     report_.last_datagram = batch.datagrams.back().time;
+    report_.last_arrival = std::chrono::steady_clock::now();
   }
 }
 

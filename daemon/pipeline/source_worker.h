@@ -1,10 +1,12 @@
-// SourceWorker: the receiving thread of one access point: reads datagrams, hands a copy to the
-// recorder, decodes and assembles them, and leaves the frames in the mailbox.
+// SourceWorker: the receiving thread of one access point: reads datagrams, shows them to the
+// recorder and the ring, decodes and assembles them, and leaves the frames in the mailbox.
 //
 // Thread safety: start(), stop() and join() from one thread, report() from any.
 #pragma once
 
 #include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -14,7 +16,9 @@
 
 #include "capture/csi_receiver.h"
 #include "capture/datagram_source.h"
+#include "daemon/pipeline/frame_census.h"
 #include "daemon/pipeline/frame_mailbox.h"
+#include "daemon/pipeline/stage_progress.h"
 
 namespace rayloc {
 
@@ -23,6 +27,15 @@ class DatagramTap {
  public:
   virtual ~DatagramTap() = default;
   virtual void tap(std::span<const Datagram> datagrams) = 0;
+  // What comes next is of another place of a recording.
+  virtual void moved() {}
+};
+
+// Sees every frame that was made of them, before it is explained.
+class FrameTap {
+ public:
+  virtual ~FrameTap() = default;
+  virtual void tap(const std::string& access_point, std::span<const CsiFrame> frames) = 0;
 };
 
 // What a source has done so far; one consistent snapshot.
@@ -31,9 +44,11 @@ struct SourceReport {
   std::string description;
   SourceCounters source;
   CsiReceiverCounters receiver;
-  Timestamp last_datagram{};  // event time; the epoch when none came
-  bool ended = false;
-  std::string error;  // why it ended before its time, empty otherwise
+  FrameCensus frames;
+  Timestamp last_datagram{};                             // event time; the epoch when none came
+  std::chrono::steady_clock::time_point last_arrival{};  // of it: nobody can set this clock
+  bool ended = false;  // for good, or until a recording that is played goes on elsewhere
+  std::string error;   // why it ended before its time, empty otherwise
 };
 
 class SourceWorker {
@@ -42,7 +57,8 @@ class SourceWorker {
     std::string access_point;  // id
     std::unique_ptr<DatagramSource> source;
     CsiReceiverOptions receiver;
-    DatagramTap* tap = nullptr;  // may be null; outlives the worker
+    std::vector<DatagramTap*> taps;  // outlive the worker
+    FrameTap* frame_tap = nullptr;   // may be null; outlives the worker
   };
 
   // `slot`: the source's number in `mailbox`, which outlives the worker.
@@ -57,17 +73,24 @@ class SourceWorker {
   void join();
 
   SourceReport report() const;
+  const StageProgress& progress() const { return progress_; }
 
  private:
   void run();
   bool step(DatagramBatch& batch, std::vector<CsiFrame>& frames, Duration timeout);
+  void move(std::uint64_t number, const DatagramBatch& batch, std::vector<CsiFrame>& frames);
+  void show(std::span<const CsiFrame> frames);
   void publish_report(const DatagramBatch& batch);
 
   std::unique_ptr<DatagramSource> source_;
   CsiReceiver receiver_;
   FrameMailbox& mailbox_;
   const std::size_t slot_;
-  DatagramTap* const tap_;
+  const std::vector<DatagramTap*> taps_;
+  FrameTap* const frame_tap_;
+  const std::string access_point_;
+  FrameCensus census_;
+  StageProgress progress_;
   std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;
   SourceReport report_;  // guarded by mutex_

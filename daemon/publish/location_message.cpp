@@ -2,6 +2,7 @@
 
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
+#include "engine/base/check.h"
 
 namespace rayloc {
 namespace {
@@ -112,6 +113,27 @@ v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext 
     message.mutable_velocity()->set_y(estimate.velocity->y);
   }
   return message;
+}
+
+v1::TrackEvent track_event(const FilteredEstimate& estimate, const v1::Target& target) {
+  RAYLOC_CHECK(estimate.transition && target.has_track());
+  const TrackTransition& transition = *estimate.transition;
+  v1::TrackEvent event;
+  if (transition.before) {
+    event.set_previous_state(to_proto(*transition.before));
+  }
+  event.set_state(to_proto(transition.after));
+  // Numbers of tracks are those of one run, and would differ in a replay that begins later.
+  event.set_event_id(target_component(target) + "-" +
+                     std::to_string(transition.time.time_since_epoch().count()) + "-track-" +
+                     std::to_string(event.previous_state()) + "-" + std::to_string(event.state()));
+  *event.mutable_time() = to_proto(transition.time);
+  *event.mutable_target() = target;
+  if (estimate.location.position) {
+    set_point(*estimate.location.position, event.mutable_position());
+  }
+  event.set_reason(transition.reason);
+  return event;
 }
 
 }  // namespace rayloc

@@ -6,6 +6,7 @@
 #include "engine/base/timestamp.h"
 #include "engine/localize/location_estimate.h"
 #include "engine/track/track.h"
+#include "rayloc/v1/event.pb.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
@@ -25,5 +26,8 @@ v1::Location location_message(const LocationEstimate& estimate, const LocationCo
 
 // The same of the tracker: `context.kind` is LOCATION_KIND_FILTERED whatever it was.
 v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext context);
+
+// The transition of the estimate's track. REQUIRES: estimate.transition; target.track is set.
+v1::TrackEvent track_event(const FilteredEstimate& estimate, const v1::Target& target);
 
 }  // namespace rayloc

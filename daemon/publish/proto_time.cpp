@@ -1,6 +1,20 @@
 #include "daemon/publish/proto_time.h"
 
 namespace rayloc {
+namespace {
+
+Duration within_range(std::int64_t seconds, std::int32_t nanos) {
+  // A day short of the end, so that nobody who rounds to a day overflows.
+  constexpr auto kLast =
+      std::chrono::floor<std::chrono::days>(Duration::max()) - std::chrono::days(1);
+  constexpr std::int64_t kLimit = std::chrono::seconds(kLast).count();
+  if (seconds > kLimit || seconds < -kLimit) {
+    return std::chrono::seconds(seconds > 0 ? kLimit : -kLimit);
+  }
+  return std::chrono::seconds(seconds) + std::chrono::nanoseconds(nanos);
+}
+
+}  // namespace
 
 google::protobuf::Timestamp to_proto(Timestamp time) {
   // Rounded down: protobuf's nanos of a time before 1970 are positive too.
@@ -21,17 +35,11 @@ google::protobuf::Duration to_proto(Duration duration) {
 }
 
 Timestamp from_proto(const google::protobuf::Timestamp& time) {
-  // A day short of the end, so that nobody who rounds to a day overflows.
-  constexpr auto kLast =
-      std::chrono::floor<std::chrono::days>(Timestamp::max()) - std::chrono::days(1);
-  constexpr std::int64_t kLimit = std::chrono::seconds(kLast.time_since_epoch()).count();
-  if (time.seconds() > kLimit) {
-    return Timestamp(std::chrono::seconds(kLimit));
-  }
-  if (time.seconds() < -kLimit) {
-    return Timestamp(std::chrono::seconds(-kLimit));
-  }
-  return Timestamp(std::chrono::seconds(time.seconds()) + std::chrono::nanoseconds(time.nanos()));
+  return Timestamp(within_range(time.seconds(), time.nanos()));
+}
+
+Duration from_proto(const google::protobuf::Duration& duration) {
+  return within_range(duration.seconds(), duration.nanos());
 }
 
 }  // namespace rayloc

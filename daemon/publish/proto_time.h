@@ -12,5 +12,7 @@ google::protobuf::Timestamp to_proto(Timestamp time);
 google::protobuf::Duration to_proto(Duration duration);
 // What lies beyond the range of Timestamp (the year 2262) becomes its first or last day.
 Timestamp from_proto(const google::protobuf::Timestamp& time);
+// What lies beyond the range of Duration (292 years) becomes its first or last day.
+Duration from_proto(const google::protobuf::Duration& duration);
 
 }  // namespace rayloc

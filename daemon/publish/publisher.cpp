@@ -6,7 +6,10 @@
 
 #include <zmq.hpp>
 
-#include "daemon/publish/endpoint.h"
+#include "daemon/publish/bound_socket.h"
+#include "daemon/publish/connection_guard.h"
+#include "daemon/publish/last_messages.h"
+#include "daemon/publish/message_board.h"
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/sequence_book.h"
 #include "daemon/publish/topic.h"
@@ -52,7 +55,10 @@ std::uint64_t random_epoch() {
 class Publisher::Impl {
  public:
   explicit Impl(const PublisherOptions& options)
-      : options_(options), socket_(context_, zmq::socket_type::xpub), book_(options.max_topics) {
+      : options_(options),
+        guard_(guard_or_open_door(options.guard)),
+        socket_(guard_->context(), zmq::socket_type::xpub),
+        book_(options.max_topics) {
     socket_.set(zmq::sockopt::sndhwm, options.high_water_mark);
     socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
     socket_.set(zmq::sockopt::xpub_nodrop, true);
@@ -61,11 +67,20 @@ class Publisher::Impl {
     socket_.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
     socket_.set(zmq::sockopt::maxmsgsize, kMaxSubscriptionBytes);
     socket_.set(zmq::sockopt::ipv6, true);
+    guard_->secure(socket_);
   }
+  ~Impl() { ConnectionGuard::release(socket_); }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
 
-  void bind() {
-    socket_.bind(options_.endpoint);
-    endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
+  Expected<void> bind() {
+    const Expected<std::string> bound =
+        bind_socket(socket_, options_.endpoint, options_.adopted_fd);
+    if (!bound) {
+      return tl::make_unexpected(bound.error());
+    }
+    endpoint_ = *bound;
+    return {};
   }
 
   const std::string& site() const { return options_.site; }
@@ -81,6 +96,12 @@ class Publisher::Impl {
     *envelope_.mutable_sent() = to_proto(sent);
     zmq::message_t payload(envelope_.ByteSizeLong());
     RAYLOC_CHECK(envelope_.SerializeToArray(payload.data(), static_cast<int>(payload.size())));
+    if (options_.last != nullptr && !envelope_.has_csi()) {
+      options_.last->put(topic, payload.to_string());
+    }
+    if (options_.board != nullptr) {
+      options_.board->put(topic, envelope_, payload.to_string());
+    }
     zmq::message_t prefix(topic.data(), topic.size());
     send_frame(prefix, zmq::send_flags::sndmore);
     send_frame(payload, zmq::send_flags::none);
@@ -89,7 +110,12 @@ class Publisher::Impl {
 
   PublishedCounters counters() {
     count_subscriptions();
-    return {book_.published(), slow_episodes_, subscriptions_};
+    const GuardCounters guard = guard_->counters();
+    return {book_.published(),
+            slow_episodes_,
+            subscriptions_,
+            guard.clients_denied,
+            guard.handshakes_failed};
   }
 
   template <typename Classes>
@@ -154,7 +180,7 @@ class Publisher::Impl {
   }
 
   PublisherOptions options_;
-  zmq::context_t context_;
+  std::shared_ptr<ConnectionGuard> guard_;  // its context outlives the socket
   zmq::socket_t socket_;
   SequenceBook book_;
   std::string endpoint_;
@@ -168,17 +194,9 @@ Expected<Publisher> Publisher::bind(const PublisherOptions& options) {
     return make_error(ErrorKind::kConfiguration,
                       "the site has no name, which topics need; set `name` in site.toml");
   }
-  if (const auto ok = check_endpoint(options.endpoint, ErrorKind::kConfiguration); !ok) {
-    return tl::make_unexpected(ok.error());
-  }
-  if (ipc_in_use(options.endpoint)) {
-    return tl::make_unexpected(endpoint_error(options.endpoint, "bind", EADDRINUSE));
-  }
   auto impl = std::make_unique<Impl>(options);
-  try {
-    impl->bind();
-  } catch (const zmq::error_t& error) {
-    return tl::make_unexpected(endpoint_error(options.endpoint, "bind", error.num()));
+  if (const Expected<void> bound = impl->bind(); !bound) {
+    return tl::make_unexpected(bound.error());
   }
   return Publisher(std::move(impl));
 }
@@ -225,6 +243,8 @@ void Publisher::publish(v1::Heartbeat heartbeat, Timestamp sent) {
   own.set_published(counters.published);
   own.set_slow_episodes(counters.slow_episodes);
   own.set_subscriptions(counters.subscriptions);
+  own.set_clients_denied(counters.clients_denied);
+  own.set_handshakes_failed(counters.handshakes_failed);
   *impl_->envelope().mutable_heartbeat() = std::move(heartbeat);
   impl_->send(make_topic("heartbeat", impl_->site()), sent, 0);
 }

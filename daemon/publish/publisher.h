@@ -36,9 +36,16 @@ class ZoneEvent;
 
 namespace rayloc {
 
+class ConnectionGuard;
+class LastMessages;
+class MessageBoard;
+
 struct PublisherOptions {
   // tcp://ADDRESS:PORT ("*" as the port: any free one), or ipc://PATH.
   std::string endpoint = "tcp://127.0.0.1:5560";
+  // A listening stream socket to publish on instead (socket activation); the endpoint must then be
+  // of the socket's kind.
+  int adopted_fd = -1;
   std::string site;         // `name` of the site; part of every topic
   std::uint64_t epoch = 0;  // random_epoch(), or any number that no other start has
   // Messages queued per subscriber before it counts as stuck.
@@ -48,6 +55,12 @@ struct PublisherOptions {
   // Topics whose sequence is remembered; past that the one longest unused begins at 1 again. Keeps
   // memory bounded when devices change their addresses.
   std::size_t max_topics = 4096;
+  // Where the last message of each topic is kept as well, frames of CSI aside; may be null.
+  std::shared_ptr<LastMessages> last = nullptr;
+  // Where viewers look; may be null.
+  std::shared_ptr<MessageBoard> board = nullptr;
+  // Who may subscribe; null: everyone who can reach the endpoint.
+  std::shared_ptr<ConnectionGuard> guard = nullptr;
 };
 
 // As in v1::PublisherCounters.
@@ -55,6 +68,8 @@ struct PublishedCounters {
   std::uint64_t published = 0;
   std::uint64_t slow_episodes = 0;
   std::uint64_t subscriptions = 0;
+  std::uint64_t clients_denied = 0;
+  std::uint64_t handshakes_failed = 0;
 };
 
 // 64 bits from the system's entropy; never 0.

@@ -5,19 +5,22 @@
 
 #include <zmq.hpp>
 
+#include "daemon/publish/curve_client.h"
 #include "daemon/publish/endpoint.h"
 
 namespace rayloc {
 
 class Subscriber::Impl {
  public:
-  explicit Impl(int high_water_mark) : socket_(context_, zmq::socket_type::sub) {
+  Impl(int high_water_mark, const std::optional<CurveClientKeys>& curve)
+      : socket_(context_, zmq::socket_type::sub) {
     socket_.set(zmq::sockopt::rcvhwm, high_water_mark);
     socket_.set(zmq::sockopt::linger, 0);
     socket_.set(zmq::sockopt::ipv6, true);
     // A second at most until a restarted daemon is found again.
     socket_.set(zmq::sockopt::reconnect_ivl, 100);
     socket_.set(zmq::sockopt::reconnect_ivl_max, 1000);
+    use_curve(curve, socket_);
   }
 
   void connect(const std::string& endpoint, const std::vector<std::string>& prefixes) {
@@ -35,7 +38,7 @@ class Subscriber::Impl {
         if (!socket_.recv(frame)) {
           return std::nullopt;
         }
-        PublishedMessage message{frame.to_string(), {}};
+        PublishedMessage message{frame.to_string(), {}, false};
         std::size_t frames = 1;
         while (frame.more()) {  // the further frames of a message are there with the first
           (void)socket_.recv(frame);
@@ -65,11 +68,12 @@ class Subscriber::Impl {
 
 Expected<Subscriber> Subscriber::connect(const std::string& endpoint,
                                          const std::vector<std::string>& prefixes,
-                                         int high_water_mark) {
+                                         int high_water_mark,
+                                         const std::optional<CurveClientKeys>& curve) {
   if (const auto ok = check_endpoint(endpoint, ErrorKind::kUsage); !ok) {
     return tl::make_unexpected(ok.error());
   }
-  auto impl = std::make_unique<Impl>(high_water_mark);
+  auto impl = std::make_unique<Impl>(high_water_mark, curve);
   try {
     impl->connect(endpoint, prefixes);
   } catch (const zmq::error_t& error) {

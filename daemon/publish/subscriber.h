@@ -13,22 +13,26 @@
 #include <string>
 #include <vector>
 
+#include "daemon/publish/curve_keys.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
 
 struct PublishedMessage {
   std::string topic;
-  std::string payload;  // a serialised v1::Envelope, unless somebody else sent it
+  std::string payload;         // a serialised v1::Envelope, unless somebody else sent it
+  bool from_snapshot = false;  // said before we came (LateSubscriber)
 };
 
 class Subscriber {
  public:
   // `prefixes`: what the topics begin with. `high_water_mark`: messages queued here before the
-  // publisher's queue fills. Errors: kUsage for an endpoint that cannot be understood.
+  // publisher's queue fills. `curve`: of a publisher with CURVE. Errors: kUsage for an endpoint
+  // that cannot be understood.
   static Expected<Subscriber> connect(const std::string& endpoint,
                                       const std::vector<std::string>& prefixes,
-                                      int high_water_mark = 100'000);
+                                      int high_water_mark = 100'000,
+                                      const std::optional<CurveClientKeys>& curve = std::nullopt);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;
   Subscriber& operator=(Subscriber&&) noexcept;

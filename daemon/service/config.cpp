@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "capture/address_range.h"
+#include "daemon/publish/curve_keys.h"
 #include "daemon/service/config_reader.h"
 #include "daemon/service/endpoint.h"
 #include "engine/base/check.h"
@@ -58,6 +60,10 @@ std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption
       return read_path(table, option);
     case ConfigType::kSpeed:
       return read_speed(table, option);
+    case ConfigType::kTexts: {
+      std::vector<std::string> texts = table.strings(option.key);
+      return texts.empty() ? std::nullopt : std::optional(ConfigValue(std::move(texts)));
+    }
   }
   RAYLOC_CHECK(false);
 }
@@ -103,8 +109,7 @@ void read_section(const TomlTable& table, std::string_view section, ConfigReadin
 
 void read_source(const TomlTable& table, ConfigReading& reading) {
   SourceConfig source;
-  source.line = static_cast<int>(table.position().line);
-  source.column = static_cast<int>(table.position().column);
+  source.place = table.place();
   ConfigSection entries{"source", {}};
   const ConfigOption* kinds = nullptr;
   for (const ConfigOption& option : config_options()) {
@@ -139,6 +144,9 @@ void read_source(const TomlTable& table, ConfigReading& reading) {
   }
   if (kind == "interface") {
     table.require({{"interface", "interface = \"eth0\""}});
+  }
+  if (kind == "unix") {
+    table.require({{"path", "path = \"/run/raylocd/eth0\""}});
   }
   reading.config.sources.push_back(std::move(source));
   reading.sections.push_back(std::move(entries));
@@ -195,6 +203,8 @@ std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
                  : "";
     case SourceKind::kPcap:
       return a.file == b.file ? a.file.string() : "";
+    case SourceKind::kUnix:
+      return a.path == b.path ? "socket " + a.path.string() : "";
     case SourceKind::kInterface:
       return a.interface == b.interface && a.filter == b.filter
                  ? "interface " + a.interface + " with the same filter"
@@ -203,10 +213,49 @@ std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
   return {};
 }
 
+// "raylocd.toml:4", of "/etc/raylocd/raylocd.toml:4:1: ".
+std::string line_of(const SourceConfig& source) {
+  const std::size_t slash = source.place.rfind('/') + 1;  // 0 where there is none
+  const std::size_t column = source.place.rfind(':', source.place.size() - 3);
+  return source.place.substr(slash, column - slash);
+}
+
+void check_allowed_senders(const TomlTable& table, const SourceConfig& source) {
+  for (const std::string& text : source.allow) {
+    if (const auto range = AddressRange::parse(text); !range) {
+      table.error_at("allow", "'allow': " + range.error().message);
+    }
+  }
+}
+
+// Recordings share one clock.
+void check_speeds(const ConfigReading& reading) {
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
+    const SourceConfig& source = reading.config.sources[i];
+    if (source.kind != SourceKind::kPcap) {
+      continue;
+    }
+    first = first.value_or(i);
+    const SourceConfig& other = reading.config.sources[*first];
+    if (source.speed != other.speed) {
+      const bool here = reading.source_tables[i].has("speed");
+      reading.source_tables[here ? i : *first].error_at(
+          "speed",
+          "recordings are played together, and that of " + line_of(here ? other : source) +
+              " has another 'speed'; write the same in each of them");
+      return;
+    }
+  }
+}
+
 void check_sources(const ConfigReading& reading) {
   for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
     const SourceConfig& source = reading.config.sources[i];
     const TomlTable& table = reading.source_tables[i];
+    if (source.kind == SourceKind::kUdp) {
+      check_allowed_senders(table, source);
+    }
     if (source.kind == SourceKind::kUdp && source.listen_host.empty()) {
       if (table.has("listen")) {
         table.error_at("listen",
@@ -219,40 +268,82 @@ void check_sources(const ConfigReading& reading) {
       const SourceConfig& other = reading.config.sources[j];
       const std::string shared = shared_input(source, other);
       if (!shared.empty() && table.has("kind")) {
-        constexpr std::array<std::string_view, 3> kInputs = {"listen", "file", "interface"};
+        constexpr std::array<std::string_view, 4> kInputs = {"listen", "file", "interface", "path"};
         table.error_at(kInputs.at(static_cast<std::size_t>(source.kind)),
-                       "a second source on " + shared + " (the first: line " +
-                           std::to_string(other.line) +
+                       "a second source on " + shared + " (the first: " + line_of(other) +
                            "); every access point sends from the same address, only the port, "
-                           "file or interface tells them apart");
+                           "file, interface or socket tells them apart");
         break;
       }
     }
   }
 }
 
-void check_endpoint(const TomlTable& root, const PublishConfig& publish) {
+void check_endpoint(const TomlTable& root,
+                    std::string_view key,
+                    const std::string& endpoint,
+                    bool may_be_reached) {
   const std::optional<TomlTable> table = root.table("publish");
-  if (!table || !table->is_string("endpoint")) {
+  if (!table || !table->is_string(key)) {
     return;
   }
-  switch (endpoint_reach(publish.endpoint)) {
+  const std::string name = "'" + std::string(key) + "'";
+  switch (endpoint_reach(endpoint)) {
     case EndpointReach::kInvalid:
-      table->error_at("endpoint",
-                      "'endpoint' is '" + publish.endpoint +
-                          "'; write tcp://ADDRESS:PORT or ipc://PATH, for example: "
-                          "endpoint = \"tcp://127.0.0.1:5560\"");
+      table->error_at(key,
+                      name + " is '" + endpoint +
+                          "'; write tcp://ADDRESS:PORT or ipc://PATH, for example: " +
+                          std::string(key) + " = \"tcp://127.0.0.1:5560\"");
       return;
     case EndpointReach::kNetwork:
-      if (!publish.insecure) {
-        table->error_at("endpoint",
-                        "'endpoint' can be reached from the network, where everyone "
-                        "could read who is where; write tcp://127.0.0.1:PORT, or "
-                        "insecure = true if that is meant");
+      if (!may_be_reached) {
+        table->error_at(key,
+                        name +
+                            " can be reached from the network, where everyone could read who is "
+                            "where; write tcp://127.0.0.1:PORT, or set up [curve], or "
+                            "insecure = true if that is meant");
       }
       return;
     case EndpointReach::kLoopback:
       return;
+  }
+}
+
+void check_curve(const TomlTable& root, const CurveConfig& curve) {
+  const std::optional<TomlTable> table = root.table("curve");
+  if (!table) {
+    return;
+  }
+  for (const std::string& key : curve.allow) {
+    if (!is_curve_key(key)) {
+      table->error_at("allow",
+                      "'allow': '" + key +
+                          "' is no public key, which is 40 characters (Z85); `rayloc keygen` "
+                          "prints one");
+      return;
+    }
+  }
+  if (curve.enabled && curve.allow.empty() && !table->has("allow")) {
+    table->error(
+        "[curve] lacks 'allow': no client could subscribe; list the public keys that `rayloc "
+        "keygen` prints on their machines");
+  }
+}
+
+void check_http(const TomlTable& root, const HttpConfig& http) {
+  const std::optional<TomlTable> table = root.table("http");
+  if (!table || !http.enabled || !table->is_string("listen")) {
+    return;
+  }
+  if (http.host.empty()) {
+    table->error_at("listen",
+                    "'listen' is no ADDRESS:PORT; write, for example: listen = "
+                    "\"127.0.0.1:8480\"");
+  } else if (!is_loopback(http.host) && http.token_file.empty() && !http.insecure) {
+    table->error_at("listen",
+                    "'listen' can be reached from the network, where everyone could read who is "
+                    "where; write 127.0.0.1:PORT, or set token_file, or insecure = true if that "
+                    "is meant");
   }
 }
 
@@ -292,7 +383,13 @@ ConfigReading read_config(TomlDocument& document) {
     }
   }
   check_sources(reading);
-  check_endpoint(root, reading.config.publish);
+  check_speeds(reading);
+  const PublishConfig& publish = reading.config.publish;
+  const bool may_be_reached = publish.insecure || reading.config.curve.enabled;
+  check_endpoint(root, "endpoint", publish.endpoint, may_be_reached);
+  check_endpoint(root, "snapshot", publish.snapshot, may_be_reached);
+  check_curve(root, reading.config.curve);
+  check_http(root, reading.config.http);
   return reading;
 }
 
@@ -302,12 +399,20 @@ Expected<DaemonConfig> parse_config(std::string_view text, const fs::path& file)
 }
 
 Expected<DaemonConfig> load_config(const fs::path& file) {
-  const auto document = TomlDocument::read(file);
+  const auto document = read_files(file);
   return document ? finish_config(**document) : tl::make_unexpected(document.error());
 }
 
+Expected<std::unique_ptr<TomlDocument>> read_files(const fs::path& file) {
+  Expected<std::unique_ptr<TomlDocument>> document = TomlDocument::read(file);
+  if (document) {
+    (*document)->include("include");
+  }
+  return document;
+}
+
 Expected<DaemonSetup> load_daemon_setup(const fs::path& file) {
-  const auto document = TomlDocument::read(file);
+  const auto document = read_files(file);
   if (!document) {
     return tl::make_unexpected(document.error());
   }

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,7 +21,7 @@
 
 namespace rayloc {
 
-enum class SourceKind { kUdp, kPcap, kInterface };
+enum class SourceKind { kUdp, kPcap, kInterface, kUnix };
 
 // [[source]]: where the datagrams of one access point come from.
 struct SourceConfig {
@@ -30,18 +31,23 @@ struct SourceConfig {
   // the id as written and the index at -1.
   std::string access_point;
   int access_point_index = -1;
-  std::string format;             // name of a wire format, empty: recognised
-  std::string listen_host;        // udp: numeric IPv4 address, "0.0.0.0" for all
-  std::uint16_t listen_port = 0;  // udp
-  std::filesystem::path file;     // pcap; "-" is standard input
-  std::optional<double> speed;    // pcap: recorded seconds per second; empty: as fast as it goes
-  std::string interface;          // interface: "eth0"
-  std::string filter;             // interface: BPF expression
-  int line = 0;                   // of [[source]] in the file, for messages
-  int column = 0;
+  std::string format;              // name of a wire format, empty: recognised
+  std::string listen_host;         // udp: numeric IPv4 address, "0.0.0.0" for all
+  std::uint16_t listen_port = 0;   // udp
+  std::string only_interface;      // udp: what arrives elsewhere is rejected; empty: nothing is
+  std::vector<std::string> allow;  // udp: whose datagrams are taken (AddressRange); empty: all
+  std::filesystem::path file;      // pcap; "-" is standard input
+  std::optional<double> speed;     // pcap: recorded seconds per second; empty: as fast as it goes
+  std::string interface;           // interface: "eth0"
+  std::string filter;              // interface: BPF expression
+  std::filesystem::path path;      // unix: of the socket
+  std::string place;               // of [[source]]: "raylocd.toml:4:1: ", for messages
 };
 
+enum class EngineMethod { kRayloc, kNone };
+
 struct EngineConfig {
+  EngineMethod method = EngineMethod::kRayloc;
   Duration burst{};                  // length of a burst
   double accuracy_confidence = 0.0;  // of Location.accuracy_m
 };
@@ -53,18 +59,55 @@ struct LimitsConfig {
 
 struct PublishConfig {
   std::string endpoint;   // "tcp://127.0.0.1:5560", "ipc:///run/raylocd/publish"
-  bool insecure = false;  // the endpoint may be beyond loopback
+  std::string snapshot;   // where late subscribers ask for what was last said
+  bool insecure = false;  // both may be beyond loopback
+  bool csi = false;       // frames as they are, besides what is made of them
   Duration heartbeat{};
   std::size_t send_high_water_mark = 0;  // messages queued per subscriber before it counts as slow
 };
 
+// [curve]: who may read what is published, encrypted on its way.
+struct CurveConfig {
+  bool enabled = false;
+  std::filesystem::path secret_file;  // empty: systemd's credential "curve.secret"
+  std::vector<std::string> allow;     // public keys of clients (Z85)
+};
+
+struct HttpConfig {
+  bool enabled = true;
+  std::string host;  // numeric IPv4
+  std::uint16_t port = 0;
+  std::filesystem::path token_file;  // empty: no token is asked for
+  bool insecure = false;             // beyond loopback without a token
+};
+
 struct RecordConfig {
-  std::filesystem::path directory;  // empty: nothing is recorded
+  std::filesystem::path directory;           // empty: nothing is recorded
+  std::uint64_t rotate_bytes = 0;            // a longer file is closed
+  Duration rotate_every{};                   // an older one is closed
+  std::uint64_t max_total_bytes = 0;         // of all recordings in the directory
+  std::uint64_t min_free_bytes = 0;          // of its disk, below which nothing is recorded
+  Duration ring{};                           // what is kept in memory for a snapshot; zero: nothing
+  std::size_t ring_bytes = 0;                // at most, of each source
+  std::filesystem::path snapshot_directory;  // empty: snapshot_folder() says where
 };
 
 enum class LogLevel { kTrace, kDebug, kInfo, kWarning, kError };
 struct LogConfig {
   LogLevel level = LogLevel::kInfo;
+};
+
+enum class TargetId { kMac, kHmac };
+
+struct PrivacyConfig {
+  TargetId target_id = TargetId::kMac;
+  Duration rotate{};               // how long a hash names a target
+  std::filesystem::path key_file;  // empty: a random key for each period
+};
+
+struct CacheConfig {
+  bool enabled = true;
+  std::filesystem::path directory;  // empty: cache_directory()
 };
 
 struct DaemonConfig {
@@ -74,11 +117,16 @@ struct DaemonConfig {
   EngineConfig engine;
   LimitsConfig limits;
   PublishConfig publish;
+  CurveConfig curve;
+  HttpConfig http;
   RecordConfig record;
+  PrivacyConfig privacy;
+  CacheConfig cache;
   LogConfig log;
 };
 
-// The file alone: syntax, keys, types, ranges, and that sources do not get in each other's way.
+// The file and what it includes: syntax, keys, types, ranges, and that sources do not get in each
+// other's way.
 Expected<DaemonConfig> load_config(const std::filesystem::path& file);
 
 // A configuration and the site that it names, checked against each other: every source is resolved
@@ -89,10 +137,34 @@ struct DaemonSetup {
 };
 Expected<DaemonSetup> load_daemon_setup(const std::filesystem::path& file);
 
-// The same of a text; `file` is for messages and for relative paths.
+// The same of a text; `file` is for messages and for relative paths. `include` is not followed.
 Expected<DaemonConfig> parse_config(std::string_view text, const std::filesystem::path& file);
 
-// Every key with the value that holds, as TOML; those that the file does not state are marked.
+// Every key with the value that holds, as TOML; those that no file states are marked.
 Expected<std::string> effective_config(const std::filesystem::path& file);
+
+// The keys whose values differ between two files, as "publish.endpoint" or "source 2.listen"; a
+// source that came or went is "source".
+struct ConfigChanges {
+  std::vector<std::string> applicable;     // while the daemon runs
+  std::vector<std::string> needs_restart;  // by a restart only
+};
+// What holds with a file, key by key; kept to be compared with the same file later.
+class ConfigValues {
+ public:
+  static Expected<ConfigValues> read(const std::filesystem::path& file);
+  ConfigChanges changes_to(const ConfigValues& newer) const;
+  // Takes the values of the keys that a reload applies.
+  void adopt_applicable(const ConfigValues& newer);
+  // {"publish.endpoint":"tcp://127.0.0.1:5560",...}
+  std::string json() const;
+
+ private:
+  struct Entry {
+    std::string value;  // in TOML
+    bool reload = false;
+  };
+  std::map<std::string, Entry> values_;
+};
 
 }  // namespace rayloc

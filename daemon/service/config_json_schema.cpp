@@ -36,6 +36,8 @@ Json type_of(const ConfigOption& option) {
     }
     case ConfigType::kSpeed:
       return {{"anyOf", Json::array({bounds(option, "number"), {{"const", "max"}}})}};
+    case ConfigType::kTexts:
+      return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
   }
   RAYLOC_CHECK(false);
 }

@@ -2,6 +2,8 @@
 // and config_text.cpp; everyone else wants config.h.
 #pragma once
 
+#include <filesystem>
+#include <memory>
 #include <vector>
 
 #include "daemon/service/config_schema.h"
@@ -25,6 +27,9 @@ struct ConfigReading {
   std::vector<ConfigSection> sections;
   std::vector<TomlTable> source_tables;  // of config.sources, one each
 };
+
+// The file and what it includes.
+Expected<std::unique_ptr<TomlDocument>> read_files(const std::filesystem::path& file);
 
 // Errors are noted in the document.
 ConfigReading read_config(TomlDocument& document);

@@ -8,13 +8,16 @@
 namespace rayloc {
 namespace {
 
-constexpr std::array<std::string_view, 3> kKinds = {"udp", "pcap", "interface"};
+constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
+constexpr std::array<std::string_view, 2> kMethods = {"rayloc", "none"};
+constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
 constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
 
 const std::string& text(const ConfigValue& value) { return std::get<std::string>(value); }
 std::size_t count(const ConfigValue& value) {
   return static_cast<std::size_t>(std::get<std::int64_t>(value));
 }
+std::uint64_t mebibytes(const ConfigValue& value) { return std::uint64_t{count(value)} << 20U; }
 double number(const ConfigValue& value) { return std::get<double>(value); }
 
 // Position of a choice among its names, which are in the order of the enumeration.
@@ -31,12 +34,20 @@ Enum chosen(const ConfigValue& value, const std::array<std::string_view, kCount>
 constexpr std::string_view kUdp = "udp";
 constexpr std::string_view kPcap = "pcap";
 constexpr std::string_view kInterface = "interface";
+constexpr std::string_view kUnix = "unix";
 
 // Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
 void store_listen(SourceConfig& source, const ConfigValue& value) {
   if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
     source.listen_host = address->host;
     source.listen_port = address->port;
+  }
+}
+
+void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
+  if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
+    config.http.host = address->host;
+    config.http.port = address->port;
   }
 }
 
@@ -53,6 +64,13 @@ const std::array kOptions = {
                  .range = {1, 1},
                  .description = "Version of the layout of this file",
                  .store = [](C&, const V&) { /* only one layout so far */ }},
+    ConfigOption{.section = "",
+                 .key = "include",
+                 .type = T::kTexts,
+                 .example = "[\"conf.d/*.toml\"]",
+                 .description = "Further files, as patterns; a key may be stated in one file only",
+                 .reload = true,
+                 .store = [](C&, const V&) { /* TomlDocument::include has read them */ }},
 
     ConfigOption{.section = "site",
                  .key = "directory",
@@ -68,14 +86,15 @@ const std::array kOptions = {
                  .example = "\"ap1\"",
                  .description = "Its id in site.toml; may be left out where the site has one",
                  .store_source = [](S& s, const V& v) { s.access_point = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "kind",
-                 .type = T::kChoice,
-                 .example = "\"udp\"",
-                 .required = true,
-                 .choices = kKinds,
-                 .description = "A UDP port, a recording, or a network interface (libpcap)",
-                 .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
+    ConfigOption{
+        .section = "source",
+        .key = "kind",
+        .type = T::kChoice,
+        .example = "\"udp\"",
+        .required = true,
+        .choices = kKinds,
+        .description = "A UDP port, a recording, a network interface (libpcap), or rayloc-capture",
+        .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
     ConfigOption{.section = "source",
                  .key = "listen",
                  .type = T::kText,
@@ -83,6 +102,21 @@ const std::array kOptions = {
                  .description = "ADDRESS:PORT that the access point sends to",
                  .only_kinds = kUdp,
                  .store_source = store_listen},
+    ConfigOption{.section = "source",
+                 .key = "only_interface",
+                 .type = T::kText,
+                 .example = "\"br0\"",
+                 .description = "Rejects what arrives at the port through another interface",
+                 .only_kinds = kUdp,
+                 .store_source = [](S& s, const V& v) { s.only_interface = text(v); }},
+    ConfigOption{
+        .section = "source",
+        .key = "allow",
+        .type = T::kTexts,
+        .example = R"(["192.168.1.7", "10.10.10.0/24"])",
+        .description = "Rejects what other addresses and networks send; all may when left out",
+        .only_kinds = kUdp,
+        .store_source = [](S& s, const V& v) { s.allow = std::get<std::vector<std::string>>(v); }},
     ConfigOption{.section = "source",
                  .key = "interface",
                  .type = T::kText,
@@ -98,24 +132,32 @@ const std::array kOptions = {
                  .only_kinds = kInterface,
                  .store_source = [](S& s, const V& v) { s.filter = text(v); }},
     ConfigOption{.section = "source",
+                 .key = "path",
+                 .type = T::kFile,
+                 .example = "\"/run/raylocd/eth0\"",
+                 .description = "Socket to make, where rayloc-capture sends to",
+                 .only_kinds = kUnix,
+                 .store_source = [](S& s, const V& v) { s.path = text(v); }},
+    ConfigOption{.section = "source",
                  .key = "file",
                  .type = T::kFile,
                  .example = "\"recording.pcap\"",
                  .description = "pcap or pcapng, gzip'd or not; \"-\" is standard input",
                  .only_kinds = kPcap,
                  .store_source = [](S& s, const V& v) { s.file = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "speed",
-                 .type = T::kSpeed,
-                 .preset = "\"max\"",
-                 .range = {1e-3, 1e6},
-                 .description = "\"max\", or recorded seconds per second",
-                 .only_kinds = kPcap,
-                 .store_source =
-                     [](S& s, const V& v) {
-                       const double* speed = std::get_if<double>(&v);
-                       s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
-                     }},
+    ConfigOption{
+        .section = "source",
+        .key = "speed",
+        .type = T::kSpeed,
+        .preset = "\"max\"",
+        .range = {1e-3, 1e6},
+        .description = "\"max\", or recorded seconds per second; the same for all recordings",
+        .only_kinds = kPcap,
+        .store_source =
+            [](S& s, const V& v) {
+              const double* speed = std::get_if<double>(&v);
+              s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
+            }},
     ConfigOption{.section = "source",
                  .key = "format",
                  .type = T::kChoice,
@@ -124,6 +166,15 @@ const std::array kOptions = {
                  .description = "Wire format; recognised by datagram when left out",
                  .store_source = [](S& s, const V& v) { s.format = text(v); }},
 
+    ConfigOption{
+        .section = "engine",
+        .key = "method",
+        .type = T::kChoice,
+        .preset = "\"rayloc\"",
+        .choices = kMethods,
+        .description = "How targets are located; \"none\" receives, records and publishes "
+                       "CSI only",
+        .store = [](C& c, const V& v) { c.engine.method = chosen<EngineMethod>(v, kMethods); }},
     ConfigOption{.section = "engine",
                  .key = "burst_s",
                  .type = T::kNumber,
@@ -160,17 +211,30 @@ const std::array kOptions = {
                  .description = "ZeroMQ endpoint to bind: tcp://ADDRESS:PORT or ipc://PATH",
                  .store = [](C& c, const V& v) { c.publish.endpoint = text(v); }},
     ConfigOption{.section = "publish",
+                 .key = "snapshot",
+                 .type = T::kText,
+                 .preset = "\"tcp://127.0.0.1:5561\"",
+                 .description = "ZeroMQ endpoint where late subscribers ask for the last messages",
+                 .store = [](C& c, const V& v) { c.publish.snapshot = text(v); }},
+    ConfigOption{.section = "publish",
                  .key = "insecure",
                  .type = T::kBoolean,
                  .preset = "false",
                  .description = "Lets everyone on the network read an endpoint beyond loopback",
                  .store = [](C& c, const V& v) { c.publish.insecure = std::get<bool>(v); }},
     ConfigOption{.section = "publish",
+                 .key = "csi",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Publishes every frame of CSI as well (topics v1/csi/SITE/AP/)",
+                 .store = [](C& c, const V& v) { c.publish.csi = std::get<bool>(v); }},
+    ConfigOption{.section = "publish",
                  .key = "heartbeat_s",
                  .type = T::kNumber,
                  .preset = "1",
                  .range = {0.1, 60.0, "s"},
                  .description = "Time between heartbeats",
+                 .reload = true,
                  .store = [](C& c, const V& v) { c.publish.heartbeat = from_seconds(number(v)); }},
     ConfigOption{.section = "publish",
                  .key = "send_high_water_mark",
@@ -180,12 +244,154 @@ const std::array kOptions = {
                  .description = "Messages that wait for a subscriber before it counts as slow",
                  .store = [](C& c, const V& v) { c.publish.send_high_water_mark = count(v); }},
 
+    ConfigOption{.section = "curve",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Encrypts both ZeroMQ endpoints and admits listed clients only",
+                 .store = [](C& c, const V& v) { c.curve.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "curve",
+                 .key = "secret_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/curve.secret\"",
+                 .description =
+                     "Secret key of the daemon, by `rayloc keygen`; systemd's credential "
+                     "curve.secret when left out",
+                 .store = [](C& c, const V& v) { c.curve.secret_file = text(v); }},
+    ConfigOption{
+        .section = "curve",
+        .key = "allow",
+        .type = T::kTexts,
+        .example = "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]",
+        .description = "Public keys of the clients that may subscribe; a reload lets in "
+                       "new ones, and cuts off nobody who is connected",
+        .reload = true,
+        .store = [](C& c, const V& v) { c.curve.allow = std::get<std::vector<std::string>>(v); }},
+
+    ConfigOption{.section = "http",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "true",
+                 .description = "Answers over HTTP: the live map at /, health, metrics, state",
+                 .store = [](C& c, const V& v) { c.http.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "http",
+                 .key = "listen",
+                 .type = T::kText,
+                 .preset = "\"127.0.0.1:8480\"",
+                 .description = "ADDRESS:PORT of the HTTP server",
+                 .store = store_http_listen},
+    ConfigOption{
+        .section = "http",
+        .key = "token_file",
+        .type = T::kFile,
+        .example = "\"/etc/raylocd/http.token\"",
+        .description =
+            "File with the token that all but health and metrics ask for; a browser as user rayloc",
+        .store = [](C& c, const V& v) { c.http.token_file = text(v); }},
+    ConfigOption{.section = "http",
+                 .key = "insecure",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Lets everyone on the network read where everybody is",
+                 .store = [](C& c, const V& v) { c.http.insecure = std::get<bool>(v); }},
+
     ConfigOption{.section = "record",
                  .key = "directory",
                  .type = T::kFolder,
                  .example = "\"/var/lib/raylocd\"",
                  .description = "Writes what each source receives there; off when left out",
                  .store = [](C& c, const V& v) { c.record.directory = text(v); }},
+    ConfigOption{.section = "record",
+                 .key = "rotate_mb",
+                 .type = T::kInteger,
+                 .preset = "256",
+                 .range = {1, 1'000'000, "MiB"},
+                 .description = "A recording that has become so long is closed",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.rotate_bytes = mebibytes(v); }},
+    ConfigOption{
+        .section = "record",
+        .key = "rotate_every_s",
+        .type = T::kNumber,
+        .preset = "3600",
+        .range = {1.0, 31'536'000.0, "s"},
+        .description = "A recording that has become so old is closed",
+        .reload = true,
+        .store = [](C& c, const V& v) { c.record.rotate_every = from_seconds(number(v)); }},
+    ConfigOption{.section = "record",
+                 .key = "max_total_mb",
+                 .type = T::kInteger,
+                 .preset = "10240",
+                 .range = {1, 1'000'000'000, "MiB"},
+                 .description = "All recordings there; past that the oldest are removed",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.max_total_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "min_free_mb",
+                 .type = T::kInteger,
+                 .preset = "512",
+                 .range = {0, 1'000'000'000, "MiB"},
+                 .description = "With less room on the disk nothing is recorded",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.min_free_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "ring_s",
+                 .type = T::kNumber,
+                 .preset = "30",
+                 .range = {0.0, 3600.0, "s"},
+                 .description = "Keeps the last datagrams in memory, for a snapshot",
+                 .store = [](C& c, const V& v) { c.record.ring = from_seconds(number(v)); }},
+    ConfigOption{.section = "record",
+                 .key = "ring_mb",
+                 .type = T::kInteger,
+                 .preset = "64",
+                 .range = {1, 65536, "MiB"},
+                 .description = "At most so much of each source, however short a time that is",
+                 .store = [](C& c, const V& v) { c.record.ring_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "snapshot_directory",
+                 .type = T::kFolder,
+                 .example = "\"/var/lib/raylocd\"",
+                 .description = "For snapshots; directory, else $STATE_DIRECTORY when left out",
+                 .store = [](C& c, const V& v) { c.record.snapshot_directory = text(v); }},
+
+    ConfigOption{
+        .section = "privacy",
+        .key = "target_id",
+        .type = T::kChoice,
+        .preset = "\"mac\"",
+        .choices = kTargetIds,
+        .description = "Devices are called by their address, or by a keyed hash of it; "
+                       "recordings hold addresses in any case",
+        .store = [](C& c, const V& v) { c.privacy.target_id = chosen<TargetId>(v, kTargetIds); }},
+    ConfigOption{
+        .section = "privacy",
+        .key = "rotate_h",
+        .type = T::kNumber,
+        .preset = "24",
+        .range = {0.01, 8760.0, "h"},
+        .description = "How long a hash names a device; then it gets another",
+        .store = [](C& c, const V& v) { c.privacy.rotate = from_seconds(3600.0 * number(v)); }},
+    ConfigOption{.section = "privacy",
+                 .key = "key_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/privacy.key\"",
+                 .description = "Makes hashes that a replay can repeat; left out, keys are random, "
+                                "kept in memory only and forgotten",
+                 .store = [](C& c, const V& v) { c.privacy.key_file = text(v); }},
+
+    ConfigOption{.section = "cache",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "true",
+                 .description = "Keeps the traced room for the next start",
+                 .store = [](C& c, const V& v) { c.cache.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "cache",
+                 .key = "directory",
+                 .type = T::kFolder,
+                 .example = "\"/var/cache/raylocd\"",
+                 .description = "Where; $CACHE_DIRECTORY or ~/.cache/rayloc when left out",
+                 .store = [](C& c, const V& v) { c.cache.directory = text(v); }},
 
     ConfigOption{.section = "log",
                  .key = "level",
@@ -193,6 +399,7 @@ const std::array kOptions = {
                  .preset = "\"info\"",
                  .choices = kLevels,
                  .description = "Least severe messages that are logged",
+                 .reload = true,
                  .store = [](C& c, const V& v) { c.log.level = chosen<LogLevel>(v, kLevels); }},
 };
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "daemon/service/config.h"
 #include "daemon/site/number_range.h"
@@ -25,10 +26,11 @@ enum class ConfigType {
   kFolder,  // a path
   kFile,    // a path, or "-" for standard input
   kSpeed,   // a number, or "max"
+  kTexts,   // an array of texts, or one
 };
 
 // Paths as text, joined with the folder of the file.
-using ConfigValue = std::variant<bool, std::int64_t, double, std::string>;
+using ConfigValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
 
 struct ConfigOption {
   std::string_view section;  // "engine"; "" for the top of the file; "source" for [[source]]
@@ -41,6 +43,7 @@ struct ConfigOption {
   std::span<const std::string_view> choices = {};
   std::string_view description = {};  // one line
   std::string_view only_kinds = {};   // of [[source]]: kinds that have the key, empty: all
+  bool reload = false;                // SIGHUP applies a change; else it takes a restart
   void (*store)(DaemonConfig&, const ConfigValue&) = nullptr;
   void (*store_source)(SourceConfig&, const ConfigValue&) = nullptr;
 };
@@ -54,10 +57,17 @@ bool applies_to_kind(const ConfigOption& option, std::string_view kind);
 // The file deploy/raylocd.toml: every key with its description; what is left out is commented.
 std::string config_example();
 
+// The manual page raylocd.toml(5), in the man macros of roff.
+std::string config_manual_page();
+
 // A JSON schema (draft 2020-12) of the file, for editors.
 std::string config_json_schema();
 
-// A value in TOML: true, 5, 0.2, "text".
+// What values an option takes: "from 0.01 to 10 s", "udp", "pcap" or "interface"; empty when that
+// is told by its type.
+std::string config_limits(const ConfigOption& option);
+
+// A value in TOML: true, 5, 0.2, "text", ["a", "b"].
 std::string to_toml(const ConfigValue& value);
 
 }  // namespace rayloc

@@ -26,8 +26,21 @@ std::string header(std::string_view section) {
   return section == "source" ? "[[source]]\n" : "[" + std::string(section) + "]\n";
 }
 
-// "from 0.01 to 10 s", "udp, pcap or interface"
-std::string limits(const ConfigOption& option) {
+std::string described_line(const ConfigOption& option) {
+  std::string lines = "# " + std::string(option.description);
+  if (!option.only_kinds.empty()) {
+    lines += " (kind " + std::string(option.only_kinds) + ")";
+  }
+  if (const std::string range = config_limits(option); !range.empty()) {
+    lines += ": " + range;
+  }
+  return lines + "\n" + (option.required ? "" : "#") + std::string(option.key) + " = " +
+         std::string(option.preset.empty() ? option.example : option.preset) + "\n";
+}
+
+}  // namespace
+
+std::string config_limits(const ConfigOption& option) {
   if (!option.choices.empty()) {
     std::string names;
     for (std::size_t i = 0; i < option.choices.size(); ++i) {
@@ -46,20 +59,6 @@ std::string limits(const ConfigOption& option) {
   return "";
 }
 
-std::string described_line(const ConfigOption& option) {
-  std::string lines = "# " + std::string(option.description);
-  if (!option.only_kinds.empty()) {
-    lines += " (kind " + std::string(option.only_kinds) + ")";
-  }
-  if (const std::string range = limits(option); !range.empty()) {
-    lines += ": " + range;
-  }
-  return lines + "\n" + (option.required ? "" : "#") + std::string(option.key) + " = " +
-         std::string(option.preset.empty() ? option.example : option.preset) + "\n";
-}
-
-}  // namespace
-
 std::string to_toml(const ConfigValue& value) {
   if (const bool* flag = std::get_if<bool>(&value)) {
     return *flag ? "true" : "false";
@@ -69,6 +68,13 @@ std::string to_toml(const ConfigValue& value) {
   }
   if (const double* number = std::get_if<double>(&value)) {
     return to_text(*number);
+  }
+  if (const auto* texts = std::get_if<std::vector<std::string>>(&value)) {
+    std::string list;
+    for (const std::string& text : *texts) {
+      list += (list.empty() ? "" : ", ") + text_in_toml(text);
+    }
+    return "[" + list + "]";
   }
   return text_in_toml(std::get<std::string>(value));
 }
@@ -88,7 +94,7 @@ std::string config_example() {
 }
 
 Expected<std::string> effective_config(const std::filesystem::path& file) {
-  const auto document = TomlDocument::read(file);
+  const auto document = read_files(file);
   if (!document) {
     return tl::make_unexpected(document.error());
   }

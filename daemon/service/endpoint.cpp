@@ -24,13 +24,13 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& host) {
                                                          : std::nullopt;
 }
 
+}  // namespace
+
 bool is_loopback(const std::string& host) {
   constexpr std::uint32_t kLoopbackNetwork = 127;
   const std::optional<std::uint32_t> address = parse_ipv4(host);
   return host == "[::1]" || host == "localhost" || (address && *address >> 24U == kLoopbackNetwork);
 }
-
-}  // namespace
 
 std::optional<ListenAddress> parse_listen(std::string_view text) {
   const std::size_t colon = text.rfind(':');

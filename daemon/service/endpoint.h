@@ -17,6 +17,9 @@ struct ListenAddress {
 // on a name server.
 std::optional<ListenAddress> parse_listen(std::string_view text);
 
+// Whether an address of this machine reaches this machine only.
+bool is_loopback(const std::string& host);
+
 // Whether two UDP sockets could not both be bound.
 bool same_port(const ListenAddress& a, const ListenAddress& b);
 

@@ -1,99 +1,84 @@
 // raylocd: the daemon. Reads CSI datagrams, publishes locations, until it is told to stop.
+#include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
-#include <optional>
+#include <future>
 #include <string>
+#include <thread>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <systemd/sd-daemon.h>
 #include <CLI/CLI.hpp>
 
 #include "daemon/service/exit_status.h"
+#include "daemon/service/log.h"
+#include "daemon/service/run_loop.h"
 #include "daemon/service/service.h"
+#include "daemon/service/service_manager.h"
 
 namespace rayloc {
 namespace {
 
 constexpr auto kDrainPatience = std::chrono::milliseconds(4000);
+constexpr auto kStopPatience = std::chrono::milliseconds(5000);
 
-spdlog::level::level_enum log_level(LogLevel level) {
-  switch (level) {
-    case LogLevel::kTrace:
-      return spdlog::level::trace;
-    case LogLevel::kDebug:
-      return spdlog::level::debug;
-    case LogLevel::kInfo:
-      return spdlog::level::info;
-    case LogLevel::kWarning:
-      return spdlog::level::warn;
-    case LogLevel::kError:
-      return spdlog::level::err;
+// Ends the process when a thread does not end, for example because its disk does not answer.
+void stop_in_time(Service& service, const std::string& reason) {
+  std::promise<void> stopped;
+  std::thread stopping([&] {
+    service.stop(reason, kDrainPatience);
+    stopped.set_value();
+  });
+  if (stopped.get_future().wait_for(kStopPatience) == std::future_status::timeout) {
+    spdlog::critical("not stopped after {} ms: what waits for the disk is lost",
+                     kStopPatience.count());
+    spdlog::default_logger()->flush();
+    std::_Exit(kExitInternal);
   }
-  return spdlog::level::info;
-}
-
-void set_up_log(const LogConfig& config) {
-  auto logger = spdlog::stderr_color_mt("raylocd");
-  logger->set_level(log_level(config.level));
-  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
-  spdlog::set_default_logger(std::move(logger));
-}
-
-// The signals that end the daemon, blocked in every thread, so that this one waits for them.
-sigset_t block_stop_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);
-  return signals;
-}
-
-// Returns the name of the signal that came.
-std::string wait_for_stop(const sigset_t& signals, Service& service) {
-  for (;;) {
-    const timespec second{1, 0};
-    const int signal = sigtimedwait(&signals, nullptr, &second);
-    if (signal > 0) {
-      return signal == SIGINT ? "SIGINT" : "SIGTERM";
-    }
-    for (const std::string& error : service.new_errors()) {
-      spdlog::error("{}", error);
-    }
-    for (const std::string& warning : service.new_warnings()) {
-      spdlog::warn("{}", warning);
-    }
-  }
+  stopping.join();
 }
 
 Expected<void> serve(const std::string& file) {
-  const sigset_t signals = block_stop_signals();
+  const sigset_t signals = block_daemon_signals();
+  const ServiceManager manager;
   Expected<DaemonSetup> setup = load_daemon_setup(file);
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
+  Expected<ConfigValues> values = ConfigValues::read(file);
+  Expected<PassedSockets> sockets = PassedSockets::take();
+  if (!values || !sockets) {
+    return tl::make_unexpected(values ? sockets.error() : values.error());
+  }
   set_up_log(setup->config.log);
   spdlog::info("raylocd {}: preparing the room of site '{}'", RAYLOC_VERSION, setup->site.name);
-  Expected<std::unique_ptr<Service>> opened = Service::open(std::move(*setup));
+  Expected<std::unique_ptr<Service>> opened = Service::open(
+      std::move(*setup), *sockets, [](const std::string& line) { spdlog::info("{}", line); });
   if (!opened) {
     return tl::make_unexpected(opened.error());
+  }
+  if (!sockets->empty()) {
+    spdlog::warn("systemd passed sockets that nothing here is called: {}", sockets->unused());
   }
   Service& service = **opened;
   service.start();
   for (const std::string& line : service.source_descriptions()) {
     spdlog::info("listening: {}", line);
   }
+  if (const std::string http = service.http_address(); !http.empty()) {
+    spdlog::info("answering at http://{}/", http);
+  }
   spdlog::info("ready: publishing at {}", service.endpoint());
-  sd_notify(0, "READY=1");
-  const std::string reason = wait_for_stop(signals, service);
-  sd_notify(0, "STOPPING=1");
+  manager.ready();
+  const std::string reason =
+      RunLoop(service, manager, Reloader(file, std::move(*values))).run(signals);
+  manager.stopping();
   spdlog::info("stopping: {}", reason);
-  // A second signal ends the daemon at once.
+  // A second signal ends the daemon at once; one that asks for a snapshot comes too late.
+  std::signal(SIGUSR1, SIG_IGN);
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
-  service.stop(reason, kDrainPatience);
+  stop_in_time(service, reason);
   spdlog::info("stopped");
   return {};
 }

@@ -1,118 +1,291 @@
 #include "daemon/service/service.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <future>
 #include <system_error>
+#include <thread>
 #include <utility>
 
-#include <fmt/chrono.h>
+#include <fmt/format.h>
 
-#include "capture/pcap_recorder.h"
-#include "daemon/service/source_factory.h"
+#include "daemon/pipeline/recording_folder.h"
+#include "daemon/service/curve_access.h"
+#include "daemon/service/privacy.h"
+#include "daemon/site/path_grid_files.h"
 
 namespace rayloc {
 namespace {
 
+constexpr auto kStartPoll = std::chrono::milliseconds(1);
+constexpr std::size_t kSubjectsShown = 2048;  // on the map
+constexpr std::size_t kPlayedFrames = 512;    // that wait of a source that people move
 constexpr auto kRepeatWarning = std::chrono::minutes(10);
 
 Timestamp system_now() {
   return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
 }
 
-// "ap1-20261121T140509Z.pcap": one file per access point and start.
-std::filesystem::path recording_path(const std::filesystem::path& directory,
-                                     const std::string& access_point,
-                                     Timestamp started) {
-  const std::time_t seconds = std::chrono::system_clock::to_time_t(
-      std::chrono::time_point_cast<std::chrono::system_clock::duration>(started));
-  return directory / fmt::format("{}-{:%Y%m%dT%H%M%SZ}.pcap", access_point, fmt::gmtime(seconds));
+RecordingLimits recording_limits(const RecordConfig& config) {
+  return {.rotate_bytes = config.rotate_bytes,
+          .rotate_every = config.rotate_every,
+          .max_total_bytes = config.max_total_bytes,
+          .min_free_bytes = config.min_free_bytes};
 }
 
-Expected<std::unique_ptr<RecorderStage>> open_recorder(const std::filesystem::path& path) {
-  std::error_code failed;
-  std::filesystem::create_directories(path.parent_path(), failed);
-  if (failed) {
-    return make_error(ErrorKind::kUnavailable,
-                      path.parent_path().string() + ": cannot be made: " + failed.message());
-  }
-  Expected<PcapRecorder> recorder = PcapRecorder::create(path);
+// Empty when nobody has said where.
+std::filesystem::path snapshot_folder(const RecordConfig& config) {
+  const char* const state = std::getenv("STATE_DIRECTORY");  // systemd.exec(5)
+  return !config.snapshot_directory.empty() ? config.snapshot_directory
+         : !config.directory.empty()        ? config.directory
+         : state != nullptr                 ? std::filesystem::path(state)
+                                            : std::filesystem::path();
+}
+
+Expected<std::unique_ptr<RecorderStage>> open_recorder(const RecordConfig& config,
+                                                       const std::string& access_point) {
+  RotatingRecorderOptions options;
+  options.folder = config.directory;
+  options.name = access_point;
+  options.limits = recording_limits(config);
+  auto recorder = RotatingRecorder::open(std::move(options));
   if (!recorder) {
     return tl::make_unexpected(recorder.error());
   }
   return std::make_unique<RecorderStage>(std::move(*recorder));
 }
 
+// Null where they are not to be kept, or nobody knows where.
+std::shared_ptr<PathGridStore> path_grids(const CacheConfig& config,
+                                          const std::function<void(const std::string& line)>& log) {
+  if (!config.enabled) {
+    return nullptr;
+  }
+  const auto directory =
+      config.directory.empty() ? cache_directory() : std::optional(config.directory);
+  if (!directory) {
+    log("no folder for caches is known: set directory in [cache]");
+    return nullptr;
+  }
+  PathGridFiles::Options files;
+  files.directory = *directory;
+  files.log = log;
+  return std::make_shared<PathGridFiles>(std::move(files));
+}
+
 }  // namespace
 
-Expected<std::unique_ptr<Service>> Service::open(DaemonSetup setup) {
+Expected<std::unique_ptr<Service>> Service::open(
+    DaemonSetup setup,
+    PassedSockets& sockets,
+    const std::function<void(const std::string& line)>& log) {
   std::unique_ptr<Service> service(new Service(std::move(setup)));
   const DaemonConfig& config = service->setup_.config;
-  const Site& site = service->setup_.site;
   service->status_.started = system_now();
 
-  DeviceEstimator::Options estimation;
-  estimation.localizer.accuracy_confidence = config.engine.accuracy_confidence;
-  Expected<std::unique_ptr<DeviceEstimator>> estimator = DeviceEstimator::create(site, estimation);
-  if (!estimator) {
-    return tl::make_unexpected(estimator.error());
+  if (const Expected<void> opened = service->open_estimators(path_grids(config.cache, log));
+      !opened) {
+    return tl::make_unexpected(opened.error());
   }
-  service->estimator_ = std::move(*estimator);
-  service->status_.estimator = service->estimator_.get();
-  service->status_.scene_hash = service->estimator_->room().scene_hash;
-  service->status_.calibration_id = service->estimator_->room().calibration_id;
-
-  PublisherOptions publishing;
-  publishing.endpoint = config.publish.endpoint;
-  publishing.site = site.name;
-  publishing.epoch = random_epoch();
-  publishing.high_water_mark = static_cast<int>(config.publish.send_high_water_mark);
-  Expected<Publisher> publisher = Publisher::bind(publishing);
-  if (!publisher) {
-    return tl::make_unexpected(publisher.error());
+  service->status_.georeference = service->setup_.site.georeference;
+  if (const DeviceEstimator* estimator = service->estimator_.get(); estimator != nullptr) {
+    service->status_.estimator = estimator;
+    const RoomModel& room = estimator->room();
+    service->status_.scene_hash = room.scene_hash;
+    service->status_.calibration_id = room.calibration_id;
+    for (const std::string& warning :
+         zone_warnings(service->setup_.site, room.bounds_min, room.bounds_max)) {
+      log(warning);
+    }
   }
-  PublisherStage::Options stage;
-  stage.heartbeat = config.publish.heartbeat;
-  stage.status = [service = service.get()](Timestamp now) {
-    return status_messages(service->status_, now);
-  };
-  stage.now = system_now;
-  service->publisher_ = std::make_unique<PublisherStage>(std::move(*publisher), std::move(stage));
 
+  if (const Expected<void> opened = service->open_publishing(sockets); !opened) {
+    return tl::make_unexpected(opened.error());
+  }
+  if (const auto snapshots = snapshot_folder(config.record);
+      !snapshots.empty() && snapshots != config.record.directory) {
+    repair_recordings(snapshots, service->status_.started, log);
+  }
+  if (!config.record.directory.empty()) {
+    service->status_.recordings_repaired =
+        repair_recordings(config.record.directory, service->status_.started, log);
+  }
   std::vector<SourceWorker::Input> inputs;
-  if (const Expected<void> opened = service->open_sources(inputs); !opened) {
+  if (const Expected<void> opened = service->open_sources(sockets, inputs); !opened) {
     return tl::make_unexpected(opened.error());
   }
   PipelineOptions options;
   options.burst.length = config.engine.burst;
   options.burst.max_transmitters = config.limits.max_targets;
   options.ring_frames = config.limits.ring_frames;
+  // Recordings can wait until everything that came before has been explained.
+  if (std::none_of(config.sources.begin(), config.sources.end(), is_live)) {
+    options.overflow = Overflow::kWait;
+  }
+  if (service->recording_clock_.playback) {  // what is shown follows it closely
+    options.ring_frames = std::min(options.ring_frames, kPlayedFrames);
+  }
   service->pipeline_ = std::make_unique<Pipeline>(
-      options, std::move(inputs), *service->estimator_, *service->publisher_);
+      options, std::move(inputs), *service->zones_, *service->publisher_);
   service->status_.pipeline = service->pipeline_.get();
   service->status_.publisher = service->publisher_.get();
+  if (const Expected<void> http = service->open_http(sockets); !http) {
+    return tl::make_unexpected(http.error());
+  }
   return service;
 }
 
-Expected<void> Service::open_sources(std::vector<SourceWorker::Input>& inputs) {
+Expected<void> Service::open_publishing(PassedSockets& sockets) {
+  const DaemonConfig& config = setup_.config;
+  auto guard = open_curve_access(config.curve, limited_log_);
+  if (!guard) {
+    return tl::make_unexpected(guard.error());
+  }
+  guard_ = std::move(*guard);
+  PublisherOptions publishing;
+  publishing.guard = guard_;
+  publishing.endpoint = config.publish.endpoint;
+  publishing.adopted_fd = sockets.take("publish").value_or(-1);
+  publishing.site = setup_.site.name;
+  publishing.epoch = random_epoch();
+  status_.epoch = publishing.epoch;
+  last_messages_ = std::make_shared<LastMessages>(publishing.max_topics);
+  publishing.last = last_messages_;
+  if (config.http.enabled) {
+    message_board_ = std::make_shared<MessageBoard>(kSubjectsShown);
+    publishing.board = message_board_;
+  }
+  publishing.high_water_mark = static_cast<int>(config.publish.send_high_water_mark);
+  Expected<Publisher> publisher = Publisher::bind(publishing);
+  if (!publisher) {
+    return tl::make_unexpected(publisher.error());
+  }
+  SnapshotServer::Options snapshots;
+  snapshots.endpoint = config.publish.snapshot;
+  snapshots.adopted_fd = sockets.take("snapshot").value_or(-1);
+  snapshots.epoch = publishing.epoch;
+  snapshots.last = last_messages_;
+  snapshots.guard = guard_;
+  auto snapshot_server = SnapshotServer::open(snapshots);
+  if (!snapshot_server) {
+    return tl::make_unexpected(snapshot_server.error());
+  }
+  snapshots_ = std::move(*snapshot_server);
+  PublisherStage::Options stage;
+  stage.heartbeat = config.publish.heartbeat;
+  stage.status = [this](Timestamp now) { return status_messages(status_, now); };
+  stage.now = system_now;
+  if (std::any_of(config.sources.begin(), config.sources.end(), is_live)) {
+    status_.clock = std::make_shared<ClockOffset>();
+    stage.clock_ahead = [clock = status_.clock] { return clock->now(); };
+  }
+  stage.name = [this](const CsiFrame& frame) {
+    return transmitter_name(setup_.site, frame, *names_);
+  };
+  publisher_ = std::make_unique<PublisherStage>(std::move(*publisher), std::move(stage));
+  return {};
+}
+
+Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grids) {
+  auto names = open_target_names(setup_.config);
+  if (!names) {
+    return tl::make_unexpected(names.error());
+  }
+  names_ = std::move(*names);
+  zones_ = std::make_unique<ZoneEstimator>(estimators_, setup_.site.zones);
+  if (setup_.config.engine.method == EngineMethod::kNone) {
+    return {};
+  }
+  DeviceEstimator::Options devices;
+  devices.names = names_;
+  devices.localizer.accuracy_confidence = setup_.config.engine.accuracy_confidence;
+  devices.localizer.path_grids = std::move(path_grids);
+  auto estimator = DeviceEstimator::create(setup_.site, devices);
+  if (!estimator) {
+    return tl::make_unexpected(estimator.error());
+  }
+  estimator_ = std::move(*estimator);
+  estimators_.add(*estimator_);
+  if (setup_.site.reference_file) {
+    PersonEstimator::Options options;
+    options.localizer.accuracy_confidence = setup_.config.engine.accuracy_confidence;
+    auto people = PersonEstimator::create(setup_.site, options);
+    if (!people) {
+      return tl::make_unexpected(people.error());
+    }
+    people_ = std::move(*people);
+    estimators_.add(*people_);
+  }
+  return {};
+}
+
+Expected<void> Service::open_sources(PassedSockets& sockets,
+                                     std::vector<SourceWorker::Input>& inputs) {
+  auto clock = recording_clock(setup_.config);
+  if (!clock) {
+    return tl::make_unexpected(clock.error());
+  }
+  recording_clock_ = std::move(*clock);
+  status_.playback = recording_clock_.playback;
   for (const SourceConfig& source : setup_.config.sources) {
-    Expected<SourceWorker::Input> input = open_source(source, setup_.config, setup_.site);
+    Expected<SourceWorker::Input> input = open_source(
+        source, setup_.site, sockets.take("source-" + source.access_point), recording_clock_);
     if (!input) {
       return tl::make_unexpected(input.error());
     }
     if (!setup_.config.record.directory.empty()) {
-      Expected<std::unique_ptr<RecorderStage>> recorder = open_recorder(
-          recording_path(setup_.config.record.directory, source.access_point, status_.started));
+      auto recorder = open_recorder(setup_.config.record, source.access_point);
       if (!recorder) {
         return tl::make_unexpected(recorder.error());
       }
-      input->tap = recorder->get();
+      input->taps.push_back(recorder->get());
       status_.recorders.push_back(recorder->get());
       recorders_.push_back(std::move(*recorder));
     }
+    add_ring(*input);
+    input->frame_tap = setup_.config.publish.csi ? publisher_.get() : nullptr;
     status_.live.push_back(is_live(source));
     inputs.push_back(std::move(*input));
   }
+  open_snapshots();
   return {};
+}
+
+void Service::open_snapshots() {
+  std::vector<RingSnapshots::Source> sources;
+  for (std::size_t i = 0; i < rings_.size(); ++i) {
+    sources.push_back({setup_.config.sources[i].access_point, rings_[i].get()});
+  }
+  const RecordConfig& config = setup_.config.record;
+  if (!sources.empty()) {
+    snapshots_of_rings_ = std::make_unique<RingSnapshots>(
+        std::move(sources),
+        RingSnapshots::Options{
+            snapshot_folder(config), config.max_total_bytes, config.min_free_bytes});
+  }
+}
+
+Expected<std::vector<std::string>> Service::snapshot() {
+  if (!snapshots_of_rings_) {
+    return make_error(ErrorKind::kUnavailable,
+                      "nothing is kept for a snapshot; set snapshot_directory, and ring_s above 0, "
+                      "in [record]");
+  }
+  return snapshots_of_rings_->request();
+}
+
+std::vector<std::string> Service::news() {
+  return snapshots_of_rings_ ? snapshots_of_rings_->news() : std::vector<std::string>();
+}
+
+// What is kept in memory of a source, when there is somewhere to write it.
+void Service::add_ring(SourceWorker::Input& input) {
+  const RecordConfig& config = setup_.config.record;
+  if (config.ring <= Duration::zero() || snapshot_folder(config).empty()) {
+    return;
+  }
+  rings_.push_back(std::make_unique<DatagramRing>(config.ring, config.ring_bytes));
+  input.taps.push_back(rings_.back().get());
 }
 
 Service::~Service() = default;
@@ -120,9 +293,56 @@ Service::~Service() = default;
 void Service::start() {
   publisher_->start();
   pipeline_->start();
+  for (const Stage& stage : stages()) {
+    while (!stage.progress->started()) {
+      std::this_thread::sleep_for(kStartPoll);
+    }
+  }
+  if (http_) {
+    http_->start();
+  }
+}
+
+void Service::apply(const DaemonConfig& config) {
+  publisher_->set_heartbeat(config.publish.heartbeat);
+  for (const auto& recorder : recorders_) {
+    recorder->set_limits(recording_limits(config.record));
+  }
+  guard_->allow(config.curve.allow);
+}
+
+std::vector<Stage> Service::stages() const {
+  std::vector<Stage> stages = pipeline_->stages();
+  stages.push_back({"publisher", &publisher_->progress()});
+  for (std::size_t i = 0; i < recorders_.size(); ++i) {
+    stages.push_back(
+        {"recorder " + setup_.config.sources[i].access_point, &recorders_[i]->progress()});
+  }
+  return stages;
+}
+
+std::string Service::status_line() const {
+  const std::vector<SourceReport> reports = pipeline_->source_reports();
+  std::uint64_t received = 0;
+  std::uint64_t kernel_drops = 0;
+  std::uint64_t heard = 0;
+  for (const SourceReport& report : reports) {
+    received += report.source.received;
+    kernel_drops += report.source.kernel_drops;
+    heard += report.source.delivered > 0 ? 1U : 0U;
+  }
+  const EstimationCounters estimation = pipeline_->estimation_counters();
+  return fmt::format("{} of {} sources heard; {} datagrams, {} dropped by the kernel; {} fixes{}",
+                     heard,
+                     reports.size(),
+                     received,
+                     kernel_drops,
+                     estimation.snapshots - estimation.no_fix,
+                     health().reload_failed ? "; the last reload failed" : "");
 }
 
 void Service::stop(const std::string& reason, std::chrono::milliseconds patience) {
+  http_.reset();
   auto drained = std::async(std::launch::async, [this] { pipeline_->stop(); });
   if (drained.wait_for(patience) == std::future_status::timeout) {
     pipeline_->hurry();
@@ -131,6 +351,7 @@ void Service::stop(const std::string& reason, std::chrono::milliseconds patience
   for (const auto& recorder : recorders_) {
     recorder->finish();
   }
+  snapshots_of_rings_.reset();
   publisher_->finish(reason);
 }
 
@@ -145,6 +366,9 @@ std::vector<std::string> Service::source_descriptions() const {
 std::vector<std::string> Service::new_warnings() {
   const auto now = std::chrono::steady_clock::now();
   std::vector<std::string> fresh;
+  if (!estimator_) {
+    return fresh;
+  }
   for (const CalibrationWarning& warning : estimator_->calibration_warnings()) {
     const auto told =
         std::find_if(told_warnings_.begin(), told_warnings_.end(), [&](const ToldWarning& one) {
@@ -162,6 +386,11 @@ std::vector<std::string> Service::new_warnings() {
   return fresh;
 }
 
+void Service::log_losses() {
+  losses_.look(status_messages(status_, system_now()).heartbeat);
+  limited_log_->flush();
+}
+
 std::vector<std::string> Service::new_errors() {
   std::vector<std::string> errors;
   for (const SourceReport& report : pipeline_->source_reports()) {
@@ -170,18 +399,28 @@ std::vector<std::string> Service::new_errors() {
     }
   }
   for (const auto& recorder : recorders_) {
-    if (const std::string error = recorder->counters().error; !error.empty()) {
+    if (const std::string error = recorder->counters().files.error; !error.empty()) {
       errors.push_back("recording: " + error);
     }
   }
   std::vector<std::string> fresh;
+  const auto holds = [](const std::vector<std::string>& all, const std::string& one) {
+    return std::find(all.begin(), all.end(), one) != all.end();
+  };
   for (const std::string& error : errors) {
-    if (std::find(told_errors_.begin(), told_errors_.end(), error) == told_errors_.end()) {
+    if (!holds(told_errors_, error) && !holds(fresh, error)) {
       fresh.push_back(error);
-      told_errors_.push_back(error);
     }
   }
+  for (const std::string& error : told_errors_) {
+    if (!holds(errors, error)) {
+      ended_errors_.push_back(error);
+    }
+  }
+  told_errors_ = std::move(errors);
   return fresh;
 }
+
+std::vector<std::string> Service::ended_errors() { return std::exchange(ended_errors_, {}); }
 
 }  // namespace rayloc

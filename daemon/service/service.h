@@ -5,15 +5,30 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/estimator_list.h"
+#include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/publisher_stage.h"
 #include "daemon/pipeline/recorder_stage.h"
+#include "daemon/pipeline/ring_snapshots.h"
+#include "daemon/pipeline/zone_estimator.h"
+#include "daemon/publish/connection_guard.h"
+#include "daemon/publish/last_messages.h"
+#include "daemon/publish/message_board.h"
+#include "daemon/publish/snapshot_server.h"
+#include "daemon/publish/target_names.h"
 #include "daemon/service/config.h"
+#include "daemon/service/http_api.h"
+#include "daemon/service/loss_watch.h"
+#include "daemon/service/service_manager.h"
+#include "daemon/service/source_factory.h"
 #include "daemon/service/status.h"
 #include "engine/base/expected.h"
 
@@ -24,35 +39,91 @@ class Service {
   // Reads the scene, prepares the room, binds the publisher and opens the sources, in this order:
   // what can be wrong with files is known before a port is taken, and a datagram that arrives is
   // never left waiting for the room. Nothing runs yet.
-  static Expected<std::unique_ptr<Service>> open(DaemonSetup setup);
+  // A socket that systemd bound takes the place of the address in the configuration: "publish",
+  // "snapshot", "http", and "source-ID" of a UDP source. `log`: what a person may want to know
+  // meanwhile, line by line.
+  static Expected<std::unique_ptr<Service>> open(
+      DaemonSetup setup,
+      PassedSockets& sockets,
+      const std::function<void(const std::string& line)>& log);
   ~Service();
 
-  // Returns when every thread runs.
+  // Returns when every thread has said that it runs.
   void start();
+
+  // What a reload may change. REQUIRES: `config` was validated.
+  void apply(const DaemonConfig& config);
+  void note_reload(bool successful, const ConfigValues* values);
+  void note_stuck(std::vector<std::string> stages);
+
+  // Begins to write what was received lately (ring_snapshots.h); the paths of the files. An Error
+  // when there is nothing to write, or nowhere. From any thread.
+  Expected<std::vector<std::string>> snapshot();
+
+  // Every thread of the pipeline; the service outlives what it returns.
+  std::vector<Stage> stages() const;
+  // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
+  std::string status_line() const;
 
   // Drains what has been received for up to `patience`, publishes the last counters and the
   // goodbye, and joins every thread.
   void stop(const std::string& reason, std::chrono::milliseconds patience);
 
+  // Where HTTP is answered, "127.0.0.1:8480"; empty when it is not.
+  std::string http_address() const;
   // For the log, one line each.
   const std::string& endpoint() const { return publisher_->endpoint(); }
   std::vector<std::string> source_descriptions() const;
   // Sources that failed since the last call, and recordings that could not be written.
   std::vector<std::string> new_errors();
+  // Of those, what is over since the last call.
+  std::vector<std::string> ended_errors();
+  // What became of snapshots since the last call.
+  std::vector<std::string> news();
   // What speaks against the calibration; the same trouble once in ten minutes.
   std::vector<std::string> new_warnings();
+  // What is being lost, in the log; to be called every second or so.
+  void log_losses();
 
  private:
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
-  Expected<void> open_sources(std::vector<SourceWorker::Input>& inputs);
+  Expected<void> open_publishing(PassedSockets& sockets);
+  Expected<void> open_estimators(std::shared_ptr<PathGridStore> path_grids);
+  Expected<void> open_http(PassedSockets& sockets);
+  ServiceHealth health() const;
+  std::vector<ExtraMetric> extra_metrics() const;
+  HttpReply answer_snapshot();
+  void add_ring(SourceWorker::Input& input);
+  void open_snapshots();
+  Expected<void> open_sources(PassedSockets& sockets, std::vector<SourceWorker::Input>& inputs);
 
   const DaemonSetup setup_;
-  std::unique_ptr<DeviceEstimator> estimator_;
+  const std::shared_ptr<LimitedLog> limited_log_ = std::make_shared<LimitedLog>(log_event);
+  LossWatch losses_{limited_log_};
+  std::shared_ptr<ConnectionGuard> guard_;
+  std::shared_ptr<TargetNames> names_;
+  std::unique_ptr<DeviceEstimator> estimator_;  // none with method "none"
+  std::unique_ptr<PersonEstimator> people_;     // none without a reference of the empty room
+  EstimatorList estimators_;                    // both
+  std::unique_ptr<ZoneEstimator> zones_;        // over them
   std::unique_ptr<PublisherStage> publisher_;
+  RecordingClock recording_clock_;
   std::vector<std::unique_ptr<RecorderStage>> recorders_;
+  std::vector<std::unique_ptr<DatagramRing>> rings_;
+  std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // none where there are no rings
   std::unique_ptr<Pipeline> pipeline_;
   StatusSources status_;
+  std::shared_ptr<LastMessages> last_messages_;
+  std::shared_ptr<MessageBoard> message_board_;  // null without HTTP
+  std::unique_ptr<SnapshotServer> snapshots_;
+  mutable std::mutex health_mutex_;
+  std::vector<std::string> stuck_stages_;  // guarded by health_mutex_
+  std::string config_json_;                // guarded by health_mutex_
+  bool reload_failed_ = false;             // guarded by health_mutex_; the last one
+  Timestamp reloaded_{};                   // guarded by health_mutex_; when
+  std::unique_ptr<HttpServer> http_;       // last: its handlers look at all the others
   std::vector<std::string> told_errors_;
+  std::vector<std::string> ended_errors_;
   struct ToldWarning {
     CalibrationWarning warning;
     std::chrono::steady_clock::time_point time;

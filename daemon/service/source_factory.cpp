@@ -1,11 +1,16 @@
 #include "daemon/service/source_factory.h"
 
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "capture/pcap_live_source.h"
 #include "capture/pcap_source.h"
 #include "capture/udp_source.h"
-#include "daemon/pipeline/paced_source.h"
+#include "capture/unix_source.h"
+#include "daemon/pipeline/playback_source.h"
+#include "daemon/site/receiver_options.h"
 
 namespace rayloc {
 namespace {
@@ -25,11 +30,45 @@ std::string listen_address(const SourceConfig& source) {
          std::to_string(source.listen_port);
 }
 
-Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& source) {
+Expected<std::unique_ptr<DatagramSource>> open_file(const SourceConfig& source) {
+  return as_datagram_source(PcapFileSource::open(source.file.string()));
+}
+
+Expected<std::unique_ptr<DatagramSource>> open_recording(const SourceConfig& source,
+                                                         const RecordingClock& clock) {
+  if (clock.playback) {
+    return as_datagram_source(
+        PlaybackSource::open([source] { return open_file(source); }, clock.playback));
+  }
+  auto file = open_file(source);
+  if (!file || !clock.pace) {
+    return file;
+  }
+  return std::unique_ptr<DatagramSource>(
+      std::make_unique<PacedSource>(std::move(*file), clock.pace));
+}
+
+Error placed(const SourceConfig& source, Error error) {
+  error.message = source.place + error.message;
+  return error;
+}
+
+Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& source,
+                                                         std::optional<int> passed_socket,
+                                                         const RecordingClock& clock) {
   switch (source.kind) {
     case SourceKind::kUdp: {
       UdpSourceOptions options;
       options.address = listen_address(source);
+      options.adopted_fd = passed_socket.value_or(-1);
+      options.interface = source.only_interface;
+      for (const std::string& text : source.allow) {
+        const auto range = AddressRange::parse(text);
+        if (!range) {
+          return tl::make_unexpected(range.error());
+        }
+        options.senders.push_back(*range);
+      }
       return as_datagram_source(UdpSource::open(options));
     }
     case SourceKind::kInterface: {
@@ -38,38 +77,72 @@ Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& sou
       options.filter = source.filter;
       return as_datagram_source(PcapLiveSource::open(options));
     }
-    case SourceKind::kPcap: {
-      auto file = as_datagram_source(PcapFileSource::open(source.file.string()));
-      if (!file || !source.speed) {
-        return file;
-      }
-      return std::unique_ptr<DatagramSource>(
-          std::make_unique<PacedSource>(std::move(*file), std::make_shared<Pace>(*source.speed)));
+    case SourceKind::kUnix: {
+      UnixSourceOptions options;
+      options.path = source.path.string();
+      options.adopted_fd = passed_socket.value_or(-1);
+      return as_datagram_source(UnixSource::open(options));
     }
+    case SourceKind::kPcap:
+      return open_recording(source, clock);
   }
   return make_error(ErrorKind::kInternal, "a kind of source that does not exist");
 }
 
 }  // namespace
 
+Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
+  std::optional<double> speed;
+  bool all_files = true;
+  for (const SourceConfig& source : config.sources) {
+    const bool recording = source.kind == SourceKind::kPcap;
+    speed = recording ? source.speed : speed;  // the same for all, says the configuration
+    std::error_code unknown;
+    all_files = all_files && recording && std::filesystem::is_regular_file(source.file, unknown);
+  }
+  const RecordingClock without_hands{
+      nullptr, speed ? std::make_shared<Pace>(*speed) : std::shared_ptr<Pace>()};
+  if (!all_files) {
+    return without_hands;
+  }
+  RecordingSpan all;
+  for (const SourceConfig& source : config.sources) {
+    const auto file = open_file(source);
+    if (!file) {
+      return tl::make_unexpected(placed(source, file.error()));
+    }
+    const RecordingSpan span = span_of(**file);
+    all = {std::min(all.begin, span.begin), std::max(all.end, span.end)};
+  }
+  if (all.begin > all.end) {
+    return without_hands;
+  }
+  Playback::Options options;
+  options.begin = all.begin;
+  options.end = all.end;
+  options.speed = speed;
+  // Two bursts of what comes before a position: then it is known where everybody is.
+  options.lead_in = 2 * config.engine.burst + std::chrono::milliseconds(300);
+  return RecordingClock{std::make_shared<Playback>(std::move(options)), nullptr};
+}
+
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,
-                                          const DaemonConfig& config,
-                                          const Site& site) {
-  Expected<std::unique_ptr<DatagramSource>> opened = open_datagrams(source);
+                                          const Site& site,
+                                          std::optional<int> passed_socket,
+                                          const RecordingClock& clock) {
+  Expected<std::unique_ptr<DatagramSource>> opened = open_datagrams(source, passed_socket, clock);
   if (!opened) {
-    Error error = opened.error();
-    error.message = config.file.string() + ":" + std::to_string(source.line) + ":" +
-                    std::to_string(source.column) + ": " + error.message;
-    return tl::make_unexpected(std::move(error));
+    return tl::make_unexpected(placed(source, opened.error()));
   }
   const SiteAccessPoint& access_point =
       site.access_points[static_cast<std::size_t>(source.access_point_index)];
   SourceWorker::Input input;
   input.access_point = access_point.id;
   input.source = std::move(*opened);
-  input.receiver.access_point = source.access_point_index;
-  input.receiver.format = source.format.empty() ? access_point.format : source.format;
-  input.receiver.expected_cores = access_point.cores;
+  input.receiver = receiver_options(site, source.access_point_index);
+  if (!source.format.empty()) {
+    input.receiver.format = source.format;
+  }
   return input;
 }
 

@@ -1,6 +1,11 @@
 // From [[source]] of the configuration to an open source, ready for the pipeline.
 #pragma once
 
+#include <memory>
+#include <optional>
+
+#include "daemon/pipeline/paced_source.h"
+#include "daemon/pipeline/playback.h"
 #include "daemon/pipeline/source_worker.h"
 #include "daemon/service/config.h"
 #include "daemon/site/site.h"
@@ -8,10 +13,22 @@
 
 namespace rayloc {
 
-// Opens the socket, interface or file. The error names the source's place in the configuration.
+// The one clock that the recordings of a configuration share, so that they stay in step.
+struct RecordingClock {
+  // Where all sources are files: people can hold, hasten and move it.
+  std::shared_ptr<Playback> playback = nullptr;
+  // Otherwise, beside live sources and of pipes; null: as fast as it goes.
+  std::shared_ptr<Pace> pace = nullptr;
+};
+// Reads files to their ends, to know how long they are.
+Expected<RecordingClock> recording_clock(const DaemonConfig& config);
+
+// Opens the socket, interface or file; of a UDP source `passed_socket` instead, where there is one.
+// The error names the source's place in the configuration.
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,
-                                          const DaemonConfig& config,
-                                          const Site& site);
+                                          const Site& site,
+                                          std::optional<int> passed_socket,
+                                          const RecordingClock& clock);
 
 // Arrival stamps of such a source are of this machine's clock.
 inline bool is_live(const SourceConfig& source) { return source.kind != SourceKind::kPcap; }

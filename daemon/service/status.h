@@ -2,13 +2,17 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/clock_offset.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/playback.h"
 #include "daemon/pipeline/publisher_stage.h"
 #include "daemon/pipeline/recorder_stage.h"
+#include "daemon/site/site.h"
 
 namespace rayloc {
 
@@ -16,13 +20,21 @@ namespace rayloc {
 struct StatusSources {
   const Pipeline* pipeline = nullptr;
   const PublisherStage* publisher = nullptr;
-  const DeviceEstimator* estimator = nullptr;
+  const DeviceEstimator* estimator = nullptr;  // none: nothing is located
   std::vector<const RecorderStage*> recorders;
+  std::uint64_t recordings_repaired = 0;  // at the start
+  std::shared_ptr<ClockOffset> clock;
+  std::shared_ptr<const Playback> playback;  // null unless recordings are played
   std::vector<bool> live;  // by source: arrival stamps are of this machine's clock
   Timestamp started;
+  std::uint64_t epoch = 0;
   std::string scene_hash;
   std::string calibration_id;
+  std::optional<Georeference> georeference;
 };
+
+// As the heartbeat and /api/v1/playback say it.
+v1::Playback playback_message(const Playback::State& state);
 
 StatusMessages status_messages(const StatusSources& sources, Timestamp now);
 

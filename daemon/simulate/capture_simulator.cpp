@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "capture/axcsi_writer.h"
+#include "engine/base/check.h"
 
 namespace rayloc {
 namespace {
@@ -49,6 +50,24 @@ AxcsiHeader header_of(const CaptureOptions& options, const RadioSetup& setup) {
   return header;
 }
 
+Transmitter transmitter_at(const Vec3d& position, const CaptureOptions& options) {
+  return Transmitter{{position, {}, options.pattern, options.polarization}};
+}
+
+std::vector<TargetLink> links_past_person(const RoomModel& room,
+                                          const AntennaArray& array,
+                                          const CaptureOptions& options) {
+  if (!options.person) {
+    return {};
+  }
+  ScatteringOptions scattering;
+  scattering.trace = options.trace;
+  const auto tracer = TargetTracer::create(room.scene, options.person->body, scattering);
+  RAYLOC_CHECK(tracer.has_value());
+  const auto antennas = array_elements<Receiver>(array);
+  return tracer->links(transmitter_at(options.person->transmitter, options), antennas);
+}
+
 }  // namespace
 
 CaptureSimulator::CaptureSimulator(const RoomModel& room,
@@ -56,6 +75,7 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
                                    const CaptureOptions& options)
     : options_(options),
       tracer_(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
+      past_person_(links_past_person(room, room.access_points[access_point].array, options)),
       radio_(setup_of(room, access_point, options.bandwidth_mhz),
              options.impairments,
              room.access_points[access_point].gains,
@@ -64,14 +84,24 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
       header_(header_of(options, setup_of(room, access_point, options.bandwidth_mhz))),
       losses_(random_stream(options.seed, "losses", access_point)) {}
 
-SpotCapture CaptureSimulator::hear(const SimulatedSpot& spot) {
-  const std::vector<Paths> paths =
-      tracer_.trace(Transmitter{{spot.position, {}, options_.pattern, options_.polarization}});
+Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
+  const Vec3d sender = options_.person ? options_.person->transmitter : spot.position;
+  const std::vector<Paths> paths = tracer_.trace(transmitter_at(sender, options_));
   SpotCapture capture;
   for (const Paths& of_element : paths) {
     capture.paths += of_element.size();
   }
-  const auto h = array_csi(paths, radio_.grid());
+  auto h = array_csi(paths, radio_.grid());
+  for (std::size_t antenna = 0; antenna < past_person_.size(); ++antenna) {
+    const auto added = past_person_[antenna].trace({spot.position.x, spot.position.y});
+    if (!added) {
+      return tl::make_unexpected(added.error());
+    }
+    const auto row = added->cfr(radio_.grid());
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      h[antenna * row.size() + k] += row[k];
+    }
+  }
   std::uniform_real_distribution<double> uniform;
   for (const Transmission& sent : spot.frames) {
     RadioFrame heard = radio_.receive(h, sent.error_seed);

@@ -1,5 +1,5 @@
-// CaptureSimulator: what an access point of a room would record of a device: the AX-CSI datagrams,
-// made by our own tracer.
+// CaptureSimulator: what an access point of a room would record of a device, or of a fixed
+// transmitter past a person: the AX-CSI datagrams, made by our own tracer.
 //
 // For tests, planning and studies. What is located in such a capture is located with the very model
 // that made it: it says nothing about the accuracy in a room.
@@ -7,24 +7,34 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "capture/axcsi_decoder.h"
 #include "daemon/simulate/impairments.h"
 #include "daemon/simulate/radio.h"
 #include "daemon/simulate/transmissions.h"
+#include "engine/base/expected.h"
 #include "engine/channel/mac_address.h"
 #include "engine/localize/room_model.h"
 #include "engine/trace/array_tracer.h"
+#include "engine/trace/scattering.h"
 #include "engine/trace/trace_options.h"
 
 namespace rayloc {
+
+// Somebody without a device, and the transmitter that stays where it is.
+struct SimulatedPerson {
+  Vec3d transmitter;  // [m]
+  TargetBody body;
+};
 
 struct CaptureOptions {
   MacAddress transmitter;
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;  // of the device
   Polarization polarization = Polarization::kVertical;
-  int bandwidth_mhz = 40;  // of the channel
+  int bandwidth_mhz = 40;                 // of the channel
+  std::optional<SimulatedPerson> person;  // then spots are the person's, not the device's
   TraceOptions trace;
   Impairments impairments;
   std::uint64_t seed = 0;
@@ -44,16 +54,18 @@ struct SpotCapture {
 class CaptureSimulator {
  public:
   // REQUIRES: access_point < room.access_points.size(), a bandwidth of tone_plan.h.
+  // The body of CaptureOptions::person can be traced (TargetTracer::create).
   CaptureSimulator(const RoomModel& room, std::size_t access_point, const CaptureOptions& options);
 
-  // Spots in order of time.
-  SpotCapture hear(const SimulatedSpot& spot);
+  // Spots in order of time. An Error when a person would stand on a device.
+  Expected<SpotCapture> hear(const SimulatedSpot& spot);
 
   const ChainGains& chains() const { return radio_.chains(); }
 
  private:
   CaptureOptions options_;
   ArrayTracer tracer_;
+  std::vector<TargetLink> past_person_;  // of each antenna; empty without a person
   SimulatedRadio radio_;
   std::vector<std::uint8_t> cores_;
   AxcsiHeader header_;  // of the last frame

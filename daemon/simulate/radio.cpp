@@ -60,7 +60,7 @@ SimulatedRadio::SimulatedRadio(const RadioSetup& setup,
   chains_.grid = radio_grid(setup);
   chains_.cores = setup.cores;
   draw_chains(calibrated);
-  draw_coupling();
+  draw_coupling(calibrated);
   if (impairments_.snr_db > 0.0) {
     const double wavelength = kSpeedOfLight / setup.centre_hz;
     const double link = wavelength / (2.0 * kTurn * kReferenceDistance);
@@ -92,7 +92,7 @@ void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
   }
 }
 
-void SimulatedRadio::draw_coupling() {
+void SimulatedRadio::draw_coupling(const ChainGains& calibrated) {
   const double coupling = amplitude_below(impairments_.coupling_db);
   const double image = amplitude_below(impairments_.image_rejection_db);
   const std::size_t cores = chains_.cores.size();
@@ -102,6 +102,9 @@ void SimulatedRadio::draw_coupling() {
       coupling_.push_back(m == n ? Value(1.0) : std::polar(coupling, phase));
     }
     image_.push_back(std::polar(image, kTurn * uniform_(random_)));
+  }
+  if (impairments_.calibrated_chains && !calibrated.coupling.empty()) {
+    coupling_ = calibrated.coupling;
   }
 }
 

@@ -58,7 +58,7 @@ class SimulatedRadio {
   using Value = std::complex<double>;
 
   void draw_chains(const ChainGains& calibrated);
-  void draw_coupling();
+  void draw_coupling(const ChainGains& calibrated);
   Value normal();  // complex, of unit power
   std::vector<Value> transmit_error(std::uint64_t seed) const;
   std::vector<Value> at_chains(std::span<const Value> h, std::uint64_t error_seed) const;

@@ -14,6 +14,10 @@ std::string value_text(const CalibratedValue& value, const char* unit) {
          "\", prior = " + to_text(value.prior) + ", sigma = " + to_text(value.sigma) + " }";
 }
 
+std::string pair_text(std::complex<double> value) {
+  return "[" + to_text(value.real()) + ", " + to_text(value.imag()) + "]";
+}
+
 // [[-58, -2], [2, 58]]: first and last of each run of neighbouring tones.
 std::string tones_text(const std::vector<std::int16_t>& tones) {
   std::string text = "[";
@@ -31,13 +35,17 @@ std::string tones_text(const std::vector<std::int16_t>& tones) {
 
 std::string chain_text(const CalibratedAccessPoint& ap, std::size_t core) {
   const std::size_t tones = ap.gains.grid.size();
+  const std::size_t cores = ap.gains.cores.size();
   std::string text = "[[access_point.chain]]\ncore = " + std::to_string(ap.gains.cores[core]) +
                      "\nsigma_rad = " + to_text(ap.gain_sigma.at(core)) +
-                     "\nelement_y_m = " + to_text(ap.element_y.at(core)) + "\ngain = [";
+                     "\nelement_y_m = " + to_text(ap.element_y.at(core));
+  for (std::size_t from = 0; from < cores && !ap.gains.coupling.empty(); ++from) {
+    text += (from == 0 ? "\ncoupling = [" : ", ") +
+            pair_text(ap.gains.coupling[core * cores + from]) + (from + 1 == cores ? "]" : "");
+  }
+  text += "\ngain = [";
   for (std::size_t k = 0; k < tones; ++k) {
-    const auto gain = ap.gains.gain[core * tones + k];
-    text +=
-        (k % 4 == 0 ? "\n  [" : " [") + to_text(gain.real()) + ", " + to_text(gain.imag()) + "],";
+    text += (k % 4 == 0 ? "\n  " : " ") + pair_text(ap.gains.gain[core * tones + k]) + ",";
   }
   return text + "\n]\n";
 }
@@ -85,6 +93,13 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
         static_cast<std::uint8_t>(chain.integer("core", {0.0, 255.0, ""}).value_or(0)));
     ap.gain_sigma.push_back(chain.number("sigma_rad", {}).value_or(0.0));
     ap.element_y.push_back(chain.number("element_y_m", {}).value_or(0.0));
+    if (chain.has("coupling")) {  // what the core takes from each
+      for (const auto& value :
+           chain.pairs("coupling", "coupling = [[1.0, 0.0], [0.02, 0.01]], one pair a core")
+               .value_or(std::vector<TomlTable::Pair>())) {
+        ap.gains.coupling.emplace_back(value.values[0], value.values[1]);
+      }
+    }
     const auto gains =
         chain.pairs("gain", "gain = [[1.0, 0.0]]").value_or(std::vector<TomlTable::Pair>());
     if (gains.size() != ap.gains.grid.size()) {
@@ -95,6 +110,13 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
     for (const auto& gain : gains) {
       ap.gains.gain.emplace_back(gain.values[0], gain.values[1]);
     }
+  }
+  const std::size_t cores = ap.gains.cores.size();
+  if (!ap.gains.coupling.empty() && ap.gains.coupling.size() != cores * cores) {
+    table.error_at("chain",
+                   "'coupling' of every chain has as many pairs as there are chains, or none has "
+                   "it; calibrate again");
+    ap.gains.coupling.clear();
   }
 }
 
@@ -139,8 +161,8 @@ RoomParameter read_parameter(const TomlTable& table) {
 }
 
 std::string surface_text(const CalibratedSurface& surface) {
-  return "\n[[surface]]\nindex = " + std::to_string(surface.index) + "\ncorrection = [[" +
-         to_text(surface.correction.real()) + ", " + to_text(surface.correction.imag()) + "]]\n";
+  return "\n[[surface]]\nindex = " + std::to_string(surface.index) + "\ncorrection = [" +
+         pair_text(surface.correction) + "]\n";
 }
 
 // A TOML string. Objects of a scene may be called anything.
@@ -175,7 +197,11 @@ Expected<CalibrationFile> read(TomlDocument& document) {
   calibration.id = root.string("id").value_or("");
   calibration.scene_hash = root.string("scene").value_or("");
   calibration.points_hash = root.string("points").value_or("");
-  calibration.temper = read_value(root, "temper", {0.0, 1.0, ""});
+  // Above 1 where the model states more error than it has.
+  calibration.temper = read_value(root, "temper", {0.0, 2.0, ""});
+  if (root.has("least_sigma")) {  // calibrations of before have none
+    calibration.least_sigma = read_value(root, "least_sigma", {0.0, 1.0, ""});
+  }
   calibration.method = root.string("method").value_or("");
   calibration.ray_depth =
       static_cast<int>(root.integer("ray_depth", {0.0, 16.0, ""}).value_or(kRayDepth));
@@ -223,7 +249,8 @@ std::string to_toml(const CalibrationFile& calibration) {
       calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash + "\"\nmethod = \"" +
       calibration.method + "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
       "\ntransmission = " + (calibration.transmission ? "true" : "false") +
-      "\ntemper = " + value_text(calibration.temper, "1") + "\n";
+      "\ntemper = " + value_text(calibration.temper, "1") +
+      "\nleast_sigma = " + value_text(calibration.least_sigma, "m") + "\n";
   for (const CalibratedAccessPoint& ap : calibration.access_points) {
     text +=
         "\n[[access_point]]\nid = \"" + ap.id + "\"\npoints = " + std::to_string(ap.points) + "\n";

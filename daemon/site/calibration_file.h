@@ -53,7 +53,8 @@ struct CalibrationFile {
   std::string points_hash;            // of the surveyed points
   std::string method = "gains-only";  // or "joint", "paper"
   CalibratedValue temper;
-  int ray_depth = kRayDepth;  // RoomModel::trace
+  CalibratedValue least_sigma{0.01, 0.01, 0.0};  // [m]
+  int ray_depth = kRayDepth;                     // RoomModel::trace
   bool transmission = false;
   std::vector<CalibratedAccessPoint> access_points;
   std::vector<CalibratedSurface> surfaces;  // those whose correction is not 1

@@ -4,16 +4,10 @@
 #include <utility>
 
 #include "daemon/site/calibration_file.h"
-#include "daemon/site/content_hash.h"
+#include "engine/scene/scene_hash.h"
 
 namespace rayloc {
 namespace {
-
-void add_vector(ContentHash& hash, const Vec3d& v) {
-  hash.add(v.x);
-  hash.add(v.y);
-  hash.add(v.z);
-}
 
 DeviceModel device_of(const Site& site) {
   DeviceModel device;
@@ -39,6 +33,7 @@ Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& r
   }
   room.calibration_id = calibration->id;
   room.temper = calibration->temper.value;
+  room.least_sigma = calibration->least_sigma.value;
   room.trace.max_depth = calibration->ray_depth;
   room.trace.transmission = calibration->transmission;
   if (!calibration->surfaces.empty()) {
@@ -86,27 +81,6 @@ Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& r
 }
 
 }  // namespace
-
-std::string scene_hash(const Scene& scene) {
-  ContentHash hash;
-  for (const SceneObject& object : scene.objects()) {
-    hash.add(object.name);
-    for (const Vec3d& vertex : object.mesh.vertices) {
-      add_vector(hash, vertex);
-    }
-    for (const auto& triangle : object.mesh.triangles) {
-      for (const auto index : triangle) {
-        hash.add(static_cast<std::uint64_t>(index));
-      }
-    }
-    const RadioMaterial& material = scene.materials()[object.material];
-    hash.add(material.relative_permittivity);
-    hash.add(material.conductivity);
-    hash.add(material.thickness);
-  }
-  hash.add(scene.carrier_hz());
-  return hash.text();
-}
 
 SceneOptions scene_options(const Site& site) {
   SceneOptions options;

@@ -18,7 +18,4 @@ Expected<RoomModel> load_room_model(const Site& site);
 // The site's carrier and materials, for load_scene().
 SceneOptions scene_options(const Site& site);
 
-// Of names, geometry and materials: what a calibration depends on.
-std::string scene_hash(const Scene& scene);
-
 }  // namespace rayloc

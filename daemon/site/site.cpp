@@ -138,4 +138,18 @@ const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac)
   return found == site.transmitters.end() ? nullptr : &*found;
 }
 
+const SiteTransmitter* find_fixed_transmitter(const Site& site, const MacAddress& mac) {
+  const SiteTransmitter* stated = find_transmitter(site, mac);
+  return stated != nullptr && stated->role == TransmitterRole::kFixed ? stated : nullptr;
+}
+
+std::vector<std::string> access_point_ids(const Site& site) {
+  std::vector<std::string> ids;
+  ids.reserve(site.access_points.size());
+  for (const SiteAccessPoint& access_point : site.access_points) {
+    ids.push_back(access_point.id);
+  }
+  return ids;
+}
+
 }  // namespace rayloc

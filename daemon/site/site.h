@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
 #include "engine/channel/mac_address.h"
 #include "engine/channel/ofdm_grid.h"
@@ -72,9 +73,18 @@ struct Georeference {
   double rotation = 0.0;   // [rad], of the room's +x from east, anticlockwise
 };
 
+// A target enters when its probability of being inside was at least `enter_probability` for
+// `enter_after`, leaves when it was at most `leave_probability` for `leave_after`, and dwells when
+// it has been inside for `dwell_after`. All in event time.
 struct SiteZone {
   std::string name;
-  std::vector<std::array<double, 2>> polygon;
+  std::vector<std::array<double, 2>> polygon;  // [m], simple, 3 corners or more
+  double enter_probability = 0.7;
+  double leave_probability = 0.3;  // below enter_probability
+  Duration enter_after = std::chrono::milliseconds(500);
+  Duration leave_after = std::chrono::seconds(1);
+  Duration dwell_after = std::chrono::seconds(10);
+  std::string place;  // "site.toml:50:1: ", as messages begin
 };
 
 struct TargetDefaults {
@@ -108,13 +118,22 @@ Expected<Site> load_site(const std::filesystem::path& directory);
 // The same of a text; `file` is for messages and for relative paths.
 Expected<Site> parse_site(std::string_view text, const std::filesystem::path& file);
 
+// What is allowed and probably a slip of the pen, by file:line:column: zones that reach out of the
+// room, whose bounding box is given.
+std::vector<std::string> zone_warnings(const Site& site, const Vec3d& lower, const Vec3d& upper);
+
 // Whether `text` can be the id of an access point: letters, digits, '-' and '_'.
 bool is_access_point_id(std::string_view text);
+
+// Of all access points, in their order.
+std::vector<std::string> access_point_ids(const Site& site);
 
 // Position in `access_points` of `id`; an error that lists the ids there are.
 Expected<int> find_access_point(const Site& site, const std::string& id);
 
 // The stated transmitter with that address, or nullptr.
 const SiteTransmitter* find_transmitter(const Site& site, const MacAddress& mac);
+// The same when its role is kFixed, else nullptr.
+const SiteTransmitter* find_fixed_transmitter(const Site& site, const MacAddress& mac);
 
 }  // namespace rayloc

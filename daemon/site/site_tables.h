@@ -23,8 +23,10 @@ void read_bounds(const TomlTable& bounds, Site& site);
 void read_person(const TomlTable& person, Site& site);
 void read_materials(const TomlTable& root, Site& site);
 void read_georeference(const TomlTable& georeference, Site& site);
-void read_zones(const TomlTable& root, Site& site);
 void read_targets(const TomlTable& targets, Site& site);
+
+// site_zone.cpp
+void read_zones(const TomlTable& root, Site& site);
 
 // "position" of an access point or transmitter: three numbers inside the bounds, if there are any.
 std::optional<Vec3d> read_position(const TomlTable& table, const Site& site);

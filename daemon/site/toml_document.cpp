@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <fstream>
 #include <system_error>
+#include <tuple>
 
 #include "daemon/site/toml_reader.h"
 #include "engine/base/suggestion.h"
@@ -106,9 +107,8 @@ class DotCounter {
   int dots_ = 0;
 };
 
-std::string place(const std::filesystem::path& file, TomlPosition position) {
-  return file.string() + ":" + std::to_string(position.line) + ":" +
-         std::to_string(position.column) + ": ";
+std::string place_in(const std::string& file, std::uint32_t line, std::uint32_t column) {
+  return file + ":" + std::to_string(line) + ":" + std::to_string(column) + ": ";
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ Expected<std::unique_ptr<TomlDocument>> TomlDocument::parse(std::string_view tex
                                                             const std::filesystem::path& file) {
   if (const std::uint32_t line = DotCounter(text).first_deep_line(); line != 0) {
     return tl::make_unexpected(configuration_error(
-        place(file, {line, 1}) + "a key with more than " + std::to_string(kMaxDots) +
+        place_in(file.string(), line, 1) + "a key with more than " + std::to_string(kMaxDots) +
         " dots; no key of this file is nested that deep"));
   }
   try {
@@ -141,9 +141,20 @@ Expected<std::unique_ptr<TomlDocument>> TomlDocument::parse(std::string_view tex
     if (what.substr(0, kPrefix.size()) == kPrefix) {
       what.remove_prefix(kPrefix.size());
     }
-    return tl::make_unexpected(
-        configuration_error(place(file, {at.line, at.column}) + "not TOML: " + std::string(what)));
+    return tl::make_unexpected(configuration_error(place_in(file.string(), at.line, at.column) +
+                                                   "not TOML: " + std::string(what)));
   }
+}
+
+std::string TomlDocument::place(const TomlPosition& position) const {
+  return place_in(position.included_file ? *position.included_file : file_.string(),
+                  position.line,
+                  position.column);
+}
+
+TomlPosition TomlDocument::begin_of(const toml::source_region& region) const {
+  const bool own = !region.path || *region.path == file_.native();
+  return {region.begin.line, region.begin.column, own ? nullptr : region.path};
 }
 
 void TomlDocument::error(TomlPosition position, std::string message) {
@@ -153,7 +164,7 @@ void TomlDocument::error(TomlPosition position, std::string message) {
       message.end(),
       [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; },
       '?');
-  notes_.push_back({position, std::move(message)});
+  notes_.push_back({std::move(position), std::move(message)});
 }
 
 void TomlDocument::note_unknown_keys() {
@@ -163,8 +174,7 @@ void TomlDocument::note_unknown_keys() {
       if (asked.keys.find(key.str()) != asked.keys.end()) {
         continue;
       }
-      const toml::source_position at = key.source().begin;
-      error({at.line, at.column},
+      error(begin_of(key.source()),
             "unknown key '" + std::string(key.str()) + "'" +
                 (asked.name.empty() ? "" : " in " + asked.name) + suggestion(key.str(), known));
     }
@@ -174,16 +184,22 @@ void TomlDocument::note_unknown_keys() {
 
 Expected<void> TomlDocument::finish() {
   note_unknown_keys();
-  if (notes_.empty()) {
+  if (notes_.empty() && broken_files_.empty()) {
     return {};
   }
-  std::stable_sort(notes_.begin(), notes_.end(), [](const Note& a, const Note& b) {
-    return std::pair(a.position.line, a.position.column) <
-           std::pair(b.position.line, b.position.column);
+  // Errors of the file itself first, then those of each included one.
+  const auto rank = [](const TomlPosition& at) {
+    return std::tuple(at.included_file ? *at.included_file : "", at.line, at.column);
+  };
+  std::stable_sort(notes_.begin(), notes_.end(), [&](const Note& a, const Note& b) {
+    return rank(a.position) < rank(b.position);
   });
   std::string all;
   for (std::size_t i = 0; i < std::min(notes_.size(), kMaxListed); ++i) {
-    all += (i > 0 ? "\n" : "") + place(file_, notes_[i].position) + notes_[i].message;
+    all += (i > 0 ? "\n" : "") + place(notes_[i].position) + notes_[i].message;
+  }
+  for (const std::string& broken : broken_files_) {
+    all += (all.empty() ? "" : "\n") + broken;
   }
   if (notes_.size() > kMaxListed) {
     all += "\n" + file_.string() + ": and " + std::to_string(notes_.size() - kMaxListed) +

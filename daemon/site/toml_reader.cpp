@@ -9,10 +9,6 @@
 namespace rayloc {
 namespace {
 
-TomlPosition begin_of(const toml::node& node) {
-  return {node.source().begin.line, node.source().begin.column};
-}
-
 std::string_view type_name(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::table:
@@ -64,12 +60,20 @@ std::string to_text(double value) {
   return {buffer.data(), result.ptr};
 }
 
+TomlPosition TomlTable::begin_of(const toml::node& node) const {
+  return document_->begin_of(node.source());
+}
+
 TomlPosition TomlTable::position() const { return begin_of(*table_); }
 
 TomlPosition TomlTable::position(std::string_view key) const {
   const toml::node* node = table_->get(key);
   return node != nullptr ? begin_of(*node) : position();
 }
+
+std::string TomlTable::place() const { return document_->place(position()); }
+
+const std::filesystem::path& TomlTable::file() const { return document_->file(); }
 
 bool TomlTable::is_string(std::string_view key) const {
   const toml::node* node = table_->get(key);
@@ -199,7 +203,13 @@ std::optional<std::string> TomlTable::choice(std::string_view key,
 
 std::optional<std::filesystem::path> TomlTable::path(std::string_view key) const {
   const std::optional<std::string> value = string(key);
-  return value ? std::optional(document_->file().parent_path() / *value) : std::nullopt;
+  if (!value) {
+    return std::nullopt;
+  }
+  const TomlPosition at = position(key);
+  const std::filesystem::path stated_in =
+      at.included_file ? std::filesystem::path(*at.included_file) : document_->file();
+  return stated_in.parent_path() / *value;
 }
 
 bool TomlTable::read_numbers(const toml::node& node,
@@ -257,6 +267,79 @@ std::optional<std::vector<TomlTable::Pair>> TomlTable::pairs(std::string_view ke
     result.push_back(pair);
   }
   return result;
+}
+
+bool TomlTable::is_array(std::string_view key) const {
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_array();
+}
+
+std::vector<const toml::node*> TomlTable::one_or_more(std::string_view key) const {
+  const toml::node* node = ask(key);
+  if (node == nullptr) {
+    return {};
+  }
+  const toml::array* array = node->as_array();
+  if (array == nullptr) {
+    return {node};
+  }
+  if (array->empty()) {
+    error_at(key, in_quotes(key) + " is an empty array; write a value or leave the key out");
+  }
+  std::vector<const toml::node*> entries;
+  for (const toml::node& entry : *array) {
+    entries.push_back(&entry);
+  }
+  return entries;
+}
+
+std::vector<bool> TomlTable::booleans(std::string_view key) const {
+  std::vector<bool> values;
+  for (const toml::node* entry : one_or_more(key)) {
+    if (!entry->is_boolean()) {
+      wrong_type(*entry, key, "true or false without quotes, or an array of them");
+      return {};
+    }
+    values.push_back(entry->as_boolean()->get());
+  }
+  return values;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, const NumberRange& range) const {
+  std::vector<double> values;
+  for (const toml::node* entry : one_or_more(key)) {
+    if (!entry->is_number()) {
+      wrong_type(*entry, key, "a number without quotes, or an array of them, " + range_text(range));
+      return {};
+    }
+    const double value = *entry->value<double>();
+    if (!std::isfinite(value) || value < range.min || value > range.max) {
+      document_->error(
+          begin_of(*entry),
+          in_quotes(key) + " is " + to_text(value) + "; it must be " + range_text(range));
+      return {};
+    }
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::vector<std::string> TomlTable::strings(std::string_view key) const {
+  std::vector<std::string> values;
+  for (const toml::node* entry : one_or_more(key)) {
+    if (!entry->is_string()) {
+      wrong_type(*entry, key, "text in double quotes, or an array of it");
+      return {};
+    }
+    const std::string& value = entry->as_string()->get();
+    if (value.empty() || has_control_character(value)) {
+      document_->error(begin_of(*entry),
+                       in_quotes(key) + " is empty or contains a control character");
+      return {};
+    }
+    values.push_back(value);
+  }
+  return values;
 }
 
 std::optional<TomlTable> TomlTable::table(std::string_view key) const {

@@ -38,6 +38,8 @@ namespace rayloc {
 struct TomlPosition {
   std::uint32_t line = 1;
   std::uint32_t column = 1;  // in characters, from 1
+  // Where the place is in an included file; null in the document's own.
+  std::shared_ptr<const std::string> included_file = nullptr;
 };
 
 // A key that must be there, and what to write.
@@ -74,7 +76,7 @@ class TomlTable {
   // One of `names`.
   std::optional<std::string> choice(std::string_view key,
                                     std::span<const std::string_view> names) const;
-  // A path; relative ones from the folder of the document's file.
+  // A path; relative ones from the folder of the file that states it.
   std::optional<std::filesystem::path> path(std::string_view key) const;
 
   // An array of `count` numbers; `example` is a whole line to write instead.
@@ -93,11 +95,21 @@ class TomlTable {
   };
   std::optional<std::vector<Pair>> pairs(std::string_view key, std::string_view example) const;
 
+  // One value, or an array of one or more of them; empty when absent or wrong.
+  std::vector<bool> booleans(std::string_view key) const;
+  std::vector<double> numbers(std::string_view key, const NumberRange& range) const;
+  std::vector<std::string> strings(std::string_view key) const;
+  bool is_array(std::string_view key) const;
+
   std::optional<TomlTable> table(std::string_view key) const;
   // [[key]]; none when absent.
   std::vector<TomlTable> tables(std::string_view key) const;
   // The tables [key.NAME], in order of the name.
   std::vector<std::pair<std::string, TomlTable>> named_tables(std::string_view key) const;
+
+  const std::filesystem::path& file() const;  // of the document
+  // "raylocd.toml:4:1: ", as errors begin.
+  std::string place() const;
 
   // Notes an error at the key's value, or at the table's header.
   void error_at(std::string_view key, std::string message) const;
@@ -105,8 +117,10 @@ class TomlTable {
 
  private:
   const toml::node* ask(std::string_view key) const;
+  TomlPosition begin_of(const toml::node& node) const;
   std::string child_name(std::string_view key, bool array) const;
   void wrong_type(const toml::node& node, std::string_view key, std::string_view wanted) const;
+  std::vector<const toml::node*> one_or_more(std::string_view key) const;
   bool read_numbers(const toml::node& node,
                     std::string_view key,
                     std::span<double> values,
@@ -124,6 +138,12 @@ class TomlDocument {
   // `file` is for messages and for relative paths.
   static Expected<std::unique_ptr<TomlDocument>> parse(std::string_view text,
                                                        const std::filesystem::path& file);
+
+  // Adds what the files hold that the array of patterns at the root's `key` names (glob(7), from
+  // the document's folder, in alphabetical order): keys to their tables, tables to their arrays. A
+  // key that two files state is an error, so that no order of files can matter. A pattern without
+  // wildcards must name a file. To be called before anything is read.
+  void include(std::string_view key);
 
   TomlTable root() { return {*this, root_, ""}; }
   // Stands for the table [name] where the document has none.
@@ -148,12 +168,18 @@ class TomlDocument {
 
   TomlDocument(std::filesystem::path file, toml::table root);
   void note_unknown_keys();
+  std::string place(const TomlPosition& position) const;
+  TomlPosition begin_of(const toml::source_region& region) const;
+  void include_file(const std::filesystem::path& file, const TomlPosition& named_at);
+  void merge(toml::table& from, toml::table& into, int depth);
+  void merge_node(const toml::key& key, toml::node& from, toml::table& into, int depth);
 
   std::filesystem::path file_;
   toml::table root_;
   toml::table empty_;
   std::map<const toml::table*, Asked> asked_;
   std::vector<Note> notes_;
+  std::vector<std::string> broken_files_;  // why included files are not TOML, one each
 };
 
 // The shortest text that reads back as the number: "0.2", "5190000000".

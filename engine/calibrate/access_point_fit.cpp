@@ -95,15 +95,18 @@ std::vector<Vec3d> AccessPointCalibrator::offsets(double yaw_offset) const {
 ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,
                                                   const ModelError& error,
                                                   std::vector<double>* sigma) const {
+  ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
   std::vector<ArrayPair> pairs(samples_.size());
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
     pairs[i] = {samples_[i].h, model_.expected({samples_[i].rays, offsets, 0.0}, error)};
+    apply_coupling(gains, pairs[i].expected);
   });
   ChainRipple ripple = chain_ripple(Aligner(grid_), grid_, std::move(pairs));
   if (sigma != nullptr) {
     *sigma = std::move(ripple.sigma);
   }
-  return {grid_, access_point_.cores, std::move(ripple.gain)};
+  gains.gain = std::move(ripple.gain);
+  return gains;
 }
 
 std::vector<ObservedArray> AccessPointCalibrator::observe(const ChainGains& gains) const {

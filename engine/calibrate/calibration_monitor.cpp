@@ -8,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/calibrate/chain_turns.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
@@ -26,6 +27,8 @@ constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
 constexpr int kRescan = 10;  // windows from one scan to the next: it takes as long as ten fixes
 // [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
 constexpr double kMostJumpBound = 1.309;
+// [rad]: chips start at least a quarter turn apart. A phase known worse than that tells no jump.
+constexpr double kQuarterTurn = 1.571;
 // A motion is believed when it leaves at most this share of what chains leave unexplained.
 constexpr double kBetter = 0.5;
 
@@ -61,15 +64,43 @@ struct Spot {
   CalibrationMonitor::Transmitter transmitter;
   std::vector<Ray> rays;
   std::vector<Value> expected;
+  double known_share = 1.0;      // of its power, SpotArrays::known_share()
   std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
   std::vector<CsiFrame> frames;  // of the window
+  std::vector<Value> usual;      // phasor of each chain in the first windows
+  bool settled = false;          // kSteady windows agreed about `usual`
 };
 
 // What an access point heard of one spot in a window, chains removed.
 struct HeardSpot {
-  const Spot* spot = nullptr;
+  Spot* spot = nullptr;
   std::vector<Value> h;
 };
+
+double against(double phase, double other) {
+  return std::remainder(phase - other, 2.0 * std::numbers::pi);
+}
+
+bool any_jump(const std::vector<double>& turn) {
+  return std::any_of(turn.begin(), turn.end(), [](double t) { return t != 0.0; });
+}
+
+// Takes windows for usual until two in a row agree; a person who walks by spoils single ones.
+void settle(Spot& spot, const std::vector<Value>& phasor) {
+  if (spot.settled) {
+    return;
+  }
+  bool agrees = !spot.usual.empty();
+  for (std::size_t m = 1; agrees && m < phasor.size(); ++m) {
+    const double now = std::arg(phasor[m] * std::conj(phasor[0]));
+    const double before = std::arg(spot.usual[m] * std::conj(spot.usual[0]));
+    agrees = std::abs(against(now, before)) < 0.5 * CalibrationMonitor::kJump;
+  }
+  spot.settled = agrees;
+  if (!agrees) {
+    spot.usual = phasor;
+  }
+}
 
 }  // namespace
 
@@ -103,19 +134,21 @@ class CalibrationMonitor::Station {
     }
   }
 
+  void know(const Transmitter& transmitter, std::vector<Value> array);
   void append_warnings(std::vector<CalibrationWarning>& out) const;
 
  private:
   Spot& spot_of(const Transmitter& transmitter);
   std::vector<HeardSpot> hear();
   void evaluate(const std::vector<HeardSpot>& heard);
-  std::vector<double> turns(const std::vector<HeardSpot>& heard) const;
+  std::vector<Value> along(const HeardSpot& one) const;
   double correlation(const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const;
   double correlation(const std::vector<HeardSpot>& heard, const ArrayMotion& motion) const;
   bool explained_by_motion(const std::vector<HeardSpot>& heard, double unexplained);
   ArrayMotion scan(const std::vector<HeardSpot>& heard) const;
-  std::vector<bool> jumped(const std::vector<HeardSpot>& heard,
-                           const std::vector<double>& turn) const;
+  std::vector<double> jumps_of_calibration(const std::vector<HeardSpot>& heard,
+                                           const std::vector<double>& turn) const;
+  std::vector<double> jumps(const std::vector<HeardSpot>& heard);
   CalibrationWarning warning(CalibrationProblem problem) const;
 
   std::size_t index_;
@@ -151,11 +184,20 @@ Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
   spot->rays = arrays_.rays(transmitter.position, transmitter.device);
   spot->expected = arrays_.expected(spot->rays, ap_.error.plan_tolerance);
   if (!spot->rays.empty()) {
+    spot->known_share = arrays_.known_share(spot->rays, ap_.error.plan_tolerance);
     spot->sigma = arrays_.place_phase_sigma(
         transmitter.position, transmitter.device, ap_.error.plan_tolerance, kPlaceSigma);
   }
   spots_.push_back(std::move(spot));
   return *spots_.back();
+}
+
+void CalibrationMonitor::Station::know(const Transmitter& transmitter, std::vector<Value> array) {
+  RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
+  Spot& spot = spot_of(transmitter);
+  spot.expected = std::move(array);
+  spot.known_share = 1.0;
+  spot.sigma.assign(ap_.cores.size(), 0.0);
 }
 
 std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
@@ -171,46 +213,24 @@ std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
   return heard;
 }
 
-// Of each chain against the chain that most others agree with [rad]. The delay of a spot is found
-// on one chain, the one that fits best: together, turned chains would cancel.
-std::vector<double> CalibrationMonitor::Station::turns(const std::vector<HeardSpot>& heard) const {
+// What each chain heard along what is expected of it. The delay of a spot is found on one chain,
+// the one that fits best: together, turned chains would cancel.
+std::vector<Value> CalibrationMonitor::Station::along(const HeardSpot& one) const {
   const std::size_t tones = grid_.size();
   const std::size_t chains = ap_.cores.size();
-  std::vector<std::vector<Value>> relative(chains, std::vector<Value>(chains));
-  for (const HeardSpot& one : heard) {
-    Alignment best;
-    for (std::size_t m = 0; m < chains; ++m) {
-      const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
-                                            std::span(one.h).subspan(m * tones, tones));
-      best = alignment.correlation > best.correlation ? alignment : best;
-    }
-    auto h = one.h;
-    aligner_.apply(best, h);
-    std::vector<Value> along(chains);
-    for (std::size_t j = 0; j < h.size(); ++j) {
-      along[j / tones] += h[j] * std::conj(one.spot->expected[j]);
-    }
-    for (std::size_t m = 0; m < chains; ++m) {
-      for (std::size_t n = 0; n < chains; ++n) {
-        relative[n][m] += along[m] * std::conj(along[n]);
-      }
-    }
+  Alignment best;
+  for (std::size_t m = 0; m < chains; ++m) {
+    const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
+                                          std::span(one.h).subspan(m * tones, tones));
+    best = alignment.correlation > best.correlation ? alignment : best;
   }
-  std::vector<double> result;
-  double least = 0.0;
-  for (const std::vector<Value>& against : relative) {
-    std::vector<double> turn;
-    double sum = 0.0;
-    for (const Value& value : against) {
-      turn.push_back(std::arg(value));
-      sum += std::abs(turn.back());
-    }
-    if (result.empty() || sum < least) {
-      result = std::move(turn);
-      least = sum;
-    }
+  auto h = one.h;
+  aligner_.apply(best, h);
+  std::vector<Value> phasor(chains);
+  for (std::size_t j = 0; j < h.size(); ++j) {
+    phasor[j / tones] += h[j] * std::conj(one.spot->expected[j]);
   }
-  return result;
+  return phasor;
 }
 
 double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
@@ -289,19 +309,60 @@ bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpo
   return 1.0 - moved_fit_ < kBetter * unexplained;
 }
 
-// By more than three sigmas, and kJump.
-std::vector<bool> CalibrationMonitor::Station::jumped(const std::vector<HeardSpot>& heard,
-                                                      const std::vector<double>& turn) const {
-  std::vector<bool> result;
+// Of turns against the calibration those that are jumps, 0 for the others: more than kJump and
+// three sigmas, and nothing where a quarter turn could not be told.
+std::vector<double> CalibrationMonitor::Station::jumps_of_calibration(
+    const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const {
+  const auto spots = static_cast<double>(heard.size());
+  double share = correlation(heard, turn);
+  for (const HeardSpot& one : heard) {
+    share = std::min(share, one.spot->known_share);
+  }
+  const double misfit = std::sqrt(turn_variance(share) / spots);
+  std::vector<double> result;
   for (std::size_t m = 0; m < turn.size(); ++m) {
     double sigma = 0.0;
     for (const HeardSpot& one : heard) {
       sigma = std::hypot(sigma, one.spot->sigma[m]);
     }
-    sigma /= static_cast<double>(heard.size());
-    result.push_back(std::abs(turn[m]) > std::clamp(3.0 * sigma, kJump, kMostJumpBound));
+    const double bound =
+        std::hypot(std::clamp(3.0 * sigma / spots, kJump, kMostJumpBound), 3.0 * misfit);
+    if (bound >= kQuarterTurn) {
+      return std::vector<double>(turn.size());
+    }
+    result.push_back(std::abs(turn[m]) > bound ? turn[m] : 0.0);
   }
   return result;
+}
+
+// By how much each chain has jumped, 0 for those that have not: against the calibration, else
+// against the first windows, which are none when they had jumped themselves.
+std::vector<double> CalibrationMonitor::Station::jumps(const std::vector<HeardSpot>& heard) {
+  std::vector<std::vector<Value>> phasors;
+  ChainTurns turns(ap_.cores.size());
+  for (const HeardSpot& one : heard) {
+    phasors.push_back(along(one));
+    turns.add(phasors.back());
+  }
+  std::vector<double> jumped = jumps_of_calibration(heard, turns.turns());
+  if (any_jump(jumped)) {
+    return jumped;
+  }
+  ChainTurns changes(ap_.cores.size());
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    settle(*heard[i].spot, phasors[i]);
+    if (heard[i].spot->settled) {
+      for (std::size_t m = 0; m < phasors[i].size(); ++m) {
+        phasors[i][m] *= std::conj(heard[i].spot->usual[m]);
+      }
+      changes.add(phasors[i]);
+    }
+  }
+  jumped = changes.turns();  // all 0 before anything has settled
+  for (double& change : jumped) {
+    change = std::abs(change) > kJump ? change : 0.0;
+  }
+  return jumped;
 }
 
 void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) {
@@ -319,14 +380,12 @@ void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) 
   ++since_scan_;
   const double usual = 1.0 - usual_.value_or(fit_);
   const bool bad = is_worse(1.0 - fit_, usual, 1.0);
-  const auto turn = turns(heard);
-  const auto jump = jumped(heard, turn);
-  const bool any_jump = std::find(jump.begin(), jump.end(), true) != jump.end();
-  const double by_chains = any_jump ? correlation(heard, turn) : fit_;
+  const auto turn = jumps(heard);
+  const double by_chains = any_jump(turn) ? correlation(heard, turn) : fit_;
   const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
                      explained_by_motion(heard, 1.0 - std::max(by_chains, fit_));
-  for (std::size_t m = 0; m < jump.size(); ++m) {
-    const bool now = jump[m] && !moved;
+  for (std::size_t m = 0; m < turn.size(); ++m) {
+    const bool now = turn[m] != 0.0 && !moved;
     jump_phase_[m] = now ? turn[m] : jump_phase_[m];
     jump_[m].update(now);
   }
@@ -395,6 +454,13 @@ CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
 }
 
 CalibrationMonitor::~CalibrationMonitor() = default;
+
+void CalibrationMonitor::know(const Transmitter& transmitter,
+                              std::size_t access_point,
+                              std::vector<Value> array) {
+  RAYLOC_CHECK(stations_.at(access_point) != nullptr);
+  stations_[access_point]->know(transmitter, std::move(array));
+}
 
 void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
   for (const auto& station : stations_) {

@@ -7,9 +7,12 @@
 // walk by spoil single windows.
 //
 // - kChainPhaseJump: a chain is turned against the others by more than kJump and more than three
-//   sigmas of what a centimetre of error in the places does (at most 75 degrees). After a power
-//   cycle the chips start in one of two or four states, at least a quarter turn apart; kJump is
-//   half of that.
+//   sigmas of what a centimetre of error in the places does (at most 75 degrees) and of what the
+//   power that the room does not explain may do. After a power cycle the chips start in one of two
+//   or four states, at least a quarter turn apart; kJump is half of that. Where the room explains
+//   so little of them (with one: less than about 0.91) that a quarter turn could not be told,
+//   chains are compared with the first windows that agreed: a jump is then seen when it happens,
+//   not one from before the start. What was heard when the room was calibrated tells both.
 // - kAccessPointMoved: the chains do not explain what is heard, and the array shifted or turned
 //   within kMostShift and kMostYaw does. Stated is what explains most of what few transmitters see.
 // - kResidualDrift: the slow mean of the share that the room leaves unexplained is more than
@@ -18,6 +21,7 @@
 // Thread safety: none; the owner's thread alone.
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -71,6 +75,13 @@ class CalibrationMonitor {
     Vec3d position;  // [m]
     DeviceModel device;
   };
+  // States what an access point heard of a transmitter when the room was calibrated, [core][tone]
+  // with chains removed (PersonLink::empty): instead of what the room expects of it. Before the
+  // first burst. REQUIRES: an access point with gains, an array of its size.
+  void know(const Transmitter& transmitter,
+            std::size_t access_point,
+            std::vector<std::complex<double>> array);
+
   // The frames of a burst of a transmitter, of all access points. Access points without gains and
   // those that no ray reaches are left alone.
   void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames);

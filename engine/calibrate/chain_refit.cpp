@@ -5,14 +5,18 @@
 #include <charconv>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/log_odds.h"
+#include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/calibrate/spot_arrays.h"
 #include "engine/observe/alignment.h"
+#include "engine/observe/unit_power.h"
 
 namespace rayloc {
 namespace {
@@ -39,25 +43,6 @@ double power(std::span<const Value> values) {
   return sum;
 }
 
-void scale_to_unit(std::vector<Value>& values) {
-  const double sum = power(values);
-  const double scale = sum > 0.0 ? std::sqrt(static_cast<double>(values.size()) / sum) : 0.0;
-  for (Value& v : values) {
-    v *= scale;
-  }
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double logit(double share) {
-  const double inside = std::clamp(share, 1e-6, 1.0 - 1e-6);
-  return std::log(inside / (1.0 - inside));
-}
-
 std::vector<Value> through(const std::vector<Value>& gain, const std::vector<Value>& expected) {
   std::vector<Value> product(gain.size());
   for (std::size_t j = 0; j < gain.size(); ++j) {
@@ -72,16 +57,17 @@ struct ChainSums {
   std::vector<double> power;
   double measured = 0.0;
 
+  Value along() const { return std::accumulate(cross.begin(), cross.end(), Value()); }
+  double expected() const { return std::accumulate(power.begin(), power.end(), 0.0); }
+
   // Share of the measured power that a factor on top of the gain explains.
   double correlation() const {
-    Value sum;
-    double own = 0.0;
-    for (std::size_t k = 0; k < cross.size(); ++k) {
-      sum += cross[k];
-      own += power[k];
-    }
-    return own > 0.0 && measured > 0.0 ? std::norm(sum) / (own * measured) : 0.0;
+    const double own = expected();
+    return own > 0.0 && measured > 0.0 ? std::norm(along()) / (own * measured) : 0.0;
   }
+
+  // Magnitude of that factor.
+  double factor() const { return std::abs(along()) / expected(); }
 };
 
 // Factors and delays of the chains on top of gains that are known up to these.
@@ -94,6 +80,7 @@ class FactorFit {
       angular_.push_back(2.0 * std::numbers::pi * grid.spacing_hz * (tone - middle));
     }
     delay_.resize(rows());
+    level_.resize(rows());
     for (ArrayPair& pair : pairs_) {
       scale_to_unit(pair.measured);
       scale_to_unit(pair.expected);
@@ -102,13 +89,14 @@ class FactorFit {
 
   void run() {
     align_by_one_chain();
+    take_common_level();
     for (int iteration = 0; iteration < kIterations; ++iteration) {
       for (std::size_t row = 0; row < rows(); ++row) {
         improve(row);
       }
-      scale_to_unit(gain_);
       align();
     }
+    scale_to_unit(gain_);
   }
 
   const std::vector<Value>& gain() const { return gain_; }
@@ -156,6 +144,24 @@ class FactorFit {
                           std::span(pair.measured).subspan(row * tones_, tones_));
   }
 
+  // What the chains have in common says nothing about them: the level of all, told by those that
+  // are explained best, is taken for the level from before.
+  void take_common_level() {
+    double weights = 0.0;
+    double sum = 0.0;
+    for (std::size_t row = 0; row < rows(); ++row) {
+      const ChainSums own = sums(row);
+      const double share = own.correlation();
+      if (share > 0.0) {
+        weights += sharpness(share);
+        sum += sharpness(share) * std::log(own.factor());
+      }
+    }
+    for (Value& value : gain_) {
+      value *= weights > 0.0 ? std::exp(sum / weights) : 1.0;
+    }
+  }
+
   void align() {
     parallel_for(pairs_.size(), 4, [&](std::size_t i) {
       ArrayPair& pair = pairs_[i];
@@ -177,15 +183,17 @@ class FactorFit {
     return sums;
   }
 
+  // Inverse variance of phase and ln |factor| of a chain that is explained to that share.
+  double sharpness(double share) const {
+    const double explained = std::clamp(share, 0.0, 1.0 - 1e-6);
+    return 2.0 * explained / (1.0 - explained) * static_cast<double>(pairs_.size());
+  }
+
   // One Newton step for the delay, the factor in closed form.
   void improve(std::size_t row) {
     const ChainSums now = sums(row);
-    Value sum;
-    double own = 0.0;
-    for (std::size_t k = 0; k < tones_; ++k) {
-      sum += now.cross[k];
-      own += now.power[k];
-    }
+    const Value sum = now.along();
+    const double own = now.expected();
     if (!(own > 0.0) || !(std::abs(sum) > 0.0)) {
       return;
     }
@@ -196,16 +204,20 @@ class FactorFit {
       slope += angular_[k] * (turned * now.cross[k]).imag();
       curvature += angular_[k] * angular_[k] * now.power[k] * std::abs(sum) / own;
     }
-    const double share = std::clamp(now.correlation(), 0.0, 1.0 - 1e-6);
-    // Weight of the data: 2 c / (1 - c) a spot and chain, spread over the tones.
-    const double weight = 2.0 * share / (1.0 - share) * static_cast<double>(pairs_.size()) /
-                          std::max(std::abs(sum), 1e-12);
+    const double sharp = sharpness(now.correlation());
+    const double weight = sharp / std::max(std::abs(sum), 1e-12);  // spread over the tones
     const double prior = 1.0 / (kDelaySigma * kDelaySigma);
     const double step =
         (weight * slope - prior * delay_[row]) / std::max(weight * curvature + prior, 1e-300);
     delay_[row] += step;
+    // ln |factor| is as well known as its phase.
+    const double stiffness = 1.0 / (kLevelSigma * kLevelSigma);
+    const double rise =
+        (sharp * std::log(std::abs(sum) / own) - stiffness * level_[row]) / (sharp + stiffness);
+    level_[row] += rise;
     for (std::size_t k = 0; k < tones_; ++k) {
-      gain_[row * tones_ + k] *= sum / own * std::polar(1.0, angular_[k] * step);
+      gain_[row * tones_ + k] *=
+          sum / std::abs(sum) * std::polar(std::exp(rise), angular_[k] * step);
     }
   }
 
@@ -215,6 +227,7 @@ class FactorFit {
   std::vector<ArrayPair> pairs_;
   std::vector<Value> gain_;
   std::vector<double> delay_;  // [s], added to each chain, ahead
+  std::vector<double> level_;  // ln of the factor's magnitude, of each chain
 };
 
 // A refit under one assumption of how well surfaces are known.
@@ -233,8 +246,9 @@ class Refit {
         aligner_(room.grid) {
     for (const KnownSpot& spot : spots) {
       RAYLOC_CHECK(spot.h.size() == access_point_.gains.gain.size());
-      auto rays = arrays_.rays(spot.position, spot.device);
-      if (!rays.empty()) {
+      auto rays =
+          spot.usual.empty() ? arrays_.rays(spot.position, spot.device) : std::vector<Ray>{};
+      if (!rays.empty() || !spot.usual.empty()) {
         spots_.push_back(&spot);
         rays_.push_back(std::move(rays));
       }
@@ -258,6 +272,9 @@ class Refit {
   void add_place(double place_sigma, Attempt& attempt) const {
     std::vector<double> sigma(attempt.refit.sigma.size());
     for (const KnownSpot* spot : spots_) {
+      if (!spot->usual.empty()) {
+        continue;
+      }
       const auto own =
           arrays_.place_phase_sigma(spot->position, spot->device, attempt.tolerance, place_sigma);
       for (std::size_t m = 0; m < sigma.size(); ++m) {
@@ -272,30 +289,43 @@ class Refit {
 
  private:
   Attempt attempt(double tolerance) const {
+    // The antennas are the same after a power cycle, and what they take from each other.
+    ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
     std::vector<ArrayPair> pairs;
+    std::vector<std::vector<Value>> fields;
     for (std::size_t s = 0; s < spots_.size(); ++s) {
-      pairs.push_back({spots_[s]->h, arrays_.expected(rays_[s], tolerance)});
+      const std::vector<Value>& usual = spots_[s]->usual;
+      fields.push_back(usual.empty() ? arrays_.expected(rays_[s], tolerance) : usual);
+      pairs.push_back({spots_[s]->h, fields.back()});
+      apply_coupling(gains, pairs.back().expected);
     }
     Attempt one;
     one.tolerance = tolerance;
     one.refit.spots = spots_.size();
-    one.refit.ripple = spots_.size() >= kRippleSpots;
+    const bool all_heard_before = std::none_of(
+        spots_.begin(), spots_.end(), [](const KnownSpot* spot) { return spot->usual.empty(); });
+    one.refit.ripple = all_heard_before || spots_.size() >= kRippleSpots;
     if (one.refit.ripple) {
       ChainRipple ripple = chain_ripple(aligner_, grid_, pairs);
-      one.refit.gains = {grid_, access_point_.cores, std::move(ripple.gain)};
+      gains.gain = std::move(ripple.gain);
       one.refit.sigma = std::move(ripple.sigma);
-    } else {
+    }
+    // Gains of every tone explain the few spots they are made of: what they leave tells no sigma.
+    if (spots_.size() < kRippleSpots) {
       FactorFit fit(grid_, pairs, access_point_.gains.gain);
       fit.run();
-      one.refit.gains = {grid_, access_point_.cores, fit.gain()};
       one.refit.sigma = fit.sigma();
+      if (!one.refit.ripple) {
+        gains.gain = fit.gain();
+      }
     }
     std::vector<double> correlations;
-    for (ArrayPair& pair : pairs) {
-      remove_gains(one.refit.gains, pair.measured);
-      correlations.push_back(aligner_.align(pair.expected, pair.measured).correlation);
+    for (std::size_t s = 0; s < pairs.size(); ++s) {
+      remove_gains(gains, pairs[s].measured);
+      correlations.push_back(aligner_.align(fields[s], pairs[s].measured).correlation);
       one.sum += correlations.back();
     }
+    one.refit.gains = std::move(gains);
     one.refit.fit = median(std::move(correlations));
     return one;
   }
@@ -323,8 +353,22 @@ std::string text_of(double share) {
 bool is_far_below(double fit, const UsualFit& usual) {
   constexpr double kQuartiles = 1.349;  // between the quartiles of a normal distribution, in sigmas
   const double spread = std::max(
-      (logit(usual.upper_quartile) - logit(usual.lower_quartile)) / kQuartiles, kLeastSpread);
-  return logit(fit) < logit(usual.median) - kFarBelowUsual * spread;
+      (log_odds(usual.upper_quartile) - log_odds(usual.lower_quartile)) / kQuartiles, kLeastSpread);
+  return log_odds(fit) < log_odds(usual.median) - kFarBelowUsual * spread;
+}
+
+Expected<void> check_phases(const RoomAccessPoint& ap, const ChainRefit& refit, double most) {
+  for (std::size_t m = 1; m < refit.sigma.size(); ++m) {
+    if (const double sigma = std::hypot(refit.sigma[m], refit.sigma[0]); sigma > most) {
+      return bad_input("access point " + ap.id + ": the phase of core " +
+                       std::to_string(ap.cores[m]) + " would be known to " +
+                       std::to_string(std::lround(sigma * 180.0 / std::numbers::pi)) +
+                       " degrees only: the room explains too little of what it hears; give other "
+                       "known places (--points), or record the empty room with the fixed "
+                       "transmitter before the next power cycle (rayloc reference)");
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -343,11 +387,9 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
   }
   Attempt best = usual.best();
   Attempt other = deeper.best();
-  if (other.sum > best.sum) {
+  const bool is_deeper = other.sum > best.sum;
+  if (is_deeper) {
     best = std::move(other);
-    deeper.add_place(options.place_sigma, best);
-  } else {
-    usual.add_place(options.place_sigma, best);
   }
   if (options.usual && is_far_below(best.refit.fit, *options.usual)) {
     return bad_input("access point " + ap.id + ": new chain gains explain " +
@@ -357,6 +399,10 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
                      ": the room or the access point has changed, or a place is wrong; check the "
                      "places, or calibrate anew");
   }
+  if (auto known = check_phases(ap, best.refit, options.most_sigma); !known) {
+    return tl::make_unexpected(std::move(known.error()));
+  }
+  (is_deeper ? deeper : usual).add_place(options.place_sigma, best);
   return std::move(best.refit);
 }
 

@@ -3,8 +3,13 @@
 // 1, alone).
 //
 // A power cycle turns the phases of the chains; their ripple over the band is that of filters and
-// stays. From fewer than kRippleSpots spots a complex factor and a delay of each chain are
-// therefore fitted on top of the old gains; from more, the gains of every tone (chain_ripple()).
+// stays, and their level about (kLevelSigma). From fewer than kRippleSpots spots a complex factor
+// and a delay of each chain are therefore fitted on top of the old gains; from more, the gains of
+// every tone (chain_ripple()).
+//
+// Of a transmitter whose array was kept from before the power cycle (the empty room of a
+// PersonReference) the chains are compared with that, tone by tone: nothing of the room needs to be
+// right.
 //
 // One spot says nothing about itself: a wrong place turns the phases as a power cycle would, and is
 // seen only where the spectrum does not fit. Two and more contradict each other.
@@ -27,6 +32,8 @@ struct KnownSpot {
   Vec3d position;  // [m]
   DeviceModel device;
   std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+  // The same before the power cycle, chains removed; empty: what the room expects counts.
+  std::vector<std::complex<double>> usual = {};
 };
 
 // Squared normalised correlations of measured and expected arrays when the room was calibrated, at
@@ -40,6 +47,7 @@ struct UsualFit {
 struct ChainRefitOptions {
   double place_sigma = 0.01;      // [m] along each axis, of the places stated
   std::optional<UsualFit> usual;  // nothing: the fit is compared with nothing
+  double most_sigma = 0.52;       // [rad], 30 degrees: by what the room leaves unexplained
 };
 
 struct ChainRefit {
@@ -47,13 +55,15 @@ struct ChainRefit {
   // Of the phase of each core [rad]. The difference of two has the root of the sum of the squares.
   std::vector<double> sigma;
   double fit = 0.0;       // median of the spots' squared normalised correlation
-  std::size_t spots = 0;  // that a ray reaches
+  std::size_t spots = 0;  // that a ray reaches, or with an array from before
   bool ripple = false;    // of every tone, else the old ripple
 };
 
 inline constexpr std::size_t kRippleSpots = 12;
+inline constexpr double kLevelSigma = 0.17;  // of ln |gain|, 1.5 dB
 
-// An Error when no ray of the room reaches a spot, or when the spots fit far worse than usual: more
+// An Error when no ray of the room reaches a spot, when the phase of a chain would be known too
+// badly (options.most_sigma), or when the spots fit far worse than usual: more
 // than kFarBelowUsual robust standard deviations below on the scale log(c / (1 - c)), one of which
 // is taken as at least kLeastSpread. It names both numbers.
 // REQUIRES: room.access_points[access_point].gains not empty; every h of its size.

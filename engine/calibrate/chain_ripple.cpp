@@ -8,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/observe/unit_power.h"
 
 namespace rayloc {
 namespace {
@@ -17,19 +18,6 @@ using Value = std::complex<double>;
 constexpr int kIterations = 6;
 // Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
 constexpr int kGainDegree = 4;
-
-void scale_to_unit(std::vector<Value>& values) {
-  double power = 0.0;
-  for (const Value& v : values) {
-    power += std::norm(v);
-  }
-  if (power > 0.0) {
-    const double scale = std::sqrt(static_cast<double>(values.size()) / power);
-    for (Value& v : values) {
-      v *= scale;
-    }
-  }
-}
 
 // Replaces each row of [core][tone] by its least-squares polynomial over the tones.
 class ToneSmoother {

@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/log_odds.h"
+#include "engine/base/median.h"
 #include "engine/calibrate/access_point_fit.h"
 
 namespace rayloc {
@@ -221,18 +223,6 @@ void compare_places(const RoomModel& room,
                      "): check the columns, axes and rows of the points"};
     }
   }
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-double log_odds(double share) {
-  constexpr double kNearest = 1e-6;  // to 0 and 1
-  const double bounded = std::clamp(share, kNearest, 1.0 - kNearest);
-  return std::log(bounded / (1.0 - bounded));
 }
 
 // The usual fit at an access point.

@@ -1,7 +1,6 @@
 #include "engine/calibrate/joint_calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "engine/base/constants.h"
+#include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/calibrate/stated_parameter.h"
@@ -21,17 +21,6 @@ namespace {
 
 using Kind = Unknown::Kind;
 
-struct Round {
-  double floor;
-  double scan_range;  // [m]
-  bool corrections;   // materials and the gains and phases of surfaces
-  bool survey;        // survey errors and the places of antennas
-  bool cycles;        // other half-wave cycles are tried
-};
-constexpr std::array<Round, kJointRounds> kRounds{{{0.3, 0.05, false, false, false},
-                                                   {0.12, 0.03, true, false, false},
-                                                   {0.05, 0.03, true, true, true},
-                                                   {0.03, 0.03, true, true, false}}};
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
 constexpr double kTolerance = 0.01;      // by which a round may lessen the correlation
 constexpr std::size_t kLeastPoints = 4;
@@ -41,15 +30,6 @@ constexpr std::size_t kMostTried = 8;
 constexpr int kTrialIterations = 5;
 
 enum class Use : std::uint8_t { kFit, kDecide, kHeldOut };
-
-double median(std::vector<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 class JointCalibration {
  public:
@@ -62,7 +42,8 @@ class JointCalibration {
         options_(options),
         observer_(observer),
         unknowns_(room, options.priors),
-        model_(room.grid) {
+        plain_(room.grid),
+        model_(plain_) {
     draw_uses();
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t a = 0; a < points[p].h.size(); ++a) {
@@ -82,33 +63,38 @@ class JointCalibration {
   void draw_uses();
   Expected<void> retrace();
   void measure();
-  std::vector<char> released(const Round& round) const;
-  JointOptions joint_options(const Round& round, std::span<const char> released) const;
-  std::vector<JointSample> fitted(bool with_deciding) const;
+  void weigh(const JointRound& round);
+  std::vector<char> released(const JointRound& round) const;
+  JointOptions joint_options(const JointRound& round, std::span<const char> released) const;
+  std::vector<JointSample> fitted() const;
   JointContext context(std::span<const JointSample> samples) const {
     return {model_, unknowns_, samples, traced_at_};
   }
-  ModelPoint at(std::size_t sample, std::vector<double>& change) const;
-  std::vector<double> change() const;
-  double correlation(std::size_t sample, const Vec3d& survey) const;
-  double median_correlation(Use use) const;
-  bool solve(const Round& round, bool with_deciding, const char* stage);
-  bool settle(const Round& round, bool with_deciding, const char* stage);
+  std::vector<double> change() const { return context({}).change(state_.values); }
+  std::vector<ChainGains> gains() const;
+  void set_gains(std::span<const ChainGains> gains);
+  double correlation(std::size_t sample, const ModelPoint& at) const;
+  double median_correlation(Use use, std::span<const Vec3d> survey) const;
+  double decided(const JointRound& round) const;
+  bool solve(const JointRound& round, bool with_deciding, const char* stage);
+  bool settle(const JointRound& round);
   Expected<bool> run_round(std::size_t index);
   void checkpoint(JointCheckpoint& reached) const;
-  void finish(const Round& round);
+  void finish(const JointRound& round);
   bool tell(const char* stage, double loss);
   bool go_on();
   void fold_chains();
-  void place_points(const Round& round);
-  std::vector<RoomParameter> parameters(const Round& round);
+  std::vector<Vec3d> placed(const JointRound& round, std::span<const JointSample> samples) const;
+  std::vector<JointSample> used(Use use) const;
+  std::vector<RoomParameter> parameters(const JointRound& round);
 
   RoomModel original_;  // its chain gains are improved
   std::span<const CalibrationPoint> points_;
   const JointCalibrationOptions& options_;
   const CalibrationObserver& observer_;
   RoomUnknowns unknowns_;
-  SampleModel model_;
+  SampleModel plain_;
+  SampleModel model_;     // weighs coordinates
   std::vector<Use> use_;  // of each point
   std::vector<SampleSite> sites_;
   JointState state_;
@@ -172,7 +158,7 @@ Expected<void> JointCalibration::retrace() {
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const Kind kind = unknowns_[i].kind;
     if (kind == Kind::kSurfaceGain || kind == Kind::kSurfacePhase || kind == Kind::kChainGain ||
-        kind == Kind::kChainPhase) {
+        kind == Kind::kChainPhase || kind == Kind::kCoupling) {
       traced_at_[i] = 0.0;  // no scene holds these
     }
   }
@@ -196,70 +182,82 @@ void JointCalibration::measure() {
   });
 }
 
-std::vector<double> JointCalibration::change() const {
-  std::vector<double> result(state_.values.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    result[i] = state_.values[i] - traced_at_[i];
+// Weighs the coordinates by what the fit so far leaves of them, once it is near.
+void JointCalibration::weigh(const JointRound& round) {
+  if (!round.survey) {
+    return;
+  }
+  const std::vector<double> changed = change();
+  Eigen::MatrixXcd left_over = plain_.nothing_left_over();
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    const std::size_t point = sites_[i].point;
+    if (use_[point] == Use::kFit) {
+      plain_.add_left_over(traced_[i], {changed, state_.survey[point]}, h_[i], left_over);
+    }
+  }
+  model_ = plain_.weighed(left_over);
+  measure();
+}
+
+std::vector<ChainGains> JointCalibration::gains() const {
+  std::vector<ChainGains> result;
+  for (const RoomAccessPoint& ap : original_.access_points) {
+    result.push_back(ap.gains);
   }
   return result;
 }
 
-double JointCalibration::correlation(std::size_t sample, const Vec3d& survey) const {
-  const std::vector<double> changed = change();
-  const auto expected = model_.expected_tones(traced_[sample], {changed, survey});
+void JointCalibration::set_gains(std::span<const ChainGains> gains) {
+  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+    original_.access_points[a].gains = gains[a];
+  }
+}
+
+double JointCalibration::correlation(std::size_t sample, const ModelPoint& at) const {
+  const auto expected = model_.expected_tones(traced_[sample], at);
   return model_.aligner().align(h_[sample], expected).correlation;
 }
 
-double JointCalibration::median_correlation(Use use) const {
+// `survey`: error of each point; empty: none.
+double JointCalibration::median_correlation(Use use, std::span<const Vec3d> survey) const {
+  const std::vector<double> changed = change();
   std::vector<double> each(sites_.size(), -1.0);
   parallel_for(sites_.size(), 1, [&](std::size_t i) {
-    if (use_[sites_[i].point] == use) {
-      each[i] = correlation(i, {});
+    const std::size_t point = sites_[i].point;
+    if (use_[point] == use) {
+      each[i] = correlation(i, {changed, survey.empty() ? Vec3d{} : survey[point]});
     }
   });
   std::erase(each, -1.0);
-  return median(std::move(each));
+  return each.empty() ? 0.0 : median(std::move(each));
 }
 
-std::vector<char> JointCalibration::released(const Round& round) const {
-  std::vector<char> result(unknowns_.size());
-  // Of a surface that carries next to nothing the data say nothing either.
-  const std::vector<double> power = surface_power(traced_, *room_.scene);
-  const double most = *std::max_element(power.begin(), power.end());
-  constexpr double kFaint = 1e-4;
-  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-    const Unknown& unknown = unknowns_[i];
-    switch (unknown.kind) {
-      case Kind::kSurfaceOffset:
-        result[i] = power[unknown.index] > kFaint * most ? 1 : 0;
-        break;
-      case Kind::kSurfaceGain:
-      case Kind::kSurfacePhase:
-        result[i] = round.corrections && power[unknown.index] > kFaint * most ? 1 : 0;
-        break;
-      case Kind::kPermittivity:
-      case Kind::kConductivity:
-      case Kind::kThickness:
-        result[i] = round.corrections ? 1 : 0;
-        break;
-      case Kind::kElementPosition:
-        result[i] = round.survey ? 1 : 0;
-        break;
-      default:
-        result[i] = 1;
-    }
-  }
-  return result;
+// How well the points are met that decide. Where survey errors are fitted these points have theirs,
+// too: at places that are millimetres off, a room nearer to the truth need not be met better.
+double JointCalibration::decided(const JointRound& round) const {
+  return median_correlation(
+      Use::kDecide, round.survey ? placed(round, used(Use::kDecide)) : std::vector<Vec3d>());
 }
 
-std::vector<JointSample> JointCalibration::fitted(bool with_deciding) const {
+std::vector<char> JointCalibration::released(const JointRound& round) const {
+  return rayloc::released(round, unknowns_, surface_power(traced_, *room_.scene));
+}
+
+std::vector<JointSample> JointCalibration::used(Use use) const {
   std::vector<JointSample> samples;
   for (std::size_t i = 0; i < sites_.size(); ++i) {
-    const Use use = use_[sites_[i].point];
-    if (use == Use::kFit || (with_deciding && use == Use::kDecide)) {
+    if (use_[sites_[i].point] == use) {
       samples.push_back({&traced_[i], &measured_[i]});
     }
   }
+  return samples;
+}
+
+// All but those held out.
+std::vector<JointSample> JointCalibration::fitted() const {
+  std::vector<JointSample> samples = used(Use::kFit);
+  const std::vector<JointSample> deciding = used(Use::kDecide);
+  samples.insert(samples.end(), deciding.begin(), deciding.end());
   return samples;
 }
 
@@ -276,13 +274,12 @@ bool JointCalibration::go_on() {
   return !stopped_;
 }
 
-bool JointCalibration::solve(const Round& round, bool with_deciding, const char* stage) {
+bool JointCalibration::solve(const JointRound& round, bool with_deciding, const char* stage) {
   const std::vector<char> free = released(round);
-  const auto samples = fitted(with_deciding);
+  const auto samples = with_deciding ? fitted() : used(Use::kFit);
   const JointProblem problem(context(samples));
   problem.solve(joint_options(round, free), state_, [&](double unexplained) {
-    share_ +=
-        1.0 / static_cast<double>(static_cast<int>(kRounds.size()) * (options_.iterations + 3));
+    share_ += 1.0 / static_cast<double>(kJointRounds * (options_.iterations + 3));
     return tell(stage, unexplained);
   });
   return !stopped_;
@@ -290,9 +287,9 @@ bool JointCalibration::solve(const Round& round, bool with_deciding, const char*
 
 // Tries the other half-wave cycles of the strongest surfaces; where one is better, all is fitted
 // again.
-bool JointCalibration::settle(const Round& round, bool with_deciding, const char* stage) {
+bool JointCalibration::settle(const JointRound& round) {
   const std::vector<char> free = released(round);
-  const auto samples = fitted(with_deciding);
+  const auto samples = used(Use::kFit);
   const auto strongest =
       strongest_surfaces(surface_power(traced_, *room_.scene), kTriedShare, kMostTried);
   WaveCycleSearch search{
@@ -302,10 +299,11 @@ bool JointCalibration::settle(const Round& round, bool with_deciding, const char
   search.options.iterations = kTrialIterations;
   const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
   other_cycles_ = cycles.others;
-  return !stopped_ && (!cycles.moved || solve(round, with_deciding, stage));
+  return !stopped_ && (!cycles.moved || solve(round, false, "fit"));
 }
 
-JointOptions JointCalibration::joint_options(const Round& round, std::span<const char> free) const {
+JointOptions JointCalibration::joint_options(const JointRound& round,
+                                             std::span<const char> free) const {
   return {round.floor, options_.iterations, round.survey ? options_.priors.survey : 0.0, free};
 }
 
@@ -341,21 +339,20 @@ void JointCalibration::fold_chains() {
 }
 
 Expected<bool> JointCalibration::run_round(std::size_t index) {
-  const Round& round = kRounds.at(index);
-  share_ = static_cast<double>(index) / static_cast<double>(kRounds.size());
+  const JointRound& round = joint_round(index);
+  share_ = static_cast<double>(index) / static_cast<double>(kJointRounds);
   const JointState before = state_;
-  std::vector<ChainGains> gains_before;
-  for (const RoomAccessPoint& ap : original_.access_points) {
-    gains_before.push_back(ap.gains);
-  }
-  const double decided_before = median_correlation(Use::kDecide);
-  const auto samples = fitted(false);
+  const std::vector<ChainGains> gains_before = gains();
+  const std::vector<WaveCycle> cycles_before = other_cycles_;
+  const double decided_before = decided(round);
+  weigh(round);
+  const auto samples = used(Use::kFit);
   scan_surfaces(context(samples),
                 surface_power(traced_, *room_.scene),
                 {round.floor, round.scan_range},
                 state_);
   if (!tell("scan", mean_unexplained(context(samples), state_)) || !solve(round, false, "fit") ||
-      (round.cycles && !settle(round, false, "fit"))) {
+      (round.cycles && !settle(round))) {
     state_ = before;  // the last good one
     return false;
   }
@@ -363,35 +360,33 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
   if (auto traced = retrace(); !traced) {
     return tl::make_unexpected(std::move(traced.error()));
   }
-  if (median_correlation(Use::kDecide) < decided_before - kTolerance) {
+  if (decided(round) < decided_before - kTolerance) {
     state_ = before;
-    for (std::size_t a = 0; a < gains_before.size(); ++a) {
-      original_.access_points[a].gains = gains_before[a];
-    }
+    other_cycles_ = cycles_before;
+    set_gains(gains_before);
     if (auto traced = retrace(); !traced) {
       return tl::make_unexpected(std::move(traced.error()));
     }
     return false;
   }
-  heldout_ = median_correlation(Use::kHeldOut);
+  heldout_ = median_correlation(Use::kHeldOut, {});
   return true;
 }
 
-// Where every point really was, the held-out ones too, the room held.
-void JointCalibration::place_points(const Round& round) {
-  std::vector<JointSample> samples;
-  for (std::size_t i = 0; i < sites_.size(); ++i) {
-    samples.push_back({&traced_[i], &measured_[i]});
-  }
+// Where the points really were, as errors of their survey, the room held.
+std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
+                                            std::span<const JointSample> samples) const {
   const std::vector<char> none(unknowns_.size());
   JointOptions options = joint_options(round, none);
   options.survey_sigma = options_.priors.survey;
-  JointProblem(context(samples)).solve(options, state_, {});
+  JointState state = state_;
+  JointProblem(context(samples)).solve(options, state, {});
+  return std::move(state.survey);
 }
 
-std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
+std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round) {
   const std::vector<char> free = released(round);
-  const auto samples = fitted(true);
+  const auto samples = fitted();
   const JointProblem problem(context(samples));
   std::vector<double> sigma = problem.posterior(joint_options(round, free), state_);
   widen_by_other_cycles(context(samples), round.floor, state_, sigma);
@@ -410,22 +405,22 @@ std::vector<RoomParameter> JointCalibration::parameters(const Round& round) {
 
 void JointCalibration::checkpoint(JointCheckpoint& reached) const {
   reached.state = state_;
-  reached.gains.clear();
-  for (const RoomAccessPoint& ap : original_.access_points) {
-    reached.gains.push_back(ap.gains);
-  }
+  reached.gains = gains();
+  reached.other_cycles = other_cycles_;
   if (options_.on_checkpoint) {
     options_.on_checkpoint(reached);
   }
 }
 
-// With the points that decided, too.
-void JointCalibration::finish(const Round& round) {
+// With the points that decided, too. Nobody is left to say whether another cycle is better, so
+// none is tried.
+void JointCalibration::finish(const JointRound& round) {
   if (stopped_) {
     return;
   }
   const JointState before = state_;
-  if (solve(round, true, "all points") && settle(round, true, "all points")) {
+  weigh(round);
+  if (solve(round, true, "all points")) {
     fold_chains();
   } else {
     state_ = before;
@@ -437,18 +432,18 @@ Expected<RoomCalibration> JointCalibration::run() {
     return tl::make_unexpected(std::move(traced.error()));
   }
   RoomCalibration result;
+  const std::vector<double> at_first = change();
   for (std::size_t i = 0; i < sites_.size(); ++i) {
     result.points.push_back(
-        {sites_[i].point, sites_[i].access_point, correlation(i, {}), 0.0, 0.0});
+        {sites_[i].point, sites_[i].access_point, correlation(i, {at_first, {}}), 0.0, 0.0});
   }
-  heldout_ = median_correlation(Use::kHeldOut);
+  heldout_ = median_correlation(Use::kHeldOut, {});
   JointCheckpoint reached;
   if (options_.resume != nullptr) {
     reached = *options_.resume;
     state_ = reached.state;
-    for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
-      original_.access_points[a].gains = reached.gains[a];
-    }
+    set_gains(reached.gains);
+    other_cycles_ = reached.other_cycles;
     if (auto traced = retrace(); !traced) {
       return tl::make_unexpected(std::move(traced.error()));
     }
@@ -464,16 +459,22 @@ Expected<RoomCalibration> JointCalibration::run() {
       checkpoint(reached);
     }
   }
-  const Round& last = kRounds.at(static_cast<std::size_t>(reached.last_kept));
+  const JointRound& last = joint_round(static_cast<std::size_t>(reached.last_kept));
   finish(last);
   if (auto traced = retrace(); !traced) {
     return tl::make_unexpected(std::move(traced.error()));
   }
-  parallel_for(
-      sites_.size(), 1, [&](std::size_t i) { result.points[i].after = correlation(i, {}); });
-  place_points(last);
+  const std::vector<double> at_last = change();
   parallel_for(sites_.size(), 1, [&](std::size_t i) {
-    result.points[i].placed = correlation(i, state_.survey[sites_[i].point]);
+    result.points[i].after = correlation(i, {at_last, {}});
+  });
+  std::vector<JointSample> all;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    all.push_back({&traced_[i], &measured_[i]});
+  }
+  state_.survey = placed(last, all);
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    result.points[i].placed = correlation(i, {at_last, state_.survey[sites_[i].point]});
   });
   result.parameters = parameters(last);
   result.room = room_;

@@ -16,19 +16,20 @@
 
 #include "engine/base/expected.h"
 #include "engine/calibrate/joint_problem.h"
+#include "engine/calibrate/joint_rounds.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/calibrate/room_unknowns.h"
+#include "engine/calibrate/wave_cycles.h"
 
 namespace rayloc {
-
-inline constexpr int kJointRounds = 4;
 
 // Where a calibration stands between two rounds; all that is needed to go on.
 struct JointCheckpoint {
   int rounds = 0;     // done
   int last_kept = 0;  // of them, counted from 0
   JointState state;
-  std::vector<ChainGains> gains;  // of each access point
+  std::vector<ChainGains> gains;        // of each access point
+  std::vector<WaveCycle> other_cycles;  // what else surfaces could be
 };
 
 struct JointCalibrationOptions {

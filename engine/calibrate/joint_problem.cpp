@@ -42,10 +42,7 @@ class Evaluations : public ceres::EvaluationCallback {
         results_(context.samples.size()) {}
 
   void PrepareForEvaluation(bool derivatives, bool /*moved*/) override {
-    std::vector<double> change(context_.traced_at.size());
-    for (std::size_t i = 0; i < change.size(); ++i) {
-      change[i] = values_.room[i] - context_.traced_at[i];
-    }
+    const std::vector<double> change = context_.change(values_.room);
     parallel_for(context_.samples.size(), 1, [&](std::size_t i) {
       const auto& survey = values_.survey[context_.samples[i].traced->point];
       const ModelPoint at{change, {survey[0], survey[1], survey[2]}};
@@ -155,6 +152,12 @@ std::vector<std::uint32_t> unknowns_of(const TracedSample& sample, std::span<con
       result.push_back(term.unknown);
     }
   }
+  const auto elements = static_cast<std::uint32_t>(sample.rays.size());
+  for (std::uint32_t i = 0; i < 2 * elements * (elements - 1); ++i) {
+    if (released[sample.coupling + i] != 0) {
+      result.push_back(sample.coupling + i);
+    }
+  }
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
@@ -244,11 +247,16 @@ void assemble(const JointContext& context,
 
 }  // namespace
 
-double mean_unexplained(const JointContext& context, const JointState& state) {
-  std::vector<double> change(state.values.size());
-  for (std::size_t i = 0; i < change.size(); ++i) {
-    change[i] = state.values[i] - context.traced_at[i];
+std::vector<double> JointContext::change(std::span<const double> values) const {
+  std::vector<double> result(values.begin(), values.end());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] -= traced_at[i];
   }
+  return result;
+}
+
+double mean_unexplained(const JointContext& context, const JointState& state) {
+  const std::vector<double> change = context.change(state.values);
   std::vector<double> each(context.samples.size());
   parallel_for(each.size(), 1, [&](std::size_t i) {
     const JointSample& sample = context.samples[i];

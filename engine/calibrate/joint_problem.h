@@ -31,6 +31,9 @@ struct JointContext {
   const RoomUnknowns& unknowns;
   std::span<const JointSample> samples;
   std::span<const double> traced_at;  // values of the unknowns where the rays were traced
+
+  // Of each unknown against where the rays were traced, for ModelPoint.
+  std::vector<double> change(std::span<const double> values) const;
 };
 
 struct JointState {

@@ -46,7 +46,7 @@ std::string direction_name(const Vec3d& n) {
       return {component > 0.0 ? '+' : '-', axis};
     }
   }
-  const long degrees = std::lround(std::atan2(n.y, n.x) * 57.29577951308232);
+  const auto degrees = std::lround(std::atan2(n.y, n.x) * 57.29577951308232);
   return "face" + std::to_string(degrees) + "deg";
 }
 
@@ -65,6 +65,35 @@ std::string surface_name(const Scene& scene, std::uint32_t s) {
   }
   return scene.objects()[object].name + "." + direction +
          (same > 1 ? std::to_string(before + 1) : "");
+}
+
+// "ap1.core2/core0.coupling.re": what the antenna of core 2 takes from that of core 0.
+std::string coupling_name(const Unknown& unknown, const RoomAccessPoint& ap) {
+  const std::size_t others = ap.cores.size() - 1;
+  const std::size_t to = unknown.part / 2 / others;
+  const std::size_t from = unknown.part / 2 % others;
+  return ap.id + ".core" + std::to_string(ap.cores[to]) + "/core" +
+         std::to_string(ap.cores[from < to ? from : from + 1]) + ".coupling" +
+         (unknown.part % 2 == 0 ? ".re" : ".im");
+}
+
+// Adds a coupling (RoomUnknowns::coupling()) between the antennas and that of the gains.
+void couple(const double* values, ChainGains& gains) {
+  const std::size_t cores = gains.cores.size();
+  if (gains.empty() || std::all_of(values, values + 2 * cores * (cores - 1), [](double value) {
+        return value == 0.0;
+      })) {
+    return;
+  }
+  std::vector<std::complex<double>> coupling;
+  for (std::size_t a = 0; a < cores; ++a) {
+    for (std::size_t b = 0; b < cores; ++b) {
+      coupling.emplace_back(a == b ? 1.0 : values[0], a == b ? 0.0 : values[1]);
+      values += a == b ? 0 : 2;
+    }
+  }
+  apply_coupling(gains, coupling);
+  gains.coupling = std::move(coupling);
 }
 
 }  // namespace
@@ -111,6 +140,9 @@ void RoomUnknowns::add_arrays(const RoomModel& room, const CalibrationPriors& pr
       unknowns_.push_back({Kind::kChainGain, i, e, priors.chain});
       unknowns_.push_back({Kind::kChainPhase, i, e, priors.chain});
     }
+    for (std::uint32_t part = 0; part < 2 * elements * (elements - 1); ++part) {
+      unknowns_.push_back({Kind::kCoupling, i, part, priors.coupling});
+    }
   }
 }
 
@@ -118,6 +150,11 @@ std::uint32_t RoomUnknowns::chain_gain(std::size_t access_point, std::size_t ele
   RAYLOC_CHECK(element > 0);
   return arrays_at_[access_point] + 6 + static_cast<std::uint32_t>(elements_[access_point]) +
          2 * static_cast<std::uint32_t>(element - 1);
+}
+
+std::uint32_t RoomUnknowns::coupling(std::size_t access_point) const {
+  const auto elements = static_cast<std::uint32_t>(elements_[access_point]);
+  return arrays_at_[access_point] + 6 + elements + 2 * (elements - 1);
 }
 
 Expected<RoomModel> changed_room(const RoomModel& original,
@@ -164,6 +201,7 @@ Expected<RoomModel> changed_room(const RoomModel& original,
         ap.gains.gain[e * tones + k] *= std::polar(std::exp(chain[0]), chain[1]);
       }
     }
+    couple(&values[unknowns.coupling(i)], ap.gains);
   }
   return room;
 }
@@ -198,6 +236,8 @@ std::string unknown_name(const Unknown& unknown, const RoomModel& room) {
     case Kind::kChainGain:
       return chain() + "/core" + std::to_string(room.access_points[unknown.index].cores.front()) +
              ".gain";
+    case Kind::kCoupling:
+      return coupling_name(unknown, room.access_points[unknown.index]);
     case Kind::kChainPhase:
       break;
   }

@@ -23,6 +23,7 @@ struct CalibrationPriors {
   double element = 0.001;           // [m], of an antenna along the array's y
   double chain = 0.3;               // natural logarithm of gain, and phase [rad]: what is left of
                                     // what the chain gains of before say
+  double coupling = 0.03;           // of two antennas, real and imaginary part: about -28 dB
   double permittivity = 0.2;        // natural logarithm
   double conductivity = 0.5;
   double thickness = 0.2;
@@ -45,6 +46,7 @@ struct Unknown {
     kElementPosition,  // [m], along the array's y, of element `part`
     kChainGain,        // natural logarithm, of element `part` > 0
     kChainPhase,       // [rad]
+    kCoupling,         // of two antennas; `part` in the order of RoomUnknowns::coupling()
   };
   Kind kind = Kind::kSurfaceOffset;
   std::uint32_t index = 0;
@@ -71,6 +73,8 @@ class RoomUnknowns {
   }
   // REQUIRES: element > 0; the phase follows the gain.
   std::uint32_t chain_gain(std::size_t access_point, std::size_t element) const;
+  // Real and imaginary part of what element 0 takes from 1, from 2 ..., then 1 from 0, from 2 ...
+  std::uint32_t coupling(std::size_t access_point) const;
 
  private:
   void add_surfaces(const RoomModel& room, const CalibrationPriors& priors);

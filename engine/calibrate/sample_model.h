@@ -21,6 +21,7 @@
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
 #include "engine/observe/alignment.h"
+#include "engine/trace/cfr_kernel.h"
 
 namespace rayloc {
 
@@ -48,6 +49,19 @@ struct SampleResidual {
 class SampleModel {
  public:
   explicit SampleModel(const OfdmGrid& grid);
+
+  // The model that counts every coordinate of the delay basis by the inverse of what is left
+  // unexplained of it anyway: diffuse power comes with some delays more than with others.
+  // `left_over`: add_left_over() of a model that weighs nothing.
+  SampleModel weighed(const Eigen::MatrixXcd& left_over) const;
+
+  // Adds the covariance of what is left of a sample, of one antenna in coordinates, relative to
+  // all that is left of it. `h` as for measured().
+  Eigen::MatrixXcd nothing_left_over() const;
+  void add_left_over(const TracedSample& sample,
+                     const ModelPoint& at,
+                     std::span<const std::complex<double>> h,
+                     Eigen::MatrixXcd& sum) const;
 
   // `h`: measured, chain gains removed, [antenna][tone]; aligned to what the model expects there.
   MeasuredSample measured(const TracedSample& sample,
@@ -83,13 +97,18 @@ class SampleModel {
   void add_ray(const std::complex<double>& phasor,
                double delay,
                Eigen::Ref<Eigen::VectorXcd> sum) const;
+  Eigen::VectorXcd coordinates(std::span<const std::complex<double>> h, double delay) const;
   Eigen::VectorXcd by_delay(const Eigen::VectorXcd& array) const;
+  void weigh(Eigen::Ref<Eigen::VectorXcd> array) const;
   double left_over(const Eigen::VectorXcd& expected, const Eigen::VectorXcd& y) const;
 
   OfdmGrid grid_;
+  CfrKernel cfr_;
   DelayBasis basis_;
   Aligner aligner_;
   Eigen::MatrixXcd slope_;  // d/d delay of coordinates [1/s]
+  bool weighed_ = false;
+  Eigen::MatrixXcd weight_;  // of the coordinates of one antenna; of a weighed model only
 };
 
 }  // namespace rayloc

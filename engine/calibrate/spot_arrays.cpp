@@ -13,6 +13,14 @@ ReceiverTracer tracer_at(const RoomModel& room, const AntennaArray& array) {
           {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
 }
 
+double power(const std::vector<std::complex<double>>& h) {
+  double sum = 0.0;
+  for (const std::complex<double>& value : h) {
+    sum += std::norm(value);
+  }
+  return sum;
+}
+
 }  // namespace
 
 SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
@@ -39,6 +47,16 @@ std::vector<std::complex<double>> SpotArrays::expected(const std::vector<Ray>& r
   ModelError error = access_point_.error;
   error.plan_tolerance = plan_tolerance;
   return model_.expected({rays, offsets, 0.0}, error);
+}
+
+double SpotArrays::known_share(const std::vector<Ray>& rays, double plan_tolerance) const {
+  double known = 0.0;
+  double whole = 0.0;
+  for (const Ray& ray : rays) {
+    known += power(expected({ray}, plan_tolerance));
+    whole += power(expected({ray}, 0.0));
+  }
+  return whole > 0.0 ? known / whole : 0.0;
 }
 
 std::vector<double> SpotArrays::place_phase_sigma(const Vec3d& position,

@@ -34,6 +34,10 @@ class SpotArrays {
                                              double plan_tolerance,
                                              const ArrayMotion& motion = {}) const;
 
+  // Share of the power of the rays that `expected` holds with their phases, 0 to 1: the rest
+  // arrives too, but how is beyond a plan with that tolerance.
+  double known_share(const std::vector<Ray>& rays, double plan_tolerance) const;
+
   // [rad], by how much the phase of each chain against the first is uncertain when the place is, by
   // `place_sigma` [m] along each axis: what the array does at places shifted by that much.
   std::vector<double> place_phase_sigma(const Vec3d& position,

@@ -44,6 +44,9 @@ RoomParameter stated_parameter(const Unknown& unknown,
       break;
     case Kind::kArrayPosition:
       break;
+    case Kind::kCoupling:
+      parameter.unit = "1";
+      break;
   }
   return parameter;
 }

@@ -23,10 +23,7 @@ std::vector<double> profile(const JointContext& context,
                             const JointState& state,
                             std::uint32_t unknown,
                             std::span<const double> values) {
-  std::vector<double> change(state.values.size());
-  for (std::size_t i = 0; i < change.size(); ++i) {
-    change[i] = state.values[i] - context.traced_at[i];
-  }
+  const std::vector<double> change = context.change(state.values);
   std::vector<double> moved(values.begin(), values.end());  // as changes against the traced room
   for (double& value : moved) {
     value -= context.traced_at[unknown];

@@ -73,6 +73,7 @@ class SampleBuilder {
         array_(room.access_points[site.access_point].array) {
     sample_.point = site.point;
     sample_.access_point = site.access_point;
+    sample_.coupling = unknowns.coupling(site.access_point);
   }
 
   void add_antenna(const Paths& paths, const PathDerivatives& derivatives) {

@@ -40,6 +40,7 @@ struct TracedSample {
   std::size_t access_point = 0;
   std::vector<std::vector<LinearRay>> rays;  // of each antenna
   std::vector<RayTerm> terms;
+  std::uint32_t coupling = 0;  // the first unknown of how the antennas couple
 
   std::span<const RayTerm> terms_of(const LinearRay& ray) const {
     return std::span(terms).subspan(ray.first_term, ray.end_term - ray.first_term);

@@ -1,5 +1,7 @@
 #include "engine/calibrate/wave_cycles.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -8,11 +10,28 @@ namespace {
 
 using Kind = Unknown::Kind;
 
-constexpr int kPasses = 3;  // over all surfaces, at most: one that moves can set another right
+// Of the cost: what a few more iterations gain where nothing has moved is less.
+constexpr double kLeastGain = 1.0;
+constexpr int kPasses = 8;  // over all surfaces, at most: one that moves can set another right
+constexpr std::size_t kPaired = 4;  // of the surfaces that come first, in pairs
+// Moves with which the whole room is fitted anew: those that cost least while most of it is held.
+constexpr std::size_t kFittedAnew = 4;
 
-// What can hide a wrong cycle: the surface itself, the arrays and, as JointOptions say, the survey.
+// Surfaces that are moved together, and each to which side.
+struct Move {
+  std::vector<std::uint32_t> surfaces;
+  std::vector<double> sides;
+};
+
+struct Trial {
+  JointState state;
+  double excess = 0.0;  // of its cost, most of the room held
+};
+
+// What can hide a wrong cycle: the surfaces themselves, the arrays and, as JointOptions say, the
+// survey.
 std::vector<char> released_in_trial(const RoomUnknowns& unknowns,
-                                    std::uint32_t surface,
+                                    std::span<const std::uint32_t> surfaces,
                                     std::span<const char> released) {
   std::vector<char> result(unknowns.size());
   for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
@@ -20,7 +39,9 @@ std::vector<char> released_in_trial(const RoomUnknowns& unknowns,
       case Kind::kSurfaceOffset:
       case Kind::kSurfaceGain:
       case Kind::kSurfacePhase:
-        result[i] = unknowns[i].index == surface ? released[i] : 0;
+        if (std::find(surfaces.begin(), surfaces.end(), unknowns[i].index) != surfaces.end()) {
+          result[i] = released[i];
+        }
         break;
       case Kind::kPermittivity:
       case Kind::kConductivity:
@@ -35,12 +56,132 @@ std::vector<char> released_in_trial(const RoomUnknowns& unknowns,
 
 JointState moved(const JointState& state,
                  const RoomUnknowns& unknowns,
-                 std::uint32_t surface,
-                 double by) {
+                 const Move& move,
+                 double half_wave) {
   JointState result = state;
-  result.values[unknowns.surface_offset(surface)] += by;
-  result.values[unknowns.surface_gain(surface)] = 0.0;
-  result.values[unknowns.surface_phase(surface)] = 0.0;
+  for (std::size_t i = 0; i < move.surfaces.size(); ++i) {
+    const std::uint32_t surface = move.surfaces[i];
+    result.values[unknowns.surface_offset(surface)] += move.sides[i] * half_wave;
+    result.values[unknowns.surface_gain(surface)] = 0.0;
+    result.values[unknowns.surface_phase(surface)] = 0.0;
+  }
+  return result;
+}
+
+class WaveCycleSettler {
+ public:
+  WaveCycleSettler(const JointContext& context, const WaveCycleSearch& search, JointState& state)
+      : unknowns_(context.unknowns), search_(search), problem_(context), state_(state) {}
+
+  WaveCycles run();
+
+ private:
+  bool stop();
+  bool try_single(std::vector<WaveCycle>& others);
+  bool try_pairs();
+  bool fit_anew();
+  bool try_moves(std::span<const Move> moves, std::vector<WaveCycle>* others);
+
+  const RoomUnknowns& unknowns_;
+  const WaveCycleSearch& search_;
+  JointProblem problem_;
+  JointState& state_;
+  std::vector<Trial> worse_;  // of this pass
+  bool stopped_ = false;
+};
+
+bool WaveCycleSettler::stop() {
+  stopped_ = stopped_ || (search_.go_on && !search_.go_on());
+  return stopped_;
+}
+
+// Moves of the same surfaces; whether one was better.
+bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCycle>* others) {
+  if (stopped_) {
+    return false;
+  }
+  const auto free = released_in_trial(unknowns_, moves.front().surfaces, search_.options.released);
+  JointOptions options = search_.options;
+  options.released = free;
+  // The priors that count are those of what is released.
+  double cost = problem_.cost(options, state_);
+  const JointState from = state_;
+  bool better = false;
+  for (const Move& move : moves) {
+    if (stop()) {
+      return better;
+    }
+    JointState trial = moved(from, unknowns_, move, search_.half_wave);
+    const double reached = problem_.solve(options, trial, {});
+    if (reached < cost - kLeastGain) {
+      state_ = std::move(trial);
+      cost = reached;
+      better = true;
+      continue;
+    }
+    if (others != nullptr) {
+      const std::uint32_t surface = move.surfaces.front();
+      others->push_back({surface, trial.values[unknowns_.surface_offset(surface)], reached - cost});
+    }
+    worse_.push_back({std::move(trial), reached - cost});
+  }
+  return better;
+}
+
+bool WaveCycleSettler::try_single(std::vector<WaveCycle>& others) {
+  bool better = false;
+  for (const std::uint32_t surface : search_.surfaces) {
+    const std::array<Move, 2> moves{{{{surface}, {-1.0}}, {{surface}, {1.0}}}};
+    better = try_moves(moves, &others) || better;
+  }
+  return better;
+}
+
+bool WaveCycleSettler::try_pairs() {
+  const std::size_t paired = std::min(search_.surfaces.size(), kPaired);
+  for (std::size_t a = 0; a < paired; ++a) {
+    for (std::size_t b = a + 1; b < paired; ++b) {
+      const std::vector<std::uint32_t> pair{search_.surfaces[a], search_.surfaces[b]};
+      const std::array<Move, 4> moves{
+          {{pair, {-1.0, -1.0}}, {pair, {-1.0, 1.0}}, {pair, {1.0, -1.0}}, {pair, {1.0, 1.0}}}};
+      if (try_moves(moves, nullptr)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+// The rest of the room came to terms with the wrong cycle and holds it there.
+bool WaveCycleSettler::fit_anew() {
+  std::sort(worse_.begin(), worse_.end(), [](const Trial& a, const Trial& b) {
+    return a.excess < b.excess;
+  });
+  const double cost = problem_.cost(search_.options, state_);
+  for (std::size_t i = 0; i < worse_.size() && i < kFittedAnew && !stop(); ++i) {
+    Trial& trial = worse_[i];
+    const double reached = problem_.solve(search_.options, trial.state, {});
+    if (reached < cost - kLeastGain) {
+      state_ = std::move(trial.state);
+      return true;
+    }
+  }
+  return false;
+}
+
+WaveCycles WaveCycleSettler::run() {
+  WaveCycles result;
+  bool better = true;
+  for (int pass = 0; pass < kPasses && better; ++pass) {
+    result.others.clear();
+    worse_.clear();
+    better = try_single(result.others) || try_pairs() || fit_anew();
+    result.moved = result.moved || better;
+  }
+  if (better) {  // the last pass was too short to say what else each could be
+    result.others.clear();
+    try_single(result.others);
+  }
   return result;
 }
 
@@ -49,39 +190,7 @@ JointState moved(const JointState& state,
 WaveCycles settle_wave_cycles(const JointContext& context,
                               const WaveCycleSearch& search,
                               JointState& state) {
-  const JointProblem problem(context);
-  const RoomUnknowns& unknowns = context.unknowns;
-  WaveCycles result;
-  bool better = true;
-  for (int pass = 0; pass < kPasses && better; ++pass) {
-    better = false;
-    result.others.clear();
-    for (const std::uint32_t surface : search.surfaces) {
-      const auto free = released_in_trial(unknowns, surface, search.options.released);
-      JointOptions options = search.options;
-      options.released = free;
-      // The priors that count are those of what is released.
-      double cost = problem.cost(options, state);
-      const JointState from = state;
-      for (const double side : {-1.0, 1.0}) {
-        if (search.go_on && !search.go_on()) {
-          return result;
-        }
-        JointState trial = moved(from, unknowns, surface, side * search.half_wave);
-        const double reached = problem.solve(options, trial, {});
-        if (reached < cost) {
-          state = std::move(trial);
-          cost = reached;
-          better = true;
-        } else {
-          const double offset = trial.values[unknowns.surface_offset(surface)];
-          result.others.push_back({surface, offset, reached - cost});
-        }
-      }
-    }
-    result.moved = result.moved || better;
-  }
-  return result;
+  return WaveCycleSettler(context, search, state).run();
 }
 
 void widen_by_wave_cycles(std::span<const WaveCycle> others,
@@ -90,7 +199,7 @@ void widen_by_wave_cycles(std::span<const WaveCycle> others,
                           std::vector<double>& sigma) {
   for (const WaveCycle& other : others) {
     const std::uint32_t unknown = unknowns.surface_offset(other.surface);
-    const double odds = std::exp(-other.excess);
+    const double odds = std::exp(-std::max(other.excess, 0.0));
     const double off = other.offset - state.values[unknown];
     sigma[unknown] = std::hypot(sigma[unknown], std::abs(off) * std::sqrt(odds / (1.0 + odds)));
   }

@@ -3,7 +3,10 @@
 //
 // A scan of one surface with the rest held cannot tell once the rest has come to terms with the
 // wrong cycle: the surface's own gain and phase, the survey errors and the array have taken up what
-// is left. Here these are fitted anew for the cycle on trial.
+// is left. Here these are fitted anew for the cycle on trial. Where no surface alone does better,
+// the strongest are tried in pairs (a wall can hold the wall opposite, and the array between them,
+// in the wrong place), and after that the whole room is fitted anew from the trials that cost
+// least.
 #pragma once
 
 #include <cstdint>

@@ -1,22 +1,36 @@
 #include "engine/localize/hearing.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "engine/base/median.h"
 #include "engine/observe/chain_gains.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kMotionWarning = 0.1;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+// [dB], of the mean power of the others. With all chains alive, 250 bursts of two rooms had none
+// below -18.3; without an antenna, noise and coupling leave -23 or less.
+constexpr double kDeadChain = -20.0;
+constexpr double kLeastShare = 1e-12;
 
 }  // namespace
+
+Expected<void> check_room(const RoomModel* room) {
+  if (room == nullptr || room->scene == nullptr) {
+    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
+  }
+  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
+    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
+  }
+  if (room->access_points.empty() || room->grid.size() < 2) {
+    return make_error(ErrorKind::kConfiguration, "the site has no access point or no tones");
+  }
+  return {};
+}
 
 std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point) {
   const RoomAccessPoint& ap = access_point;
@@ -53,6 +67,33 @@ std::optional<BurstObservation> hear(const RoomModel& room,
   }
   remove_gains(ap.gains, burst->h);
   return *std::move(burst);
+}
+
+std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
+  const std::size_t rows = burst.cores.size();
+  if (rows < 2) {
+    return std::nullopt;
+  }
+  std::vector<double> power(rows);
+  for (std::size_t j = 0; j < burst.h.size(); ++j) {
+    power[j / burst.grid.size()] += std::norm(burst.h[j]);
+  }
+  const auto weakest = std::min_element(power.begin(), power.end());
+  const double others = std::accumulate(power.begin(), power.end(), -*weakest);
+  const double share = *weakest * static_cast<double>(rows - 1) / others;
+  const double level_db = 10.0 * std::log10(std::max(share, kLeastShare));
+  if (!(level_db < kDeadChain)) {
+    return std::nullopt;
+  }
+  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), level_db};
+}
+
+BurstObservation without_row(BurstObservation burst, std::size_t row) {
+  const auto tones = static_cast<std::ptrdiff_t>(burst.grid.size());
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
+  burst.cores.erase(burst.cores.begin() + at);
+  return burst;
 }
 
 void HearingTally::add(const RoomAccessPoint& access_point, const BurstObservation& burst) {

@@ -8,12 +8,17 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/location_estimate.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/burst.h"
 
 namespace rayloc {
+
+// An Error when nothing can be located there, whatever is heard: no scene, empty bounds, no access
+// point, no tones.
+Expected<void> check_room(const RoomModel* room);
 
 // Why nothing can be made of what this access point hears, to follow its name; empty: nothing is
 // wrong.
@@ -27,6 +32,17 @@ std::optional<BurstObservation> hear(const RoomModel& room,
                                      std::span<const CsiFrame> frames,
                                      const BurstOptions& options,
                                      std::vector<std::string>& warnings);
+
+// The antenna whose chain is dead, as a row of the burst: 20 dB weaker than the others in the mean.
+// A fade that deep over a whole channel is rare, and a chain that is left out for one only widens
+// the region. Its chain gains must have been removed. `level_db`: how far below it is.
+struct DeadChain {
+  std::size_t row = 0;
+  double level_db = 0.0;
+};
+std::optional<DeadChain> dead_chain(const BurstObservation& burst);
+// The burst without that row.
+BurstObservation without_row(BurstObservation burst, std::size_t row);
 
 // Adds up what an estimate says of the bursts that were used for it.
 class HearingTally {

@@ -2,87 +2,106 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/base/check.h"
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
+#include "engine/localize/access_point_fusion.h"
 #include "engine/localize/hearing.h"
-#include "engine/localize/observation_model.h"
+#include "engine/localize/likelihood.h"
 #include "engine/localize/posterior.h"
-#include "engine/localize/ray.h"
+#include "engine/localize/station_map.h"
 #include "engine/observe/alignment.h"
-#include "engine/scene/scene.h"
-#include "engine/trace/path_tracer.h"
 
 namespace rayloc {
 namespace {
 
 // About this many cells a room: 5 cm in a small room, more in a large one.
-constexpr double kCells = 6000.0;
+constexpr double kCells = 12000.0;
 constexpr double kFinestStep = 0.05;  // [m]
-constexpr std::size_t kMostRays = 64;
 // Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
 // search misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;
+constexpr double kMostElsewhere = 0.5;  // more, and there is no fix
+// The best cells are looked at closely, place by place: those whose
+// tempered log-likelihood is within this of the best.
+constexpr double kRefinedMargin = 6.0;
+constexpr std::size_t kMostRefined = 100;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
 constexpr double kLeastResidual = 1e-30;
 
-// One access point that can be used, and its part of the map.
-struct Station {
-  std::size_t index;  // in RoomModel::access_points
-  ObservationModel model;
-  std::vector<Vec3d> element_offset;
-  ReceiverTracer tracer;
-  std::vector<PlaceModel> cells;
-  PlaceModel nowhere;
+// Of the places of a cell: the logarithm of the mean of their tempered likelihoods, not tempered,
+// and where their mass is.
+std::pair<double, CellMoments> summarise_places(const Lattice& lattice,
+                                                const std::vector<double>& log_likelihood,
+                                                double temper) {
+  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
+  double sum = 0.0;
+  CellMoments m;
+  for (std::size_t i = 0; i < log_likelihood.size(); ++i) {
+    const double mass = std::exp(temper * (log_likelihood[i] - top));
+    const Vec3d p = lattice.offset(i / lattice.count_y, i % lattice.count_y);
+    sum += mass;
+    m.x += mass * p.x;
+    m.y += mass * p.y;
+    m.xx += mass * p.x * p.x;
+    m.xy += mass * p.x * p.y;
+    m.yy += mass * p.y * p.y;
+  }
+  m.x /= sum;
+  m.y /= sum;
+  m.xx = m.xx / sum - m.x * m.x + lattice.step_x * lattice.step_x / 12.0;
+  m.xy = m.xy / sum - m.x * m.y;
+  m.yy = m.yy / sum - m.y * m.y + lattice.step_y * lattice.step_y / 12.0;
+  return {top + std::log(sum / static_cast<double>(log_likelihood.size())) / temper, m};
+}
+
+// What every access point says of every cell, above being nowhere in particular.
+struct StationMaps {
+  std::vector<double> nowhere;            // [array], log-likelihood of that
+  std::vector<std::vector<double>> cell;  // [array][cell]
 };
 
-std::vector<Vec3d> offsets_of(const AntennaArray& array) {
-  std::vector<Vec3d> offsets;
-  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    offsets.push_back(element_position(array, i) - array.pose.position);
-  }
-  return offsets;
-}
-
-Receiver centre_of(const AntennaArray& array) {
-  return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
-}
+// Cells by what is known of them.
+struct RoomMap {
+  std::vector<double> log_likelihood;      // [cell]
+  std::vector<CellMoments> within;         // [cell]
+  std::vector<std::vector<double>> doubt;  // [array][cell], that the access point is wrong there
+};
 
 }  // namespace
 
 class Localizer::Impl {
  public:
-  Impl(std::shared_ptr<const RoomModel> room, const LocalizerOptions& options)
-      : room_(std::move(room)), options_(options), grid_(make_grid(*room_)) {}
+  Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
+      : room_(std::move(room)), options_(std::move(options)), grid_(make_grid(*room_)) {}
 
   void build() {
-    const PathTracer tracer(room_->scene, room_->trace);
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
       const RoomAccessPoint& ap = room_->access_points[i];
-      const std::string problem = calibration_problem(*room_, ap);
+      std::string problem = calibration_problem(*room_, ap);
+      if (problem.empty() && ap.cores.size() < least_antennas()) {
+        problem = "has a single antenna, and there is no ratio of one";
+      }
       if (!problem.empty()) {
         warnings_.push_back("access point " + ap.id + " " + problem);
         continue;
       }
-      stations_.push_back({i,
-                           ObservationModel(room_->grid, ap.cores.size()),
-                           offsets_of(ap.array),
-                           tracer.at(centre_of(ap.array)),
-                           {},
-                           {}});
-      build_cells(stations_.back());
+      index_.push_back(i);
+      stations_.push_back(std::make_unique<const StationMap>(
+          StationMap::Source{room_, i, grid_, options_.likelihood}, options_.path_grids.get()));
     }
   }
 
   Hearing hear_burst(std::span<const CsiFrame> frames) const;
-  // far_below: taken from the cells that are not looked at closely.
-  std::vector<double> map_of(const std::vector<HeardArray>& heard, double far_below) const;
+  Evidence evidence(const Hearing& hearing) const;
   LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
   const RoomModel& room() const { return *room_; }
   const RoomGrid& grid() const { return grid_; }
@@ -97,52 +116,71 @@ class Localizer::Impl {
             room.device.height,
             std::max(kFinestStep, std::sqrt(area / kCells))};
   }
-
-  std::vector<Ray> rays_to(const Station& station, const Vec3d& position) const {
-    const DeviceModel& device = room_->device;
-    const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
-    return rays_of(station.tracer.trace(transmitter), *room_, position, kMostRays);
-  }
-
-  void build_cells(Station& station) const {
-    const ModelError& error = room_->access_points[station.index].error;
-    station.nowhere = station.model.nowhere(error);
-    station.cells.resize(grid_.size());
-    const double size = std::sqrt(grid_.step_x * grid_.step_y);
-    parallel_for(grid_.size(), 16, [&](std::size_t cell) {
-      const auto rays = rays_to(station, grid_.centre(cell));
-      station.cells[cell] = station.model.place({rays, station.element_offset, size}, error);
-    });
-  }
+  std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
   std::vector<HeardArray> listen(std::span<const CsiFrame> frames,
                                  LocationEstimate& estimate) const;
   std::optional<HeardArray> heard_by(std::size_t number,
-                                     const BurstObservation& burst,
+                                     BurstObservation& burst,
                                      LocationEstimate& estimate) const;
+  StationMaps maps_of(const std::vector<HeardArray>& heard, double far_below) const;
+  Lattice lattice() const;
+  std::vector<std::vector<double>> places_of(std::size_t cell,
+                                             const Lattice& lattice,
+                                             const std::vector<HeardArray>& heard,
+                                             const std::vector<double>& nowhere) const;
+  void refine(const std::vector<HeardArray>& heard,
+              const StationMaps& maps,
+              const AccessPointFusion& fusion,
+              double temper,
+              RoomMap& map) const;
+  void keep_explained(std::vector<HeardArray>& heard,
+                      StationMaps& maps,
+                      LocationEstimate& estimate) const;
+  RoomMap fuse(const StationMaps& maps, const AccessPointFusion& fusion) const;
+  void warn_of_doubtful(const std::vector<HeardArray>& heard,
+                        const RoomMap& map,
+                        double temper,
+                        LocationEstimate& estimate) const;
+  std::vector<double> faults(const std::vector<HeardArray>& heard) const {
+    std::vector<double> result(heard.size(), options_.faults.access_point);
+    return result;
+  }
   double model_residual(const std::vector<HeardArray>& heard, const Vec3d& position) const;
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
   RoomGrid grid_;
-  std::vector<Station> stations_;
+  std::vector<std::unique_ptr<const StationMap>> stations_;
+  std::vector<std::size_t> index_;  // of each station, in RoomModel::access_points
   std::vector<std::string> warnings_;
 };
 
-// Of a burst that is a channel of this room.
+// Of a burst that is a channel of this room. A dead chain is left out of the burst.
 std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
-                                                    const BurstObservation& burst,
+                                                    BurstObservation& burst,
                                                     LocationEstimate& estimate) const {
-  const Station& station = stations_[number];
-  const RoomAccessPoint& ap = room_->access_points[station.index];
-  HeardArray heard{number, station.model.observe(burst.h), burst.h, 1.0};
-  if (heard.observed.captured < kLeastCaptured) {
+  const StationMap* station = stations_[number].get();
+  const RoomAccessPoint& ap = station->access_point();
+  if (const auto dead = dead_chain(burst)) {
+    estimate.warnings.push_back("access point " + ap.id + ": the chain of core " +
+                                std::to_string(burst.cores[dead->row]) + " is dead (" +
+                                std::to_string(std::lround(dead->level_db)) +
+                                " dB of the others; an antenna is off?); it is left out");
+    if (station->antennas() <= least_antennas()) {
+      return std::nullopt;
+    }
+    burst = without_row(std::move(burst), dead->row);
+    station = &station->without(dead->row);
+  }
+  HeardArray heard{number, station, station->observe(burst.h), burst.h, 1.0};
+  if (heard.observed.array.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
   // The map's covariances hold the model's noise only; a weak burst counts less.
-  const double in_basis = burst.noise_variance * static_cast<double>(station.model.dimension()) /
+  const double in_basis = burst.noise_variance * static_cast<double>(station->dimension()) /
                           static_cast<double>(heard.h.size());
   heard.weight = ap.error.noise / (ap.error.noise + in_basis);
   return heard;
@@ -153,12 +191,10 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
   std::vector<HeardArray> heard;
   HearingTally tally;
   for (std::size_t number = 0; number < stations_.size(); ++number) {
-    const Station& station = stations_[number];
-    const auto burst =
-        rayloc::hear(*room_, station.index, frames, options_.burst, estimate.warnings);
+    auto burst = rayloc::hear(*room_, index_[number], frames, options_.burst, estimate.warnings);
     auto one = burst ? heard_by(number, *burst, estimate) : std::nullopt;
     if (one) {
-      tally.add(room_->access_points[station.index], *burst);
+      tally.add(stations_[number]->access_point(), *burst);
       heard.push_back(*std::move(one));
     }
   }
@@ -166,35 +202,122 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
   return heard;
 }
 
-// Log-likelihood of every cell above that of being nowhere in particular.
-std::vector<double> Localizer::Impl::map_of(const std::vector<HeardArray>& heard,
-                                            double far_below) const {
-  std::vector<double> nowhere;
-  nowhere.reserve(heard.size());
+// Cells near the best of all access points together, and near the best of each, are looked at
+// closely; far_below is taken from the others.
+StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard, double far_below) const {
+  StationMaps maps;
   for (const HeardArray& one : heard) {
-    nowhere.push_back(
-        ObservationModel::log_likelihood(stations_[one.station].nowhere, one.observed));
+    maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
-  const auto sum = [&](std::size_t cell, auto log_likelihood) {
-    double total = 0.0;
+  maps.cell.assign(heard.size(), std::vector<double>(grid_.size()));
+  std::vector<double> sum(grid_.size());
+  const auto above = [&](std::size_t i, double log_likelihood) {
+    return heard[i].weight * (log_likelihood - maps.nowhere[i]);
+  };
+  parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
-      const PlaceModel& place = stations_[heard[i].station].cells[cell];
-      if (place.reachable) {
-        total += heard[i].weight * (log_likelihood(place, heard[i].observed) - nowhere[i]);
+      const StationMap& station = *heard[i].map;
+      if (station.is_reachable(cell)) {
+        maps.cell[i][cell] = above(i, station.coarse_log_likelihood(cell, heard[i].observed));
+      }
+      sum[cell] += maps.cell[i][cell];
+    }
+  });
+  const double least = *std::max_element(sum.begin(), sum.end()) - kCoarseMargin;
+  std::vector<double> least_of_one;
+  for (const std::vector<double>& one : maps.cell) {
+    least_of_one.push_back(*std::max_element(one.begin(), one.end()) - kCoarseMargin);
+  }
+  parallel_for(grid_.size(), 64, [&](std::size_t cell) {
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      double& value = maps.cell[i][cell];
+      if (sum[cell] < least && value < least_of_one[i]) {
+        value -= far_below;
+      } else if (heard[i].map->is_reachable(cell)) {
+        value = above(i, heard[i].map->log_likelihood(cell, heard[i].observed));
       }
     }
-    return total;
-  };
-  std::vector<double> map(grid_.size());
-  parallel_for(map.size(), 64, [&](std::size_t cell) {
-    map[cell] = sum(cell, ObservationModel::coarse_log_likelihood);
   });
-  const double least = *std::max_element(map.begin(), map.end()) - kCoarseMargin;
-  parallel_for(map.size(), 64, [&](std::size_t cell) {
-    map[cell] =
-        map[cell] >= least ? sum(cell, ObservationModel::log_likelihood) : map[cell] - far_below;
+  return maps;
+}
+
+Lattice Localizer::Impl::lattice() const {
+  const double most = NearbyLikelihood::kPlaceDistance * kSpeedOfLight / room_->grid.centre_hz;
+  Lattice result;
+  result.count_x = static_cast<std::size_t>(std::ceil(grid_.step_x / most));
+  result.count_y = static_cast<std::size_t>(std::ceil(grid_.step_y / most));
+  result.step_x = grid_.step_x / static_cast<double>(result.count_x);
+  result.step_y = grid_.step_y / static_cast<double>(result.count_y);
+  return result;
+}
+
+// Log-likelihoods of the places of a cell, [place][array]; empty where the likelihood does not tell
+// them apart.
+std::vector<std::vector<double>> Localizer::Impl::places_of(
+    std::size_t cell,
+    const Lattice& lattice,
+    const std::vector<HeardArray>& heard,
+    const std::vector<double>& nowhere) const {
+  std::vector<std::vector<double>> places(lattice.size(), std::vector<double>(heard.size()));
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    if (!heard[i].map->is_reachable(cell)) {
+      continue;
+    }
+    const auto nearby = heard[i].map->nearby(cell, heard[i].observed);
+    if (nearby == nullptr) {
+      return {};
+    }
+    const auto values = nearby->on(lattice);
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      places[j][i] = heard[i].weight * (values[j] - nowhere[i]);
+    }
+  }
+  return places;
+}
+
+// Looks closely at the best cells: their log-likelihood becomes that of the mean over their places.
+void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
+                             const StationMaps& maps,
+                             const AccessPointFusion& fusion,
+                             double temper,
+                             RoomMap& map) const {
+  std::vector<double>& cells = map.log_likelihood;
+  std::vector<std::size_t> order(cells.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const std::size_t most = std::min(kMostRefined, order.size());
+  std::partial_sort(order.begin(),
+                    order.begin() + static_cast<std::ptrdiff_t>(most),
+                    order.end(),
+                    [&](std::size_t a, std::size_t b) {
+                      return cells[a] > cells[b] || (cells[a] == cells[b] && a < b);
+                    });
+  order.resize(most);
+  while (cells[order.back()] < cells[order.front()] - kRefinedMargin / temper) {
+    order.pop_back();
+  }
+  const Lattice lattice_of_cell = lattice();
+  parallel_for(order.size(), 1, [&](std::size_t n) {
+    const std::size_t cell = order[n];
+    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere);
+    if (places.empty()) {
+      return;
+    }
+    std::vector<double> fused;
+    fused.reserve(places.size());
+    for (const std::vector<double>& place : places) {
+      fused.push_back(fusion.log_likelihood(place));
+    }
+    const auto [log_mean, moments] = summarise_places(lattice_of_cell, fused, temper);
+    cells[cell] = log_mean;
+    map.within[cell] = moments;
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      double doubt = 0.0;
+      for (std::size_t j = 0; j < places.size(); ++j) {
+        doubt += std::exp(temper * (fused[j] - log_mean)) * fusion.faulty(i, places[j][i]);
+      }
+      map.doubt[i][cell] = doubt / static_cast<double>(places.size());
+    }
   });
-  return map;
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
@@ -202,11 +325,7 @@ double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
   double residual = 0.0;
   const Aligner aligner(room_->grid);
   for (const HeardArray& one : heard) {
-    const Station& station = stations_[one.station];
-    const auto rays = rays_to(station, position);
-    const auto expected = station.model.expected({rays, station.element_offset, 0.0},
-                                                 room_->access_points[station.index].error);
-    residual += 1.0 - aligner.align(expected, one.h).correlation;
+    residual += 1.0 - aligner.align(one.map->expected(position), one.h).correlation;
   }
   return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
 }
@@ -228,37 +347,123 @@ Hearing Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
   return hearing;
 }
 
+// Leaves out what no place explains; nothing is left when no access point is explained by any.
+void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
+                                     StationMaps& maps,
+                                     LocationEstimate& estimate) const {
+  for (std::size_t i = heard.size(); i-- > 0;) {
+    const double best = *std::max_element(maps.cell[i].begin(), maps.cell[i].end());
+    if (best > 0.0) {
+      continue;
+    }
+    estimate.reason = "no place of the room explains the burst better than diffuse scattering";
+    estimate.loss = -best;
+    estimate.warnings.push_back("access point " + heard[i].map->access_point().id + ": " +
+                                estimate.reason);
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    heard.erase(heard.begin() + at);
+    maps.cell.erase(maps.cell.begin() + at);
+    maps.nowhere.erase(maps.nowhere.begin() + at);
+  }
+}
+
+RoomMap Localizer::Impl::fuse(const StationMaps& maps, const AccessPointFusion& fusion) const {
+  RoomMap map;
+  map.log_likelihood.resize(grid_.size());
+  map.within.assign(grid_.size(), uniform_moments(grid_));
+  map.doubt.assign(fusion.size(), std::vector<double>(grid_.size()));
+  parallel_for(grid_.size(), 256, [&](std::size_t cell) {
+    std::vector<double> of_each(fusion.size());
+    for (std::size_t i = 0; i < of_each.size(); ++i) {
+      of_each[i] = maps.cell[i][cell];
+      map.doubt[i][cell] = fusion.faulty(i, of_each[i]);
+    }
+    map.log_likelihood[cell] = fusion.log_likelihood(of_each);
+  });
+  return map;
+}
+
+void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
+                                       const RoomMap& map,
+                                       double temper,
+                                       LocationEstimate& estimate) const {
+  if (heard.size() < 2) {
+    return;
+  }
+  const double log_sum = log_mean_exp(map.log_likelihood, temper) +
+                         std::log(static_cast<double>(map.log_likelihood.size()));
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    double doubt = 0.0;
+    for (std::size_t cell = 0; cell < map.log_likelihood.size(); ++cell) {
+      doubt += std::exp(temper * map.log_likelihood[cell] - log_sum) * map.doubt[i][cell];
+    }
+    if (doubt > 0.5) {
+      estimate.warnings.push_back("access point " + heard[i].map->access_point().id +
+                                  " contradicts the others: it is covered, was moved or has "
+                                  "changed; what it hears is not believed");
+    }
+  }
+}
+
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, double temper) const {
   Hearing hearing = hear_burst(frames);
   LocationEstimate& estimate = hearing.estimate;
   if (hearing.arrays.empty()) {
     return std::move(estimate);
   }
-  const auto map = map_of(hearing.arrays, kFarBelow);
-  const double best = *std::max_element(map.begin(), map.end());
-  if (best <= 0.0) {
-    estimate.reason = "no place of the room explains the burst better than diffuse scattering";
-    estimate.loss = -best;
+  StationMaps maps = maps_of(hearing.arrays, kFarBelow);
+  keep_explained(hearing.arrays, maps, estimate);
+  if (hearing.arrays.empty()) {
     return std::move(estimate);
   }
-  summarise_posterior(
-      grid_, map, {temper, options_.accuracy_confidence, options_.max_hypotheses}, estimate);
+  estimate.reason.clear();
+  const AccessPointFusion fusion(maps.cell, temper, faults(hearing.arrays));
+  RoomMap map = fuse(maps, fusion);
+  refine(hearing.arrays, maps, fusion, temper, map);
+  const double elsewhere =
+      fusion.elsewhere(log_mean_exp(map.log_likelihood, temper), options_.faults.elsewhere);
+  if (elsewhere > kMostElsewhere) {
+    estimate.reason =
+        "what the access points hear contradicts each other: the device is not in "
+        "the area, or more than one of them has changed";
+    return std::move(estimate);
+  }
+  summarise_posterior(grid_,
+                      map.log_likelihood,
+                      {temper,
+                       options_.accuracy_confidence,
+                       options_.max_hypotheses,
+                       elsewhere,
+                       room_->least_sigma},
+                      estimate,
+                      map.within);
   if (estimate.position) {
+    warn_of_doubtful(hearing.arrays, map, temper, estimate);
     estimate.model_residual_db = model_residual(hearing.arrays, *estimate.position);
   }
   return std::move(estimate);
 }
 
+Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
+  std::vector<HeardArray> heard = hearing.arrays;
+  StationMaps maps = maps_of(heard, 0.0);
+  LocationEstimate unused;
+  keep_explained(heard, maps, unused);
+  if (heard.empty()) {
+    return {};
+  }
+  const double temper = room_->temper;
+  const AccessPointFusion fusion(maps.cell, temper, faults(heard));
+  Evidence result{fuse(maps, fusion).log_likelihood, 0.0};
+  result.elsewhere =
+      fusion.elsewhere(log_mean_exp(result.log_likelihood, temper), options_.faults.elsewhere);
+  return result;
+}
+
 Expected<Localizer> Localizer::create(std::shared_ptr<const RoomModel> room,
                                       const LocalizerOptions& options) {
-  if (room == nullptr || room->scene == nullptr) {
-    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
-  }
-  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
-    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
-  }
-  if (room->access_points.empty() || room->grid.size() < 2) {
-    return make_error(ErrorKind::kConfiguration, "the site has no access point or no tones");
+  if (auto checked = check_room(room.get()); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
   }
   auto impl = std::make_unique<Impl>(std::move(room), options);
   impl->build();
@@ -280,9 +485,9 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames, double temp
 Hearing Localizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear_burst(frames);
 }
-std::vector<double> Localizer::log_likelihood(const Hearing& hearing) const {
+Localizer::Evidence Localizer::evidence(const Hearing& hearing) const {
   RAYLOC_CHECK(!hearing.arrays.empty());
-  return impl_->map_of(hearing.arrays, 0.0);
+  return impl_->evidence(hearing);
 }
 
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }

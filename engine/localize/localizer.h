@@ -1,5 +1,5 @@
 // Localizer: from a burst of frames of one transmitter, heard by any number of access points, to a
-// position with its uncertainty. The method `partial` of METHODS B2, B3, B7 on a grid of the room.
+// position with its uncertainty: a likelihood of METHODS B2 on a grid of the room (B3, B7).
 //
 //   auto localizer = Localizer::create(room, {});
 //   LocationEstimate estimate = localizer->locate(frames_of_one_transmitter);
@@ -18,30 +18,38 @@
 
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/localize/access_point_fusion.h"
+#include "engine/localize/likelihood.h"
 #include "engine/localize/location_estimate.h"
-#include "engine/localize/observation_model.h"
+#include "engine/localize/path_grid.h"
 #include "engine/localize/posterior.h"
 #include "engine/localize/room_model.h"
+#include "engine/localize/station_map.h"
 #include "engine/observe/burst.h"
 
 namespace rayloc {
 
 struct LocalizerOptions {
+  LikelihoodKind likelihood = LikelihoodKind::kPartial;
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
   BurstOptions burst;
+  FaultPrior faults;
+  // Keeps what create() traces for the next time; null: nothing is kept. Used by create() alone.
+  std::shared_ptr<PathGridStore> path_grids;
 };
 
 // A burst as one access point heard it, its chain gains removed.
 struct HeardArray {
-  std::size_t station = 0;  // number among the access points that the localizer can use
-  ObservedArray observed;
-  std::vector<std::complex<double>> h;  // [core][tone], up to one complex factor and one delay
+  std::size_t station = 0;          // number among the access points that the localizer can use
+  const StationMap* map = nullptr;  // of the antennas that work; the localizer's
+  ObservedBurst observed;
+  std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
   double weight = 1.0;                  // of its log-likelihood; 1 when noise is negligible
 };
 
 struct Hearing {
-  std::vector<HeardArray> arrays;  // empty: nothing usable, estimate.reason says why
+  std::vector<HeardArray> arrays;  // of one Localizer; empty: nothing usable, see estimate.reason
   LocationEstimate estimate;       // times, counts and warnings, no position
 };
 
@@ -61,10 +69,15 @@ class Localizer {
   LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
 
   Hearing hear(std::span<const CsiFrame> frames) const;
-  // Of every cell of grid(), relative to the device being nowhere in particular, not tempered.
-  // Cells that are far from the best are known less precisely, as a lower bound.
-  // REQUIRES: hearing.arrays is not empty.
-  std::vector<double> log_likelihood(const Hearing& hearing) const;
+  // What a burst says of every cell of grid(). Cells that are far from the best are known less
+  // precisely, as a lower bound. REQUIRES: hearing.arrays is not empty.
+  struct Evidence {
+    // Relative to the device being nowhere in particular, not tempered; empty when no place
+    // explains the burst.
+    std::vector<double> log_likelihood;
+    double elsewhere = 0.0;  // probability that the burst says nothing of the place
+  };
+  Evidence evidence(const Hearing& hearing) const;
   const RoomGrid& grid() const;
 
   const RoomModel& room() const;

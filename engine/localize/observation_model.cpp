@@ -20,6 +20,7 @@ constexpr double kDelayStep = 1.5e-9;  // [s]
 constexpr double kEarliest = -12e-9;
 constexpr double kDiffuseDecay = 18e-9;    // [s]
 constexpr double kDiffuseReference = 3.0;  // [m]
+constexpr float kLeastPower = 1e-12F;
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
 constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
 
@@ -57,54 +58,60 @@ PlaceModel factorise(const Eigen::MatrixXcd& sigma, const Eigen::VectorXcd& mu) 
   return place;
 }
 
-// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| at the best gain r.
-std::array<double, ObservedArray::kBlockSize> profile(const PlaceModel& place,
-                                                      const ObservedArray::Block& block) {
-  constexpr std::size_t kSize = ObservedArray::kBlockSize;
-  ObservedArray::Row power{};     // |W y|^2
-  ObservedArray::Row along_re{};  // (W mu)^H W y
-  ObservedArray::Row along_im{};
-  const std::size_t size = place.mean.size();
-  const std::complex<float>* w = place.whitener.data();
-  for (std::size_t i = 0; i < size; ++i) {
-    ObservedArray::Row re{};
-    ObservedArray::Row im{};
-    for (std::size_t j = 0; j <= i; ++j, ++w) {
-      const float a = w->real();
-      const float b = w->imag();
-      const ObservedArray::Row& y_re = block.re[j];
-      const ObservedArray::Row& y_im = block.im[j];
-      for (std::size_t t = 0; t < kSize; ++t) {
-        re[t] += a * y_re[t] - b * y_im[t];
-        im[t] += a * y_im[t] + b * y_re[t];
+// What is not traced, into the lower triangle: `diffuse` times the covariance R of one antenna, and
+// `noise` in all.
+void add_rest(double diffuse,
+              double noise,
+              const std::vector<Value>& covariance,
+              Eigen::MatrixXcd& sigma) {
+  const auto q = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(covariance.size()))));
+  for (Index m = 0; m < sigma.rows(); m += q) {
+    for (Index i = 0; i < q; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        sigma(m + i, m + j) += diffuse * covariance[static_cast<std::size_t>(i * q + j)];
       }
-    }
-    const float m_re = place.mean[i].real();
-    const float m_im = place.mean[i].imag();
-    for (std::size_t t = 0; t < kSize; ++t) {
-      power[t] += re[t] * re[t] + im[t] * im[t];
-      along_re[t] += m_re * re[t] + m_im * im[t];
-      along_im[t] += m_re * im[t] - m_im * re[t];
+      sigma(m + i, m + i) += noise / static_cast<double>(sigma.rows());
     }
   }
-  const auto d = static_cast<double>(size);
-  std::array<double, kSize> values{};
-  for (std::size_t t = 0; t < kSize; ++t) {
-    const double a = std::max<double>(static_cast<double>(power[t]), 1e-12);
-    const auto b_re = static_cast<double>(along_re[t]);
-    const auto b_im = static_cast<double>(along_im[t]);
-    const double b = std::sqrt(b_re * b_re + b_im * b_im);
-    const double r = (b + std::sqrt(b * b + 4.0 * a * d)) / (2.0 * a);
-    values[t] = 2.0 * d * std::log(r) - a * r * r + 2.0 * b * r;
+}
+
+// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| at the best gain r.
+LaneRow profile(const PlaceModel& place, const ObservedArray::Block& block) {
+  LaneSums along;  // (W y)^H W mu
+  LaneRow power =
+      whiten(place.whitener.data(), block.re, block.im, place.mean, std::span(&along, 1));
+  for (float& one : power) {
+    one = std::max(one, kLeastPower);
+  }
+  return at_best_gain(power, along, place.mean.size());
+}
+
+// The same in the order of the delays.
+std::array<double, ObservedArray::kDelays> profiles(const PlaceModel& place,
+                                                    const ObservedArray& observed) {
+  std::array<double, ObservedArray::kDelays> values{};
+  for (std::size_t b = 0; b < ObservedArray::kBlocks; ++b) {
+    const auto block = profile(place, observed.blocks[b]);
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      values[i * ObservedArray::kBlocks + b] = static_cast<double>(block[i]);
+    }
   }
   return values;
 }
 
 }  // namespace
 
-ObservationModel::ObservationModel(const OfdmGrid& grid, std::size_t antennas)
+std::size_t best_delay(const PlaceModel& place, const ObservedArray& observed) {
+  const auto values = profiles(place, observed);
+  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+}
+
+ObservationModel::ObservationModel(const OfdmGrid& grid,
+                                   std::size_t antennas,
+                                   PathKnowledge knowledge)
     : grid_(grid),
       antennas_(antennas),
+      knowledge_(knowledge),
       wave_number_(2.0 * std::numbers::pi * grid.centre_hz / kSpeedOfLight),
       basis_(grid),
       diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {}
@@ -122,66 +129,79 @@ double ObservationModel::coherence(const Ray& ray,
   return std::exp(-0.5 * variance);
 }
 
+ObservationModel::Parts ObservationModel::parts(const Ray& ray,
+                                                const Ray& first,
+                                                double cell_size,
+                                                const ModelError& error) const {
+  if (knowledge_ == PathKnowledge::kPower) {
+    return {0.0, 1.0};
+  }
+  if (knowledge_ == PathKnowledge::kFull) {
+    ModelError exact = error;
+    exact.plan_tolerance = 0.0;
+    const double known = coherence(ray, first, cell_size, exact);
+    return {known, 1.0 - known * known};
+  }
+  const double known = coherence(ray, first, cell_size, error);
+  return {known, 1.0 - known * known + error.strength * strength_variance(ray.reflections)};
+}
+
+ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
+                                                       const ModelError& error) const {
+  const Ray& first = first_of(place.rays);
+  RayTerms terms;
+  terms.first_length = first.length;
+  double power = 0.0;
+  for (const Ray& ray : place.rays) {
+    power += std::norm(ray.amplitude);
+  }
+  const double scale = 1.0 / std::sqrt(power * static_cast<double>(antennas_));
+  std::vector<Value> tone(basis_.size());
+  terms.parts.reserve(place.rays.size());
+  terms.tone.reserve(place.rays.size() * tone.size());
+  for (const Ray& ray : place.rays) {
+    terms.parts.push_back(parts(ray, first, place.cell_size, error));
+    basis_.tone((ray.length - first.length) / kSpeedOfLight, tone);
+    for (const Value& value : tone) {
+      terms.tone.push_back(scale * ray.amplitude * value);
+    }
+  }
+  return terms;
+}
+
 PlaceModel ObservationModel::place(const Place& place, const ModelError& error) const {
   if (place.rays.empty()) {
     return {};
   }
   RAYLOC_CHECK(place.element_offset.size() == antennas_);
-  const auto q = static_cast<Index>(basis_.size());
+  const RayTerms terms = ray_terms(place, error);
+  const std::size_t q = basis_.size();
   const auto size = static_cast<Index>(dimension());
-  const Ray& first = first_of(place.rays);
-  double power = 0.0;
-  for (const Ray& ray : place.rays) {
-    power += std::norm(ray.amplitude);
-  }
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
   Eigen::VectorXcd mu = Eigen::VectorXcd::Zero(size);
   Eigen::VectorXcd s(size);
-  std::vector<Value> tone(basis_.size());
-  const double per_antenna = 1.0 / std::sqrt(static_cast<double>(antennas_));
-  for (const Ray& ray : place.rays) {
-    basis_.tone((ray.length - first.length) / kSpeedOfLight, tone);
-    const Value amplitude = ray.amplitude / std::sqrt(power);
+  for (std::size_t p = 0; p < place.rays.size(); ++p) {
+    const Ray& ray = place.rays[p];
     for (std::size_t m = 0; m < antennas_; ++m) {
       const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
-      const Value phase =
-          amplitude * std::polar(per_antenna, -wave_number_ * (length - first.length));
-      for (Index i = 0; i < q; ++i) {
-        s(static_cast<Index>(m) * q + i) = phase * tone[static_cast<std::size_t>(i)];
+      const Value phase = std::polar(1.0, -wave_number_ * (length - terms.first_length));
+      for (std::size_t i = 0; i < q; ++i) {
+        s(static_cast<Index>(m * q + i)) = phase * terms.tone[p * q + i];
       }
     }
-    const double known = coherence(ray, first, place.cell_size, error);
-    const double unknown = 1.0 - known * known + strength_variance(ray.reflections);
-    mu += known * s;
-    sigma.noalias() += unknown * s * s.adjoint();
+    mu += terms.parts[p].known * s;
+    sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, terms.parts[p].unknown);
   }
   const double diffuse =
-      error.diffuse * std::pow(first.length / kDiffuseReference, error.diffuse_exponent);
-  for (Index m = 0; m < size; m += q) {
-    for (Index i = 0; i < q; ++i) {
-      for (Index j = 0; j <= i; ++j) {
-        sigma(m + i, m + j) +=
-            diffuse * per_antenna * per_antenna * diffuse_[static_cast<std::size_t>(i * q + j)];
-      }
-      sigma(m + i, m + i) += error.noise / static_cast<double>(size);
-    }
-  }
+      error.diffuse * std::pow(terms.first_length / kDiffuseReference, error.diffuse_exponent);
+  add_rest(diffuse / static_cast<double>(antennas_), error.noise, diffuse_, sigma);
   return factorise(sigma, mu);
 }
 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
-  const auto q = static_cast<Index>(basis_.size());
   const auto size = static_cast<Index>(dimension());
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
-  for (Index m = 0; m < size; m += q) {
-    for (Index i = 0; i < q; ++i) {
-      for (Index j = 0; j < q; ++j) {
-        sigma(m + i, m + j) =
-            diffuse_[static_cast<std::size_t>(i * q + j)] / static_cast<double>(antennas_);
-      }
-      sigma(m + i, m + i) += error.noise / static_cast<double>(size);
-    }
-  }
+  add_rest(1.0 / static_cast<double>(antennas_), error.noise, diffuse_, sigma);
   return factorise(sigma, Eigen::VectorXcd::Zero(size));
 }
 
@@ -271,13 +291,7 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
 }
 
 double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedArray& observed) {
-  std::array<double, ObservedArray::kBlocks * ObservedArray::kBlockSize> values{};
-  for (std::size_t b = 0; b < ObservedArray::kBlocks; ++b) {
-    const auto block = profile(place, observed.blocks[b]);
-    for (std::size_t i = 0; i < block.size(); ++i) {
-      values[i * ObservedArray::kBlocks + b] = block[i];
-    }
-  }
+  const auto values = profiles(place, observed);
   const auto best =
       static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
   double peak = values[best];
@@ -295,8 +309,8 @@ double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedA
 double ObservationModel::coarse_log_likelihood(const PlaceModel& place,
                                                const ObservedArray& observed) {
   const auto block = profile(place, observed.blocks[ObservedArray::kBlocks / 2]);
-  return *std::max_element(block.begin(), block.end()) - static_cast<double>(place.mean_power) -
-         static_cast<double>(place.log_determinant);
+  return static_cast<double>(*std::max_element(block.begin(), block.end())) -
+         static_cast<double>(place.mean_power) - static_cast<double>(place.log_determinant);
 }
 
 std::vector<Value> ObservationModel::expected(const Place& place, const ModelError& error) const {

@@ -17,12 +17,14 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "engine/base/vec3.h"
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
+#include "engine/localize/lane_kernel.h"
 #include "engine/localize/ray.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/burst.h"
@@ -33,14 +35,21 @@ namespace rayloc {
 struct ObservedArray {
   // Delays 1.5 ns apart in kBlocks interleaved blocks: entry i of block b is delay i kBlocks + b.
   static constexpr std::size_t kBlocks = 4;
-  static constexpr std::size_t kBlockSize = 8;
-  using Row = std::array<float, kBlockSize>;
+  static constexpr std::size_t kBlockSize = kLaneCount;
+  static constexpr std::size_t kDelays = kBlocks * kBlockSize;
+  using Row = LaneRow;
   struct Block {
     std::vector<Row> re;  // [coordinate][delay]
     std::vector<Row> im;
   };
   std::array<Block, kBlocks> blocks;
   double captured = 0.0;  // largest share of the power that lies in the basis
+
+  std::complex<double> value(std::size_t coordinate, std::size_t delay) const {
+    const Block& block = blocks[delay % kBlocks];
+    return {static_cast<double>(block.re[coordinate][delay / kBlocks]),
+            static_cast<double>(block.im[coordinate][delay / kBlocks])};
+  }
 };
 
 // Distribution of the measurement at one place: the inverse Cholesky factor W of Sigma, and W mu.
@@ -52,9 +61,22 @@ struct PlaceModel {
   bool reachable = false;        // there is a ray
 };
 
+// How much of a ray is known. With v_p the unknown share of its power, mu = sum sqrt(1 - v_p) a_p
+// s_p: the limits of the partial model are v_p = 0 and v_p = 1 for all rays.
+enum class PathKnowledge : std::uint8_t {
+  kPartial,
+  kFull,   // sigma_s = 0, u_p = 0: the correlation with what is expected
+  kPower,  // c_p = 0, u_p = 0: nothing depends on the rays' phases
+};
+
+// The delay of ObservedArray that fits best.
+std::size_t best_delay(const PlaceModel& place, const ObservedArray& observed);
+
 class ObservationModel {
  public:
-  ObservationModel(const OfdmGrid& grid, std::size_t antennas);
+  ObservationModel(const OfdmGrid& grid,
+                   std::size_t antennas,
+                   PathKnowledge knowledge = PathKnowledge::kPartial);
 
   // cell_size: how far the device may be from the place in x and in y, full width [m]; 0 at a
   // surveyed point.
@@ -64,6 +86,22 @@ class ObservationModel {
     double cell_size = 0.0;
   };
   PlaceModel place(const Place& place, const ModelError& error) const;
+
+  // Of a ray's mean what is known, and of its power what is not: c_p and 1 - c_p^2 + u_p.
+  struct Parts {
+    double known;
+    double unknown;
+  };
+  // What a place is made of, for places nearby. REQUIRES: place.rays not empty.
+  struct RayTerms {
+    std::vector<Parts> parts;  // [ray]
+    // a_p and the delay, power 1 in all, without the phase of the length:
+    // [ray][coordinate of one antenna].
+    std::vector<std::complex<double>> tone;
+    double first_length = 0.0;  // [m], of the ray that arrives first; phases count from it
+  };
+  RayTerms ray_terms(const Place& place, const ModelError& error) const;
+  double wave_number() const { return wave_number_; }  // [rad/m]
 
   // Nothing known but the diffuse tail: what every place is compared with.
   PlaceModel nowhere(const ModelError& error) const;
@@ -82,6 +120,7 @@ class ObservationModel {
   std::size_t dimension() const { return antennas_ * basis_.size(); }
 
  private:
+  Parts parts(const Ray& ray, const Ray& first, double cell_size, const ModelError& error) const;
   double first_delay(std::span<const std::complex<double>> h) const;
   double coherence(const Ray& ray,
                    const Ray& first,
@@ -90,6 +129,7 @@ class ObservationModel {
 
   OfdmGrid grid_;
   std::size_t antennas_;
+  PathKnowledge knowledge_;
   double wave_number_;  // [rad/m], at the centre
   DelayBasis basis_;
   std::vector<std::complex<double>> diffuse_;  // R of one antenna, [q][q]

@@ -36,19 +36,6 @@ Expected<void> check(const PaperLocalizerOptions& options) {
   return validate(options.csi.smoothing);
 }
 
-Expected<void> check(const RoomModel* room) {
-  if (room == nullptr || room->scene == nullptr) {
-    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
-  }
-  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
-    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
-  }
-  if (room->access_points.empty() || room->grid.size() < 2) {
-    return make_error(ErrorKind::kConfiguration, "the site has no access point or no tones");
-  }
-  return {};
-}
-
 PlanBounds bounds_of(const RoomModel& room) {
   const auto inside = [](double least, double most) {
     const double margin = std::min(kMargin, 0.5 * (most - least));
@@ -91,9 +78,10 @@ class PaperLocalizer::Impl {
     }
   }
 
-  LocationEstimate locate(std::span<const CsiFrame> frames) const;
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
   std::optional<LossInPlan> loss(std::span<const CsiFrame> frames, const Vec3d& position) const;
   const RoomModel& room() const { return *room_; }
+  std::uint64_t seed() const { return options_.seed; }
 
  private:
   struct End {
@@ -106,7 +94,7 @@ class PaperLocalizer::Impl {
   PaperPositionLoss loss_of(std::span<const PaperMeasurement> measured) const {
     return {*room_, csi_loss_, measured, options_.centre_weight};
   }
-  End run(const PaperPositionLoss& loss, Timestamp time, std::size_t start) const;
+  End run(const PaperPositionLoss& loss, std::mt19937_64 random, std::size_t start) const;
 
   std::shared_ptr<const RoomModel> room_;
   PaperLocalizerOptions options_;
@@ -133,9 +121,8 @@ std::vector<PaperMeasurement> PaperLocalizer::Impl::listen(std::span<const CsiFr
 }
 
 PaperLocalizer::Impl::End PaperLocalizer::Impl::run(const PaperPositionLoss& loss,
-                                                    Timestamp time,
+                                                    std::mt19937_64 random,
                                                     std::size_t start) const {
-  std::mt19937_64 random = random_of(options_.seed, time, start);
   std::uniform_real_distribution<double> along_x(bounds_.min.x, bounds_.max.x);
   std::uniform_real_distribution<double> along_y(bounds_.min.y, bounds_.max.y);
   const double x = along_x(random);
@@ -149,7 +136,8 @@ PaperLocalizer::Impl::End PaperLocalizer::Impl::run(const PaperPositionLoss& los
   return {end, loss.at(end).value};
 }
 
-LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames) const {
+LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames,
+                                              std::uint64_t seed) const {
   LocationEstimate estimate;
   estimate.warnings = warnings_;
   estimate.is_uncertainty_stated = false;
@@ -165,7 +153,9 @@ LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames) 
   }
   const PaperPositionLoss loss = loss_of(measured);
   std::vector<End> ends(options_.starts);
-  parallel_for(ends.size(), 1, [&](std::size_t i) { ends[i] = run(loss, frames.front().time, i); });
+  parallel_for(ends.size(), 1, [&](std::size_t i) {
+    ends[i] = run(loss, random_of(seed, frames.front().time, i), i);
+  });
   const End& best = *std::min_element(
       ends.begin(), ends.end(), [](const End& a, const End& b) { return a.loss < b.loss; });
   estimate.loss = best.loss;
@@ -195,7 +185,7 @@ Expected<PaperLocalizer> PaperLocalizer::create(std::shared_ptr<const RoomModel>
   if (auto valid = check(options); !valid) {
     return tl::make_unexpected(std::move(valid.error()));
   }
-  if (auto valid = check(room.get()); !valid) {
+  if (auto valid = check_room(room.get()); !valid) {
     return tl::make_unexpected(std::move(valid.error()));
   }
   return PaperLocalizer(std::make_unique<const Impl>(std::move(room), options));
@@ -207,7 +197,12 @@ PaperLocalizer::PaperLocalizer(PaperLocalizer&&) noexcept = default;
 PaperLocalizer& PaperLocalizer::operator=(PaperLocalizer&&) noexcept = default;
 
 LocationEstimate PaperLocalizer::locate(std::span<const CsiFrame> frames) const {
-  return impl_->locate(frames);
+  return impl_->locate(frames, impl_->seed());
+}
+
+LocationEstimate PaperLocalizer::locate(std::span<const CsiFrame> frames,
+                                        std::uint64_t seed) const {
+  return impl_->locate(frames, seed);
 }
 
 std::optional<LossInPlan> PaperLocalizer::loss(std::span<const CsiFrame> frames,

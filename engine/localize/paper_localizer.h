@@ -57,6 +57,8 @@ class PaperLocalizer {
   // bounds, 1 cm inside. Without one, `reason` says why: nothing usable was heard, or the descent
   // ended where no path leads to any access point.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
+  // With another seed than that of the options: for studies of many random starts.
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
 
   // The loss of these frames at a position: for tests and studies. Nothing when no access point
   // heard them.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -10,15 +9,14 @@
 namespace rayloc {
 namespace {
 
-constexpr double kKernel = 0.1;            // [m], standard deviation
-constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
-constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
-constexpr double kLeastWeight = 0.02;      // of a hypothesis worth stating
-constexpr double kAmbiguousRatio = 0.3;    // weight of the second hypothesis to the first
-constexpr double kMostSpread = 0.5;        // of the room's area: past that the map is flat
-// Survey of the access points and of the plan, left in every estimate [m].
-constexpr double kLeastSigma = 0.01;
-constexpr double kHeightSigma = 0.05;  // [m], of the assumed height
+constexpr double kKernel = 0.1;             // [m], standard deviation
+constexpr double kPeakRadius = 0.15;        // [m], the position is the mean within it
+constexpr double kHypothesisRadius = 0.3;   // [m], mass that belongs to one hypothesis
+constexpr double kLeastWeight = 0.02;       // of a hypothesis worth stating
+constexpr double kAmbiguousRatio = 0.3;     // weight of the second hypothesis to the first
+constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
+constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
+constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
 
 // exp(temper * (l - max)), normalised to 1.
 std::vector<double> weights_of(const std::vector<double>& log_likelihood, double temper) {
@@ -83,57 +81,71 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-struct Moments {
-  double mass = 0.0;
-  Vec3d mean;
-  std::array<double, 9> covariance{};  // about `mean`, or about what was asked for
+// The posterior: masses of the cells of a grid, and where in each.
+struct Masses {
+  const RoomGrid& grid;
+  std::vector<double> mass;
+  std::span<const CellMoments> within;  // empty: uniform
+  CellMoments uniform;
+  double least_sigma;
+
+  const CellMoments& moments(std::size_t i) const { return within.empty() ? uniform : within[i]; }
+  Vec3d position(std::size_t i) const {
+    const CellMoments& m = moments(i);
+    return grid.centre(i) + Vec3d{m.x, m.y, 0.0};
+  }
 };
 
-// Second moments about `about` of the cells for which `take` holds.
+struct Mean {
+  double mass = 0.0;
+  Vec3d position;
+};
+
+// Of the cells for which `take` holds.
 template <typename Take>
-Moments moments_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
-  Moments result;
+Mean mean_of(const Masses& masses, const Take& take) {
+  Mean result;
   double x = 0.0;
   double y = 0.0;
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    if (mass[i] > 0.0 && take(i)) {
-      const Vec3d p = grid.centre(i);
-      result.mass += mass[i];
-      x += mass[i] * p.x;
-      y += mass[i] * p.y;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = masses.mass[i];
+    if (mass > 0.0 && take(i)) {
+      const Vec3d p = masses.position(i);
+      result.mass += mass;
+      x += mass * p.x;
+      y += mass * p.y;
     }
   }
   if (result.mass > 0.0) {
-    result.mean = {x / result.mass, y / result.mass, grid.first.z};
+    result.position = {x / result.mass, y / result.mass, masses.grid.first.z};
   }
   return result;
 }
 
 template <typename Take>
-std::array<double, 9> covariance_about(const RoomGrid& grid,
-                                       const std::vector<double>& mass,
-                                       const Vec3d& about,
-                                       const Take& take) {
+std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about, const Take& take) {
   double sum = 0.0;
   double xx = 0.0;
   double xy = 0.0;
   double yy = 0.0;
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    if (mass[i] > 0.0 && take(i)) {
-      const Vec3d d = grid.centre(i) - about;
-      sum += mass[i];
-      xx += mass[i] * d.x * d.x;
-      xy += mass[i] * d.x * d.y;
-      yy += mass[i] * d.y * d.y;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = masses.mass[i];
+    if (mass > 0.0 && take(i)) {
+      const Vec3d d = masses.position(i) - about;
+      const CellMoments& m = masses.moments(i);
+      sum += mass;
+      xx += mass * (d.x * d.x + m.xx);
+      xy += mass * (d.x * d.y + m.xy);
+      yy += mass * (d.y * d.y + m.yy);
     }
   }
-  const double least = kLeastSigma * kLeastSigma;
+  const double least = masses.least_sigma * masses.least_sigma;
   const double scale = sum > 0.0 ? 1.0 / sum : 0.0;
-  return {scale * xx + grid.step_x * grid.step_x / 12.0 + least,
+  return {scale * xx + least,
           scale * xy,
           0.0,
           scale * xy,
-          scale * yy + grid.step_y * grid.step_y / 12.0 + least,
+          scale * yy + least,
           0.0,
           0.0,
           0.0,
@@ -141,14 +153,15 @@ std::array<double, 9> covariance_about(const RoomGrid& grid,
 }
 
 // The radius about `centre` that holds `confidence` of the mass, widened by what a cell hides.
-double radius_of(const RoomGrid& grid,
-                 const std::vector<double>& mass,
-                 const Vec3d& centre,
-                 double confidence) {
+double radius_of(const Masses& masses, const Vec3d& centre, double confidence) {
   std::vector<std::pair<double, double>> by_distance;  // distance, mass
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    if (mass[i] > 1e-12) {
-      by_distance.emplace_back(horizontal_distance(grid.centre(i), centre), mass[i]);
+  double variance = masses.least_sigma * masses.least_sigma;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = masses.mass[i];
+    if (mass > 1e-12) {
+      by_distance.emplace_back(horizontal_distance(masses.position(i), centre), mass);
+      const CellMoments& m = masses.moments(i);
+      variance += 0.5 * mass * (m.xx + m.yy);
     }
   }
   std::sort(by_distance.begin(), by_distance.end());
@@ -161,8 +174,6 @@ double radius_of(const RoomGrid& grid,
       break;
     }
   }
-  const double variance =
-      (grid.step_x * grid.step_x + grid.step_y * grid.step_y) / 24.0 + kLeastSigma * kLeastSigma;
   // Radius of a circular Gaussian at that confidence.
   const double hidden = std::sqrt(-2.0 * std::log(1.0 - confidence) * variance);
   return std::hypot(radius, hidden);
@@ -178,26 +189,24 @@ double effective_cells(const std::vector<double>& mass) {
   return std::exp(entropy);
 }
 
-void add_hypotheses(const RoomGrid& grid,
-                    std::vector<double> mass,
-                    std::size_t most,
-                    LocationEstimate& estimate) {
+void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
+  const double believed = 1.0 - options.outlier;
   double left = 1.0;
-  while (estimate.hypotheses.size() < most) {
-    const Vec3d peak = grid.centre(peak_of(grid, mass));
+  while (estimate.hypotheses.size() < options.max_hypotheses) {
+    const Vec3d peak = masses.grid.centre(peak_of(masses.grid, masses.mass));
     const auto near = [&](std::size_t i) {
-      return horizontal_distance(grid.centre(i), peak) <= kHypothesisRadius;
+      return horizontal_distance(masses.grid.centre(i), peak) <= kHypothesisRadius;
     };
-    const Moments moments = moments_of(grid, mass, near);
-    if (moments.mass < kLeastWeight) {
+    const Mean mean = mean_of(masses, near);
+    if (mean.mass < kLeastWeight) {
       break;
     }
     estimate.hypotheses.push_back(
-        {moments.mean, covariance_about(grid, mass, moments.mean, near), moments.mass});
-    left -= moments.mass;
-    for (std::size_t i = 0; i < mass.size(); ++i) {
+        {mean.position, covariance_about(masses, mean.position, near), believed * mean.mass});
+    left -= believed * mean.mass;
+    for (std::size_t i = 0; i < masses.mass.size(); ++i) {
       if (near(i)) {
-        mass[i] = 0.0;
+        masses.mass[i] = 0.0;
       }
     }
   }
@@ -220,32 +229,45 @@ RoomGrid::RoomGrid(const Vec3d& bounds_min, const Vec3d& bounds_max, double heig
   first = {bounds_min.x + 0.5 * step_x, bounds_min.y + 0.5 * step_y, height};
 }
 
+CellMoments uniform_moments(const RoomGrid& grid) {
+  return {0.0, 0.0, grid.step_x * grid.step_x / 12.0, 0.0, grid.step_y * grid.step_y / 12.0};
+}
+
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
-                         LocationEstimate& estimate) {
+                         LocationEstimate& estimate,
+                         std::span<const CellMoments> within) {
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
-  const auto mass = weights_of(log_likelihood, options.temper);
-  if (effective_cells(mass) > kMostSpread * static_cast<double>(grid.size())) {
+  RAYLOC_CHECK(within.empty() || within.size() == grid.size());
+  const Masses masses{grid,
+                      weights_of(log_likelihood, options.temper),
+                      within,
+                      uniform_moments(grid),
+                      options.least_sigma};
+  if (effective_cells(masses.mass) > kMostSpread * static_cast<double>(grid.size())) {
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }
-  const Vec3d peak = grid.centre(peak_of(grid, mass));
+  const Vec3d peak = grid.centre(peak_of(grid, masses.mass));
   const auto near = [&](std::size_t i) {
     return horizontal_distance(grid.centre(i), peak) <= kPeakRadius;
   };
-  const Vec3d position = moments_of(grid, mass, near).mean;
+  const Vec3d position = mean_of(masses, near).position;
   estimate.position = position;
-  estimate.covariance = covariance_about(grid, mass, position, [](std::size_t) { return true; });
+  estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
   estimate.accuracy_confidence = options.accuracy_confidence;
-  estimate.accuracy_m = radius_of(grid, mass, position, options.accuracy_confidence);
-  add_hypotheses(grid, mass, options.max_hypotheses, estimate);
+  estimate.accuracy_m =
+      radius_of(masses,
+                position,
+                std::min(options.accuracy_confidence / (1.0 - options.outlier), kMostConfidence));
+  add_hypotheses(masses, options, estimate);
   estimate.ambiguous =
       estimate.hypotheses.size() > 1 &&
       estimate.hypotheses[1].weight > kAmbiguousRatio * estimate.hypotheses[0].weight;
   double top = log_likelihood.front();
   bool found = false;
-  for (std::size_t i = 0; i < mass.size(); ++i) {
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
     if (near(i) && (!found || log_likelihood[i] > top)) {
       top = log_likelihood[i];
       found = true;

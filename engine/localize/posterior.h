@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "engine/base/vec3.h"
@@ -31,19 +32,34 @@ struct RoomGrid {
   }
 };
 
+// Where in a cell its mass is: the mean's offset from the centre [m] and the covariance about it.
+struct CellMoments {
+  double x = 0.0;
+  double y = 0.0;
+  double xx = 0.0;  // [m^2]
+  double xy = 0.0;
+  double yy = 0.0;
+};
+// Anywhere in the cell.
+CellMoments uniform_moments(const RoomGrid& grid);
+
 struct PosteriorOptions {
   double temper = 1.0;  // exponent of the likelihood
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
+  // Probability that the map says nothing of the place: left over, whatever the map says.
+  double outlier = 0.0;
+  double least_sigma = 0.01;  // [m], added to what the map says (RoomModel::least_sigma)
 };
 
 // Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
 // estimate. The position is the maximum of the posterior mass in a kernel of 0.1 m, not the highest
 // cell: a spike is more often wrong than a hill. Without a position, `reason` says that the map is
-// flat.
+// flat. `within`: of every cell; empty: all are uniform.
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
-                         LocationEstimate& estimate);
+                         LocationEstimate& estimate,
+                         std::span<const CellMoments> within = {});
 
 }  // namespace rayloc

@@ -8,6 +8,7 @@
 #include <complex>
 #include <vector>
 
+#include "engine/base/mat3.h"
 #include "engine/base/vec3.h"
 #include "engine/localize/room_model.h"
 #include "engine/trace/paths.h"
@@ -23,7 +24,24 @@ struct Ray {
   // Sum over the reflections of cos^2 of the angle of incidence: a surface displaced by s along its
   // normal changes the length by 2 s cos.
   double cos2_incidence = 0.0;
+  // Turns what is about the array into its mirror image, as the device sees it:
+  // at_device = -(mirror * at_array).
+  Mat3<float> mirror;
 };
+
+// From the device to the image of an element that is `element_offset` [m] from the array's centre.
+// The image stays where it is when the device moves, as long as the ray meets the same surfaces:
+// from a place `moved` beside the device's the way is image_of(...) - moved, and the derivative of
+// its length is minus its direction (Fermat).
+inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
+  const Vec3<float> offset{static_cast<float>(element_offset.x),
+                           static_cast<float>(element_offset.y),
+                           static_cast<float>(element_offset.z)};
+  const Vec3<float> turned = ray.mirror * offset;
+  return ray.length * ray.at_device + Vec3d{static_cast<double>(turned.x),
+                                            static_cast<double>(turned.y),
+                                            static_cast<double>(turned.z)};
+}
 
 // The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at
 // most `most`, each with the corrections of the surfaces that it meets.

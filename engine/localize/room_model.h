@@ -28,6 +28,7 @@ struct ModelError {
   double diffuse = 0.05;          // power of what is not traced at 3 m, share of the traced power
   double diffuse_exponent = 0.0;  // it grows with distance to this power
   double noise = 2e-3;            // share of the power that no part of the model explains
+  double strength = 1.0;          // of the usual uncertainty of a ray's power; 0: known exactly
 };
 
 struct RoomAccessPoint {
@@ -60,6 +61,9 @@ struct RoomModel {
   // Exponent of the likelihood: what is wrong with the model is wrong in the same way all over the
   // burst, so the raw likelihood is too sure of itself.
   double temper = 0.6;
+  // [m], each axis, standard deviation: what the survey of the access points and the plan leave in
+  // every position, however sharp the likelihood is.
+  double least_sigma = 0.01;
   TraceOptions trace = {.max_depth = kRayDepth};  // of the rays that the likelihood knows
   // Of each surface of the scene: what everything that it reflects is multiplied by, because no
   // slab of one material behaves like it; empty: 1.

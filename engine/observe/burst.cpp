@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/observe/alignment.h"
+#include "engine/observe/unit_power.h"
 
 namespace rayloc {
 namespace {
@@ -64,17 +65,6 @@ Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request)
     }
   }
   return reading;
-}
-
-void scale_to_unit(std::vector<Value>& values) {
-  double power = 0.0;
-  for (const Value& v : values) {
-    power += std::norm(v);
-  }
-  const double scale = std::sqrt(static_cast<double>(values.size()) / power);
-  for (Value& v : values) {
-    v *= scale;
-  }
 }
 
 std::vector<Value> mean_of(const std::vector<Reading>& readings,

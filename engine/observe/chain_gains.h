@@ -18,11 +18,18 @@ struct ChainGains {
   OfdmGrid grid;
   std::vector<std::uint8_t> cores;
   std::vector<std::complex<double>> gain;  // [core][tone], mean square 1
+  // Mutual coupling of the antennas before the gains, the same at all tones: [core][core], what a
+  // core takes from each field, 1 of its own. Empty: none.
+  std::vector<std::complex<double>> coupling;
 
   bool empty() const { return gain.empty(); }
 };
 
-// h / gain in place, 0 where a chain is dead. REQUIRES: h is [core][tone] as the gains are.
+// What the antennas take from each other, in place. REQUIRES: h is [core][any].
+void apply_coupling(const ChainGains& gains, std::span<std::complex<double>> h);
+
+// The field at the antennas in place: h / gain, 0 where a chain is dead, and the coupling undone.
+// REQUIRES: h is [core][tone] as the gains are; no other core takes as much of a field as its own.
 void remove_gains(const ChainGains& gains, std::span<std::complex<double>> h);
 
 }  // namespace rayloc

@@ -106,4 +106,8 @@ double winding_number(const Mesh& mesh, const Vec3d& point) {
   return sum / (2.0 * std::numbers::pi);
 }
 
+bool is_inside(const Mesh& mesh, const Vec3d& point) {
+  return std::abs(winding_number(mesh, point)) > 0.5;
+}
+
 }  // namespace rayloc

@@ -22,4 +22,8 @@ Solid classify_solid(const Mesh& mesh);
 // on a face, an edge or a corner.
 double winding_number(const Mesh& mesh, const Vec3d& point);
 
+// Whether a shell is around the point. Of a mesh that is not closed: whether it is more around the
+// point than not.
+bool is_inside(const Mesh& mesh, const Vec3d& point);
+
 }  // namespace rayloc

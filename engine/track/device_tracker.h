@@ -13,7 +13,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
@@ -31,6 +33,20 @@ struct DeviceTrackerOptions {
   std::size_t max_tracks = 256;  // a flood of made-up addresses costs no more memory
 };
 
+// moments = used + out_of_order + unusable + unexplained; begun = lost + tracks now.
+struct TrackerCounters {
+  std::uint64_t begun = 0;    // tracks
+  std::uint64_t lost = 0;     // tracks
+  std::uint64_t moments = 0;  // measurements given to tracks
+  std::uint64_t used = 0;     // that led to an estimate; the others by MomentRefusal
+  std::uint64_t out_of_order = 0;
+  std::uint64_t unusable = 0;
+  std::uint64_t unexplained = 0;
+  std::uint64_t refused = 0;  // bursts beyond DeviceTrackerOptions::max_tracks
+
+  TrackerCounters& operator+=(const TrackerCounters& other);
+};
+
 struct DeviceUpdate {
   MacAddress device;
   FilteredEstimate estimate;
@@ -41,16 +57,21 @@ class DeviceTracker {
   DeviceTracker(std::shared_ptr<const Localizer> localizer, DeviceTrackerOptions options);
 
   // Appends an estimate for every moment of the burst. `frames`: of `device`, in order of time.
+  // `heard_since`: the device has not been silent since then, earlier bursts were left out; its
+  // first frame when nothing is stated.
   void hear(const MacAddress& device,
             std::span<const CsiFrame> frames,
-            std::vector<DeviceUpdate>& updates);
+            std::vector<DeviceUpdate>& updates,
+            std::optional<Timestamp> heard_since = std::nullopt);
 
   // No frame before `now` comes any more: appends where the silent ones may be, forgets the lost.
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
 
+  // Every track ends, for that reason: time may go back.
+  void restart(const std::string& reason, std::vector<DeviceUpdate>& updates);
+
   std::size_t size() const { return tracks_.size(); }
-  std::uint64_t out_of_order() const { return out_of_order_; }  // moments refused
-  std::uint64_t refused() const { return refused_; }            // bursts beyond max_tracks
+  const TrackerCounters& counters() const { return counters_; }
 
  private:
   struct Entry {
@@ -60,14 +81,16 @@ class DeviceTracker {
   using Tracks = std::map<MacAddress, Entry>;
 
   // States what is due before `until`; false when the track is lost.
-  bool coast(Tracks::value_type& track, Timestamp until, std::vector<DeviceUpdate>& updates) const;
+  bool coast(Tracks::value_type& track, Timestamp until, std::vector<DeviceUpdate>& updates);
+  void hear_moment(Tracks::value_type& track,
+                   std::span<const CsiFrame> frames,
+                   std::vector<DeviceUpdate>& updates);
 
   std::shared_ptr<const Localizer> localizer_;
   std::shared_ptr<const FreeSpace> space_;
   DeviceTrackerOptions options_;
   Tracks tracks_;
-  std::uint64_t out_of_order_ = 0;
-  std::uint64_t refused_ = 0;
+  TrackerCounters counters_;
 };
 
 }  // namespace rayloc

@@ -1,17 +1,12 @@
 #include "engine/track/free_space.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "engine/base/parallel.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
 namespace {
-
-bool is_inside(const Mesh& mesh, const Vec3d& point) {
-  return std::abs(winding_number(mesh, point)) > 0.5;
-}
 
 std::vector<const Mesh*> things_of(const Scene& scene, const std::vector<Vec3d>& inside) {
   std::vector<const Mesh*> things;

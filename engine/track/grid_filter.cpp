@@ -129,7 +129,7 @@ void GridFilter::weigh_change(double change) {
   normalise();
 }
 
-void GridFilter::update(std::span<const double> log_likelihood, double exponent) {
+void GridFilter::update(std::span<const double> log_likelihood, double exponent, double elsewhere) {
   RAYLOC_CHECK(log_likelihood.size() == space_->grid.size() && exponent >= 0.0);
   const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   std::vector<double> likelihood(log_likelihood.size());
@@ -142,10 +142,11 @@ void GridFilter::update(std::span<const double> log_likelihood, double exponent)
       cells += 1.0;
     }
   }
+  const double outlier = std::clamp(elsewhere, motion_.outlier, 1.0);
   // Over the mean of the free cells, so that numbers stay near 1.
-  const double scale = sum > 0.0 ? (1.0 - motion_.outlier) * cells / sum : 0.0;
+  const double scale = sum > 0.0 ? (1.0 - outlier) * cells / sum : 0.0;
   for (std::size_t i = 0; i < likelihood.size(); ++i) {
-    const auto value = static_cast<float>(scale * likelihood[i] + motion_.outlier);
+    const auto value = static_cast<float>(scale * likelihood[i] + outlier);
     for (Mode& mode : modes_) {
       mode.mass[i] *= value;
     }

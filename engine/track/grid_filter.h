@@ -39,7 +39,7 @@ class GridFilter {
   void weigh_change(double change);
 
   // What a burst says of every cell; `exponent` tempers it.
-  void update(std::span<const double> log_likelihood, double exponent);
+  void update(std::span<const double> log_likelihood, double exponent, double elsewhere = 0.0);
 
   std::vector<double> mass() const;  // of all modes, sums to 1
   double standing() const;           // probability

@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kLeastWeight = 0.02;  // of a burst that is worth working out the map for
 constexpr double kLeastMass = 1e-300;
+constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
 std::vector<double> logarithm(std::vector<double> mass) {
@@ -28,42 +29,61 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
       aligner_(localizer_->room().grid),
       filter_(std::move(space), options.motion) {}
 
-// Mean over the access points that heard both bursts; as by a move when none did.
-double Track::change_of(const Hearing& hearing) const {
+// Share of the power that differs from the last burst, mean over the access points that heard both.
+std::optional<double> Track::change_of(const Hearing& hearing) const {
   double sum = 0.0;
   double count = 0.0;
   for (const HeardArray& now : hearing.arrays) {
     for (const HeardArray& before : last_) {
-      if (now.station == before.station) {
+      if (now.station == before.station && now.h.size() == before.h.size()) {
         sum += 1.0 - aligner_.align(before.h, now.h).correlation;
         count += 1.0;
       }
     }
   }
-  return count > 0.0 ? std::clamp(sum / (count * options_.moved_change), 0.0, 1.0) : 1.0;
+  return count > 0.0 ? std::optional(std::max(sum / count, kLeastChange)) : std::nullopt;
+}
+
+// 0: no more has changed than by noise and the radio, 1: the device must have moved.
+double Track::motion_of(double change, const Hearing& hearing) const {
+  // What lies outside the delays of a room is noise, and both bursts have it.
+  double noise = 0.0;
+  for (const HeardArray& heard : hearing.arrays) {
+    noise +=
+        2.0 * (1.0 - heard.observed.array.captured) / static_cast<double>(hearing.arrays.size());
+  }
+  return std::clamp(
+      std::log(change / (options_.still_change + noise)) / std::log(options_.walking_ratio),
+      0.0,
+      1.0);
 }
 
 // False when no place of the room explains the burst.
-bool Track::weigh(const Hearing& hearing) {
-  const double change = change_of(hearing);
-  const double credit = credit_ * (1.0 - change);
-  const double weight = options_.exponent * (1.0 - credit);
+bool Track::weigh(const Hearing& hearing, Duration elapsed) {
+  const std::optional<double> change = change_of(hearing);
+  const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
+  const double credit = credit_ * (1.0 - novelty);
+  const double share =
+      bursts_ == 0 ? 1.0 : std::min(1.0, to_seconds(elapsed) / to_seconds(options_.evidence_time));
+  const double weight = share * (1.0 - credit);
+  Localizer::Evidence evidence;
+  const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    const auto map = localizer_->log_likelihood(hearing);
-    if (*std::max_element(map.begin(), map.end()) <= 0.0) {
+    evidence = localizer_->evidence(hearing);
+    if (map.empty()) {
       return false;
     }
-    if (bursts_ > 0) {
-      filter_.weigh_change(change);
-    }
-    filter_.update(map, weight * localizer_->room().temper);
-    credit_ = credit + weight;
+  }
+  if (change) {
+    filter_.weigh_change(motion_of(*change, hearing));
+  }
+  credit_ = credit;
+  if (!map.empty()) {
+    filter_.update(map, weight * localizer_->room().temper, evidence.elsewhere);
+    credit_ += weight;
     const auto mass = filter_.mass();
     const auto peak = std::max_element(mass.begin(), mass.end()) - mass.begin();
     loss_ = -map[static_cast<std::size_t>(peak)];
-  } else {
-    filter_.weigh_change(change);
-    credit_ = credit;
   }
   last_ = hearing.arrays;
   ++bursts_;
@@ -93,7 +113,11 @@ FilteredEstimate Track::summarise(LocationEstimate location) const {
   location.reason.clear();
   summarise_posterior(localizer_->grid(),
                       logarithm(filter_.mass()),
-                      {1.0, location.accuracy_confidence, localizer_->options().max_hypotheses},
+                      {1.0,
+                       location.accuracy_confidence,
+                       localizer_->options().max_hypotheses,
+                       0.0,
+                       localizer_->room().least_sigma},
                       location);
   location.loss = loss_;
   estimate.location = std::move(location);
@@ -130,19 +154,19 @@ void Track::remember(FilteredEstimate& estimate) {
   estimate.velocity = (1.0 / spread) * product;
 }
 
-std::optional<FilteredEstimate> Track::hear(std::span<const CsiFrame> frames) {
+tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFrame> frames) {
   Hearing hearing = localizer_->hear(frames);
   const Timestamp time = hearing.estimate.time;
   if (state_ && time <= time_) {
-    ++out_of_order_;
-    return std::nullopt;
+    return tl::make_unexpected(MomentRefusal::kOutOfOrder);
   }
   if (hearing.arrays.empty()) {
-    return std::nullopt;
+    return tl::make_unexpected(MomentRefusal::kUnusable);
   }
+  const Duration elapsed = time - heard_;
   advance(time);
-  if (!weigh(hearing)) {
-    return std::nullopt;
+  if (!weigh(hearing, elapsed)) {
+    return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   heard_ = time;
   FilteredEstimate estimate = summarise(std::move(hearing.estimate));
@@ -157,20 +181,33 @@ std::optional<FilteredEstimate> Track::hear(std::span<const CsiFrame> frames) {
   return estimate;
 }
 
+FilteredEstimate Track::predict(Timestamp time) {
+  advance(time);
+  fixes_.clear();
+  LocationEstimate location;
+  location.accuracy_confidence = localizer_->options().accuracy_confidence;
+  location.time = time;
+  location.capture_start = heard_;
+  location.capture_end = heard_;
+  FilteredEstimate estimate = summarise(std::move(location));
+  estimate.predicted = true;
+  return estimate;
+}
+
+FilteredEstimate Track::end(std::string reason) {
+  // Later than the last estimate: what is said of an instant has one name (event_id).
+  const Timestamp time = time_ + std::chrono::microseconds(1);
+  FilteredEstimate estimate = predict(time);
+  enter(TrackState::kLost, time, std::move(reason), estimate);
+  return estimate;
+}
+
 std::optional<FilteredEstimate> Track::coast(Timestamp now) {
   if (!state_ || now < time_ || *state_ == TrackState::kLost ||
       now - heard_ < options_.coast_after) {
     return std::nullopt;
   }
-  advance(now);
-  fixes_.clear();
-  LocationEstimate location;
-  location.accuracy_confidence = localizer_->options().accuracy_confidence;
-  location.time = now;
-  location.capture_start = heard_;
-  location.capture_end = heard_;
-  FilteredEstimate estimate = summarise(std::move(location));
-  estimate.predicted = true;
+  FilteredEstimate estimate = predict(now);
   const Duration silence = now - heard_;
   const bool tentative = *state_ == TrackState::kTentative;
   if (silence >= (tentative ? options_.forget_after : options_.lose_after)) {

@@ -4,18 +4,19 @@
 //                                    ^-------heard---------'
 //
 // Time is that of the frames; nothing here reads a clock. METHODS B6: successive bursts share what
-// is wrong with the model, so each counts with a part of the weight that a snapshot has, and bursts
-// through the same channel count together as one snapshot at most.
+// is wrong with the model, so they are not evidence of their own however fast they come: a walker's
+// add up to one snapshot in `evidence_time`, and those through the same channel to one at most.
 #pragma once
 
 #include <complex>
-#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/localizer.h"
@@ -29,10 +30,17 @@ enum class TrackState { kTentative, kConfirmed, kCoasting, kLost };
 
 struct TrackOptions {
   MotionModel motion;
-  double exponent = 0.5;  // of a burst's likelihood, beside RoomModel::temper
+  // For which what is wrong with the model stays the same along a walk: the bursts within it weigh
+  // as much as one snapshot, at any rate of frames.
+  Duration evidence_time = std::chrono::milliseconds(300);
   // Share of the power that differs between two bursts when the device has moved by a quarter of
   // the wavelength: that of a room where three quarters of the power come the direct way.
   double moved_change = 0.25;
+  // Share of the power that differs between two bursts of a device at rest, beyond their noise: its
+  // radio's own changes. From `walking_ratio` times as much on, the device certainly walks: even
+  // where nearly all power comes the direct way, steps of a few centimetres change more.
+  double still_change = 0.005;
+  double walking_ratio = 5.0;
   std::size_t confirming_bursts = 5;
   Duration coast_after = std::chrono::milliseconds(500);  // unheard, a track coasts
   Duration forget_after = std::chrono::seconds(1);        // unheard, a tentative track is lost
@@ -44,6 +52,13 @@ struct TrackTransition {
   std::optional<TrackState> before;  // nothing: the track begins
   TrackState after = TrackState::kTentative;
   std::string reason;
+};
+
+// Why a moment gave no estimate.
+enum class MomentRefusal {
+  kOutOfOrder,   // not later than what the track has seen
+  kUnusable,     // no access point heard anything that can be used
+  kUnexplained,  // no place of the room explains it
 };
 
 struct FilteredEstimate {
@@ -62,17 +77,17 @@ class Track {
         std::shared_ptr<const FreeSpace> space,
         const TrackOptions& options);
 
-  // Frames of the target within a moment that it does not move in. Nothing when they say nothing
-  // (Localizer::hear) or are not later than what the track has seen (`out_of_order()`).
-  std::optional<FilteredEstimate> hear(std::span<const CsiFrame> frames);
+  // Frames of the target within a moment that it does not move in.
+  tl::expected<FilteredEstimate, MomentRefusal> hear(std::span<const CsiFrame> frames);
 
   // It is `now` and the target has been silent. Nothing unless it coasts, or is lost for good.
   std::optional<FilteredEstimate> coast(Timestamp now);
 
+  // The track ends as if it had not been heard for too long, for that reason. REQUIRES: state().
+  FilteredEstimate end(std::string reason);
+
   // Nothing before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
-
-  std::uint64_t out_of_order() const { return out_of_order_; }
 
  private:
   struct Fix {
@@ -80,10 +95,12 @@ class Track {
     Vec3d position;
   };
 
-  double change_of(const Hearing& hearing) const;
-  bool weigh(const Hearing& hearing);
+  std::optional<double> change_of(const Hearing& hearing) const;
+  double motion_of(double change, const Hearing& hearing) const;
+  bool weigh(const Hearing& hearing, Duration elapsed);
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
+  FilteredEstimate predict(Timestamp time);
   FilteredEstimate summarise(LocationEstimate location) const;
   void remember(FilteredEstimate& estimate);
 
@@ -99,7 +116,6 @@ class Track {
   double loss_ = 0.0;                // at the last position
   std::vector<HeardArray> last_;     // of the last usable burst
   std::deque<Fix> fixes_;            // of the last second
-  std::uint64_t out_of_order_ = 0;
 };
 
 }  // namespace rayloc

@@ -47,6 +47,7 @@ TEST(EventClock, GoesOnWhenTheClockIsSetBack) {
   machine.pass(milliseconds(50));
   clock.observe(machine.realtime, machine.monotonic);
   EXPECT_EQ(clock.steps(), 1U);
+  EXPECT_EQ(clock.ahead(), -seconds(3600));
   EXPECT_EQ(clock.event_time(machine.realtime), before + milliseconds(50));
   clock.drained();
   EXPECT_EQ(clock.watermark(), before + milliseconds(50) - EventClock::kQueueing);
@@ -59,13 +60,18 @@ TEST(EventClock, GoesOnWhenTheClockIsSetBack) {
   EXPECT_EQ(clock.steps(), 2U);
 }
 
-TEST(EventClock, MovesForwardWithTheClock) {
+TEST(EventClock, GoesOnEvenlyWhenTheClockIsSetForward) {
   EventClock clock;
   Machine machine;
   clock.observe(machine.realtime, machine.monotonic);
-  machine.set_clock(seconds(10));
+  const Timestamp before = clock.event_time(machine.realtime);
+  EXPECT_EQ(clock.ahead(), Duration::zero());
+  machine.set_clock(seconds(3600));
+  machine.pass(milliseconds(50));
   clock.observe(machine.realtime, machine.monotonic);
-  EXPECT_EQ(clock.event_time(machine.realtime), machine.realtime);
+  EXPECT_EQ(clock.event_time(machine.realtime), before + milliseconds(50));
+  EXPECT_EQ(clock.ahead(), seconds(3600));
+  EXPECT_EQ(clock.steps(), 1U);
 }
 
 TEST(EventClock, GivesNoTimeBeforeTheWatermark) {

@@ -23,10 +23,15 @@ using ::testing::HasSubstr;
 constexpr Duration kNoWait{0};
 constexpr Duration kLong = std::chrono::seconds(10);
 
-// Sends to 127.0.0.1:`port`.
+// Sends to 127.0.0.1:`port`, from an address of lo.
 class Sender {
  public:
-  explicit Sender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+  explicit Sender(std::uint16_t port, std::uint32_t from = INADDR_LOOPBACK)
+      : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
+    sockaddr_in own{};
+    own.sin_family = AF_INET;
+    own.sin_addr.s_addr = htonl(from);
+    EXPECT_EQ(bind(fd_, reinterpret_cast<const sockaddr*>(&own), sizeof own), 0);
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(port);
@@ -157,6 +162,26 @@ TEST(UdpSource, RejectsWhatArrivesOnAnotherInterface) {
   const SourceCounters counters = source->counters();
   EXPECT_EQ(counters.received, 1U);
   EXPECT_EQ(counters.rejected.at("interface_not_allowed"), 1U);
+}
+
+TEST(UdpSource, RejectsWhoIsNotAllowed) {
+  const auto source = open_source(
+      {.senders = {*AddressRange::parse("127.0.0.2"), *AddressRange::parse("127.0.1.0/24")}});
+  const Sender stranger(source->port());
+  const Sender first(source->port(), 0x7f000002);
+  const Sender second(source->port(), 0x7f000103);
+  first.send("one");
+  stranger.send("not this");
+  second.send("two");
+  DatagramBatch batch;
+  ASSERT_TRUE(source->read(batch, kLong));
+  ASSERT_EQ(batch.datagrams.size(), 2U);
+  EXPECT_EQ(text(batch.datagrams[0]), "one");
+  EXPECT_EQ(text(batch.datagrams[1]), "two");
+  const SourceCounters counters = source->counters();
+  EXPECT_EQ(counters.received, 3U);
+  EXPECT_EQ(counters.rejected.at("sender_not_allowed"), 1U);
+  EXPECT_EQ(rejected(counters), 1U);
 }
 
 TEST(UdpSource, RefusesAnInterfaceThatIsNotThere) {

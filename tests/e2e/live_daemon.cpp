@@ -36,6 +36,8 @@ bool can_bind(int type, std::uint16_t port) {
   return bound;
 }
 
+}  // namespace
+
 // A port that nobody uses now. Below the range from which the kernel gives out its own, so that
 // none is taken by a connection before the daemon binds it; tests of one run differ by process.
 std::uint16_t free_port(int type) {
@@ -47,8 +49,6 @@ std::uint16_t free_port(int type) {
   }
   throw std::runtime_error("no free port");
 }
-
-}  // namespace
 
 TemporaryFolder::TemporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "rayloc-e2e.XXXXXX").string();
@@ -64,25 +64,36 @@ TemporaryFolder::~TemporaryFolder() {
 }
 
 LiveDaemon::LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOptions& options) {
-  publish_port_ = free_port(SOCK_STREAM);
-  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(publish_port_);
-  const std::filesystem::path config = folder / "raylocd.toml";
-  std::ofstream toml(config);
+  endpoint_ = "tcp://127.0.0.1:" + std::to_string(free_port(SOCK_STREAM));
+  configuration_ = folder / "raylocd.toml";
+  std::ofstream toml(configuration_);
   toml << "[site]\ndirectory = \"" << options.site.string() << "\"\n";
   for (const std::string& access_point : options.access_points) {
     udp_ports_.push_back(free_port(SOCK_DGRAM));
-    toml << "[[source]]\nkind = \"udp\"\naccess_point = \"" << access_point
-         << "\"\nlisten = \"127.0.0.1:" << udp_ports_.back() << "\"\n";
+    const std::string port = std::to_string(udp_ports_.back());
+    std::string source =
+        options.source.empty() ? "kind = \"udp\"\nlisten = \"127.0.0.1:PORT\"" : options.source;
+    if (const std::size_t at = source.find("PORT"); at != std::string::npos) {
+      source.replace(at, 4, port);
+    }
+    toml << "[[source]]\naccess_point = \"" << access_point << "\"\n" << source << "\n";
   }
-  toml << "[publish]\nendpoint = \"" << endpoint << "\"\n" << options.more_configuration;
+  http_port_ = free_port(SOCK_STREAM);
+  toml << "[http]\nlisten = \"127.0.0.1:" << http_port_ << "\"\n" << options.http_configuration;
+  snapshot_ = "ipc://" + (folder / "snapshot").string();
+  toml << "[publish]\nsnapshot = \"" << snapshot_ << "\"\nendpoint = \"" << endpoint_ << "\"\n"
+       << options.more_configuration;
   toml.close();
-  daemon_ = std::make_unique<Process>(
-      folder, "raylocd", "raylocd", std::vector<std::string>{"--config", config.string()});
-  subscriber_ = std::make_unique<Process>(
-      folder,
-      "sub",
-      "rayloc",
-      std::vector<std::string>{"sub", "v1/", "--endpoint", endpoint, "--json"});
+  daemon_ = std::make_unique<Process>(folder,
+                                      "raylocd",
+                                      "raylocd",
+                                      std::vector<std::string>{"--config", configuration_.string()},
+                                      options.setting);
+  std::vector<std::string> subscribe = {"sub", "--endpoint", endpoint_, "--json"};
+  for (const auto* more : {&options.subscriber_arguments, &options.subscriptions}) {
+    subscribe.insert(subscribe.end(), more->begin(), more->end());
+  }
+  subscriber_ = std::make_unique<Process>(folder, "sub", "rayloc", subscribe);
 }
 
 bool LiveDaemon::ready() {
@@ -102,6 +113,16 @@ bool LiveDaemon::ready() {
 
 std::string LiveDaemon::address(std::size_t index) const {
   return "127.0.0.1:" + std::to_string(udp_ports_.at(index));
+}
+
+double LiveDaemon::resident_kib() const {
+  constexpr std::string_view kKey = "VmRSS:";
+  for (const std::string& line : read_lines("/proc/" + std::to_string(pid()) + "/status")) {
+    if (line.rfind(kKey, 0) == 0) {
+      return std::stod(line.substr(kKey.size()));
+    }
+  }
+  return 0.0;  // it has ended
 }
 
 std::optional<int> LiveDaemon::stop() {
@@ -124,6 +145,26 @@ std::vector<nlohmann::json> LiveDaemon::bodies(const std::string& kind) const {
 }
 
 std::string LiveDaemon::errors() const { return daemon_->errors() + subscriber_->errors(); }
+
+std::optional<int> send(const std::filesystem::path& folder,
+                        const std::string& name,
+                        const LiveDaemon& daemon,
+                        std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "send");
+  for (std::size_t i = 0; i < daemon.access_points(); ++i) {
+    arguments.insert(arguments.end(), {"--to", daemon.address(i)});
+  }
+  Process sender(folder, name, "rayloc", arguments);
+  return sender.wait(std::chrono::minutes{4});
+}
+
+std::optional<int> send_for_a_second(const std::filesystem::path& folder,
+                                     const LiveDaemon& daemon) {
+  return send(folder,
+              "send",
+              daemon,
+              {bundled_recording("calibration", "ap2"), "--rate", "2000", "--duration", "1"});
+}
 
 std::uint64_t number(const nlohmann::json& value) {
   return value.is_string() ? std::stoull(value.get<std::string>()) : value.get<std::uint64_t>();

@@ -40,7 +40,17 @@ struct LiveDaemonOptions {
   std::filesystem::path site;
   std::vector<std::string> access_points = {"ap1", "ap2", "ap3"};
   std::string more_configuration = {};  // TOML behind what the fixture writes
+  std::string http_configuration = {};  // further keys of [http]
+  // TOML of each [[source]] instead of a UDP port; PORT in it stands for the port that the access
+  // point sends to, which ready() then wants to see bound by the test.
+  std::string source = {};
+  ProcessSetting setting = {};
+  std::vector<std::string> subscriptions = {"v1/"};    // of the subscriber
+  std::vector<std::string> subscriber_arguments = {};  // further ones of `rayloc sub`
 };
+
+// A port that nobody uses now, of SOCK_DGRAM or SOCK_STREAM.
+std::uint16_t free_port(int type);
 
 class LiveDaemon {
  public:
@@ -51,7 +61,18 @@ class LiveDaemon {
   bool ready();
   // Where access point `index` sends to, as HOST:PORT.
   std::string address(std::size_t index) const;
+  std::size_t access_points() const { return udp_ports_.size(); }
   void signal(int number) { daemon_->signal(number); }
+  bool running() { return daemon_->running(); }
+  pid_t pid() const { return daemon_->pid(); }
+  double resident_kib() const;  // of the daemon's memory
+  std::optional<int> wait(std::chrono::seconds patience) { return daemon_->wait(patience); }
+  // What the daemon has logged so far.
+  std::string log() const { return daemon_->errors(); }
+  const std::filesystem::path& configuration() const { return configuration_; }
+  const std::string& snapshot() const { return snapshot_; }
+  std::uint16_t http_port() const { return http_port_; }
+  const std::string& endpoint() const { return endpoint_; }
   // Ends the daemon as a service manager would; its exit status, nothing when it hangs.
   std::optional<int> stop();
 
@@ -61,10 +82,22 @@ class LiveDaemon {
 
  private:
   std::vector<std::uint16_t> udp_ports_;
-  std::uint16_t publish_port_ = 0;
+  std::uint16_t http_port_ = 0;
+  std::string endpoint_;
+  std::string snapshot_;
+  std::filesystem::path configuration_;
   std::unique_ptr<Process> daemon_;
   std::unique_ptr<Process> subscriber_;
 };
+
+// Runs `rayloc send` with these arguments and, in order, every access point of the daemon as --to;
+// what it says goes to NAME.err in `folder`. Its exit status, nothing when it hangs.
+std::optional<int> send(const std::filesystem::path& folder,
+                        const std::string& name,
+                        const LiveDaemon& daemon,
+                        std::vector<std::string> arguments);
+// 2,000 datagrams of one access point, within a second.
+std::optional<int> send_for_a_second(const std::filesystem::path& folder, const LiveDaemon& daemon);
 
 // 64-bit numbers are strings in protobuf's JSON.
 std::uint64_t number(const nlohmann::json& value);

@@ -5,10 +5,12 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "tests/e2e/live_daemon.h"
+#include "tests/e2e/shifted_clock.h"
 
 namespace rayloc::e2e {
 namespace {
@@ -41,15 +43,11 @@ std::vector<Spot> surveyed_spots() {
 
 // Sends the recordings of all access points as one, in their common time; false when that fails.
 bool send_recordings(const std::filesystem::path& folder, const LiveDaemon& daemon) {
-  std::vector<std::string> arguments = {"send", "--speed", kSpeed};
+  std::vector<std::string> arguments = {"--speed", kSpeed};
   for (const std::string access_point : kAccessPoints) {
     arguments.push_back(bundled_recording("device_los", access_point));
   }
-  for (std::size_t i = 0; i < kAccessPoints.size(); ++i) {
-    arguments.insert(arguments.end(), {"--to", daemon.address(i)});
-  }
-  Process sender(folder, "send", "rayloc", arguments);
-  return sender.wait(kPatience) == 0;
+  return send(folder, "send", daemon, arguments) == 0;
 }
 
 double horizontal_error(const nlohmann::json& location, const Spot& spot) {
@@ -96,14 +94,73 @@ TEST(Live, LocatesEverySpotOfARecordingSentOverUdp) {
   ASSERT_EQ(locations.size(), spots.size()) << daemon.errors();
   std::vector<double> errors;
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    ASSERT_NE(locations[i].at("mode"), "FIX_MODE_NO_FIX") << locations[i].dump();
     EXPECT_EQ(locations[i].at("quality").at("access_points"), 3);
-    errors.push_back(horizontal_error(locations[i], spots[i]));
+    if (locations[i].at("mode") == "FIX_MODE_NO_FIX") {
+      EXPECT_FALSE(locations[i].at("quality").at("no_fix_reason").get<std::string>().empty());
+    } else {
+      errors.push_back(horizontal_error(locations[i], spots[i]));
+    }
   }
+  // Of a room with gains alone access points contradict each other now and then.
+  ASSERT_GE(errors.size(), spots.size() - 1);
   std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
   // Always answering the centre of the room has a median error of 1.01 m.
   EXPECT_LT(errors[10], 0.5);
   EXPECT_EQ(daemon.bodies("goodbye").size(), 1U);
+}
+
+TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
+  const TemporaryFolder folder;
+  ShiftedClock clock(folder.path());
+  LiveDaemon daemon(
+      folder.path(),
+      {.site = calibrated_site(folder.path()), .setting = {.environment = clock.environment()}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  // Meanwhile somebody sets the machine's clock: no track takes notice.
+  std::thread somebody([&] {
+    for (const int hours : {1, -1, 0}) {
+      std::this_thread::sleep_for(std::chrono::seconds(2));
+      clock.set(std::chrono::hours(hours));
+    }
+  });
+  const bool sent = send_recordings(folder.path(), daemon);
+  somebody.join();
+  ASSERT_TRUE(sent);
+  ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
+
+  const std::vector<nlohmann::json> events = daemon.bodies("track");
+  ASSERT_GE(events.size(), 2U) << daemon.errors();
+  std::string state = "TRACK_STATE_UNSPECIFIED";
+  std::uint64_t begun = 0;
+  std::uint64_t lost = 0;
+  for (const nlohmann::json& event : events) {
+    EXPECT_EQ(event.at("previous_state"), state) << event.dump();
+    EXPECT_FALSE(event.at("reason").get<std::string>().empty());
+    begun += state == "TRACK_STATE_UNSPECIFIED" ? 1U : 0U;
+    EXPECT_EQ(number(event.at("target").at("track")), begun);
+    EXPECT_EQ(event.at("target").at("mac"), "02:52:4c:00:00:01");
+    state = event.at("state");
+    if (state == "TRACK_STATE_LOST") {
+      ++lost;
+      state = "TRACK_STATE_UNSPECIFIED";
+    }
+  }
+  EXPECT_EQ(events[1].at("state"), "TRACK_STATE_CONFIRMED");
+
+  const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();
+  const nlohmann::json& tracker = heartbeat.at("tracker");
+  EXPECT_EQ(number(heartbeat.at("sources").at(0).at("counters").at("clock_steps")), 3U);
+  EXPECT_EQ(begun, 1U) << "who pauses for a second is the same";
+  EXPECT_EQ(number(tracker.at("begun")), begun);
+  EXPECT_EQ(number(tracker.at("lost")), lost);
+  EXPECT_EQ(number(tracker.at("tracks")), begun - lost);
+  EXPECT_GT(number(tracker.at("used")), surveyed_spots().size());
+  EXPECT_EQ(number(tracker.at("moments")),
+            number(tracker.at("used")) + number(tracker.at("out_of_order")) +
+                number(tracker.at("unusable")) + number(tracker.at("unexplained")));
+  const nlohmann::json& estimation = heartbeat.at("estimation");
+  EXPECT_EQ(number(estimation.at("events_dropped")), 0U);
+  EXPECT_GE(number(estimation.at("filtered")), number(tracker.at("used")));
 }
 
 TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {

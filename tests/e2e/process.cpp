@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
@@ -10,24 +11,66 @@
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
-#include <thread>
 
 namespace rayloc::e2e {
+
+namespace {
+
+constexpr int kFirstPassedSocket = 3;
+
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> list;
+  list.reserve(words.size() + 1);
+  for (std::string& word : words) {
+    list.push_back(word.data());
+  }
+  list.push_back(nullptr);
+  return list;
+}
+
+std::vector<std::string> command_line(const std::string& file,
+                                      const std::vector<std::string>& arguments,
+                                      const ProcessSetting& setting) {
+  std::vector<std::string> words = setting.wrapper;
+  if (!setting.sockets.empty()) {
+    // sd_listen_fds(3) wants to be sure that the sockets are for this very process.
+    for (const char* word : {"/bin/sh", "-c", R"(LISTEN_PID=$$ exec "$0" "$@")"}) {
+      words.emplace_back(word);
+    }
+  }
+  words.push_back(file);
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+std::vector<std::string> environment_of(const ProcessSetting& setting) {
+  std::vector<std::string> all;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    all.emplace_back(*entry);
+  }
+  all.insert(all.end(), setting.environment.begin(), setting.environment.end());
+  if (!setting.sockets.empty()) {
+    std::string names;
+    for (const auto& [name, fd] : setting.sockets) {
+      names += (names.empty() ? "" : ":") + name;
+    }
+    all.push_back("LISTEN_FDS=" + std::to_string(setting.sockets.size()));
+    all.push_back("LISTEN_FDNAMES=" + names);
+  }
+  return all;
+}
+
+}  // namespace
 
 Process::Process(const std::filesystem::path& folder,
                  const std::string& name,
                  const std::string& program,
-                 const std::vector<std::string>& arguments)
+                 const std::vector<std::string>& arguments,
+                 const ProcessSetting& setting)
     : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
   const std::string file = std::string(RAYLOC_BIN) + "/" + program;
-  std::vector<std::string> words{file};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) {
-    argv.push_back(word.data());
-  }
-  argv.push_back(nullptr);
+  std::vector<std::string> words = command_line(file, arguments, setting);
+  std::vector<std::string> environment = environment_of(setting);
 
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -35,11 +78,27 @@ Process::Process(const std::filesystem::path& folder,
   constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
   posix_spawn_file_actions_addopen(&actions, 1, out_.c_str(), kFlags, 0644);
   posix_spawn_file_actions_addopen(&actions, 2, err_.c_str(), kFlags, 0644);
-  const int error = posix_spawn(&pid_, file.c_str(), &actions, nullptr, argv.data(), environ);
+  // First out of the way of one another, then to their places.
+  std::vector<int> copies;
+  for (const auto& [socket, fd] : setting.sockets) {
+    copies.push_back(fcntl(fd, F_DUPFD_CLOEXEC, 100));
+  }
+  for (std::size_t i = 0; i < copies.size(); ++i) {
+    posix_spawn_file_actions_adddup2(&actions, copies[i], kFirstPassedSocket + static_cast<int>(i));
+  }
+  const int error = posix_spawnp(&pid_,
+                                 words.front().c_str(),
+                                 &actions,
+                                 nullptr,
+                                 pointers(words).data(),
+                                 pointers(environment).data());
   posix_spawn_file_actions_destroy(&actions);
+  for (const int copy : copies) {
+    close(copy);
+  }
   if (error != 0) {
     pid_ = -1;
-    throw std::system_error(error, std::generic_category(), file);
+    throw std::system_error(error, std::generic_category(), words.front());
   }
 }
 
@@ -91,7 +150,5 @@ std::vector<std::string> read_lines(const std::filesystem::path& file) {
   }
   return lines;
 }
-
-void pause_briefly() { std::this_thread::sleep_for(std::chrono::milliseconds(20)); }
 
 }  // namespace rayloc::e2e

@@ -8,9 +8,20 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "tests/support/eventually.h"
+
 namespace rayloc::e2e {
+
+// What a process is started with besides its arguments.
+struct ProcessSetting {
+  std::vector<std::string> environment = {};  // "NAME=VALUE", added to ours
+  // Sockets that it finds as systemd passes them (sd_listen_fds(3)), with their names.
+  std::vector<std::pair<std::string, int>> sockets = {};
+  std::vector<std::string> wrapper = {};  // words in front of the program: {"unshare", "--net"}
+};
 
 class Process {
  public:
@@ -19,7 +30,8 @@ class Process {
   Process(const std::filesystem::path& folder,
           const std::string& name,
           const std::string& program,
-          const std::vector<std::string>& arguments);
+          const std::vector<std::string>& arguments,
+          const ProcessSetting& setting = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -45,23 +57,5 @@ class Process {
 
 std::string read_text(const std::filesystem::path& file);
 std::vector<std::string> read_lines(const std::filesystem::path& file);
-
-// Calls `condition` every few milliseconds until it holds. False when `patience` has run out.
-template <typename Condition>
-bool eventually(std::chrono::seconds patience, Condition condition);
-
-void pause_briefly();
-
-template <typename Condition>
-bool eventually(std::chrono::seconds patience, Condition condition) {
-  const auto deadline = std::chrono::steady_clock::now() + patience;
-  while (!condition()) {
-    if (std::chrono::steady_clock::now() > deadline) {
-      return false;
-    }
-    pause_briefly();
-  }
-  return true;
-}
 
 }  // namespace rayloc::e2e

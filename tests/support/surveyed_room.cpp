@@ -24,7 +24,8 @@ constexpr double kHalfX = 1.75;  // [m]
 constexpr double kHalfY = 1.45;
 constexpr double kTop = 2.7;
 constexpr double kWall = 0.1;
-constexpr double kHeight = 1.2;  // of device and access points
+constexpr double kHeight = 1.2;     // of device and access points
+constexpr double kCoupling = 0.04;  // of the antennas: -28 dB
 constexpr double kClearance = 0.25;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
@@ -117,13 +118,18 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
 
 ChainGains make_gains(const RoomModel& room, std::size_t access_point, double error) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  ChainGains gains{room.grid, ap.cores, {}};
+  ChainGains gains{room.grid, ap.cores, {}, {}};
   for (std::size_t core = 0; core < ap.cores.size(); ++core) {
     const auto number = static_cast<double>(core + 3 * access_point);
     const Value level = core == 0 ? Value(1.0)
                                   : std::polar(1.0 + 0.1 * error * std::sin(number),
                                                0.2 * error * std::cos(2.1 * number));
     gains.gain.insert(gains.gain.end(), room.grid.size(), level);
+  }
+  for (std::size_t i = 0; error != 0.0 && i < ap.cores.size() * ap.cores.size(); ++i) {
+    const auto number = static_cast<double>(i + 9 * access_point);
+    gains.coupling.push_back(
+        i % (ap.cores.size() + 1) == 0 ? Value(1.0) : std::polar(kCoupling * error, 2.3 * number));
   }
   return gains;
 }
@@ -136,6 +142,16 @@ struct ArrayError {
 constexpr std::array<ArrayError, 3> kArrayErrors{{{{0.004, -0.003, 0.002}, 1.0 * kDegree},
                                                   {{-0.002, 0.005, -0.003}, -0.8 * kDegree},
                                                   {{0.003, 0.002, 0.004}, 0.6 * kDegree}}};
+
+void state_coupling(const RoomAccessPoint& ap, std::map<std::string, double>& truth) {
+  const std::size_t cores = ap.cores.size();
+  for (std::size_t i = 0; i < ap.gains.coupling.size(); ++i) {
+    const std::string name = ap.id + ".core" + std::to_string(ap.cores[i / cores]) + "/core" +
+                             std::to_string(ap.cores[i % cores]) + ".coupling";
+    truth[name + ".re"] = ap.gains.coupling[i].real();
+    truth[name + ".im"] = ap.gains.coupling[i].imag();
+  }
+}
 
 void state_truth(const Shell& off, double error, SurveyedRoom& room) {
   // Each face looks into the room: its normal is opposite to the way outwards.
@@ -154,6 +170,7 @@ void state_truth(const Shell& off, double error, SurveyedRoom& room) {
     room.truth[id + ".position.y"] = error * kArrayErrors.at(i).position.y;
     room.truth[id + ".position.z"] = error * kArrayErrors.at(i).position.z;
     room.truth[id + ".yaw"] = error * kArrayErrors.at(i).yaw;
+    state_coupling(room.built.access_points[i], room.truth);
   }
 }
 
@@ -190,6 +207,7 @@ std::vector<Value> heard(const RoomModel& room,
     const auto row = tracer.trace(device, element).cfr(room.grid);
     h.insert(h.end(), row.begin(), row.end());
   }
+  apply_coupling(ap.gains, h);
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const Value factor = std::polar(1.0, 6.3 * normal(random));

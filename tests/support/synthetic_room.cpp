@@ -38,25 +38,11 @@ RoomAccessPoint make_access_point(const std::string& id, double x, double y) {
   return ap;
 }
 
-// Channel at every element, [core][tone], by tracing each for itself.
-std::vector<Value> channel(const RoomModel& room,
-                           const RoomAccessPoint& ap,
-                           const Vec3d& position) {
-  const PathTracer tracer(room.scene, room.trace);
-  const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
-  std::vector<Value> h;
-  for (const Receiver& element : array_elements<Receiver>(ap.array)) {
-    const auto row = tracer.trace(device, element).cfr(room.grid);
-    h.insert(h.end(), row.begin(), row.end());
-  }
-  return h;
-}
-
 }  // namespace
 
 ChainGains make_gains(const RoomModel& room, std::size_t access_point) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  ChainGains gains{room.grid, ap.cores, {}};
+  ChainGains gains{room.grid, ap.cores, {}, {}};
   for (std::size_t core = 0; core < ap.cores.size(); ++core) {
     const auto number = static_cast<double>(core + 3 * access_point);
     const Value level = std::polar(1.0 + 0.15 * std::sin(number), 2.1 * number);
@@ -91,8 +77,31 @@ RoomModel make_room() {
   return room;
 }
 
+std::vector<Value> channel_at(const RoomModel& room,
+                              const RoomAccessPoint& ap,
+                              const Vec3d& position) {
+  const PathTracer tracer(room.scene, room.trace);
+  const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
+  std::vector<Value> h;
+  for (const Receiver& element : array_elements<Receiver>(ap.array)) {
+    const auto row = tracer.trace(device, element).cfr(room.grid);
+    h.insert(h.end(), row.begin(), row.end());
+  }
+  return h;
+}
+
 std::vector<CsiFrame> frames_at(const RoomModel& room,
                                 const Vec3d& position,
+                                const FrameOptions& options) {
+  std::vector<std::vector<Value>> channels;
+  for (const RoomAccessPoint& ap : room.access_points) {
+    channels.push_back(channel_at(room, ap, position));
+  }
+  return frames_of(room, channels, options);
+}
+
+std::vector<CsiFrame> frames_of(const RoomModel& room,
+                                const std::vector<std::vector<Value>>& channels,
                                 const FrameOptions& options) {
   std::mt19937 random(options.seed);
   std::normal_distribution<double> normal;
@@ -100,7 +109,11 @@ std::vector<CsiFrame> frames_at(const RoomModel& room,
   std::vector<CsiFrame> frames;
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
     const RoomAccessPoint& ap = room.access_points[i];
-    auto h = channel(room, ap, position);
+    auto h = channels[i];
+    if (h.empty()) {
+      continue;
+    }
+    apply_coupling(ap.gains, h);
     const ChainGains gains = make_gains(room, i);
     double power = 0.0;
     for (std::size_t j = 0; j < h.size(); ++j) {
@@ -116,13 +129,15 @@ std::vector<CsiFrame> frames_at(const RoomModel& room,
       frame.tone_index = room.grid.tone_index;
       frame.complete = true;
       frame.csi = Csi(ap.cores.size(), 1, room.grid.size());
-      const Value factor =
-          std::polar(std::exp(normal(random)), 2.0 * std::numbers::pi * uniform(random));
+      // Drawn one by one: the order in which arguments are evaluated differs between compilers.
+      const double phase = 2.0 * std::numbers::pi * uniform(random);
+      const Value factor = std::polar(std::exp(normal(random)), phase);
       const double delay = 60e-9 + 290e-9 * uniform(random);
       for (std::size_t m = 0; m < ap.cores.size(); ++m) {
         const auto row = frame.csi.row(m, 0);
         for (std::size_t k = 0; k < room.grid.size(); ++k) {
-          const Value noise(sigma * normal(random), sigma * normal(random));
+          const double imaginary = sigma * normal(random);
+          const Value noise(sigma * normal(random), imaginary);
           const Value turn =
               std::polar(1.0, -2.0 * std::numbers::pi * room.grid.offset_hz(k) * delay);
           row[k] = std::complex<float>(factor * (turn * h[m * room.grid.size() + k] + noise));

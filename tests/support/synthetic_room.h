@@ -25,8 +25,18 @@ struct FrameOptions {
   unsigned seed = 1;
 };
 
-// What the access points hear of a device at `position`: unknown gain, phase and timing offset in
-// every frame, chain gains, noise.
+// [core][tone] at the antennas of an access point, by tracing each for itself.
+std::vector<std::complex<double>> channel_at(const RoomModel& room,
+                                             const RoomAccessPoint& access_point,
+                                             const Vec3d& position);
+
+// What the access points hear when their antennas receive `channels` ([core][tone] of each; empty:
+// it hears nothing): unknown gain, phase and timing offset in every frame, chain gains, noise.
+std::vector<CsiFrame> frames_of(const RoomModel& room,
+                                const std::vector<std::vector<std::complex<double>>>& channels,
+                                const FrameOptions& options = {});
+
+// The same of a device at `position`.
 std::vector<CsiFrame> frames_at(const RoomModel& room,
                                 const Vec3d& position,
                                 const FrameOptions& options = {});

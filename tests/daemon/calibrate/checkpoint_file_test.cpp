@@ -36,6 +36,7 @@ class CheckpointFile : public testing::Test {
       result.state.values.push_back(1.0 / (3.0 + static_cast<double>(i)));
     }
     result.state.survey = {{0.1, 0.2, 1.0 / 3.0}, {-1e-17, 0.0, 5.0}};
+    result.other_cycles = {{1, -0.028, 1.0 / 7.0}};
     result.gains = {room_.access_points[0].gains};
     result.gains[0].gain[7] = {1.0 / 7.0, -1e-3 / 3.0};
     return result;
@@ -50,6 +51,10 @@ TEST_F(CheckpointFile, ReadsBackBitForBit) {
   EXPECT_EQ(read->last_kept, 1);
   EXPECT_EQ(read->state.values, written.state.values);
   EXPECT_EQ(read->state.survey, written.state.survey);
+  ASSERT_EQ(read->other_cycles.size(), 1U);
+  EXPECT_EQ(read->other_cycles[0].surface, 1U);
+  EXPECT_EQ(read->other_cycles[0].offset, -0.028);
+  EXPECT_EQ(read->other_cycles[0].excess, 1.0 / 7.0);
   ASSERT_EQ(read->gains.size(), 1U);
   EXPECT_EQ(read->gains[0].gain, written.gains[0].gain);
   EXPECT_EQ(read->gains[0].cores, written.gains[0].cores);

@@ -18,7 +18,7 @@ inline CalibrationReport sample_report() {
   report.held_out = {false, true, true, false};
   report.before = make_room();
   report.peak_memory_bytes = 300U * 1024U * 1024U;
-  report.fixes = {{1.0, 2, 2, 1, 0.31}, {0.6, 2, 2, 2, 0.25}};
+  report.fixes = {{1.0, 0.01, 2, 2, 1, 0.31, 0.0}, {0.6, 0.005, 2, 2, 2, 0.25, 0.4}};
   report.refused = {{"points.csv:9 a", "no frames at \"that\" time <1 s>"}};
 
   CalibrationMethodResult joint;

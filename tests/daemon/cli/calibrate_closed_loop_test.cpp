@@ -163,7 +163,8 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   interrupted.signal(SIGINT);
   const Finished stopped = interrupted.wait();
   EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
-  EXPECT_TRUE(load_room_model(load_site(folder_ / "stopped").value()));
+  const auto room = load_room_model(load_site(folder_ / "stopped").value());
+  EXPECT_TRUE(room) << room.error().message;
   EXPECT_TRUE(fs::exists(checkpoint));
 
   const Finished resumed = calibrate("stopped", {"--resume"});

@@ -218,22 +218,26 @@ class Forget : public LocationSink {
   void location(v1::Location&& /*location*/) override {}
 };
 
-// What the estimator of the daemon says of a recording.
-std::vector<CalibrationWarning> warnings_of(const std::string& site_folder,
-                                            const std::string& file) {
+// What the estimator of the daemon says after each of the recordings.
+std::vector<std::vector<CalibrationWarning>> warnings_of(const std::string& site_folder,
+                                                         const std::vector<std::string>& files) {
   const Site site = load_site(site_folder).value();
   const auto estimator = DeviceEstimator::create(site, {}).value();
-  std::vector<SourceWorker::Input> inputs(1);
-  inputs[0].access_point = "ap1";
-  inputs[0].source = PcapFileSource::open(file).value();
-  inputs[0].receiver.access_point = 0;
-  Forget sink;
-  PipelineOptions options;
-  options.overflow = Overflow::kWait;
-  Pipeline pipeline(options, std::move(inputs), *estimator, sink);
-  pipeline.start();
-  pipeline.wait();
-  return estimator->calibration_warnings();
+  std::vector<std::vector<CalibrationWarning>> warnings;
+  for (const std::string& file : files) {
+    std::vector<SourceWorker::Input> inputs(1);
+    inputs[0].access_point = "ap1";
+    inputs[0].source = PcapFileSource::open(file).value();
+    inputs[0].receiver.access_point = 0;
+    Forget sink;
+    PipelineOptions options;
+    options.overflow = Overflow::kWait;
+    Pipeline pipeline(options, std::move(inputs), *estimator, sink);
+    pipeline.start();
+    pipeline.wait();
+    warnings.push_back(estimator->calibration_warnings());
+  }
+  return warnings;
 }
 
 TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
@@ -245,10 +249,12 @@ TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
   const std::string plug = write("plug.csv", spots);
   simulate("1", "same", plug, "plug");
   simulate("7", "other", plug, "plug");
-  EXPECT_TRUE(warnings_of(path("calibrated"), path("same.pcap")).empty());
-  const auto warnings = warnings_of(path("calibrated"), path("other.pcap"));
-  ASSERT_FALSE(warnings.empty());
-  EXPECT_THAT(warnings[0].text, HasSubstr("chain_phase_jump: access point ap1, core "));
+  const auto warnings =
+      warnings_of(path("calibrated"), {path("same.pcap"), path("same.pcap"), path("other.pcap")});
+  EXPECT_TRUE(warnings[0].empty()) << warnings[0][0].text;
+  EXPECT_TRUE(warnings[1].empty()) << warnings[1][0].text;
+  ASSERT_FALSE(warnings[2].empty());
+  EXPECT_THAT(warnings[2][0].text, HasSubstr("chain_phase_jump: access point ap1, core "));
 }
 
 TEST_F(RechainVerb, RefusesWhatItCannotUse) {

@@ -47,17 +47,18 @@ class Evaluate : public testing::Test {
 };
 
 TEST_F(Evaluate, PrintsTheKeysOfTheContract) {
-  const Finished finished = RaylocProcess({"evaluate",
-                                           "--estimates",
-                                           estimates(),
-                                           "--truth",
-                                           truth(),
-                                           "--time-offset",
-                                           "100",
-                                           "--json",
-                                           "--site",
-                                           RAYLOC_TEST_DATA "/sites/meeting_room"})
-                                .wait();
+  const Finished finished =
+      RaylocProcess({"evaluate",
+                     "--estimates",
+                     estimates(),
+                     "--truth",
+                     truth(),
+                     "--time-offset",
+                     "100",
+                     "--json",
+                     "--site",
+                     std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room")})
+          .wait();
   ASSERT_EQ(finished.status, 0) << finished.err;
   const auto json = nlohmann::json::parse(finished.out);
   for (const char* key : {"n",
@@ -99,6 +100,84 @@ TEST_F(Evaluate, PrintsATable) {
   EXPECT_NE(finished.out.find("median (CEP50)             inf m    [0.300, inf]\n"),
             std::string::npos)
       << finished.out;
+}
+
+TEST_F(Evaluate, DoesNotTakeSilenceAboutUncertaintyForNoCoverage) {
+  const std::string silent =
+      file("s.jsonl",
+           R"({"kind":"LOCATION_KIND_SNAPSHOT","time":"1970-01-01T00:00:10.5Z",)"
+           R"("mode":"FIX_MODE_2D","target":{"kind":"TARGET_KIND_DEVICE","mac":"a"},)"
+           R"("position":{"x":1.3,"y":2,"z":1},"residual_probability":1})"
+           "\n");
+  const Finished table =
+      RaylocProcess({"evaluate", "--estimates", silent, "--truth", truth()}).wait();
+  EXPECT_EQ(table.status, 0) << table.err;
+  EXPECT_NE(table.out.find("in 95 % region       not stated\n"), std::string::npos) << table.out;
+  const Finished finished =
+      RaylocProcess({"evaluate", "--estimates", silent, "--truth", truth(), "--json"}).wait();
+  const auto json = nlohmann::json::parse(finished.out);
+  for (const char* key : {"coverage_50", "coverage_95", "anees", "best_of_5_median_m"}) {
+    EXPECT_TRUE(json.at(key).is_null()) << key;
+  }
+  EXPECT_NEAR(json["located_mean_m"], 0.3, 1e-12);
+}
+
+// The survey's own recording as the target's: the most similar point is the right one.
+TEST_F(Evaluate, ComparesWithTheMostSimilarSurveyedPoint) {
+  const std::string site = std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room");
+  std::vector<std::string> arguments = {"evaluate", "--site", site, "--json"};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    arguments.push_back(option);
+    arguments.push_back(value);
+  };
+  std::ifstream survey(site + "/calibration.csv");
+  std::string header;
+  std::string row;
+  std::getline(survey, header);
+  std::getline(survey, row);
+  const std::string first = file("first.csv", header + "\n" + row + "\n");
+  const std::string time = row.substr(0, row.find(','));
+  add("--truth", first);
+  add("--estimates",
+      file("e.jsonl",
+           R"({"kind":"LOCATION_KIND_SNAPSHOT","time":"1970-01-01T00:00:00Z",)"
+           R"("mode":"FIX_MODE_2D","target":{"kind":"TARGET_KIND_DEVICE","mac":"a"},)"
+           R"("position":{"x":0,"y":0,"z":1}})"
+           "\n"));
+  add("--time-offset", "-" + time);  // of the estimates' clock; recordings have the survey's
+  add("--fingerprints", "ap1=" + site + "/calibration-ap1.pcap.gz");
+  add("--points", site + "/calibration.csv");
+  EXPECT_EQ(RaylocProcess(arguments).wait().status, 64);  // --capture is missing
+  add("--capture", "ap1=" + site + "/calibration-ap1.pcap.gz");
+  const Finished finished = RaylocProcess(arguments).wait();
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const auto json = nlohmann::json::parse(finished.out);
+  EXPECT_EQ(json.at("fingerprint_median_m"), 0.0);
+  EXPECT_TRUE(json.at("ci95").contains("fingerprint_median_m"));
+}
+
+TEST_F(Evaluate, DrawsPlots) {
+  std::vector<std::string> arguments = {"evaluate",
+                                        "--estimates",
+                                        estimates(),
+                                        "--truth",
+                                        truth(),
+                                        "--time-offset",
+                                        "100",
+                                        "--site",
+                                        std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room"),
+                                        "--plot",
+                                        folder_ / "plots"};
+  const Finished finished = RaylocProcess(arguments).wait();
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  for (const char* name : {"cdf.svg", "map.svg", "coverage.svg", "reliability.svg"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "plots" / name)) << name;
+  }
+  const Finished again = RaylocProcess(arguments).wait();
+  EXPECT_NE(again.status, 0);
+  EXPECT_NE(again.err.find("plots"), std::string::npos) << again.err;
+  arguments.emplace_back("--force");
+  EXPECT_EQ(RaylocProcess(arguments).wait().status, 0);
 }
 
 TEST_F(Evaluate, ExitsWith65WhenNothingMatches) {

@@ -37,7 +37,7 @@ TEST(Frames, PrintsTheKeysOfTheContract) {
             R"("power_dbm":[-43.0,-54.0,-48.0,-48.0],"complete":true,"flags":[]})");
   EXPECT_EQ(lines[36].dump(),
             R"({"summary":{"datagrams":144,"decoded":144,"duplicates":0,"late":0,"frames":36,)"
-            R"("partial":0,"rejected":{}}})");
+            R"("partial":0,"unrecorded":0,"rejected":{}}})");
 }
 
 TEST(Frames, ValuesAreAscendingAndRawIsAsOnTheWire) {

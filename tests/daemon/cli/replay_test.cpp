@@ -30,12 +30,21 @@ TEST(Replay, RefusesOptionsThatMeanNothing) {
                                       std::pair{"--method", "magic"},
                                       std::pair{"--multi-start", "0"},
                                       std::pair{"--multi-start", "2"},  // of method rayloc
-                                      std::pair{"--kind", "person"}}) {
+                                      std::pair{"--paper", "alpha=1"}}) {
     const Finished finished = replay({kSite, capture, option, value});
     EXPECT_EQ(finished.status, 64) << option << " " << value;
     EXPECT_NE(finished.err.find(option), std::string::npos) << finished.err;
     EXPECT_EQ(finished.out, "");
   }
+}
+
+TEST(Replay, RefusesSettingsThatThePaperDoesNotHave) {
+  const std::string capture = "ap1=" + kRecording;
+  const Finished finished =
+      replay({kSite, capture, "--method", "paper", "--paper", "smoothing=false", "alhpa=1"});
+  EXPECT_EQ(finished.status, 64);
+  EXPECT_NE(finished.err.find("--paper alhpa=1: method paper has no 'alhpa'"), std::string::npos)
+      << finished.err;
 }
 
 TEST(Replay, NamesTheFileThatCannotBeRead) {

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/udp_source.h"
+#include "tests/support/eventually.h"
 #include "tests/support/pcap_files.h"
 
 namespace rayloc {
@@ -180,9 +181,7 @@ TEST(Record, WritesWhatSendSends) {
                      " --count 3 --duration 120 2>/dev/null");
   });
   // The file is there once the port is open.
-  for (int i = 0; i < 6000 && access(out.c_str(), F_OK) != 0; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
+  EXPECT_TRUE(eventually(std::chrono::seconds(60), [&] { return access(out.c_str(), F_OK) == 0; }));
   EXPECT_EQ(rayloc("send " + sent + " --to " + address + " >/dev/null 2>&1").status, 0);
   recorder.join();
   ASSERT_EQ(outcome.status, 0);

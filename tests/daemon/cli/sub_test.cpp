@@ -11,6 +11,7 @@
 
 #include "daemon/publish/publisher.h"
 #include "rayloc/v1/envelope.pb.h"
+#include "rayloc/v1/heartbeat.pb.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -103,6 +104,60 @@ TEST(Sub, FollowsADaemonThatIsRestarted) {
             "06:13:20.000  location   a snapshot: 1.50, 0.00, 0.00 m, 0 frames of 0 access points");
 }
 
+TEST(Sub, PrintsGeojsonByTheGeoreferenceOfTheHeartbeat) {
+  Publisher publisher = publisher_on_loopback();
+  const RaylocProcess process(
+      {"sub", "--endpoint", publisher.endpoint(), "--format", "geojson", "--count", "2"});
+  wait_for_subscriptions(publisher, 2);       // of locations, and of heartbeats
+  publisher.publish(location_of("a"), kNow);  // held back until it is known where the site is
+  v1::Heartbeat heartbeat;
+  heartbeat.mutable_georeference()->set_latitude_deg(50.0);
+  heartbeat.mutable_georeference()->set_longitude_deg(8.0);
+  publisher.publish(heartbeat, kNow);
+  publisher.publish(location_of("b"), kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  const auto lines = lines_of(finished.out);
+  ASSERT_EQ(lines.size(), 2U);
+  const auto feature = nlohmann::json::parse(lines[0]);
+  EXPECT_EQ(feature.at("properties").at("target"), "a");
+  EXPECT_NEAR(feature.at("geometry").at("coordinates").at(0).get<double>(),
+              8.0 + 1.5 / 71'696.0,  // metres of a degree of longitude there
+              1e-9);
+}
+
+TEST(Sub, SaysWhatGeojsonLacks) {
+  Publisher publisher = publisher_on_loopback();
+  const RaylocProcess process({"sub", "--endpoint", publisher.endpoint(), "--format", "geojson"});
+  wait_for_subscriptions(publisher, 2);
+  publisher.publish(v1::Heartbeat(), kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 78);
+  EXPECT_NE(finished.err.find("add [georeference]"), std::string::npos) << finished.err;
+}
+
+TEST(Sub, PrintsTheFilteredAsCsv) {
+  Publisher publisher = publisher_on_loopback();
+  const RaylocProcess process({"sub",
+                               "--endpoint",
+                               publisher.endpoint(),
+                               "--format",
+                               "csv",
+                               "--target",
+                               "b",
+                               "--count",
+                               "1"});
+  wait_for_subscriptions(publisher, 1);
+  publisher.publish(location_of("a"), kNow);
+  publisher.publish(location_of("b"), kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0);
+  const auto lines = lines_of(finished.out);
+  ASSERT_EQ(lines.size(), 2U) << finished.out;
+  EXPECT_EQ(lines[0].substr(0, 17), "time,site,target,");
+  EXPECT_EQ(lines[1], "1970-01-01T00:00:00Z,,b,,unspecified,unspecified,1.5,0.0,0.0,,,0.0,,,,,0,");
+}
+
 TEST(Sub, EndsCleanlyOnSigterm) {
   Publisher publisher = publisher_on_loopback();
   const RaylocProcess process({"sub", "--endpoint", publisher.endpoint()});
@@ -124,6 +179,9 @@ TEST(Sub, GivesUpWhenNothingComes) {
 TEST(Sub, AnEndpointThatCannotBeUnderstoodIsAUsageError) {
   EXPECT_EQ(RaylocProcess({"sub", "--endpoint", "localhost:5560"}).wait().status, 64);
   EXPECT_EQ(RaylocProcess({"sub", "--count", "many"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"sub", "--format", "xml"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"sub", "--kind", "guess"}).wait().status, 64);
+  EXPECT_EQ(RaylocProcess({"sub", "--min-confidence", "1.5"}).wait().status, 64);
 }
 
 }  // namespace

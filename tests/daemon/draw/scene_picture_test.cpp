@@ -172,6 +172,26 @@ TEST(ScenePicture, NothingIsOutsideOfThePage) {
   }
 }
 
+TEST(ScenePicture, ZonesLieWhereTheyAreAndAreNamed) {
+  const auto scene = meeting_room();
+  ScenePicture picture = picture_of(*scene);
+  picture.zones = {{"desk", {{-0.5, 0.0}, {1.0, 0.0}, {1.0, 0.75}}}};
+  for (const View view : {View::kPlan, View::k3d}) {
+    const Drawing drawing = draw_scene(picture, view);
+    EXPECT_TRUE(texts_of(drawing).contains("desk"));
+    const auto polygons = all_of<Polygon>(drawing);
+    const auto tint = std::find_if(polygons.begin(), polygons.end(), [](const Polygon& polygon) {
+      return polygon.fill == kZoneTint;
+    });
+    ASSERT_NE(tint, polygons.end());
+    ASSERT_EQ(tint->corners.size(), 3U);
+    if (view == View::kPlan) {
+      EXPECT_NEAR(apart(tint->corners[0], tint->corners[1]), 1.5 * pixels_per_metre(drawing), 1e-6);
+      EXPECT_LT(tint->corners[2].y, tint->corners[1].y);  // +y is up
+    }
+  }
+}
+
 TEST(ScenePicture, SceneWithoutFloorOrDepthIsDrawn) {
   const auto sheet = test::make_scene(
       {{"screen", test::rectangle_mesh({0, 0, 0}, {2, 0, 0}, {0, 0, 1})}}, test::kConcrete);

@@ -31,6 +31,15 @@ TEST(CredibleRegion, OfAGaussianIsItsEllipse) {
   EXPECT_EQ(*region_reaching(single(), {1, 2, 0}), 0.0);
 }
 
+TEST(CredibleRegion, DensityIsThatOfTheGaussianAndOfWhatIsLeftOver) {
+  const double d2 = (0.3 * 0.3 * 0.09 - 2 * 0.3 * 0.2 * 0.01 + 0.2 * 0.2 * 0.04) / 0.0035;
+  const double gaussian = std::exp(-d2 / 2) / (2 * M_PI * std::sqrt(0.0035));
+  EXPECT_NEAR(stated_density(single(0.8), {1.3, 2.2, 0}, 10.0), 0.8 * gaussian + 0.02, 1e-12);
+  EXPECT_NEAR(stated_density(single(0.8), {100, 100, 0}, 10.0), 0.02, 1e-12);
+  LocationEstimate none;
+  EXPECT_NEAR(stated_density(none, {1, 2, 0}, 10.0), 0.1, 1e-12);
+}
+
 TEST(CredibleRegion, LeftOverProbabilityComesLast) {
   const double full = *region_reaching(single(), {1.3, 2.2, 0});
   EXPECT_NEAR(*region_reaching(single(0.8), {1.3, 2.2, 0}), 0.8 * full, 1e-12);

@@ -52,6 +52,15 @@ TEST(EstimatesFile, ReadsLocationsAsJsonLines) {
       *to_json(location_at(1s + 1ns)) + "\n\n" + *to_json(location_at(2s)) + "\r\n", "e"));
 }
 
+TEST(EstimatesFile, KnowsWhatStatesNoUncertainty) {
+  v1::Location location = location_at(1s);
+  EXPECT_TRUE(read_estimates(*to_json(location), "e")->front().estimate.is_uncertainty_stated);
+  location.clear_hypotheses();
+  EXPECT_TRUE(read_estimates(*to_json(location), "e")->front().estimate.is_uncertainty_stated);
+  location.clear_position_covariance();
+  EXPECT_FALSE(read_estimates(*to_json(location), "e")->front().estimate.is_uncertainty_stated);
+}
+
 TEST(EstimatesFile, ReadsEnvelopesAndSkipsOtherMessages) {
   v1::Envelope envelope;
   *envelope.mutable_location() = location_at(1s + 1ns);

@@ -20,6 +20,7 @@ CsiFrame frame_at(int ms, int access_point = 0) {
 
 void put(FrameMailbox& mailbox, std::size_t source, std::vector<int> times, int safe) {
   std::vector<CsiFrame> frames;
+  frames.reserve(times.size());
   for (const int ms : times) {
     frames.push_back(frame_at(ms, static_cast<int>(source)));
   }
@@ -54,6 +55,62 @@ TEST(FrameMailbox, HoldsAFrameThatAnEarlierOneMayStillPrecede) {
   EXPECT_EQ(times(mailbox.take()), (std::vector<int>{7, 10}));
   mailbox.end(0);
   EXPECT_EQ(times(mailbox.take()), (std::vector<int>{20}));
+}
+
+TEST(FrameMailbox, KeepsApartWhatLiesBeforeAndBehindAMove) {
+  FrameMailbox mailbox(3, 100, Overflow::kWait);
+  mailbox.end(2);  // a recording that could not be read
+  put(mailbox, 0, {10, 20}, 100);
+  std::thread first([&] {
+    mailbox.move(0, 1);
+    put(mailbox, 0, {1}, 5);
+  });
+  put(mailbox, 1, {15}, 16);
+  std::vector<int> before;
+  while (before.size() < 2) {
+    const FrameMailbox::Taken taken = mailbox.take();
+    EXPECT_FALSE(taken.moved);
+    const std::vector<int> some = times(taken);
+    before.insert(before.end(), some.begin(), some.end());
+  }
+  EXPECT_EQ(before, (std::vector<int>{10, 15}));
+  put(mailbox, 1, {17}, 18);
+  std::thread second([&] {
+    mailbox.move(1, 1);
+    put(mailbox, 1, {2}, 5);
+  });
+  FrameMailbox::Taken last = mailbox.take();
+  std::vector<int> rest = times(last);
+  while (!last.moved) {
+    last = mailbox.take();
+    for (const int ms : times(last)) {
+      rest.push_back(ms);
+    }
+  }
+  EXPECT_EQ(rest, (std::vector<int>{17, 20}));
+  first.join();
+  second.join();
+  const FrameMailbox::Taken after = mailbox.take();
+  EXPECT_FALSE(after.moved);
+  EXPECT_EQ(times(after), (std::vector<int>{1, 2}));
+}
+
+TEST(FrameMailbox, LetsGoWhoIsBehindWhenThereIsALaterMove) {
+  FrameMailbox mailbox(2, 100, Overflow::kWait);
+  std::thread behind([&] {
+    mailbox.move(0, 1);
+    mailbox.move(0, 2);
+  });
+  std::thread ahead([&] { mailbox.move(1, 2); });
+  int moves = 0;
+  while (moves == 0) {
+    moves += mailbox.take().moved ? 1 : 0;
+  }
+  behind.join();
+  ahead.join();
+  mailbox.end(0);
+  mailbox.end(1);
+  EXPECT_TRUE(mailbox.take().ended);
 }
 
 TEST(FrameMailbox, DropsTheOldestAndCountsIt) {

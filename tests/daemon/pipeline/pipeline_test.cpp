@@ -4,13 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <future>
 #include <numeric>
+#include <thread>
 
 #include "capture/pcap_source.h"
+#include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/paced_source.h"
 #include "daemon/publish/proto_time.h"
-#include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 namespace {
@@ -20,7 +22,7 @@ constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room/";
 // Says of each burst which frames it had: any change of order or content changes the text.
 class DescribingEstimator : public Estimator {
  public:
-  void estimate(const Burst& burst, std::vector<v1::Location>& out) override {
+  void estimate(const Burst& burst, Estimates& out) override {
     v1::Location location;
     location.set_mode(v1::FIX_MODE_NO_FIX);
     location.mutable_target()->set_mac(to_string(burst.transmitter));
@@ -35,7 +37,7 @@ class DescribingEstimator : public Estimator {
               std::to_string(frame.cores.size()) + ":" + std::to_string(sum) + " ";
     }
     location.set_event_id(text);
-    out.push_back(location);
+    out.locations.push_back(location);
   }
 };
 
@@ -46,9 +48,9 @@ struct Outcome {
   std::vector<MailboxCounters> mailbox;
 };
 
-Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace) {
+Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, int sources = 3) {
   std::vector<SourceWorker::Input> inputs;
-  for (int index = 0; index < 3; ++index) {
+  for (int index = 0; index < sources; ++index) {
     const std::string id = "ap" + std::to_string(index + 1);
     SourceWorker::Input input;
     input.access_point = id;
@@ -108,6 +110,59 @@ TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
   EXPECT_EQ(replay(8192, nullptr).locations, reference.locations);
   EXPECT_EQ(replay(3, nullptr).locations, reference.locations);
   EXPECT_EQ(replay(8192, std::make_shared<Pace>(200.0)).locations, reference.locations);
+}
+
+// As one that takes longer than the recording lasts: nothing ends before everything has come.
+class SlowEstimator : public DescribingEstimator {
+ public:
+  void estimate(const Burst& burst, Estimates& out) override {
+    explained_.push_back(burst);
+    if (explained_.size() == 1) {
+      released_.wait();
+    }
+    DescribingEstimator::estimate(burst, out);
+  }
+  void release() { release_.set_value(); }
+  const std::vector<Burst>& explained() const { return explained_; }
+
+ private:
+  std::promise<void> release_;
+  std::future<void> released_ = release_.get_future();
+  std::vector<Burst> explained_;
+};
+
+TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
+  SlowEstimator estimator;
+  OrderedSink sink([](const v1::Location&) {});
+  std::vector<SourceWorker::Input> inputs(1);
+  inputs[0].access_point = "ap1";
+  inputs[0].source = PcapFileSource::open(std::string(kSite) + "device_los-ap1.pcap.gz").value();
+  Pipeline pipeline({}, std::move(inputs), estimator, sink);
+  pipeline.start();
+  // The source never waits for the estimator, which is busy with the first burst.
+  while (!pipeline.source_reports()[0].ended) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  estimator.release();
+  pipeline.wait();
+
+  const EstimationCounters counters = pipeline.estimation_counters();
+  const std::vector<Burst>& explained = estimator.explained();
+  ASSERT_GE(explained.size(), 2U);
+  EXPECT_LT(explained.size(), 5U);  // of more than twenty
+  EXPECT_EQ(counters.bursts, explained.size());
+  EXPECT_GT(counters.bursts_merged, 15U);
+  EXPECT_EQ(counters.taken,
+            counters.used + counters.surplus + counters.unwanted + counters.refused +
+                counters.merged + counters.in_flight);
+  EXPECT_EQ(counters.in_flight, 0U);
+  EXPECT_EQ(counters.taken + pipeline.mailbox_counters()[0].dropped,
+            pipeline.source_reports()[0].receiver.frames);
+  // The last one explained is the newest of the recording, and says that others came before.
+  const Outcome all = replay(8192, nullptr, 1);
+  EXPECT_EQ(explained.size() + counters.bursts_merged, all.counters.bursts);
+  EXPECT_LT(explained.back().heard_since, explained.back().first);
+  EXPECT_GT(explained.back().first, explained.front().last);
 }
 
 TEST(Pipeline, StopsWhileARecordingIsPlayed) {

@@ -7,14 +7,23 @@
 #include <filesystem>
 
 #include "capture/pcap_source.h"
+#include "tests/support/read_to_end.h"
 
 namespace rayloc {
 namespace {
 
 class RecorderStageTest : public ::testing::Test {
  protected:
-  RecorderStageTest() { std::filesystem::remove(path_); }
-  ~RecorderStageTest() override { std::filesystem::remove(path_); }
+  RecorderStageTest() { std::filesystem::remove_all(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::unique_ptr<RotatingRecorder> recorder() const {
+    RotatingRecorderOptions options;
+    options.folder = folder_;
+    options.name = "ap1";
+    options.free_bytes = [] { return std::uint64_t{1} << 40U; };
+    return RotatingRecorder::open(std::move(options)).value();
+  }
 
   void tap(RecorderStage& stage, int count) {
     std::vector<Datagram> datagrams;
@@ -27,25 +36,22 @@ class RecorderStageTest : public ::testing::Test {
     stage.tap(datagrams);
   }
 
-  std::size_t datagrams_in_file() const {
-    const auto source = PcapFileSource::open(path_).value();
-    DatagramBatch batch;
-    std::size_t count = 0;
-    while (!batch.ended) {
-      EXPECT_TRUE(source->read(batch, Duration::zero()).has_value());
-      count += batch.datagrams.size();
-    }
-    return count;
+  // Of the one recording that there is.
+  SourceCounters recorded() const {
+    const std::filesystem::directory_iterator file(folder_);
+    const auto source = PcapFileSource::open(file->path().string()).value();
+    test::read_to_end(*source);
+    return source->counters();
   }
 
-  const std::string path_ =
+  const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("recorder_stage." + std::to_string(getpid()));
   std::vector<std::byte> payload_ = std::vector<std::byte>(566);
   int next_ = 0;
 };
 
 TEST_F(RecorderStageTest, WritesEverythingBeforeItEnds) {
-  RecorderStage stage(PcapRecorder::create(path_).value());
+  RecorderStage stage(recorder());
   for (int i = 0; i < 50; ++i) {
     tap(stage, 100);
   }
@@ -55,18 +61,20 @@ TEST_F(RecorderStageTest, WritesEverythingBeforeItEnds) {
   EXPECT_EQ(counters.written, 5000U);
   EXPECT_EQ(counters.dropped, 0U);
   EXPECT_EQ(counters.waiting, 0U);
-  EXPECT_EQ(datagrams_in_file(), 5000U);
+  EXPECT_EQ(counters.files.files, 1U);
+  EXPECT_EQ(recorded().delivered, 5000U);
 }
 
-TEST_F(RecorderStageTest, DropsTheNewestAndCountsIt) {
-  RecorderStage stage(PcapRecorder::create(path_).value(), 10 * payload_.size());
+TEST_F(RecorderStageTest, DropsTheNewestCountsAndMarksIt) {
+  RecorderStage stage(recorder(), 10 * payload_.size());
   tap(stage, 100);  // one call, which the writing thread cannot get between
   stage.finish();
   const RecorderStageCounters counters = stage.counters();
   EXPECT_EQ(counters.tapped, 100U);
   EXPECT_EQ(counters.written, 10U);
   EXPECT_EQ(counters.dropped, 90U);
-  EXPECT_EQ(datagrams_in_file(), 10U);
+  EXPECT_EQ(recorded().delivered, 10U);
+  EXPECT_EQ(recorded().unrecorded, 90U);
 }
 
 }  // namespace

@@ -124,5 +124,32 @@ TEST(LocationMessage, StatesTheTrack) {
   EXPECT_FALSE(message.has_velocity());
 }
 
+TEST(TrackEvent, StatesTheTransition) {
+  FilteredEstimate filtered;
+  filtered.location.position = Vec3d{1.0, 2.0, 1.2};
+  filtered.transition = TrackTransition{
+      Timestamp(std::chrono::seconds(5)), std::nullopt, TrackState::kTentative, "heard at last"};
+  v1::Target target;
+  target.set_mac("02:52:4c:00:00:01");
+  target.set_track(7);
+  const v1::TrackEvent begin = track_event(filtered, target);
+  EXPECT_EQ(begin.event_id(), "02:52:4c:00:00:01-5000000000-track-0-1");
+  EXPECT_EQ(begin.time().seconds(), 5);
+  EXPECT_EQ(begin.target().track(), 7U);
+  EXPECT_EQ(begin.previous_state(), v1::TRACK_STATE_UNSPECIFIED);
+  EXPECT_EQ(begin.state(), v1::TRACK_STATE_TENTATIVE);
+  EXPECT_EQ(begin.position().y(), 2.0);
+  EXPECT_EQ(begin.reason(), "heard at last");
+
+  filtered.location.position.reset();
+  filtered.transition = TrackTransition{
+      Timestamp(std::chrono::seconds(9)), TrackState::kCoasting, TrackState::kLost, "silent"};
+  const v1::TrackEvent end = track_event(filtered, target);
+  EXPECT_EQ(end.event_id(), "02:52:4c:00:00:01-9000000000-track-3-4");
+  EXPECT_EQ(end.previous_state(), v1::TRACK_STATE_COASTING);
+  EXPECT_EQ(end.state(), v1::TRACK_STATE_LOST);
+  EXPECT_FALSE(end.has_position());
+}
+
 }  // namespace
 }  // namespace rayloc

@@ -32,90 +32,116 @@ TEST_P(ConfigError, NamesThePlaceAndWhatToWrite) {
   EXPECT_EQ(errors.find('\n'), std::string::npos) << "one mistake, one line: " << errors;
 }
 
-const Case kCases[] = {
+const auto kCases = std::to_array<Case>({
     {"Schema", "schema = 1", "schema = 2", "raylocd.toml:1:10: 'schema' is 2", "1"},
     {"UnknownKey",
      "burst_s",
      "burst",
-     "raylocd.toml:20:1: unknown key 'burst' in [engine]",
+     "raylocd.toml:21:1: unknown key 'burst' in [engine]",
      "did you mean 'burst_s'?"},
-    {"UnknownTable", "[limits]", "[limit]", "raylocd.toml:22:2: unknown key 'limit'", "'limits'"},
+    {"UnknownTable", "[limits]", "[limit]", "raylocd.toml:23:2: unknown key 'limit'", "'limits'"},
     {"NoDirectory",
      "directory = \"meeting_room\"\n",
      "",
-     "raylocd.toml:2:1: [site] lacks 'directory'",
+     "raylocd.toml:3:1: [site] lacks 'directory'",
      "directory = \""},
     {"Kind",
      "\"udp\"",
      "\"udb\"",
-     "raylocd.toml:6:8: 'udb' is no value of 'kind'",
+     "raylocd.toml:7:8: 'udb' is no value of 'kind'",
      "did you mean 'udp'?"},
     {"NoFile",
      "file = \"two.pcap\"\n",
      "",
-     "raylocd.toml:8:1: [[source]] lacks 'file'",
+     "raylocd.toml:9:1: [[source]] lacks 'file'",
      "file = \"recording.pcap\""},
     {"NoInterface",
      "interface = \"eth0\"\n",
      "",
-     "raylocd.toml:14:1: [[source]] lacks 'interface'",
+     "raylocd.toml:15:1: [[source]] lacks 'interface'",
      "eth0"},
     {"KeyOfOtherKind",
      "speed = 2",
      "listen = \":1\"",
-     "raylocd.toml:12:10: 'listen' belongs to",
+     "raylocd.toml:13:10: 'listen' belongs to",
      "this source is of kind pcap"},
     {"Listen",
      "127.0.0.1:5501",
      "127.0.0.1",
-     "raylocd.toml:7:10: 'listen' is no ADDRESS:PORT",
+     "raylocd.toml:8:10: 'listen' is no ADDRESS:PORT",
      "0.0.0.0:5500"},
     {"ListenPort",
      "127.0.0.1:5501",
      "127.0.0.1:65536",
-     "raylocd.toml:7:10: 'listen' is no",
+     "raylocd.toml:8:10: 'listen' is no",
      "0.0.0.0:5500"},
-    {"Speed", "speed = 2", "speed = \"fast\"", "raylocd.toml:12:9: 'speed' is 'fast'", "\"max\""},
-    {"SpeedZero", "speed = 2", "speed = 0", "raylocd.toml:12:9: 'speed' is 0", "from 0.001"},
-    {"Format", "axcsi-v4", "axcsi-v5", "raylocd.toml:13:10: 'axcsi-v5' is no value", "'axcsi-v4'"},
+    {"Speed", "speed = 2", "speed = \"fast\"", "raylocd.toml:13:9: 'speed' is 'fast'", "\"max\""},
+    {"SpeedZero", "speed = 2", "speed = 0", "raylocd.toml:13:9: 'speed' is 0", "from 0.001"},
+    {"Format", "axcsi-v4", "axcsi-v5", "raylocd.toml:14:10: 'axcsi-v5' is no value", "'axcsi-v4'"},
     {"Burst",
      "burst_s = 0.5",
      "burst_s = -1",
-     "raylocd.toml:20:11: 'burst_s' is -1",
+     "raylocd.toml:21:11: 'burst_s' is -1",
      "from 0.01 to 10 s"},
-    {"BurstNaN", "burst_s = 0.5", "burst_s = nan", "raylocd.toml:20:11: 'burst_s' is nan", "0.01"},
+    {"BurstNaN", "burst_s = 0.5", "burst_s = nan", "raylocd.toml:21:11: 'burst_s' is nan", "0.01"},
     {"WholeNumber",
      "ring_frames = 100",
      "ring_frames = 100.5",
-     "raylocd.toml:23:15: 'ring_frames' is a number",
+     "raylocd.toml:24:15: 'ring_frames' is a number",
      "a whole number"},
     {"Boolean",
-     "0.0.0.0:5561\"\ninsecure = true",
-     "127.0.0.1:5561\"\ninsecure = \"yes\"",
-     "raylocd.toml:27:12: 'insecure' is a string",
+     "0.0.0.0:5561\"\nsnapshot = \"ipc:///run/snapshot\"\ninsecure = true",
+     "127.0.0.1:5561\"\nsnapshot = \"ipc:///s\"\ninsecure = \"yes\"",
+     "raylocd.toml:29:12: 'insecure' is a string",
      "insecure = true"},
+    {"CurveKey",
+     "Yne@",
+     "Yne",
+     "raylocd.toml:47:9: 'allow': 'Yne$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID' is no public key",
+     "rayloc keygen"},
+    {"CurveForNobody",
+     "enabled = false\nsecret_file = \"secret\"\nallow = "
+     "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]\n",
+     "enabled = true\n",
+     "raylocd.toml:44:1: [curve] lacks 'allow'",
+     "rayloc keygen"},
     {"EndpointOpen",
      "insecure = true\n",
      "",
-     "raylocd.toml:26:12: 'endpoint' can be reached from the network",
-     "insecure = true"},
+     "raylocd.toml:27:12: 'endpoint' can be reached from the network",
+     "or set up [curve], or insecure = true if that is meant"},
     {"EndpointScheme",
      "tcp://0.0.0.0:5561",
      "udp://0.0.0.0:5561",
-     "raylocd.toml:26:12: 'endpoint' is 'udp://0.0.0.0:5561'",
+     "raylocd.toml:27:12: 'endpoint' is 'udp://0.0.0.0:5561'",
      "tcp://127.0.0.1:5560"},
+    {"SnapshotOpen",
+     "tcp://0.0.0.0:5561\"\nsnapshot = \"ipc:///run/snapshot\"\ninsecure = true\n",
+     "tcp://127.0.0.1:1\"\nsnapshot = \"tcp://*:2\"\n",
+     "raylocd.toml:28:12: 'snapshot' can be reached from the network",
+     "insecure = true"},
+    {"HttpOpen",
+     "token_file = \"token\"\ninsecure = true",
+     "insecure = false",
+     "raylocd.toml:34:10: 'listen' can be reached from the network",
+     "token_file"},
+    {"HttpListen",
+     "0.0.0.0:8481",
+     "8481",
+     "raylocd.toml:34:10: 'listen' is no ADDRESS:PORT",
+     "127.0.0.1:8480"},
     {"Level",
      "\"debug\"",
      "\"debugging\"",
-     "raylocd.toml:33:9: 'debugging' is no value of 'level'",
+     "raylocd.toml:43:9: 'debugging' is no value of 'level'",
      "did you mean 'debug'?"},
-    {"Syntax", "[log]", "[log", "raylocd.toml:32:5: not TOML: ", "']'"},
+    {"Syntax", "[log]", "[log", "raylocd.toml:42:5: not TOML: ", "']'"},
     {"TableForSources",
      "[[source]]\naccess_point = \"ap1\"",
      "[source]\naccess_point = \"ap1\"",
-     "raylocd.toml:8:",
+     "raylocd.toml:9:",
      "not TOML"},
-};
+});
 
 INSTANTIATE_TEST_SUITE_P(All, ConfigError, ::testing::ValuesIn(kCases), [](const auto& tested) {
   return std::string(tested.param.name);
@@ -130,7 +156,8 @@ TEST(ConfigErrors, TwoSourcesCannotShareAPort) {
   const std::string port = "kind = \"udp\"\nlisten = \"127.0.0.1:5500\"";
   EXPECT_THAT(
       errors_of(sources(port, port)),
-      StartsWith("raylocd.toml:10:10: a second source on UDP port 5500 (the first: line 3)"));
+      StartsWith(
+          "raylocd.toml:10:10: a second source on UDP port 5500 (the first: raylocd.toml:3)"));
   // Every address includes this one, whether it is stated or the default.
   EXPECT_THAT(errors_of(sources("kind = \"udp\"", port)),
               StartsWith("raylocd.toml:9:10: a second source on UDP port 5500"));
@@ -139,7 +166,22 @@ TEST(ConfigErrors, TwoSourcesCannotShareAPort) {
   EXPECT_EQ(errors_of(sources(port, "kind = \"udp\"\nlisten = \"127.0.0.2:5500\"")), "");
 }
 
-TEST(ConfigErrors, TwoSourcesCannotShareAFileOrInterface) {
+TEST(ConfigErrors, OnlyAddressesAndNetworksMayBeAllowed) {
+  const std::string udp = "kind = \"udp\"\nlisten = \"127.0.0.1:5500\"\nallow = ";
+  const std::string file = "kind = \"pcap\"\nfile = \"-\"";
+  EXPECT_EQ(errors_of(sources(udp + "\"192.168.1.0/24\"", file)), "");
+  EXPECT_THAT(errors_of(sources(udp + "[\"10.1.1.1\", \"192.168.1.7/24\"]", file)),
+              StartsWith("raylocd.toml:7:9: 'allow': '192.168.1.7/24' is an address in a network; "
+                         "write 192.168.1.7 for the one"));
+  EXPECT_THAT(errors_of(sources(udp + "\"router\"", file)),
+              StartsWith("raylocd.toml:7:9: 'allow': 'router' is no IPv4 address"));
+  EXPECT_THAT(errors_of(sources(udp + "[]", file)),
+              StartsWith("raylocd.toml:7:9: 'allow' is an empty array"));
+  EXPECT_THAT(errors_of(sources(file, "kind = \"unix\"\npath = \"/s\"\nallow = \"10.1.1.1\"")),
+              StartsWith("raylocd.toml:11:9: 'allow' belongs to kind udp"));
+}
+
+TEST(ConfigErrors, TwoSourcesCannotShareAFileInterfaceOrSocket) {
   const std::string file = "kind = \"pcap\"\nfile = \"-\"";
   EXPECT_THAT(errors_of(sources(file, file)),
               StartsWith("raylocd.toml:10:8: a second source on -"));
@@ -147,6 +189,25 @@ TEST(ConfigErrors, TwoSourcesCannotShareAFileOrInterface) {
   EXPECT_THAT(errors_of(sources(interface, interface)),
               StartsWith("raylocd.toml:10:13: a second source on interface eth0"));
   EXPECT_EQ(errors_of(sources(interface, interface + "\nfilter = \"udp dst port 5501\"")), "");
+  const std::string socket = "kind = \"unix\"\npath = \"/run/raylocd/eth0\"";
+  EXPECT_THAT(errors_of(sources(socket, socket)),
+              StartsWith("raylocd.toml:10:8: a second source on socket /run/raylocd/eth0"));
+  EXPECT_THAT(errors_of(sources(socket, "kind = \"unix\"")),
+              StartsWith("raylocd.toml:7:1: [[source]] lacks 'path'"));
+}
+
+TEST(ConfigErrors, RecordingsArePlayedAtOneSpeed) {
+  const auto file = [](const char* name, const char* speed) {
+    return std::string("kind = \"pcap\"\nfile = \"") + name + "\"\n" + speed;
+  };
+  EXPECT_EQ(errors_of(sources(file("a", "speed = 2"), file("b", "speed = 2.0"))), "");
+  EXPECT_EQ(errors_of(sources(file("a", ""), file("b", "speed = \"max\""))), "");
+  EXPECT_THAT(errors_of(sources(file("a", "speed = 2"), file("b", "speed = 1"))),
+              StartsWith("raylocd.toml:12:9: recordings are played together, and that of "
+                         "raylocd.toml:3 has another 'speed'"));
+  EXPECT_THAT(errors_of(sources(file("a", "speed = 2"), file("b", ""))),
+              StartsWith("raylocd.toml:7:9: recordings are played together"));
+  EXPECT_EQ(errors_of(sources("kind = \"udp\"", file("b", "speed = 2"))), "");
 }
 
 TEST(ConfigErrors, EmptyFileLacksSiteAndSource) {

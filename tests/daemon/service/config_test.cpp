@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 using testing::config_text;
 using ::testing::HasSubstr;
 using testing::kConfigFile;
+using testing::kOtherText;
+using testing::kUnixSource;
 using testing::without_folders;
 
 constexpr std::string_view kSmallest = "[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"udp\"\n";
@@ -55,8 +57,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(udp.access_point, "ap1");
   EXPECT_EQ(udp.listen_host, "127.0.0.1");
   EXPECT_EQ(udp.listen_port, 5501);
-  EXPECT_EQ(udp.line, 4);
-  EXPECT_EQ(udp.column, 1);
+  EXPECT_EQ(udp.place, kConfigFile.string() + ":5:1: ");
   const SourceConfig& pcap = config->sources[1];
   EXPECT_EQ(pcap.kind, SourceKind::kPcap);
   EXPECT_EQ(pcap.file, folder / "two.pcap");
@@ -71,11 +72,43 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(config->limits.ring_frames, 100U);
   EXPECT_EQ(config->limits.max_targets, 7U);
   EXPECT_EQ(config->publish.endpoint, "tcp://0.0.0.0:5561");
+  EXPECT_EQ(config->publish.snapshot, "ipc:///run/snapshot");
   EXPECT_TRUE(config->publish.insecure);
   EXPECT_EQ(config->publish.heartbeat, std::chrono::milliseconds(2500));
   EXPECT_EQ(config->publish.send_high_water_mark, 50U);
+  EXPECT_TRUE(config->http.enabled);
+  EXPECT_EQ(config->http.host, "0.0.0.0");
+  EXPECT_EQ(config->http.port, 8481);
+  EXPECT_EQ(config->http.token_file, folder / "token");
+  EXPECT_TRUE(config->http.insecure);
   EXPECT_EQ(config->record.directory, folder / "recordings");
+  EXPECT_FALSE(config->cache.enabled);
+  EXPECT_EQ(config->cache.directory, folder / "kept");
   EXPECT_EQ(config->log.level, LogLevel::kDebug);
+  EXPECT_FALSE(config->curve.enabled);
+  EXPECT_EQ(config->curve.secret_file, folder / "secret");
+  EXPECT_EQ(config->curve.allow,
+            std::vector<std::string>{"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID"});
+  EXPECT_EQ(config->privacy.target_id, TargetId::kHmac);
+  EXPECT_EQ(config->privacy.rotate, std::chrono::hours(2));
+  EXPECT_EQ(config->privacy.key_file, folder / "privacy.key");
+}
+
+TEST(Config, ReadsTheOtherKeys) {
+  const Expected<DaemonConfig> config = parse_config(kOtherText, kConfigFile);
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->sources[0].only_interface, "eth1");
+  EXPECT_EQ(config->sources[0].allow, (std::vector<std::string>{"10.10.10.10", "192.168.1.0/24"}));
+  EXPECT_EQ(config->engine.method, EngineMethod::kNone);
+  EXPECT_TRUE(config->publish.csi);
+  constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
+  EXPECT_EQ(config->record.rotate_bytes, 3 * kMebibyte);
+  EXPECT_EQ(config->record.rotate_every, std::chrono::seconds(90));
+  EXPECT_EQ(config->record.max_total_bytes, 5 * kMebibyte);
+  EXPECT_EQ(config->record.min_free_bytes, 7 * kMebibyte);
+  EXPECT_EQ(config->record.ring, std::chrono::seconds(11));
+  EXPECT_EQ(config->record.ring_bytes, 13 * kMebibyte);
+  EXPECT_EQ(config->record.snapshot_directory, kConfigFile.parent_path() / "snapshots");
 }
 
 TEST(Config, DefaultsAreThoseOfTheDocumentation) {
@@ -88,10 +121,31 @@ TEST(Config, DefaultsAreThoseOfTheDocumentation) {
   EXPECT_EQ(config->limits.ring_frames, 8192U);
   EXPECT_EQ(config->limits.max_targets, 256U);
   EXPECT_EQ(config->publish.endpoint, "tcp://127.0.0.1:5560");
+  EXPECT_EQ(config->publish.snapshot, "tcp://127.0.0.1:5561");
   EXPECT_FALSE(config->publish.insecure);
   EXPECT_EQ(config->publish.heartbeat, std::chrono::seconds(1));
+  EXPECT_EQ(config->http.host, "127.0.0.1");
+  EXPECT_EQ(config->http.port, 8480);
   EXPECT_TRUE(config->record.directory.empty());
+  EXPECT_TRUE(config->cache.enabled);
+  EXPECT_TRUE(config->cache.directory.empty());
   EXPECT_EQ(config->log.level, LogLevel::kInfo);
+  EXPECT_FALSE(config->curve.enabled);
+  EXPECT_FALSE(config->publish.csi);
+  EXPECT_EQ(config->engine.method, EngineMethod::kRayloc);
+  EXPECT_EQ(config->privacy.target_id, TargetId::kMac);
+  EXPECT_EQ(config->privacy.rotate, std::chrono::hours(24));
+}
+
+TEST(Config, WithCurveEndpointsMayBeReachedFromTheNetwork) {
+  const Expected<DaemonConfig> config = parse_config(
+      std::string(kSmallest) +
+          "[publish]\nendpoint = \"tcp://0.0.0.0:5560\"\nsnapshot = \"tcp://*:5561\"\n"
+          "[curve]\nenabled = true\nallow = \"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"\n",
+      kConfigFile);
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_TRUE(config->curve.enabled);
+  EXPECT_EQ(config->curve.allow.size(), 1U);
 }
 
 TEST(Config, StandardInputAndGreatestSpeedAreWritten) {
@@ -171,9 +225,18 @@ TEST(ConfigSchema, EveryKeyIsStoredOnceAndStatedInTheTest) {
     EXPECT_TRUE(seen.insert(path).second) << path << " has two rows";
     EXPECT_EQ(option.section != "source", option.store != nullptr) << path;
     EXPECT_EQ(option.section == "source", option.store_source != nullptr) << path;
-    // ReadsEveryKey checks each value of this text.
-    EXPECT_THAT("\n" + config_text(), HasSubstr("\n" + std::string(option.key) + " = "));
+    // ReadsEveryKey, ReadsTheOtherKeys and the test of unix sources check each value of these.
+    EXPECT_THAT("\n" + config_text() + std::string(kUnixSource) + std::string(kOtherText),
+                HasSubstr("\n" + std::string(option.key) + " = "));
   }
+}
+
+TEST(ParseConfig, ReadsTheSocketOfRaylocCapture) {
+  const Expected<DaemonConfig> config =
+      parse_config(config_text() + std::string(kUnixSource), kConfigFile);
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->sources.at(3).kind, SourceKind::kUnix);
+  EXPECT_EQ(config->sources.at(3).path, "/run/raylocd/eth0");
 }
 
 TEST(ConfigSchema, JsonSchemaHasEveryKeyAndRequiresWhatWeRequire) {

@@ -16,6 +16,7 @@ inline const std::filesystem::path kConfigFile =
     std::filesystem::path(RAYLOC_TEST_DATA) / "sites" / "raylocd.toml";
 
 inline constexpr std::string_view kConfigText = R"(schema = 1
+include = ["conf.d/*.toml"]
 [site]
 directory = "meeting_room"
 [[source]]
@@ -41,13 +42,61 @@ ring_frames = 100
 max_targets = 7
 [publish]
 endpoint = "tcp://0.0.0.0:5561"
+snapshot = "ipc:///run/snapshot"
 insecure = true
 heartbeat_s = 2.5
 send_high_water_mark = 50
+[http]
+enabled = true
+listen = "0.0.0.0:8481"
+token_file = "token"
+insecure = true
 [record]
 directory = "recordings"
+[cache]
+enabled = false
+directory = "kept"
 [log]
 level = "debug"
+[curve]
+enabled = false
+secret_file = "secret"
+allow = ["Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID"]
+[privacy]
+target_id = "hmac"
+rotate_h = 2
+key_file = "privacy.key"
+)";
+
+// The kind of source that kConfigText has not: its site has three access points.
+inline constexpr std::string_view kUnixSource = R"([[source]]
+access_point = "ap4"
+kind = "unix"
+path = "/run/raylocd/eth0"
+)";
+
+// A second configuration, with the keys that kConfigText has not: its lines stay where they are
+// named by tests of errors.
+inline constexpr std::string_view kOtherText = R"([site]
+directory = "meeting_room"
+[[source]]
+access_point = "ap1"
+kind = "udp"
+only_interface = "eth1"
+allow = ["10.10.10.10", "192.168.1.0/24"]
+[engine]
+method = "none"
+[publish]
+csi = true
+[record]
+directory = "recordings"
+rotate_mb = 3
+rotate_every_s = 90
+max_total_mb = 5
+min_free_mb = 7
+ring_s = 11
+ring_mb = 13
+snapshot_directory = "snapshots"
 )";
 
 // kConfigText with the first `from` replaced by `to`.

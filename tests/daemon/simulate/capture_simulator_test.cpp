@@ -51,7 +51,7 @@ std::vector<CsiFrame> receive(const SpotCapture& capture) {
 TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 1, options_with(no_impairments()));
-  const auto frames = receive(simulator.hear(spot_with(3)));
+  const auto frames = receive(*simulator.hear(spot_with(3)));
   ASSERT_EQ(frames.size(), 3U);
 
   const RoomAccessPoint& ap = room.access_points[1];
@@ -81,7 +81,7 @@ TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
 TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
   const RoomModel room = test::make_room();
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
-  const auto frames = receive(simulator.hear(spot_with(2)));
+  const auto frames = receive(*simulator.hear(spot_with(2)));
   ASSERT_EQ(frames.size(), 2U);
   EXPECT_EQ(frames[0].transmitter, (MacAddress{{2, 0x52, 0x4c, 0, 0, 7}}));
   EXPECT_EQ(frames[0].phy, PhyFormat::kVht);
@@ -112,7 +112,7 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
   CaptureOptions options = options_with(impairments);
   options.bandwidth_mhz = GetParam().bandwidth_mhz;
   CaptureSimulator simulator(room, 2, options);
-  const auto frames = receive(simulator.hear(spot_with(1)));
+  const auto frames = receive(*simulator.hear(spot_with(1)));
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_EQ(frames[0].phy, GetParam().phy);
   EXPECT_EQ(frames[0].bandwidth_mhz, GetParam().bandwidth_mhz);
@@ -152,8 +152,8 @@ TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {
     CaptureOptions options = options_with(default_impairments());
     options.seed = seed;
     std::vector<std::vector<std::byte>> payloads;
-    for (auto& datagram :
-         CaptureSimulator(room, access_point, options).hear(spot_with(2)).datagrams) {
+    auto heard = CaptureSimulator(room, access_point, options).hear(spot_with(2));
+    for (auto& datagram : heard->datagrams) {
       payloads.push_back(std::move(datagram.payload));
     }
     return payloads;
@@ -167,7 +167,7 @@ TEST(CaptureSimulator, LosesTheStatedShareOfDatagramsAndCountsThem) {
   Impairments impairments = no_impairments();
   impairments.loss_share = 0.2;
   CaptureSimulator simulator(room, 0, options_with(impairments));
-  const SpotCapture capture = simulator.hear(spot_with(500));
+  const SpotCapture capture = *simulator.hear(spot_with(500));
   EXPECT_EQ(capture.datagrams.size() + capture.lost, 1500U);
   EXPECT_NEAR(static_cast<double>(capture.lost), 300.0, 3 * 15.5);
 }
@@ -178,7 +178,7 @@ TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
   CaptureSimulator simulator(room, 0, options_with(default_impairments()));
   SimulatedSpot outside = spot_with(1);
   outside.position = {9.0, 0.0, 1.2};
-  const SpotCapture capture = simulator.hear(outside);
+  const SpotCapture capture = *simulator.hear(outside);
   EXPECT_EQ(capture.paths, 0U);
   EXPECT_EQ(capture.datagrams.size(), 3U);
 }

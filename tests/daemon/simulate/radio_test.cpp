@@ -24,8 +24,10 @@ const RadioSetup kSetup = {PhyFormat::kVht, 40, kCentre, {2, 0, 3}};
 
 class Radio {
  public:
-  explicit Radio(const Impairments& impairments, std::uint64_t seed = 1)
-      : radio_(kSetup, impairments, {}, random_stream(seed, "test")) {}
+  explicit Radio(const Impairments& impairments,
+                 std::uint64_t seed = 1,
+                 const ChainGains& calibrated = {})
+      : radio_(kSetup, impairments, calibrated, random_stream(seed, "test")) {}
 
   SimulatedRadio& operator*() { return radio_; }
   SimulatedRadio* operator->() { return &radio_; }
@@ -301,7 +303,7 @@ TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
 
 TEST(SimulatedRadio, TakesTheChainsOfACalibrationWhenAsked) {
   Impairments impairments = no_impairments();
-  ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}};
+  ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}, {}};
   for (int i = 0; i < 3 * 114; ++i) {
     calibrated.gain.push_back(std::polar(1.0, 0.01 * i));
   }
@@ -312,11 +314,26 @@ TEST(SimulatedRadio, TakesTheChainsOfACalibrationWhenAsked) {
   EXPECT_EQ(same.chains().gain, calibrated.gain);
 }
 
+TEST(SimulatedRadio, TakesTheCouplingOfACalibrationWithItsChains) {
+  Impairments impairments = no_impairments();
+  impairments.calibrated_chains = true;
+  ChainGains calibrated{radio_grid(kSetup), kSetup.cores, {}, {}};
+  calibrated.gain.assign(3 * calibrated.grid.size(), 1.0);
+  calibrated.coupling = {1.0, 0.0, 0.0, {0.0, 0.1}, 1.0, 0.0, 0.0, 0.0, 1.0};
+  Radio radio(impairments, 1, calibrated);
+  std::vector<Value> h = radio.flat(0.0);
+  std::fill(h.begin(), h.begin() + 114, 1e-3);
+  const auto heard = radio.receive(h);
+  EXPECT_NEAR(std::abs(heard[0][7] - 1e-3), 0.0, 1e-15);
+  EXPECT_NEAR(std::abs(heard[1][7] - Value(0.0, 1e-4)), 0.0, 1e-15);
+  EXPECT_NEAR(std::abs(heard[2][7]), 0.0, 1e-15);
+}
+
 // A calibration of every second tone.
 TEST(SimulatedRadio, FillsTonesThatACalibrationLeavesOutByTheNearest) {
   Impairments impairments = no_impairments();
   impairments.calibrated_chains = true;
-  ChainGains calibrated{{kCentre, kSpacing, {-58, -30, 30, 58}}, {2, 0, 3}, {}};
+  ChainGains calibrated{{kCentre, kSpacing, {-58, -30, 30, 58}}, {2, 0, 3}, {}, {}};
   for (int i = 0; i < 12; ++i) {
     calibrated.gain.emplace_back(1.0 + i);
   }

@@ -10,7 +10,8 @@ CalibrationFile example() {
   file.id = "0123456789abcdef";
   file.scene_hash = "fedcba9876543210";
   file.points_hash = "00000000deadbeef";
-  file.temper = {0.45, 0.6, 0.0};
+  file.temper = {1.3, 0.6, 0.0};
+  file.least_sigma = {0.004, 0.01, 0.0};
   CalibratedAccessPoint ap;
   ap.id = "ap1";
   ap.points = 143;
@@ -19,10 +20,11 @@ CalibrationFile example() {
   ap.diffuse = {0.0218, 0.05, 0.0035};
   ap.diffuse_exponent = {1.12, 0.0, 0.22};
   ap.noise = {7e-4, 2e-3, 0.0};
-  ap.gains = {{5.19e9, 312'500.0, {-3, -2, 2, 3}}, {2, 0}, {}};
+  ap.gains = {{5.19e9, 312'500.0, {-3, -2, 2, 3}}, {2, 0}, {}, {}};
   for (int i = 0; i < 8; ++i) {
     ap.gains.gain.emplace_back(1.0 / (1 + i), -0.1 * i);
   }
+  ap.gains.coupling = {1.0, {0.03, -0.01}, {-0.02, 0.0}, 1.0};
   ap.gain_sigma = {0.01, 0.02};
   ap.element_y = {0.0, -0.0007};
   ap.position_x = {0.004, 0.0, 0.001};
@@ -42,7 +44,8 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read->id, written.id);
   EXPECT_EQ(read->scene_hash, written.scene_hash);
   EXPECT_EQ(read->points_hash, written.points_hash);
-  EXPECT_EQ(read->temper.value, 0.45);
+  EXPECT_EQ(read->temper.value, 1.3);
+  EXPECT_EQ(read->least_sigma.value, 0.004);
   ASSERT_EQ(read->access_points.size(), 1U);
   const CalibratedAccessPoint& ap = read->access_points[0];
   EXPECT_EQ(ap.id, "ap1");
@@ -54,6 +57,7 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(ap.gains.grid, written.access_points[0].gains.grid);
   EXPECT_EQ(ap.gains.cores, written.access_points[0].gains.cores);
   EXPECT_EQ(ap.gains.gain, written.access_points[0].gains.gain);  // to the last bit
+  EXPECT_EQ(ap.gains.coupling, written.access_points[0].gains.coupling);
   EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);
   EXPECT_EQ(ap.element_y, written.access_points[0].element_y);
   EXPECT_EQ(read->method, "joint");
@@ -65,6 +69,27 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   ASSERT_EQ(read->parameters.size(), 1U);
   EXPECT_EQ(read->parameters[0].name, written.parameters[0].name);
   EXPECT_EQ(read->parameters[0].sigma, 0.0012);
+}
+
+// Those of before have none.
+TEST(CalibrationFile, TakesChainsWithoutCoupling) {
+  CalibrationFile written = example();
+  written.access_points[0].gains.coupling.clear();
+  const std::string text = to_toml(written);
+  EXPECT_EQ(text.find("coupling"), std::string::npos);
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->access_points[0].gains.coupling.empty());
+}
+
+TEST(CalibrationFile, RefusesACouplingOfSomeChains) {
+  std::string text = to_toml(example());
+  const std::size_t begin = text.find("coupling = ");
+  text.erase(begin, text.find('\n', begin) - begin);
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("'coupling' of every chain"), std::string::npos)
+      << read.error().message;
 }
 
 TEST(CalibrationFile, SaysWhereItIsWrong) {

@@ -38,7 +38,7 @@ class RoomModelTest : public testing::Test {
       one.id = ap.id;
       one.yaw_offset.value = 0.02;
       one.noise.value = 0.003;
-      one.gains = {room.grid, ap.cores, {}};
+      one.gains = {room.grid, ap.cores, {}, {}};
       one.gains.gain.resize(ap.cores.size() * room.grid.size(), 1.0);
       one.gain_sigma.resize(ap.cores.size());
       one.element_y.resize(ap.cores.size());

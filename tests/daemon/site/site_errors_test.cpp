@@ -1,4 +1,6 @@
 // What site.toml says when it is wrong: the exact place, and what to write instead.
+#include <array>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -29,7 +31,7 @@ TEST_P(SiteError, NamesThePlaceAndWhatToWrite) {
   EXPECT_EQ(errors.find('\n'), std::string::npos) << "one mistake, one line: " << errors;
 }
 
-const Case kCases[] = {
+const auto kCases = std::to_array<Case>({
     {"Syntax", "x = [-1.765, 1.765]", "x = [-1.765, 1.765", "site.toml:5:1: not TOML: ", "']'"},
     {"UnknownKey",
      "yaw_deg",
@@ -56,6 +58,36 @@ const Case kCases[] = {
      "",
      "site.toml:14:1: [[access_point]] lacks 'id'",
      "id = \"ap1\""},
+    {"ZoneCrossesItself",
+     "polygon = [[0, 0], [1, 0], [1, 1]]",
+     "polygon = [[0, 0], [1, 1], [1, 0], [0, 1]]",
+     "site.toml:50:11: 'polygon' crosses itself",
+     "in the order of the outline"},
+    {"ZoneWithTwoCorners",
+     "polygon = [[0, 0], [1, 0], [1, 1]]",
+     "polygon = [[0, 0], [1, 0]]",
+     "site.toml:50:11: 'polygon' has 2 points",
+     "write 3 to 256 corners"},
+    {"ZoneTwice",
+     "[targets]",
+     "[[zone]]\nname = \"desk\"\npolygon = [[0, 0], [1, 0], [1, 1]]\n[targets]",
+     "site.toml:52:8: a second zone 'desk'",
+     "its own name"},
+    {"ZoneThatNobodyLeaves",
+     "polygon = [[0, 0], [1, 0], [1, 1]]",
+     "polygon = [[0, 0], [1, 0], [1, 1]]\nleave_probability = 0.7",
+     "site.toml:51:21: 'leave_probability' is 0.7, not below 'enter_probability' = 0.7",
+     "come and go"},
+    {"ZoneNobodyCanEnter",
+     "polygon = [[0, 0], [1, 0], [1, 1]]",
+     "polygon = [[0, 0], [1, 0], [1, 1]]\nenter_probability = 1",
+     "site.toml:51:21: 'enter_probability' is 1",
+     "from 0.01 to 0.99"},
+    {"ZoneWithoutPatience",
+     "polygon = [[0, 0], [1, 0], [1, 1]]",
+     "polygon = [[0, 0], [1, 0], [1, 1]]\ndwell_after_s = -1",
+     "site.toml:51:17: 'dwell_after_s' is -1",
+     "from 0 to 86400 s"},
     {"MissingAtTop",
      "name = \"meeting_room\"",
      "",
@@ -189,10 +221,10 @@ const Case kCases[] = {
     {"Unlisted", "\"ignore\"", "\"ignored\"", "site.toml:52:12: 'ignored' is no value", "'ignore'"},
     {"Control",
      "\"meeting_room\"",
-     "\"a\\u0007\"",
+     R"("a\u0007")",
      "site.toml:1:8: 'name' contains a control",
      "one line"},
-};
+});
 
 INSTANTIATE_TEST_SUITE_P(All, SiteError, ::testing::ValuesIn(kCases), [](const auto& tested) {
   return std::string(tested.param.name);

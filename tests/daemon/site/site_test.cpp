@@ -60,7 +60,38 @@ TEST(Site, ReadsEveryKey) {
   EXPECT_FALSE(site->materials.at("glass").conductivity);
   EXPECT_DOUBLE_EQ(site->georeference->rotation, std::numbers::pi / 2.0);
   EXPECT_EQ(site->zones.at(0).polygon.size(), 3U);
+  EXPECT_EQ(site->zones.at(0).enter_probability, 0.7);
+  EXPECT_EQ(site->zones.at(0).leave_after, std::chrono::seconds(1));
   EXPECT_FALSE(site->targets.track_unlisted);
+}
+
+TEST(Site, ReadsWhenATargetEntersAndLeavesAZone) {
+  const auto stated =
+      parse_site(site_text("[1, 0], [1, 1]]\n",
+                           "[1, 0], [1, 1]]\nenter_probability = 0.6\nleave_probability = 0.1\n"
+                           "enter_after_s = 0\nleave_after_s = 2.5\ndwell_after_s = 60\n"),
+                 kSiteFile);
+  ASSERT_TRUE(stated) << stated.error().message;
+  const SiteZone& zone = stated->zones.at(0);
+  EXPECT_EQ(zone.enter_probability, 0.6);
+  EXPECT_EQ(zone.leave_probability, 0.1);
+  EXPECT_EQ(zone.enter_after, Duration{});
+  EXPECT_EQ(zone.leave_after, std::chrono::milliseconds(2500));
+  EXPECT_EQ(zone.dwell_after, std::chrono::minutes(1));
+}
+
+TEST(Site, WarnsOfZonesOutsideOfTheRoom) {
+  const auto site = parse_site(
+      site_text("polygon = [[0, 0], [1, 0], [1, 1]]", "polygon = [[0, 0], [100, 0], [1, 1]]"),
+      kSiteFile);
+  ASSERT_TRUE(site) << site.error().message;
+  const auto warnings = zone_warnings(*site, site->bounds_min, site->bounds_max);
+  ASSERT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(testing::without_folder(warnings[0], kSiteFile),
+            "site.toml:48:1: warning: zone 'desk' has a corner at 100, 0, outside of the room: x "
+            "from -1.765 to 1.765, y from -1.425 to 1.425");
+  const auto inside = parse_site(site_text(), kSiteFile);
+  EXPECT_TRUE(zone_warnings(*inside, site->bounds_min, site->bounds_max).empty());
 }
 
 TEST(Site, TakesEveryTonePlanOfTheDatasets) {

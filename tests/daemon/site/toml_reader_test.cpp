@@ -99,6 +99,41 @@ TEST(TomlTable, IntegersAreNumbersButNotTheReverse) {
             "x.toml:2:5: 'b' is a number; write a whole number without quotes, from 0 to 9");
 }
 
+TEST(TomlTable, OneValueIsAListOfOne) {
+  const auto document =
+      TomlDocument::parse("a = 1\nb = [2, 3.5]\nc = \"x\"\nd = [true, false]\n", "f.toml");
+  ASSERT_TRUE(document);
+  const TomlTable root = (*document)->root();
+  EXPECT_EQ(root.numbers("a", {}), std::vector<double>{1.0});
+  EXPECT_EQ(root.numbers("b", {}), (std::vector<double>{2.0, 3.5}));
+  EXPECT_EQ(root.strings("c"), std::vector<std::string>{"x"});
+  EXPECT_EQ(root.booleans("d"), (std::vector<bool>{true, false}));
+  EXPECT_TRUE(root.numbers("absent", {}).empty());
+  EXPECT_FALSE(root.is_array("a"));
+  EXPECT_TRUE(root.is_array("b"));
+  EXPECT_TRUE((*document)->finish());
+}
+
+TEST(TomlTable, EntriesOfListsAreRefusedAtTheirPlace) {
+  const auto document =
+      TomlDocument::parse("a = []\nb = [1, \"x\"]\nc = [1,\n 9]\nd = [1]\ne = [\"\"]\n", "f.toml");
+  ASSERT_TRUE(document);
+  const TomlTable root = (*document)->root();
+  EXPECT_TRUE(root.numbers("a", {}).empty());
+  EXPECT_TRUE(root.numbers("b", {}).empty());
+  EXPECT_TRUE(root.numbers("c", {0.0, 5.0, "m"}).empty());
+  EXPECT_TRUE(root.booleans("d").empty());
+  EXPECT_TRUE(root.strings("e").empty());
+  const std::string message = (*document)->finish().error().message;
+  for (const char* part : {"f.toml:1:5: 'a' is an empty array",
+                           "f.toml:2:9: 'b' is a string",
+                           "f.toml:4:2: 'c' is 9; it must be from 0 to 5 m",
+                           "f.toml:5:6: 'd' is an integer",
+                           "f.toml:6:6: 'e' is empty"}) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  }
+}
+
 TEST(TomlTable, PathsAreFromTheFoldersOfTheFile) {
   const auto document = TomlDocument::parse("a = \"b/c\"\nd = \"/e\"\n", "/home/x.toml");
   ASSERT_TRUE(document);

@@ -28,3 +28,12 @@ for ap in ap2 ap3; do
   cut "$from/$ap/device_los.pcap" "$from/$ap/answers/device_los.csv" "${spots[@]}" \
     --out "$site/device_los-$ap.pcap.gz"
 done
+# The first nine seconds of a walk, ten frames a second, and where the device was.
+from_to=$(awk -F, 'NR == 2 { printf "%.4f,%.4f", $1 - 0.02, $1 + 9 }' "$from/answers/walk.csv")
+awk -F, -v end="${from_to#*,}" 'NR == 1 || $1 <= end' "$from/answers/walk.csv" >"$site/walk.csv"
+for ap in ap1 ap2 ap3; do
+  walk=$from/$ap/walk.pcap
+  [ "$ap" != ap1 ] || walk=$from/walk.pcap
+  cut "$walk" <(printf 't_start,t_end\n%s\n' "$from_to") --margin 0 \
+    --every-frame 2 --out "$site/walk-$ap.pcap.gz"
+done

@@ -48,6 +48,24 @@ TEST(AccessPointCalibrator, RecoversTheChainGains) {
   EXPECT_GT(calibrator.correlation(&*fit), 0.9);
 }
 
+// The gains are those behind a coupling that is known.
+TEST(AccessPointCalibrator, RecoversTheGainsOfCoupledAntennas) {
+  RoomModel room = test::make_room();
+  room.access_points[0].gains.coupling = {
+      1.0, {0.0, 0.2}, 0.1, {-0.2, 0.1}, 1.0, 0.15, 0.1, 0.2, 1.0};
+  RoomModel surveyed = uncalibrated(room);
+  surveyed.access_points[0].gains.coupling = room.access_points[0].gains.coupling;
+  const auto samples = survey(room, 6);
+  const auto fit = AccessPointCalibrator(surveyed, 0, samples).fit_gains();
+  const auto without = AccessPointCalibrator(uncalibrated(room), 0, samples).fit_gains();
+  ASSERT_TRUE(fit && without);
+  EXPECT_EQ(fit->gains.coupling, surveyed.access_points[0].gains.coupling);
+  const Aligner aligner(room.grid);
+  const ChainGains truth = test::make_gains(room, 0);
+  EXPECT_GT(aligner.align(truth.gain, fit->gains.gain).correlation, 0.996);
+  EXPECT_LT(aligner.align(truth.gain, without->gains.gain).correlation, 0.995);
+}
+
 TEST(AccessPointCalibrator, RecoversTheYaw) {
   const RoomModel room = test::make_room();
   RoomModel surveyed = uncalibrated(room);

@@ -5,11 +5,14 @@
 #include <memory>
 #include <numbers>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/observe/burst.h"
+#include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc {
@@ -32,13 +35,15 @@ RoomModel calibrated() {
 // another one.
 class Stream {
  public:
-  explicit Stream(const RoomModel& believed)
-      : monitor_(std::make_shared<const RoomModel>(believed)), device_(believed.device) {}
+  explicit Stream(const RoomModel& believed, std::vector<Vec3d> plugs = kPlugs)
+      : monitor_(std::make_shared<const RoomModel>(believed)),
+        device_(believed.device),
+        plugs_(std::move(plugs)) {}
 
   // `turn` [rad] of core 3 of the first access point.
   void send(const RoomModel& room, int bursts, double turn = 0.0, double snr_db = 25.0) {
     for (int i = 0; i < bursts; ++i) {
-      const Vec3d& plug = kPlugs[seed_ % kPlugs.size()];
+      const Vec3d& plug = plugs_[seed_ % plugs_.size()];
       auto frames = test::frames_at(room, plug, {3, snr_db, ++seed_});
       for (CsiFrame& frame : frames) {
         if (frame.access_point == 0) {
@@ -51,10 +56,23 @@ class Stream {
     }
   }
   std::vector<CalibrationWarning> warnings() const { return monitor_.warnings(); }
+  // States what the access points heard of the plugs in `room`.
+  void know(const RoomModel& room) {
+    for (const Vec3d& plug : plugs_) {
+      const auto frames = test::frames_at(room, plug, {8, 30.0, 99});
+      for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+        const RoomAccessPoint& ap = room.access_points[a];
+        auto h = combine_burst(frames, {static_cast<int>(a), room.grid, ap.cores, {}}).value().h;
+        remove_gains(ap.gains, h);
+        monitor_.know({plug, device_}, a, std::move(h));
+      }
+    }
+  }
 
  private:
   CalibrationMonitor monitor_;
   DeviceModel device_;
+  std::vector<Vec3d> plugs_;
   unsigned seed_ = 0;
 };
 
@@ -89,6 +107,44 @@ TEST(CalibrationMonitor, SeesAJumpThatWasThereBeforeItStarted) {
   stream.send(room, 15, std::numbers::pi);
   ASSERT_EQ(stream.warnings().size(), 1U);
   EXPECT_NEAR(std::abs(stream.warnings()[0].phase), std::numbers::pi, 5.0 * kDegree);
+}
+
+// Of a plan that is centimetres wrong little but the direct path is expected: what is heard beside
+// it turns the chains by far more than an eighth of a turn, at most places of a plug.
+TEST(CalibrationMonitor, SaysNothingOfPhasesThatThePlanCannotKnow) {
+  const RoomModel room = calibrated();
+  RoomModel plan = room;
+  for (RoomAccessPoint& ap : plan.access_points) {
+    ap.error.plan_tolerance = 0.03;
+  }
+  for (const double x : {-1.2, -0.6, 0.0, 0.6, 1.2}) {
+    for (const double y : {-0.9, -0.3, 0.3, 0.9}) {
+      Stream stream(plan, {{x, y, 1.1}});
+      stream.send(room, 15);
+      EXPECT_TRUE(stream.warnings().empty()) << x << " " << y << " " << stream.warnings()[0].text;
+      stream.send(room, 15, std::numbers::pi / 2.0);
+      ASSERT_FALSE(stream.warnings().empty()) << x << " " << y;
+      EXPECT_THAT(stream.warnings()[0].text, HasSubstr("chain_phase_jump: access point a, core 3"));
+    }
+  }
+}
+
+TEST(CalibrationMonitor, SeesAJumpFromBeforeItStartedByWhatWasHeardThen) {
+  const RoomModel room = calibrated();
+  RoomModel plan = room;
+  for (RoomAccessPoint& ap : plan.access_points) {
+    ap.error.plan_tolerance = 0.03;
+  }
+  Stream healthy(plan, {{-0.6, 0.9, 1.1}});
+  healthy.know(room);
+  healthy.send(room, 15);
+  EXPECT_TRUE(healthy.warnings().empty()) << healthy.warnings()[0].text;
+  Stream jumped(plan, {{-0.6, 0.9, 1.1}});
+  jumped.know(room);
+  jumped.send(room, 15, std::numbers::pi / 2.0);
+  ASSERT_EQ(jumped.warnings().size(), 1U);
+  EXPECT_EQ(jumped.warnings()[0].core, 3);
+  EXPECT_NEAR(jumped.warnings()[0].phase, std::numbers::pi / 2.0, 5.0 * kDegree);
 }
 
 TEST(CalibrationMonitor, StatesHowAnAccessPointHasMoved) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/observe/burst.h"
+#include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc {
@@ -88,6 +89,62 @@ TEST(RefitChains, ThreeSpotsStateASmallerUncertaintyThanOne) {
   EXPECT_GT(three->sigma[1], 0.0);
 }
 
+// Of a room that explains little the phases would be far off; what was heard before the power cycle
+// is compared with what is heard now, whatever made it.
+TEST(RefitChains, ComparesATransmitterWithWhatWasHeardOfItBefore) {
+  const std::vector<double> turn = {0.0, 180.0, 90.0};
+  RoomModel room = before_the_power_cycle(turn);
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.03;
+  }
+  const Vec3d place{0.4, -0.2, 1.1};
+  KnownSpot spot = hear(room, place, 2);
+  spot.usual = hear(room, place, 3).h;
+  remove_gains(test::make_gains(test::make_room(), 0), spot.usual);
+  const auto refit = refit_chains(room, 0, std::span(&spot, 1));
+  ASSERT_TRUE(refit) << refit.error().message;
+  EXPECT_GT(refit->fit, 0.99);
+  expect_true_phases(*refit, 3.0 * kDegree);
+}
+
+TEST(RefitChains, KeepsTheCouplingOfTheAntennas) {
+  RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
+  room.access_points[0].gains.coupling = {
+      1.0, {0.0, 0.2}, 0.1, {-0.2, 0.1}, 1.0, 0.15, 0.1, 0.2, 1.0};
+  const std::vector<KnownSpot> spots = {hear(room, {0.4, -0.2, 1.1})};
+  const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});
+  ASSERT_TRUE(refit) << refit.error().message;
+  EXPECT_EQ(refit->gains.coupling, room.access_points[0].gains.coupling);
+  EXPECT_GT(refit->fit, 0.98);
+  expect_true_phases(*refit, 4.0 * kDegree);
+}
+
+// What the room expects of a chain is not what it hears: the chain keeps about the level it had,
+// and nobody believes its phase.
+TEST(RefitChains, KeepsLevelsThatTheSpotCannotTell) {
+  RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
+  const std::size_t tones = room.grid.size();
+  KnownSpot spot = hear(room, {0.4, -0.2, 1.1});
+  for (std::size_t k = 0; k < tones; ++k) {
+    spot.h[2 * tones + k] *= 0.2 * std::cos(0.2 * static_cast<double>(k));
+  }
+  EXPECT_THAT(refit_chains(room, 0, std::span(&spot, 1)).error().message,
+              HasSubstr("the phase of core 3 would be known to"));
+  const auto refit = refit_chains(room, 0, std::span(&spot, 1), {0.01, {}, 10.0});
+  ASSERT_TRUE(refit) << refit.error().message;
+  const auto level = [&](const ChainGains& gains, std::size_t m) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < tones; ++k) {
+      sum += std::norm(gains.gain[m * tones + k]);
+    }
+    return 10.0 * std::log10(sum);
+  };
+  const ChainGains& before = room.access_points[0].gains;
+  EXPECT_LT(std::abs(level(refit->gains, 2) - level(refit->gains, 0) - level(before, 2) +
+                     level(before, 0)),
+            2.0);
+}
+
 TEST(RefitChains, ManySpotsTellTheRippleToo) {
   RoomModel room = before_the_power_cycle({0.0, 180.0, 90.0});
   for (std::size_t k = 0; k < room.grid.size(); ++k) {
@@ -96,7 +153,8 @@ TEST(RefitChains, ManySpotsTellTheRippleToo) {
   }
   std::vector<KnownSpot> spots;
   for (unsigned i = 0; i < 16; ++i) {
-    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * (i / 4), 1.2}, i + 1));
+    const unsigned row = i / 4;
+    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 4), -0.8 + 0.5 * row, 1.2}, i + 1));
   }
   const auto refit = refit_chains(room, 0, spots);
   ASSERT_TRUE(refit);
@@ -109,7 +167,8 @@ TEST(RefitChains, RefusesPlacesThatContradictEachOther) {
   const RoomModel room = before_the_power_cycle({0.0, 0.0, 0.0});
   std::vector<KnownSpot> spots;
   for (unsigned i = 0; i < 6; ++i) {
-    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * (i / 3), 1.2}, i + 1));
+    const unsigned row = i / 3;
+    spots.push_back(hear(room, {-0.9 + 0.6 * (i % 3), -0.6 + 0.9 * row, 1.2}, i + 1));
     spots.back().position.x *= -1.0;
   }
   const auto refit = refit_chains(room, 0, spots, {0.01, kUsual});

@@ -157,6 +157,20 @@ TEST(RoomUnknowns, TurnsTheGainsOfOneChain) {
   EXPECT_NEAR(std::abs(louder[tones] - before[tones] * 1.2), 0.0, 1e-12);
 }
 
+TEST(RoomUnknowns, CouplesTwoAntennasOnTopOfWhatIsKnown) {
+  Planned planned;
+  EXPECT_TRUE(planned.room.access_points[0].gains.coupling.empty());
+  const auto first = planned.changed("a.core2/core0.coupling.im", 0.1).access_points[0].gains;
+  const std::vector<std::complex<double>> one{1, {0, 0.1}, 0, 0, 1, 0, 0, 0, 1};
+  EXPECT_EQ(first.coupling, one);
+  planned.room.access_points[0].gains = first;
+  const auto both = planned.changed("a.core0/core3.coupling.re", 0.2).access_points[0].gains;
+  const std::vector<std::complex<double>> product{1, {0, 0.1}, {0, 0.02}, 0, 1, 0.2, 0, 0, 1};
+  for (std::size_t i = 0; i < product.size(); ++i) {
+    EXPECT_NEAR(std::abs(both.coupling[i] - product[i]), 0.0, 1e-15) << i;
+  }
+}
+
 TEST(RoomUnknowns, CorrectsWhatOneSurfaceReflects) {
   const Planned planned;
   const auto surface = planned.unknowns[planned.index("ceiling.-z.phase")].index;
@@ -200,6 +214,9 @@ TEST(RoomUnknowns, AreWhereTheirPlaceIsSaid) {
   EXPECT_EQ(name(unknowns.element_position(0, 2)), "a.core3.element_y");
   EXPECT_EQ(name(unknowns.chain_gain(2, 1)), "c.core0/core2.gain");
   EXPECT_EQ(name(unknowns.chain_gain(0, 2) + 1), "a.core3/core2.phase");
+  EXPECT_EQ(name(unknowns.coupling(0)), "a.core2/core0.coupling.re");
+  EXPECT_EQ(name(unknowns.coupling(1) + 5), "b.core0/core2.coupling.im");
+  EXPECT_EQ(name(unknowns.coupling(2) + 11), "c.core3/core0.coupling.im");
   EXPECT_EQ(unknowns[unknowns.surface_phase(3)].kind, Unknown::Kind::kSurfacePhase);
   EXPECT_EQ(unknowns[unknowns.surface_phase(3)].index, 3U);
   EXPECT_EQ(name(unknowns.permittivity(0) + 2),

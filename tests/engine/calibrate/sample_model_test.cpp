@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
@@ -129,6 +131,65 @@ TEST(SampleModel, ResidualAndUnexplainedAgree) {
                 in.model.unexplained(in.traced[sample], measured, in.at()),
                 1e-12);
   }
+}
+
+// By what is left of the samples.
+SampleModel weighed_model(const Surveyed& in) {
+  Eigen::MatrixXcd left_over = in.model.nothing_left_over();
+  for (std::size_t i = 0; i < in.traced.size(); ++i) {
+    in.model.add_left_over(in.traced[i], in.at(), in.h(i), left_over);
+  }
+  return in.model.weighed(left_over);
+}
+
+// Of all directions in the space of the coordinates, the largest share of what is left.
+double largest_share(const Eigen::MatrixXcd& left_over) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(left_over, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues().maxCoeff() / eigen.eigenvalues().sum();
+}
+
+TEST(SampleModel, WeighsCoordinatesByWhatIsLeftOfThem) {
+  const Surveyed& in = surveyed();
+  const Eigen::Index q = in.model.nothing_left_over().rows();
+  const SampleModel same = in.model.weighed(3.0 * Eigen::MatrixXcd::Identity(q, q));
+  const SampleModel weighed = weighed_model(in);
+  Eigen::MatrixXcd plain_left = in.model.nothing_left_over();
+  Eigen::MatrixXcd weighed_left = in.model.nothing_left_over();
+  for (std::size_t i = 0; i < in.traced.size(); ++i) {
+    const double plain = in.model.unexplained(in.traced[i], in.measured(i), in.at());
+    EXPECT_NEAR(
+        same.unexplained(in.traced[i], same.measured(in.traced[i], in.at(), in.h(i)), in.at()),
+        plain,
+        1e-6);
+    in.model.add_left_over(in.traced[i], in.at(), in.h(i), plain_left);
+    weighed.add_left_over(in.traced[i], in.at(), in.h(i), weighed_left);
+  }
+  EXPECT_LT(largest_share(weighed_left), 0.7 * largest_share(plain_left));
+}
+
+TEST(SampleModel, ResidualOfAWeighedModelDescribesItsSlope) {
+  const Surveyed& in = surveyed();
+  const SampleModel model = weighed_model(in);
+  const auto unknowns = in.all();
+  const MeasuredSample measured = model.measured(in.traced[0], in.at(), in.h(0));
+  const SampleResidual residual = model.residual(in.traced[0], measured, in.at(), unknowns);
+  double steepest = 0.0;
+  std::vector<double> off;
+  for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
+    const double sigma = in.unknowns[i].sigma;
+    const double step = 1e-3 * sigma;
+    const auto left = [&](double by) {
+      std::vector<double> change = in.change;
+      change[i] += by;
+      return model.unexplained(in.traced[0], measured, {change, in.survey});
+    };
+    const double difference = (left(step) - left(-step)) / (2.0 * step) * sigma;
+    off.push_back(std::abs(
+        slope(residual, residual.derivative, static_cast<Eigen::Index>(i)) * sigma - difference));
+    steepest = std::max(steepest, std::abs(difference));
+  }
+  ASSERT_GT(steepest, 1e-3);
+  EXPECT_LT(*std::max_element(off.begin(), off.end()), kTolerance * steepest);
 }
 
 // Everything of a sample that is asked for does not depend on what else is.

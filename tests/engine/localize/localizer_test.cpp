@@ -49,6 +49,57 @@ TEST(Localizer, FindsTheDevice) {
   }
 }
 
+TEST(Localizer, FindsTheDeviceByEveryLikelihood) {
+  const auto room = shared(test::make_room());
+  const Vec3d truth{0.3, 0.2, 1.2};
+  const auto frames = test::frames_at(*room, truth);
+  for (const LikelihoodName& one : likelihood_names()) {
+    LocalizerOptions options;
+    options.likelihood = one.kind;
+    const auto other = Localizer::create(room, options);
+    ASSERT_TRUE(other);
+    const LocationEstimate estimate = other->locate(frames);
+    ASSERT_TRUE(estimate.position) << one.name << ": " << estimate.reason;
+    // Amplitudes peak within millimetres of the place, and elsewhere as well.
+    EXPECT_LT(error_of(estimate, truth), one.kind == LikelihoodKind::kRatioAmplitude ? 1.5 : 0.15)
+        << one.name;
+  }
+}
+
+TEST(Localizer, LeavesOutASingleAntennaWhereRatiosAreCompared) {
+  RoomModel room = test::make_room();
+  RoomAccessPoint& alone = room.access_points[1];
+  alone.cores.resize(1);
+  alone.array.element_offset.resize(1);
+  alone.gains.cores.resize(1);
+  alone.gains.gain.resize(room.grid.size());
+  LocalizerOptions options;
+  options.likelihood = LikelihoodKind::kRatioComplex;
+  const auto by_ratio = Localizer::create(shared(room), options);
+  ASSERT_TRUE(by_ratio);
+  const auto estimate = by_ratio->locate(test::frames_at(test::make_room(), {0.3, 0.2, 1.2}));
+  EXPECT_EQ(estimate.access_points_used, 2U);
+  ASSERT_FALSE(estimate.warnings.empty());
+  EXPECT_NE(estimate.warnings[0].find("access point b has a single antenna"), std::string::npos)
+      << estimate.warnings[0];
+}
+
+// Places within a cell are told apart: the cells are 5 cm.
+TEST(Localizer, IsSharperThanItsCells) {
+  RoomModel room = test::make_room();
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.001;
+    ap.error.diffuse = 0.005;
+  }
+  const auto sharp = Localizer::create(shared(room), {});
+  ASSERT_TRUE(sharp);
+  for (const Vec3d truth : {Vec3d{0.31, 0.22, 1.2}, Vec3d{-0.58, -0.43, 1.2}}) {
+    const auto estimate = sharp->locate(test::frames_at(room, truth));
+    ASSERT_TRUE(estimate.position) << estimate.reason;
+    EXPECT_LT(error_of(estimate, truth), 0.01);
+  }
+}
+
 TEST(Localizer, MapDecidesBetweenPlacesNotTheOrderOfTheFrames) {
   const Vec3d truth{0.4, -0.3, 1.2};
   auto frames = test::frames_at(localizer().room(), truth);

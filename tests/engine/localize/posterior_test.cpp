@@ -49,6 +49,40 @@ TEST(Posterior, TemperWidens) {
   EXPECT_NEAR(wide.accuracy_m / sharp.accuracy_m, 2.0, 0.15);
 }
 
+TEST(Posterior, LeavesOverWhatTheMapMayBeWrongBy) {
+  const RoomGrid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) { return gaussian(p, 0.0, 0.0, 0.08); });
+  LocationEstimate sure;
+  LocationEstimate doubtful;
+  summarise_posterior(g, map, {1.0, 0.95, 5, 0.0}, sure);
+  summarise_posterior(g, map, {1.0, 0.95, 5, 0.03}, doubtful);
+  EXPECT_NEAR(doubtful.residual_probability - sure.residual_probability, 0.03, 1e-3);
+  EXPECT_NEAR(doubtful.hypotheses[0].weight, 0.97 * sure.hypotheses[0].weight, 1e-9);
+  EXPECT_EQ(*doubtful.position, *sure.position);
+  EXPECT_GT(doubtful.accuracy_m, 1.05 * sure.accuracy_m);
+  // More is left over than a radius of 95 % leaves out: as wide as it can be said.
+  LocationEstimate lost;
+  summarise_posterior(g, map, {1.0, 0.95, 5, 0.2}, lost);
+  EXPECT_TRUE(std::isfinite(lost.accuracy_m));
+  EXPECT_GT(lost.accuracy_m, doubtful.accuracy_m);
+}
+
+TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
+  const RoomGrid g = grid();
+  std::vector<double> map(g.size(), -100.0);
+  const std::size_t cell = 1000;
+  map[cell] = 0.0;
+  std::vector<CellMoments> within(g.size(), uniform_moments(g));
+  within[cell] = {0.012, -0.017, 4e-6, 0.0, 1e-6};
+  LocationEstimate estimate;
+  summarise_posterior(g, map, {}, estimate, within);
+  ASSERT_TRUE(estimate.position);
+  EXPECT_NEAR(estimate.position->x, g.centre(cell).x + 0.012, 1e-9);
+  EXPECT_NEAR(estimate.position->y, g.centre(cell).y - 0.017, 1e-9);
+  // What the survey leaves uncertain is added.
+  EXPECT_NEAR(estimate.covariance[0] - estimate.covariance[4], 3e-6, 1e-9);
+}
+
 TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
   const RoomGrid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {

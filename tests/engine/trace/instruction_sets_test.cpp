@@ -142,5 +142,13 @@ TEST(InstructionSets, GiveTheSamePathsInAnOffice) {
                     {test::office_device(), {2.9, 2.4, 1.0}, {0.5, 4.4, 1.6}, {3.0, 1.1, 0.8}});
 }
 
+// Where a ray within matter meets two faces that touch, one of either object, Embree's kernels
+// differ in which they give.
+TEST(InstructionSets, GiveTheSamePathsWithinAPartition) {
+  expect_same_paths([] { return test::office_floor(2'000); },
+                    {4.059, 4.041, 2.233},
+                    {{4.063, 4.238, 1.218}, {4.065, 4.7, 2.441}, {4.063, 0.357, 2.689}});
+}
+
 }  // namespace
 }  // namespace rayloc

@@ -1,0 +1,34 @@
+// `rayloc completion bash|zsh`: what shells need to complete a command line of rayloc.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "daemon/cli/shell_completion.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+RunVerb declare(CLI::App& app) {
+  const auto shell = std::make_shared<std::string>();
+  app.add_option("SHELL", *shell, "For which shell: bash or zsh")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh"}));
+  return [shell]() -> Expected<void> {
+    const Command rayloc = describe_command_line();
+    std::fputs((*shell == "bash" ? bash_completion(rayloc) : zsh_completion(rayloc)).c_str(),
+               stdout);
+    return {};
+  };
+}
+
+}  // namespace
+
+extern const Verb kCompletion;
+const Verb kCompletion = {"completion",
+                          "Print a script by which bash or zsh completes command lines of rayloc",
+                          "source <(rayloc completion bash)",
+                          declare};
+
+}  // namespace rayloc::cli

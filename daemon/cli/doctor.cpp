@@ -1,0 +1,111 @@
+// `rayloc doctor FILE`: what of this machine stands in the way of the daemon that the file
+// describes.
+//
+// Looks, never changes anything. A line per finding: ok, warning or problem, with what to do. The
+// exit status is 69 when there is a problem.
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "daemon/cli/file_error.h"
+#include "daemon/cli/http_options.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/publish/json.h"
+#include "daemon/service/config.h"
+#include "daemon/service/machine_check.h"
+#include "daemon/service/source_hints.h"
+
+namespace rayloc::cli {
+namespace {
+
+const char* word(Finding::Kind kind) {
+  switch (kind) {
+    case Finding::Kind::kOk:
+      return "ok";
+    case Finding::Kind::kWarning:
+      return "warning";
+    case Finding::Kind::kProblem:
+      return "problem";
+  }
+  return "";
+}
+
+// What a running daemon says of its sources. False when it does not say (a token is asked for).
+bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
+  const Expected<JsonResult> sources = get_json(query, "/api/v1/sources");
+  if (!sources) {
+    findings.push_back({Finding::Kind::kWarning,
+                        "raylocd does not tell about its sources: " + sources.error().message,
+                        "pass its token: --token-file"});
+    return false;
+  }
+  for (const nlohmann::json& source : sources->json) {
+    v1::SourceState state;
+    if (from_json(source.dump(), state)) {
+      for (Finding& hint : source_hints(state, site)) {
+        findings.push_back(std::move(hint));
+      }
+    }
+  }
+  return true;
+}
+
+// What a running daemon says of itself; that none answers is no finding, ports are.
+void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
+  const Expected<JsonResult> ready = get_json(query, "/readyz");
+  if (!ready) {
+    return;
+  }
+  const bool sources_told = ask_for_sources(query, site, findings);
+  for (const nlohmann::json& reason : ready->json.value("reasons", nlohmann::json::array())) {
+    const std::string words = reason.get<std::string>();
+    if (!sources_told || words.rfind("source ", 0) != 0) {
+      findings.push_back({Finding::Kind::kProblem, "raylocd: " + words, ""});
+    }
+  }
+}
+
+Expected<void> run(const std::string& file, const HttpOptions& options) {
+  const Expected<HttpQuery> query = query_of(options);
+  if (!query) {
+    return tl::make_unexpected(query.error());
+  }
+  const Expected<DaemonSetup> setup = load_daemon_setup(file);
+  if (!setup) {
+    return report_file_error({ErrorKind::kConfiguration, setup.error().message});
+  }
+  const bool running = http_get(*query, "/healthz").has_value();
+  std::vector<Finding> findings = check_machine(setup->config, running);
+  if (running) {
+    ask_daemon(*query, setup->site, findings);
+  }
+  bool problem = false;
+  for (const Finding& finding : findings) {
+    problem = problem || finding.kind == Finding::Kind::kProblem;
+    std::printf("%-8s %s%s%s\n",
+                word(finding.kind),
+                finding.what.c_str(),
+                finding.advice.empty() ? "" : "; ",
+                finding.advice.c_str());
+  }
+  return problem ? Expected<void>(exit_silently(ErrorKind::kUnavailable)) : Expected<void>();
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto file = std::make_shared<std::string>("/etc/raylocd/raylocd.toml");
+  app.add_option("FILE", *file, "raylocd.toml")->capture_default_str();
+  const auto options = add_http_options(app);
+  return [file, options] { return run(*file, *options); };
+}
+
+}  // namespace
+
+extern const Verb kDoctor;
+const Verb kDoctor = {"doctor",
+                      "Look for what on this machine stands in raylocd's way",
+                      "rayloc doctor /etc/raylocd/raylocd.toml",
+                      declare};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,107 @@
+// `rayloc experiment`: studies on simulated captures, in one report.
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "daemon/cli/file_error.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/experiment/experiment_file.h"
+#include "daemon/experiment/experiment_report.h"
+#include "daemon/experiment/run_experiment.h"
+#include "daemon/site/site_copy.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct Arguments {
+  std::string file;
+  std::string out;
+  bool force = false;
+  bool quiet = false;
+};
+
+void show_progress(const Study& study, std::size_t done, const ConditionResult& result) {
+  std::fprintf(stderr,
+               "\r\033[K%s: %zu of %zu, median %.3f m%s",
+               study.name.c_str(),
+               done,
+               study.conditions.size(),
+               result.statistics.median_m,
+               done == study.conditions.size() ? "\n" : "");
+}
+
+Expected<void> run(const Arguments& arguments) {
+  const auto experiment = load_experiment(arguments.file);
+  if (!experiment) {
+    return report_file_error(experiment.error());
+  }
+  const std::filesystem::path directory = arguments.out;
+  if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
+    return prepared;
+  }
+  const bool shown = !arguments.quiet && ::isatty(STDERR_FILENO) == 1;
+  const auto results = run_experiment(
+      *experiment, [&](const Study& study, std::size_t done, const ConditionResult& result) {
+        if (shown) {
+          show_progress(study, done, result);
+        }
+      });
+  if (!results) {
+    return tl::make_unexpected(results.error());
+  }
+  for (const auto& [name, content] :
+       {std::pair{"report.json", experiment_json(*experiment, *results)},
+        std::pair{"report.csv", experiment_csv(*results)},
+        std::pair{"report.html", experiment_html(*experiment, *results)}}) {
+    if (auto written = write_file(directory / name, content); !written) {
+      return written;
+    }
+  }
+  if (!arguments.quiet) {
+    std::fprintf(stderr, "%s\n", (directory / "report.html").c_str());
+  }
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
+  app.add_option("--out", arguments->out, "Directory for report.html, report.json and report.csv")
+      ->required();
+  app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
+  app.add_flag("--quiet", arguments->quiet, "No words on standard error");
+  app.footer(app.get_footer() + R"(
+
+A file (the paper's studies are in deploy/experiments):
+  name = "Clutter"
+  seed = 1                        # of everything that is drawn
+  [defaults]                      # what all studies hold, one value each
+  room = "rooms/office.toml"      # relative to this file
+  [[study]]
+  name = "boxes"
+  claim = "what is to be seen"    # printed beside the figures
+  method = ["rayloc", "paper"]    # a list is an axis; all combinations are run
+  boxes = [2, 4, 6, 8, 10]
+  over = "boxes"                  # the axis that charts run over; else the first of numbers
+
+Keys and their defaults:
+)" + experiment_help());
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kExperiment;
+const Verb kExperiment = {
+    "experiment",
+    "Run studies on simulated captures and report them",
+    "rayloc experiment deploy/experiments/clutter.toml --out clutter\n\n"
+    "The captures are made with the model that locates: they compare methods and conditions, and "
+    "say nothing about accuracy.",
+    declare};
+
+}  // namespace rayloc::cli

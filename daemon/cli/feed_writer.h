@@ -1,0 +1,60 @@
+// FeedWriter: messages as the lines that `rayloc sub` prints, in the format that is asked for.
+//
+// GeoJSON and omlox need the site's georeference, which the heartbeat states each second: until the
+// first one is heard, messages are held back (at most kMostHeld; beyond that the oldest are dropped
+// and counted). csv, geojson and omlox have a form for locations only; others are left out.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "rayloc/v1/envelope.pb.h"
+
+namespace rayloc::cli {
+
+enum class FeedFormat : std::uint8_t { kText, kJson, kCsv, kGeojson, kOmlox };
+
+// Their names, in the order of the enumerators: "text", "json", ...
+const std::vector<std::string>& feed_format_names();
+
+class FeedWriter {
+ public:
+  static constexpr std::size_t kMostHeld = 10'000;
+
+  explicit FeedWriter(FeedFormat format) : format_(format) {}
+
+  bool needs_heartbeats() const {
+    return format_ == FeedFormat::kGeojson || format_ == FeedFormat::kOmlox;
+  }
+  bool is_of_locations_only() const { return needs_heartbeats() || format_ == FeedFormat::kCsv; }
+  // What comes before all messages; nothing but for csv.
+  std::optional<std::string> header() const;
+
+  // A heartbeat that is not to be printed. kConfiguration: the site states no georeference and the
+  // format cannot be without one.
+  Expected<void> hear(const v1::Heartbeat& heartbeat);
+
+  // A message that is to be printed.
+  void add(v1::Envelope envelope);
+  // The next line that is due.
+  std::optional<std::string> next();
+
+  std::uint64_t without_form() const { return without_form_; }
+  std::uint64_t dropped() const { return dropped_; }
+
+ private:
+  std::optional<std::string> line_of(const v1::Envelope& envelope) const;
+
+  FeedFormat format_;
+  bool has_heard_ = false;
+  std::optional<v1::Georeference> site_;
+  std::deque<v1::Envelope> held_;
+  std::uint64_t without_form_ = 0;
+  std::uint64_t dropped_ = 0;
+};
+
+}  // namespace rayloc::cli

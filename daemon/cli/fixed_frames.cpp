@@ -1,0 +1,25 @@
+#include "daemon/cli/fixed_frames.h"
+
+#include <utility>
+
+#include "daemon/cli/recorded_frames.h"
+
+namespace rayloc::cli {
+
+Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
+    const Site& site, const std::vector<CaptureArgument>& captures) {
+  std::map<MacAddress, std::vector<CsiFrame>> found;
+  for (const CaptureArgument& capture : captures) {
+    auto read = for_each_frame(site, capture, [&](CsiFrame&& frame) {
+      if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
+        found[frame.transmitter].push_back(std::move(frame));
+      }
+    });
+    if (!read) {
+      return tl::make_unexpected(std::move(read.error()));
+    }
+  }
+  return found;
+}
+
+}  // namespace rayloc::cli

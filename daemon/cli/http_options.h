@@ -1,0 +1,32 @@
+// The options of the verbs that ask a running raylocd over HTTP.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "daemon/http/http_query.h"
+
+namespace rayloc::cli {
+
+struct HttpOptions {
+  std::string address = "127.0.0.1:8480";
+  std::string token_file;
+};
+
+// Adds --http and --token-file.
+std::shared_ptr<HttpOptions> add_http_options(CLI::App& app);
+
+// kUsage when the token file cannot be read.
+Expected<HttpQuery> query_of(const HttpOptions& options);
+
+struct JsonResult {
+  int status = 0;
+  nlohmann::json json;
+};
+// kUnavailable when nobody answers, or somebody else than raylocd.
+Expected<JsonResult> get_json(const HttpQuery& query, const std::string& path);
+
+}  // namespace rayloc::cli

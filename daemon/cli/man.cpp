@@ -1,0 +1,26 @@
+// `rayloc man`: the manual page rayloc(1), from the declarations of the verbs.
+#include <cstdio>
+
+#include "daemon/cli/manual_page.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+RunVerb declare(CLI::App&) {
+  return []() -> Expected<void> {
+    std::fputs(manual_page(describe_command_line()).c_str(), stdout);
+    return {};
+  };
+}
+
+}  // namespace
+
+extern const Verb kMan;
+const Verb kMan = {"man",
+                   "Print the manual page rayloc(1); that of the configuration: rayloc config man",
+                   "rayloc man | man -l -",
+                   declare};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,13 @@
+// The manual page rayloc(1), made of what --help says.
+#pragma once
+
+#include <string>
+
+#include "daemon/cli/command_line.h"
+
+namespace rayloc::cli {
+
+// In the man macros of roff.
+std::string manual_page(const Command& rayloc);
+
+}  // namespace rayloc::cli

@@ -1,0 +1,394 @@
+// `rayloc reference`: the empty room as the links of the fixed transmitters hear it, and what a
+// person does to them.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/calibrate/refused_input.h"
+#include "daemon/cli/fixed_frames.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+#include "daemon/site/points_csv.h"
+#include "daemon/site/reference_file.h"
+#include "daemon/site/room_model.h"
+#include "daemon/site/site_copy.h"
+#include "engine/base/content_hash.h"
+#include "engine/calibrate/empty_room.h"
+#include "engine/calibrate/occupied_room.h"
+#include "engine/calibrate/person_certainty.h"
+#include "engine/calibrate/person_fit.h"
+#include "engine/localize/hearing.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// By how much the clocks of access points and of the survey may differ.
+constexpr Duration kClockSlack = std::chrono::milliseconds(20);
+// Frames of the empty room that are averaged for each access point.
+constexpr std::size_t kMostEmptyFrames = 1024;
+// Of its power, that the channel of an empty room may change by within its recording.
+constexpr double kMostChange = 0.02;
+
+struct Options {
+  std::string site;
+  std::vector<std::string> captures;
+  std::vector<std::string> people;
+  std::string points;
+  std::string out;
+  bool occupied = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+// A run of the verb.
+class Reference {
+ public:
+  explicit Reference(const Options& options) : options_(options) {}
+  Expected<void> run();
+
+ private:
+  using Frames = std::map<MacAddress, std::vector<CsiFrame>>;
+
+  Expected<void> read();
+  Expected<Frames> read_captures(const std::vector<std::string>& arguments);
+  Expected<void> learn_empty_room();
+  Expected<PersonReference> learn_link(const SiteTransmitter& transmitter,
+                                       const std::vector<CsiFrame>& frames);
+  Expected<void> learn_person();
+  std::vector<PersonSpot> spots_of(const PersonReference& reference,
+                                   const std::vector<CsiFrame>& frames,
+                                   std::vector<std::vector<CsiFrame>>& frames_of_spot);
+  Expected<void> write();
+  void print() const;
+
+  const Options& options_;
+  Site site_;
+  RoomModel room_;
+  Frames empty_;
+  Frames people_;
+  std::vector<SurveyPoint> points_;
+  std::vector<PersonReference> references_;
+  std::size_t spots_ = 0;
+  ContentHash content_;
+  std::vector<RefusedInput> refused_;
+};
+
+Expected<Reference::Frames> Reference::read_captures(const std::vector<std::string>& arguments) {
+  const auto captures = resolve_captures(arguments, access_point_ids(site_));
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  auto frames = read_fixed_frames(site_, *captures);
+  if (!frames) {
+    return tl::make_unexpected(std::move(frames.error()));
+  }
+  for (const CaptureArgument& capture : *captures) {
+    const int index = *find_access_point(site_, capture.access_point);
+    const bool heard = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
+      return std::any_of(entry.second.begin(), entry.second.end(), [&](const CsiFrame& frame) {
+        return frame.access_point == index;
+      });
+    });
+    if (!heard) {
+      return bad_input(capture.file + ": access point '" + capture.access_point +
+                       "' heard no fixed transmitter of the site; give a recording of one of the "
+                       "[[transmitter]] with role = \"fixed\"");
+    }
+  }
+  return frames;
+}
+
+Expected<void> Reference::read() {
+  auto site = load_site(options_.site);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  site_ = *std::move(site);
+  if (!site_.calibration_file) {
+    return make_error(ErrorKind::kConfiguration,
+                      options_.site +
+                          ": is not calibrated, and a person is found in a calibrated room only: "
+                          "run `rayloc calibrate` first");
+  }
+  if (std::none_of(site_.transmitters.begin(), site_.transmitters.end(), [](const auto& one) {
+        return one.role == TransmitterRole::kFixed;
+      })) {
+    return make_error(ErrorKind::kConfiguration,
+                      options_.site +
+                          ": states no fixed transmitter; add a [[transmitter]] with role = "
+                          "\"fixed\" and its position to site.toml");
+  }
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  room_ = *std::move(room);
+  auto empty = read_captures(options_.captures);
+  if (!empty) {
+    return tl::make_unexpected(std::move(empty.error()));
+  }
+  empty_ = *std::move(empty);
+  if (options_.people.empty()) {
+    return {};
+  }
+  auto people = read_captures(options_.people);
+  if (!people) {
+    return tl::make_unexpected(std::move(people.error()));
+  }
+  people_ = *std::move(people);
+  auto points = load_points_csv(options_.points);
+  if (!points) {
+    return tl::make_unexpected(std::move(points.error()));
+  }
+  points_ = *std::move(points);
+  return {};
+}
+
+Expected<PersonReference> Reference::learn_link(const SiteTransmitter& transmitter,
+                                                const std::vector<CsiFrame>& frames) {
+  BurstOptions burst_options;
+  burst_options.max_frames = kMostEmptyFrames;
+  std::vector<EmptyRoom> heard;
+  for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
+    const RoomAccessPoint& ap = room_.access_points[a];
+    const bool recorded = std::any_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
+      return frame.access_point == static_cast<int>(a);
+    });
+    if (!recorded) {
+      refused_.push_back({ap.id, "not in the recordings: it will not look for people"});
+      continue;
+    }
+    if (const std::string problem = calibration_problem(room_, ap); !problem.empty()) {
+      return make_error(ErrorKind::kConfiguration, "access point " + ap.id + " " + problem);
+    }
+    std::vector<std::string> warnings;
+    auto burst = options_.occupied ? hear_background(room_, a, frames, burst_options, warnings)
+                                   : hear(room_, a, frames, burst_options, warnings);
+    if (!burst) {
+      return bad_input(warnings.front());
+    }
+    if (!options_.occupied && burst->motion_residual > kMostChange) {
+      return bad_input("access point " + ap.id + ": the channel of " + to_string(transmitter.mac) +
+                       " changes during the recording of the empty room; record it again with "
+                       "nobody inside and nothing moving, or give --occupied");
+    }
+    for (const auto& value : burst->h) {
+      content_.add(value.real());
+      content_.add(value.imag());
+    }
+    heard.push_back({a, std::move(burst->h)});
+  }
+  const Transmitter surveyed{
+      {*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
+  return fit_empty_room(room_, surveyed, heard);
+}
+
+Expected<void> Reference::learn_empty_room() {
+  content_.add(room_.calibration_id);
+  for (const auto& [mac, frames] : empty_) {
+    const SiteTransmitter& transmitter = *find_transmitter(site_, mac);
+    auto reference = learn_link(transmitter, frames);
+    if (!reference) {
+      return tl::make_unexpected(std::move(reference.error()));
+    }
+    reference->mac = mac;
+    reference->person = stated_person(site_);
+    reference->area = stated_area(site_);
+    references_.push_back(*std::move(reference));
+  }
+  return {};
+}
+
+std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
+                                            const std::vector<CsiFrame>& frames,
+                                            std::vector<std::vector<CsiFrame>>& frames_of_spot) {
+  std::vector<PersonSpot> spots;
+  for (const SurveyPoint& point : points_) {
+    std::vector<CsiFrame> own;
+    std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const CsiFrame& f) {
+      return f.time >= point.t_start - kClockSlack && f.time <= point.t_end + kClockSlack;
+    });
+    PersonSpot spot{{point.position.x, point.position.y}, {}};
+    std::vector<std::string> warnings;
+    for (const PersonLink& link : reference.links) {
+      auto burst = hear(room_, link.access_point, own, {}, warnings);
+      spot.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
+      for (const auto& value : spot.h.back()) {
+        content_.add(value.real());
+        content_.add(value.imag());
+      }
+    }
+    content_.add(spot.place.x);
+    content_.add(spot.place.y);
+    const std::string what = options_.points + ":" + std::to_string(point.line);
+    for (const std::string& warning : warnings) {
+      refused_.push_back({what, warning});
+    }
+    if (own.empty()) {
+      refused_.push_back({what, "no frames of " + to_string(reference.mac) + " at that time"});
+      continue;
+    }
+    spots.push_back(std::move(spot));
+    frames_of_spot.push_back(std::move(own));
+  }
+  return spots;
+}
+
+// The person is one, whatever the transmitter: fitted with the first that hears people.
+Expected<void> Reference::learn_person() {
+  for (PersonReference& reference : references_) {
+    const auto frames = people_.find(reference.mac);
+    if (frames == people_.end()) {
+      refused_.push_back({to_string(reference.mac), "not in the recordings of people"});
+      continue;
+    }
+    std::vector<std::vector<CsiFrame>> frames_of_spot;
+    const auto spots = spots_of(reference, frames->second, frames_of_spot);
+    auto fit = fit_person(room_, reference, spots);
+    if (!fit) {
+      return bad_input(options_.points + ": " + fit.error().message);
+    }
+    auto temper = fit_person_certainty(room_, *fit, spots, frames_of_spot);
+    if (!temper) {
+      return tl::make_unexpected(std::move(temper.error()));
+    }
+    reference = std::move(fit->reference);
+    reference.person.temper = *temper;
+    spots_ = std::max(spots_, fit->spots);
+  }
+  return {};
+}
+
+Expected<void> Reference::write() {
+  for (PersonReference& reference : references_) {
+    reference.id = content_.text();
+  }
+  const fs::path out = options_.out;
+  if (auto prepared = prepare_output(out, options_.force); !prepared) {
+    return prepared;
+  }
+  const fs::path file = out / "reference.toml";
+  if (auto written = write_file(file, reference_toml(references_, room_, spots_)); !written) {
+    return written;
+  }
+  const auto calibration = read_file(*site_.calibration_file);
+  if (!calibration) {
+    return tl::make_unexpected(calibration.error());
+  }
+  Site site = site_;
+  site.reference_file = file;
+  if (auto written = write_site(site, *calibration, out); !written) {
+    return written;
+  }
+  for (const char* name : {"report.json", "report.html"}) {  // of the calibration
+    if (const auto report = read_file(site_.calibration_file->parent_path() / name)) {
+      if (auto written = write_file(out / name, *report); !written) {
+        return written;
+      }
+    }
+  }
+  return {};
+}
+
+void Reference::print() const {
+  for (const PersonReference& reference : references_) {
+    const SiteTransmitter& stated = *find_transmitter(site_, reference.mac);
+    const Vec3d moved = reference.transmitter.position - *stated.position;
+    std::fprintf(stderr,
+                 "%s: placed (%+.1f, %+.1f, %+.1f) mm from the survey\n",
+                 to_string(reference.mac).c_str(),
+                 1e3 * moved.x,
+                 1e3 * moved.y,
+                 1e3 * moved.z);
+    for (const PersonLink& link : reference.links) {
+      std::fprintf(stderr,
+                   "  %s: empty room explained %.2f; a person's echo times %.2f at %.0f deg\n",
+                   room_.access_points[link.access_point].id.c_str(),
+                   link.room_fit,
+                   std::abs(link.scale),
+                   std::arg(link.scale) * 180.0 / std::numbers::pi);
+    }
+  }
+  const PersonModel& person = references_.front().person;
+  std::fprintf(stderr,
+               "person %s: radius %.3f m, strength variance %g, diffuse %g, noise %g, temper %g\n",
+               spots_ > 0 ? ("from " + std::to_string(spots_) + " places").c_str()
+                          : "as stated (no --people)",
+               person.body.semi_axes[0],
+               person.strength_variance,
+               person.diffuse,
+               person.noise,
+               person.temper);
+  for (const RefusedInput& refused : refused_) {
+    std::fprintf(stderr, "not used: %s: %s\n", refused.what.c_str(), refused.reason.c_str());
+  }
+}
+
+Expected<void> Reference::run() {
+  if (options_.people.empty() != options_.points.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "--people and --points belong together: recordings of people at known "
+                      "places, and a csv t_start,t_end,x,y,z of the places");
+  }
+  if (auto done = read(); !done) {
+    return done;
+  }
+  if (auto done = learn_empty_room(); !done) {
+    return done;
+  }
+  if (!options_.people.empty()) {
+    if (auto done = learn_person(); !done) {
+      return done;
+    }
+  }
+  if (auto done = write(); !done) {
+    return done;
+  }
+  if (!options_.quiet) {
+    print();
+  }
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("site", options->site, "calibrated site: directory with site.toml")->required();
+  app.add_option("--capture",
+                 options->captures,
+                 "recordings of the empty room: [AP=]FILE, with a fixed transmitter")
+      ->required();
+  app.add_option(
+      "--people", options->people, "recordings of a person who stood at known places: [AP=]FILE");
+  app.add_option("--points", options->points, "where and when: csv t_start,t_end,x,y,z");
+  app.add_option("--out", options->out, "folder to create: the site with its reference")
+      ->required();
+  app.add_flag("--occupied",
+               options->occupied,
+               "somebody walks about in the recordings of the empty room: what half of the frames "
+               "have in common is the room");
+  app.add_flag("--force", options->force, "write into a folder that is not empty");
+  app.add_flag("--quiet", options->quiet, "no words on stderr");
+  return [options] { return Reference(*options).run(); };
+}
+
+}  // namespace
+
+extern const Verb kReference;
+const Verb kReference = {
+    "reference",
+    "Learn the empty room, so that people without a device can be located",
+    "rayloc reference office-calibrated --capture ap1=empty.pcap --out office-people\n"
+    "  rayloc reference office-calibrated --capture ap1=empty.pcap --people ap1=somebody.pcap "
+    "--points places.csv --out office-people\n"
+    "  rayloc reference office-calibrated --capture ap1=monday.pcap --occupied --out office-people",
+    declare};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,112 @@
+// `rayloc status`: how a running raylocd is: readiness, sources, estimates, losses.
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "daemon/cli/http_options.h"
+#include "daemon/cli/verb.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+using Json = nlohmann::json;
+
+// 64-bit numbers are strings in protobuf's JSON.
+std::uint64_t count_of(const Json& object, const char* key) {
+  const Json value = object.value(key, Json(0));
+  return value.is_string() ? std::stoull(value.get<std::string>()) : value.get<std::uint64_t>();
+}
+
+std::string lower_tail(const std::string& name, std::size_t prefix) {
+  std::string text = name.size() > prefix ? name.substr(prefix) : name;
+  for (char& c : text) {
+    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return text;
+}
+
+void print_source(const Json& source) {
+  const Json& counters = source.at("counters");
+  std::uint64_t rejected = 0;
+  for (const auto& [reason, count] : counters.at("rejected").items()) {
+    rejected += count.is_string() ? std::stoull(count.get<std::string>()) : 0U;
+  }
+  constexpr std::size_t kPrefix = std::string_view("SOURCE_STATUS_").size();
+  fmt::print("{:<12} {:<10} {:>12} datagrams {:>8} frames {:>6} rejected {:>6} lost  {}\n",
+             source.at("access_point").get<std::string>(),
+             lower_tail(source.at("status").get<std::string>(), kPrefix),
+             count_of(counters, "received"),
+             count_of(counters, "frames_complete") + count_of(counters, "frames_partial"),
+             rejected,
+             count_of(counters, "kernel_drops") + count_of(counters, "ring_dropped") +
+                 count_of(counters, "frames_dropped"),
+             source.value("age", "no datagram yet"));
+}
+
+void print_state(const Json& ready, const Json& status) {
+  fmt::print("raylocd {} since {}: {}\n",
+             status.at("software_version").get<std::string>(),
+             status.at("started").get<std::string>(),
+             ready.at("ready").get<bool>() ? "ready" : "not ready");
+  for (const Json& reason : ready.at("reasons")) {
+    fmt::print("  {}\n", reason.get<std::string>());
+  }
+  for (const Json& warning : ready.at("warnings")) {
+    fmt::print("  warning: {}\n", warning.get<std::string>());
+  }
+  for (const Json& source : status.at("sources")) {
+    print_source(source);
+  }
+  const Json& estimation = status.at("estimation");
+  const Json& publisher = status.at("publisher");
+  fmt::print(
+      "{} fixes, {} without a position, {} tracks; {} messages to {} subscriptions, "
+      "{} times one was slow\n",
+      count_of(estimation, "fixes"),
+      count_of(estimation, "no_fixes"),
+      count_of(status.at("tracker"), "tracks"),
+      count_of(publisher, "published"),
+      count_of(publisher, "subscriptions"),
+      count_of(publisher, "slow_episodes"));
+}
+
+Expected<void> run(const HttpOptions& options, bool json) {
+  const Expected<HttpQuery> query = query_of(options);
+  if (!query) {
+    return tl::make_unexpected(query.error());
+  }
+  const Expected<JsonResult> ready = get_json(*query, "/readyz");
+  if (!ready) {
+    return tl::make_unexpected(ready.error());
+  }
+  const Expected<JsonResult> status = get_json(*query, "/api/v1/status");
+  if (!status) {
+    return tl::make_unexpected(status.error());
+  }
+  if (json) {
+    const Json both = {{"readiness", ready->json}, {"status", status->json}};
+    fmt::print("{}\n", both.dump());
+  } else {
+    print_state(ready->json, status->json);
+  }
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto options = add_http_options(app);
+  const auto json = std::make_shared<bool>(false);
+  app.add_flag("--json", *json, "One line of JSON: readiness, and the heartbeat as status");
+  return [options, json] { return run(*options, *json); };
+}
+
+}  // namespace
+
+extern const Verb kStatus;
+const Verb kStatus = {
+    "status", "Show how a running raylocd is", "rayloc status --http 127.0.0.1:8480", declare};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,128 @@
+// `rayloc top`: what a running raylocd does, live on the terminal or once as a table.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "daemon/cli/message_source.h"
+#include "daemon/cli/stop_signal.h"
+#include "daemon/cli/terminal_screen.h"
+#include "daemon/cli/top_model.h"
+#include "daemon/cli/top_view.h"
+#include "daemon/cli/verbs.h"
+
+namespace rayloc::cli {
+namespace {
+
+using Clock = TopModel::Clock;
+
+struct Arguments {
+  MessageSource from;
+  bool once = false;
+  double interval = 1.0;  // [s] between two pictures
+  double timeout = 10.0;  // [s] to wait for heartbeats, with `once`
+};
+
+// Takes what comes until `until`; returns early when `stop` holds.
+template <typename Stop>
+void collect(const Receive& receive, Clock::time_point until, TopModel& model, Stop stop) {
+  constexpr auto kPoll = std::chrono::milliseconds(100);
+  for (auto now = Clock::now(); now < until && !stop(); now = Clock::now()) {
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now);
+    if (const auto message = receive(std::min(kPoll, left))) {
+      v1::Envelope envelope;
+      if (envelope.ParseFromString(message->payload)) {
+        model.add(message->topic, envelope, Clock::now());
+      }
+    }
+  }
+}
+
+Clock::duration seconds(double count) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(count));
+}
+
+// Two heartbeats are enough for every rate, and a daemon that locates has said something meanwhile.
+Expected<void> print_once(const Receive& receive, const Arguments& arguments) {
+  constexpr std::uint64_t kHeartbeats = 2;
+  StopSignal::install();
+  TopModel model;
+  collect(receive, Clock::now() + seconds(arguments.timeout), model, [&] {
+    return StopSignal::requested() || model.heartbeats() >= kHeartbeats || model.goodbye();
+  });
+  if (!model.heartbeat()) {
+    return make_error(
+        ErrorKind::kUnavailable,
+        "no heartbeat from " + arguments.from.endpoint + "; is raylocd running there?");
+  }
+  for (const std::string& line : top_lines(model, Clock::now())) {
+    std::printf("%s\n", line.c_str());
+  }
+  return {};
+}
+
+void show(const Receive& receive, const Arguments& arguments) {
+  TopModel model;
+  TerminalScreen screen;
+  bool is_wanted = true;
+  const auto heed_keys = [&] {
+    while (const auto key = screen.key()) {
+      is_wanted = is_wanted && *key != 'q' && *key != 'Q';
+    }
+    return !is_wanted || screen.ended() || screen.is_stale();
+  };
+  while (is_wanted && !screen.ended()) {
+    std::vector<std::string> lines = top_lines(model, Clock::now(), TerminalScreen::columns());
+    lines.emplace_back();
+    lines.emplace_back("q ends");
+    if (!screen.draw(lines)) {
+      return;
+    }
+    collect(receive, Clock::now() + seconds(arguments.interval), model, heed_keys);
+  }
+}
+
+Expected<void> run(const Arguments& arguments) {
+  const Expected<Receive> receive = connect(arguments.from, {"v1/"});
+  if (!receive) {
+    return tl::make_unexpected(receive.error());
+  }
+  if (arguments.once || !TerminalScreen::is_possible()) {
+    return print_once(*receive, arguments);
+  }
+  show(*receive, arguments);
+  return {};
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto arguments = std::make_shared<Arguments>();
+  add_source_options(app, arguments->from);
+  app.add_flag("--once",
+               arguments->once,
+               "Print one table after the second heartbeat and end; so it is where standard output "
+               "is no terminal");
+  app.add_option("--interval", arguments->interval, "Seconds between two pictures")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  app.add_option("--timeout",
+                 arguments->timeout,
+                 "With --once: seconds to wait for heartbeats; none is status 69")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  return [arguments] { return run(*arguments); };
+}
+
+}  // namespace
+
+extern const Verb kTop;
+const Verb kTop = {"top",
+                   "Watch targets, zones, access points and losses of a running raylocd",
+                   "rayloc top\n"
+                   "  rayloc top --endpoint tcp://192.0.2.7:5560 --snapshot tcp://192.0.2.7:5561\n"
+                   "  rayloc top --once | grep NO",
+                   declare};
+
+}  // namespace rayloc::cli

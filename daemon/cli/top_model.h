@@ -1,0 +1,85 @@
+// TopModel: what `rayloc top` shows, kept from the messages that came.
+//
+// Two clocks: the steady one of this machine, passed in, for rates and for how long ago something
+// came; and the daemon's, read off the messages, for how old what they say is. The two machines
+// need not agree on the time of day.
+//
+// Memory is bounded: a target is forgotten after kForgetAfter without a message, and of more than
+// kMostTargets the one longest silent.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "daemon/publish/gap_detector.h"
+#include "engine/base/timestamp.h"
+#include "rayloc/v1/envelope.pb.h"
+
+namespace rayloc::cli {
+
+class TopModel {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr auto kForgetAfter = std::chrono::minutes(5);
+  static constexpr std::size_t kMostTargets = 1024;
+  static constexpr auto kRateWindow = std::chrono::seconds(5);
+
+  // In order of arrival.
+  void add(const std::string& topic, const v1::Envelope& envelope, Clock::time_point now);
+
+  // One kind of location of a target.
+  struct Stream {
+    v1::Location last;
+    Timestamp sent;                      // of the last, by the daemon's clock
+    std::deque<Clock::time_point> came;  // within kRateWindow of the last
+  };
+  struct Target {
+    std::optional<Stream> snapshot;
+    std::optional<Stream> filtered;
+    Clock::time_point heard;
+  };
+  // What is shown of it: filtered, unless snapshots have gone on for 5 s without.
+  static const Stream& shown(const Target& target);
+
+  const std::map<std::string, Target>& targets() const { return targets_; }  // by topic component
+  const std::map<std::string, v1::ZoneEvent>& zones() const {
+    return zones_;
+  }  // last event of each
+  const std::optional<v1::Heartbeat>& heartbeat() const { return heartbeat_; }
+  const std::optional<v1::Goodbye>& goodbye() const { return goodbye_; }  // until it is heard again
+  std::uint64_t heartbeats() const { return heartbeats_; }
+  std::uint64_t lost() const { return gaps_.lost(); }  // messages on the way to us
+  std::uint64_t restarts() const { return gaps_.restarts(); }
+
+  // Of the daemon's clock now, as far as the messages tell.
+  Timestamp daemon_time(Clock::time_point now) const;
+  // Since the last heartbeat; nothing before the first.
+  std::optional<Clock::duration> silence(Clock::time_point now) const;
+  // Messages a second.
+  static double rate(const Stream& stream, Clock::time_point now);
+  // Datagrams a second between the last two heartbeats; nothing before there are two.
+  std::optional<double> datagram_rate(const std::string& access_point) const;
+
+ private:
+  void add_location(const v1::Envelope& envelope, Clock::time_point now);
+  void add_heartbeat(const v1::Heartbeat& heartbeat, Clock::time_point now);
+  void forget_old(Clock::time_point now);
+
+  GapDetector gaps_;
+  std::uint64_t epoch_ = 0;
+  std::map<std::string, Target> targets_;
+  std::map<std::string, v1::ZoneEvent> zones_;
+  std::optional<v1::Heartbeat> heartbeat_;
+  std::optional<v1::Heartbeat> previous_;  // of the same start of the daemon
+  std::optional<v1::Goodbye> goodbye_;
+  Clock::time_point heartbeat_came_;
+  std::uint64_t heartbeats_ = 0;
+  Timestamp newest_sent_;
+  Clock::time_point newest_came_;
+};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,239 @@
+#include "daemon/cli/top_view.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+
+#include "daemon/cli/printable.h"
+#include "daemon/cli/text_table.h"
+#include "daemon/publish/proto_time.h"
+#include "daemon/publish/topic.h"
+
+namespace rayloc::cli {
+namespace {
+
+using Lines = std::vector<std::string>;
+using Now = TopModel::Clock::time_point;
+
+constexpr auto kSilentAfter = std::chrono::seconds(3);
+
+std::string short_name(const std::string& name, std::string_view prefix) {
+  std::string text;
+  for (const char c : name.substr(std::min(prefix.size(), name.size()))) {
+    text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  return text;
+}
+
+// "0.4 s", "12 s", "3 min", "2 h".
+std::string age_text(double seconds) {
+  if (seconds < 10.0) {
+    return fmt::format("{:.1f} s", std::max(seconds, 0.0));
+  }
+  if (seconds < 120.0) {
+    return fmt::format("{:.0f} s", seconds);
+  }
+  return seconds < 7200.0 ? fmt::format("{:.0f} min", seconds / 60.0)
+                          : fmt::format("{:.0f} h", seconds / 3600.0);
+}
+
+void append(const TextTable& table, std::size_t width, Lines& lines) {
+  if (table.rows() > 0) {
+    lines.emplace_back();
+    for (std::string& line : table.lines(width)) {
+      lines.push_back(std::move(line));
+    }
+  }
+}
+
+void add_daemon(const TopModel& model, Now now, Lines& lines) {
+  if (!model.heartbeat()) {
+    lines.emplace_back("no heartbeat yet");
+    return;
+  }
+  const v1::Heartbeat& heartbeat = *model.heartbeat();
+  const double up = to_seconds(model.daemon_time(now) - from_proto(heartbeat.started()));
+  std::string state;
+  if (model.goodbye()) {
+    state = "stopped: " + model.goodbye()->reason();
+  } else if (const auto silence = model.silence(now); *silence > kSilentAfter) {
+    state = "NO HEARTBEAT FOR " + age_text(std::chrono::duration<double>(*silence).count());
+  } else {
+    state = "up " + age_text(up);
+  }
+  lines.push_back(
+      fmt::format("raylocd {}  {}  {} targets, {} messages lost on the way, {} restarts",
+                  heartbeat.software_version(),
+                  state,
+                  model.targets().size(),
+                  model.lost(),
+                  model.restarts()));
+  for (const std::string& warning : heartbeat.calibration_warnings()) {
+    lines.push_back("warning: " + warning);
+  }
+}
+
+std::string accuracy_text(const v1::Location& location) {
+  return location.has_accuracy_m() ? fmt::format("{:.2f} m {:.0f} %",
+                                                 location.accuracy_m(),
+                                                 100.0 * location.accuracy_confidence())
+                                   : "-";
+}
+
+// The zones that it is rather inside than outside of.
+std::string zones_text(const v1::Location& location) {
+  std::string text;
+  for (const v1::ZoneProbability& zone : location.zones()) {
+    if (zone.probability() >= 0.5) {
+      text += (text.empty() ? "" : " ") + zone.zone();
+    }
+  }
+  return text;
+}
+
+void add_targets(const TopModel& model, Now now, std::size_t width, Lines& lines) {
+  TextTable table({"target",
+                   "name",
+                   "kind",
+                   "mode",
+                   ">x",
+                   ">y",
+                   ">z",
+                   ">accuracy",
+                   ">age",
+                   ">1/s",
+                   "state",
+                   "zones"});
+  table.may_lack({"z", "mode", "1/s", "kind", "name", "state", "age", "zones"});
+  for (const auto& [component, target] : model.targets()) {
+    const TopModel::Stream& stream = TopModel::shown(target);
+    const v1::Location& location = stream.last;
+    const auto coordinate = [&](double value) {
+      return location.has_position() ? fmt::format("{:.2f}", value) : "-";
+    };
+    const bool is_fix = location.mode() != v1::FIX_MODE_NO_FIX;
+    table.add({component,
+               location.target().name(),
+               short_name(v1::LocationKind_Name(location.kind()), "LOCATION_KIND_"),
+               short_name(v1::FixMode_Name(location.mode()), "FIX_MODE_"),
+               coordinate(location.position().x()),
+               coordinate(location.position().y()),
+               coordinate(location.position().z()),
+               accuracy_text(location),
+               age_text(to_seconds(model.daemon_time(now) - stream.sent)),
+               fmt::format("{:.1f}", TopModel::rate(stream, now)),
+               location.track_state() == v1::TRACK_STATE_UNSPECIFIED
+                   ? "-"
+                   : short_name(v1::TrackState_Name(location.track_state()), "TRACK_STATE_"),
+               is_fix ? zones_text(location) : location.quality().no_fix_reason()});
+  }
+  append(table, width, lines);
+}
+
+void add_zones(const TopModel& model, std::size_t width, Lines& lines) {
+  TextTable table({"zone", ">inside", "who"});
+  for (const auto& [name, event] : model.zones()) {
+    std::string who;
+    for (const v1::Target& target : event.inside()) {
+      who += (who.empty() ? "" : " ") +
+             (target.name().empty() ? target_component(target) : target.name());
+    }
+    table.add({name, std::to_string(event.occupancy()), who});
+  }
+  append(table, width, lines);
+}
+
+void add_sources(const TopModel& model, std::size_t width, Lines& lines) {
+  TextTable table({"access point",
+                   "status",
+                   ">datagrams",
+                   ">1/s",
+                   ">frames",
+                   ">partial",
+                   ">rejected",
+                   ">lost",
+                   ">age"});
+  table.may_lack({"partial", "age", "datagrams", "frames", "rejected"});
+  for (const v1::SourceReport& source : model.heartbeat()->sources()) {
+    const v1::SourceCounters& counters = source.counters();
+    std::uint64_t rejected = 0;
+    for (const auto& [reason, count] : counters.rejected()) {
+      rejected += count;
+    }
+    const auto rate = model.datagram_rate(source.access_point());
+    table.add({source.access_point(),
+               short_name(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_"),
+               std::to_string(counters.received()),
+               rate ? fmt::format("{:.0f}", *rate) : "-",
+               std::to_string(counters.frames_complete() + counters.frames_partial()),
+               std::to_string(counters.frames_partial()),
+               std::to_string(rejected),
+               std::to_string(counters.kernel_drops() + counters.ring_dropped() +
+                              counters.frames_dropped()),
+               source.has_age() ? age_text(to_seconds(from_proto(source.age()))) : "-"});
+  }
+  append(table, width, lines);
+}
+
+void add_counters(const v1::Heartbeat& heartbeat, Lines& lines) {
+  const v1::EstimationCounters& estimation = heartbeat.estimation();
+  const v1::TrackerCounters& tracker = heartbeat.tracker();
+  const v1::PublisherCounters& publisher = heartbeat.publisher();
+  lines.emplace_back();
+  lines.push_back(fmt::format(
+      "estimation  {} fixes, {} without a position, {} filtered; {} bursts merged, {} waiting",
+      estimation.fixes(),
+      estimation.no_fixes(),
+      estimation.filtered(),
+      estimation.bursts_merged(),
+      estimation.bursts_in_flight()));
+  lines.push_back(fmt::format(
+      "tracks      {} now, {} begun, {} lost", tracker.tracks(), tracker.begun(), tracker.lost()));
+  lines.push_back(fmt::format(
+      "publisher   {} messages to {} subscriptions; {} coalesced, {} events dropped, {} times "
+      "somebody was slow",
+      publisher.published(),
+      publisher.subscriptions(),
+      estimation.coalesced(),
+      estimation.events_dropped(),
+      publisher.slow_episodes()));
+  if (heartbeat.has_recorder()) {
+    lines.push_back(fmt::format("recorder    {} datagrams written, {} dropped",
+                                heartbeat.recorder().written(),
+                                heartbeat.recorder().dropped()));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> top_lines(const TopModel& model, Now now, std::size_t width) {
+  constexpr std::size_t kIndent = 12;  // as the words of the counters
+  Lines sentences;
+  add_daemon(model, now, sentences);
+  Lines counters;
+  Lines tables;
+  add_targets(model, now, width, tables);
+  add_zones(model, width, tables);
+  if (model.heartbeat()) {
+    add_sources(model, width, tables);
+    add_counters(*model.heartbeat(), counters);
+  }
+  Lines lines;
+  const auto append_wrapped = [&](const Lines& texts) {
+    for (const std::string& text : texts) {
+      for (std::string& line : wrapped(text, width, kIndent)) {
+        lines.push_back(std::move(line));
+      }
+    }
+  };
+  append_wrapped(sentences);
+  lines.insert(lines.end(), tables.begin(), tables.end());
+  append_wrapped(counters);
+  for (std::string& line : lines) {
+    line = printable(std::move(line));
+  }
+  return lines;
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,39 @@
+// What `rayloc evaluate --plot` draws.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/draw/drawing.h"
+#include "daemon/draw/room_map.h"
+#include "daemon/evaluate/hypothesis_reliability.h"
+#include "daemon/evaluate/point_result.h"
+#include "daemon/evaluate/truth.h"
+#include "engine/localize/location_estimate.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+
+struct NamedErrors {
+  std::string name;
+  std::vector<double> errors;  // [m]; infinite: missed
+};
+
+// Distributions of errors; a curve ends below 1 by the share that was missed.
+draw::Drawing draw_error_distributions(std::span<const NamedErrors> all);
+
+// Where the errors are: a dot at each point of the truth, a line to what was estimated.
+// REQUIRES: truth.size() == matches.size().
+draw::Drawing draw_error_map(const Scene& scene,
+                             std::vector<draw::MapAntenna> antennas,
+                             std::span<const TruthPoint> truth,
+                             std::span<const LocationEstimate* const> matches);
+
+// The share of points whose truth lies in the stated region of each probability.
+draw::Drawing draw_coverage(std::span<const PointResult> results);
+
+// How often hypotheses of each weight are the right one, and the left-over probability is right.
+draw::Drawing draw_reliability(const StatedOutcomes& outcomes);
+
+}  // namespace rayloc

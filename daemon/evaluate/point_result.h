@@ -1,0 +1,30 @@
+// PointResult: what one point of the truth shows of the estimate that answers for it.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "daemon/evaluate/truth.h"
+#include "engine/base/vec3.h"
+#include "engine/localize/location_estimate.h"
+
+namespace rayloc {
+
+struct PointResult {
+  static constexpr double kMissed = std::numeric_limits<double>::infinity();
+
+  double error = kMissed;  // [m], horizontal
+  // The estimate has a position and says how sure that is; without it the next three mean nothing.
+  bool is_uncertainty_stated = false;
+  double best_of_5 = kMissed;  // [m], of the nearest of the five heaviest hypotheses
+  double region = kMissed;     // region_reaching(); infinite: no stated region holds the truth
+  std::optional<double> normalized;  // normalized_squared_error()
+};
+
+// `estimate`: nullptr, or without a position: a miss.
+PointResult evaluate_point(const TruthPoint& truth, const LocationEstimate* estimate);
+
+// [m]; heights do not count.
+double horizontal_distance(const Vec3d& a, const Vec3d& b);
+
+}  // namespace rayloc

@@ -1,0 +1,13 @@
+// ErrorStatistics as JSON, with the keys of `rayloc evaluate --json`.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/evaluate/error_statistics.h"
+
+namespace rayloc {
+
+// What is infinite or absent is null. Skills, which follow from the medians, have intervals only.
+nlohmann::ordered_json to_json(const ErrorStatistics& statistics);
+
+}  // namespace rayloc

@@ -1,0 +1,228 @@
+#include "daemon/experiment/condition.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "daemon/site/toml_reader.h"
+#include "engine/base/check.h"
+#include "engine/localize/likelihood.h"
+#include "engine/localize/paper_settings.h"
+
+namespace rayloc {
+namespace {
+
+using C = Condition;
+
+constexpr std::array<std::string_view, 2> kMethods = {"rayloc", "paper"};
+constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
+constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
+
+std::span<const std::string_view> likelihoods() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names;
+    for (const LikelihoodName& one : likelihood_names()) {
+      names.push_back(one.name);
+    }
+    return names;
+  }();
+  return kNames;
+}
+
+constexpr std::span<const std::string_view> kAny;
+constexpr NumberRange kHeight = {0.0, 20.0, "m"};
+constexpr NumberRange kDepth = {0.0, 4.0, {}};
+
+const std::array kKeys = std::to_array<ConditionKey>({
+    {"room", &C::room, "", {}, false, kAny, true, "plan of a room, as of rayloc scene room"},
+    {"kind", &C::kind, "device", {}, false, kKinds, true, "what is located"},
+    {"access_points",
+     &C::access_points,
+     "1",
+     {1, 16, {}},
+     true,
+     kAny,
+     true,
+     "the plan's first ones"},
+    {"ap_height_m", &C::ap_height_m, "0", kHeight, false, kAny, true, "0: as the plan states it"},
+    {"device_height_m",
+     &C::device_height_m,
+     "1.2",
+     kHeight,
+     false,
+     kAny,
+     true,
+     "known to the model"},
+    {"person_radius_m",
+     &C::person_radius_m,
+     "0.165",
+     {0.05, 0.5, "m"},
+     false,
+     kAny,
+     true,
+     "of people; the model believes 0.165"},
+    {"boxes",
+     &C::boxes,
+     "0",
+     {0, 100, {}},
+     true,
+     kAny,
+     true,
+     "of clutter at random places, which the model knows"},
+    {"distance_m",
+     &C::distance_m,
+     "0",
+     {0, 100, "m"},
+     false,
+     kAny,
+     true,
+     "of spots from the first access point, to 0.25 m; 0: any"},
+    {"sight", &C::sight, "any", {}, false, kSights, true, "from the first access point to a spot"},
+    {"layouts",
+     &C::layouts,
+     "1",
+     {1, 1000, {}},
+     true,
+     kAny,
+     true,
+     "each with own clutter and spots"},
+    {"spots", &C::spots, "20", {1, 10'000, {}}, true, kAny, true, "at random places of a layout"},
+    {"frames", &C::frames, "4", {1, 64, {}}, true, kAny, true, "heard of each spot"},
+    {"depth", &C::depth, "3", kDepth, true, kAny, true, "reflections of the simulated paths"},
+    {"plan_error_m",
+     &C::plan_error_m,
+     "0",
+     {0, 1, "m"},
+     false,
+     kAny,
+     true,
+     "deviation of walls and boxes from what the model believes"},
+    {"impairments",
+     &C::impairments,
+     "default",
+     {},
+     false,
+     kAny,
+     true,
+     "of the radio, as of rayloc simulate: default, none or a file"},
+    {"method", &C::method, "rayloc", {}, false, kMethods, false, "of localization"},
+    {"likelihood",
+     &C::likelihood,
+     "partial",
+     {},
+     false,
+     likelihoods(),
+     false,
+     "what method rayloc compares"},
+    {"model_depth", &C::model_depth, "2", kDepth, true, kAny, false, "reflections the model knows"},
+    {"repeats",
+     &C::repeats,
+     "1",
+     {1, 10'000, {}},
+     true,
+     kAny,
+     false,
+     "of each spot with other random starts (method paper)"},
+    {"multi_start",
+     &C::multi_start,
+     "1",
+     {1, 10'000, {}},
+     true,
+     kAny,
+     false,
+     "random starts of one location, the least loss wins (method paper)"},
+});
+
+constexpr std::string_view kPaper = "paper.";
+
+const ConditionKey& find_key(std::string_view key) {
+  const auto* const found = std::find_if(
+      kKeys.begin(), kKeys.end(), [&](const ConditionKey& one) { return one.key == key; });
+  RAYLOC_CHECK(found != kKeys.end());
+  return *found;
+}
+
+std::string text_of(const Condition& condition, const ConditionKey& key) {
+  if (const auto* number = std::get_if<double C::*>(&key.member)) {
+    return to_text(condition.**number);
+  }
+  if (const auto* text = std::get_if<std::string C::*>(&key.member)) {
+    return condition.**text;
+  }
+  return (condition.*std::get<std::filesystem::path C::*>(key.member)).stem().string();
+}
+
+void set_preset(const ConditionKey& key, Condition& condition) {
+  if (const auto* number = std::get_if<double C::*>(&key.member)) {
+    std::from_chars(key.preset.data(), key.preset.data() + key.preset.size(), condition.**number);
+  } else if (const auto* text = std::get_if<std::string C::*>(&key.member)) {
+    condition.** text = key.preset;
+  }
+}
+
+}  // namespace
+
+std::span<const ConditionKey> condition_keys() { return kKeys; }
+
+Condition default_condition() {
+  Condition condition;
+  for (const ConditionKey& key : kKeys) {
+    set_preset(key, condition);
+  }
+  return condition;
+}
+
+std::string condition_text(const Condition& condition, std::string_view key) {
+  if (key.starts_with(kPaper)) {
+    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    RAYLOC_CHECK(setting != nullptr);
+    return paper_text(*setting, setting->get(condition.paper));
+  }
+  return text_of(condition, find_key(key));
+}
+
+std::optional<double> condition_number(const Condition& condition, std::string_view key) {
+  if (key.starts_with(kPaper)) {
+    const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
+    RAYLOC_CHECK(setting != nullptr);
+    return setting->kind == PaperSettingKind::kFlag ? std::nullopt
+                                                    : std::optional(setting->get(condition.paper));
+  }
+  const auto* number = std::get_if<double C::*>(&find_key(key).member);
+  return number == nullptr ? std::nullopt : std::optional(condition.**number);
+}
+
+std::string world_text(const Condition& condition) {
+  std::string text = condition.room.string();
+  for (const ConditionKey& key : kKeys) {
+    if (key.is_world) {
+      text += "|" + text_of(condition, key);
+    }
+  }
+  return text;
+}
+
+std::string experiment_help() {
+  constexpr std::size_t kWidth = 28;  // of "paper.sigma_0_squared = 1"
+  std::string help;
+  const auto line = [&](std::string text, std::string_view meaning) {
+    text.resize(std::max(text.size(), kWidth), ' ');
+    help += "  " + text + "# " + std::string(meaning) + "\n";
+  };
+  for (const ConditionKey& key : kKeys) {
+    const bool quoted = !std::holds_alternative<double C::*>(key.member);
+    const std::string value =
+        quoted ? "\"" + std::string(key.preset) + "\"" : std::string(key.preset);
+    line(std::string(key.key) + " = " + value, key.meaning);
+  }
+  const PaperLocalizerOptions defaults;
+  for (const PaperSetting& setting : paper_settings()) {
+    line("paper." + std::string(setting.key) + " = " + paper_text(setting, setting.get(defaults)),
+         setting.meaning);
+  }
+  return help;
+}
+
+}  // namespace rayloc

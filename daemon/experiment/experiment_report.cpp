@@ -1,0 +1,205 @@
+#include "daemon/experiment/experiment_report.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <spdlog/fmt/fmt.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/draw/html.h"
+#include "daemon/draw/svg.h"
+#include "daemon/evaluate/statistics_json.h"
+#include "engine/localize/paper_settings.h"
+
+namespace rayloc {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> all_keys() {
+  std::vector<std::string> keys;
+  for (const ConditionKey& key : condition_keys()) {
+    keys.emplace_back(key.key);
+  }
+  for (const PaperSetting& setting : paper_settings()) {
+    keys.push_back("paper." + std::string(setting.key));
+  }
+  return keys;
+}
+
+// The figures of the tables, by their names in the JSON.
+constexpr std::array<std::string_view, 12> kFigures = {"median_m",
+                                                       "mean_m",
+                                                       "rmse_m",
+                                                       "cep90_m",
+                                                       "cep95_m",
+                                                       "below_0_5",
+                                                       "below_1",
+                                                       "coverage_50",
+                                                       "coverage_95",
+                                                       "anees",
+                                                       "best_of_5_median_m",
+                                                       "room_centre_median_m"};
+
+std::string csv_number(const Json& value) {
+  return value.is_null() ? "" : fmt::format("{:.6g}", value.get<double>());
+}
+
+// A cell that a comma would split.
+std::string csv_cell(std::string text) {
+  for (char& c : text) {
+    c = c == ',' ? ';' : c;
+  }
+  return text;
+}
+
+std::string html_number(const Json& figures, const char* name) {
+  const Json& value = figures.at(name);
+  if (value.is_null()) {
+    return "\u2013";
+  }
+  std::string text = fmt::format("{:.3f}", value.get<double>());
+  const Json& intervals = figures.at("ci95");
+  if (intervals.contains(name) && !intervals.at(name)[0].is_null() &&
+      !intervals.at(name)[1].is_null()) {
+    text += fmt::format(" [{:.3f}, {:.3f}]",
+                        intervals.at(name)[0].get<double>(),
+                        intervals.at(name)[1].get<double>());
+  }
+  return text;
+}
+
+std::string study_table(const StudyResult& result) {
+  draw::HtmlTable table;
+  table.columns = result.study->axes;
+  table.columns.insert(table.columns.end(),
+                       {"points",
+                        "missed",
+                        "median [m]",
+                        "90 % [m]",
+                        "below 0.5 m",
+                        "in 95 % region",
+                        "room centre, median [m]"});
+  for (const ConditionResult& condition : result.conditions) {
+    const Json figures = to_json(condition.statistics);
+    std::vector<std::string>& row = table.rows.emplace_back();
+    for (const std::string& axis : result.study->axes) {
+      row.push_back(condition_text(condition.condition, axis));
+    }
+    row.push_back(std::to_string(condition.statistics.n));
+    row.push_back(std::to_string(condition.statistics.missed));
+    for (const char* name :
+         {"median_m", "cep90_m", "below_0_5", "coverage_95", "room_centre_median_m"}) {
+      row.push_back(html_number(figures, name));
+    }
+  }
+  return to_html(table);
+}
+
+// What all conditions of the study share and differs from the defaults.
+std::string held_text(const Study& study) {
+  const Condition usual = default_condition();
+  const Condition& first = study.conditions.front();
+  std::string text;
+  for (const std::string& key : all_keys()) {
+    const bool is_axis = std::find(study.axes.begin(), study.axes.end(), key) != study.axes.end();
+    const std::string value = condition_text(first, key);
+    if (!is_axis && value != condition_text(usual, key)) {
+      text.append(text.empty() ? "" : ", ").append(key).append(" = ").append(value);
+    }
+  }
+  return text;
+}
+
+std::string study_html(const StudyResult& result) {
+  const Study& study = *result.study;
+  std::string html = "<h2>" + draw::html_text(study.name) + "</h2>\n";
+  if (!study.claim.empty()) {
+    html += "<p>Claimed: " + draw::html_text(study.claim) + "</p>\n";
+  }
+  if (const std::string held = held_text(study); !held.empty()) {
+    html += "<p class=\"faint\">Held: " + draw::html_text(held) + "</p>\n";
+  }
+  html += "<div class=\"figures\">\n";
+  for (const draw::Drawing& drawing : draw_study(result)) {
+    html += draw::to_svg_element(drawing);
+  }
+  return html + "</div>\n" + study_table(result);
+}
+
+}  // namespace
+
+std::string experiment_json(const Experiment& experiment, const std::vector<StudyResult>& results) {
+  Json json;
+  json["name"] = experiment.name;
+  json["seed"] = experiment.seed;
+  Json& studies = json["studies"] = Json::array();
+  const std::vector<std::string> keys = all_keys();
+  for (const StudyResult& result : results) {
+    Json study;
+    study["name"] = result.study->name;
+    study["claim"] = result.study->claim;
+    study["axes"] = result.study->axes;
+    study["over"] = result.study->over;
+    Json& conditions = study["conditions"] = Json::array();
+    for (const ConditionResult& condition : result.conditions) {
+      Json values = Json::object();
+      for (const std::string& key : keys) {
+        values[key] = condition_text(condition.condition, key);
+      }
+      conditions.push_back(
+          {{"values", std::move(values)}, {"statistics", to_json(condition.statistics)}});
+    }
+    studies.push_back(std::move(study));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string experiment_csv(const std::vector<StudyResult>& results) {
+  const std::vector<std::string> keys = all_keys();
+  std::string csv = "study";
+  for (const std::string& key : keys) {
+    csv += "," + key;
+  }
+  csv += ",n,missed";
+  for (const std::string_view figure : kFigures) {
+    csv += fmt::format(",{0},{0}_lower,{0}_upper", figure);
+  }
+  csv += "\n";
+  for (const StudyResult& result : results) {
+    for (const ConditionResult& condition : result.conditions) {
+      csv += csv_cell(result.study->name);
+      for (const std::string& key : keys) {
+        csv += "," + csv_cell(condition_text(condition.condition, key));
+      }
+      csv += fmt::format(",{},{}", condition.statistics.n, condition.statistics.missed);
+      const Json figures = to_json(condition.statistics);
+      for (const std::string_view figure : kFigures) {
+        const std::string name(figure);
+        const Json& intervals = figures.at("ci95");
+        const Json interval =
+            intervals.contains(name) ? intervals.at(name) : Json::array({nullptr, nullptr});
+        csv += "," + csv_number(figures.at(name)) + "," + csv_number(interval[0]) + "," +
+               csv_number(interval[1]);
+      }
+      csv += "\n";
+    }
+  }
+  return csv;
+}
+
+std::string experiment_html(const Experiment& experiment, const std::vector<StudyResult>& results) {
+  std::string body = fmt::format(
+      "<p>Simulated captures of the project's own tracer, seed {}. The model that locates made the "
+      "recordings: the figures compare methods and conditions with each other, and say nothing "
+      "about the accuracy in a real room. Brackets and bars: bootstrap intervals of 95 % over "
+      "spots. Errors are horizontal; a miss counts as infinitely far.</p>\n",
+      experiment.seed);
+  for (const StudyResult& result : results) {
+    body += study_html(result);
+  }
+  return draw::html_page(experiment.name, body);
+}
+
+}  // namespace rayloc

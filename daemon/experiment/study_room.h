@@ -1,0 +1,35 @@
+// The rooms of a study: a plan with clutter, as it is and as the model believes it to be.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "daemon/experiment/condition.h"
+#include "daemon/scene/room_plan.h"
+#include "engine/base/expected.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// The plan of a condition with access points at their height and the clutter of a layout: boxes of
+// wood and metal, 0.3 to 0.8 m wide and 0.5 to 1.5 m high, standing on the floor anywhere and any
+// way round, clear of each other, of what the plan states and of the access points. Errors name the
+// plan: too few access points, no room for so many boxes.
+Expected<RoomPlan> furnish(const RoomPlan& plan,
+                           const Condition& condition,
+                           std::uint64_t seed,
+                           std::size_t layout);
+
+// The plan with ceiling, walls and boxes off by Condition::plan_error_m.
+RoomPlan misplace(RoomPlan plan,
+                  const Condition& condition,
+                  std::uint64_t seed,
+                  std::size_t layout);
+
+// Nothing calibrated: no chain gains. REQUIRES: a plan that was read without error.
+Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition);
+
+// Whether a place is inside of a box of the plan, or closer than `margin` to it.
+bool is_in_box(const RoomPlan& plan, const Vec3d& place, double margin);
+
+}  // namespace rayloc

@@ -1,0 +1,42 @@
+// The simulated world of a condition: spots in a room, and what its access points hear of a device
+// there, or of a fixed transmitter while a person stands there.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "daemon/experiment/condition.h"
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/channel/mac_address.h"
+#include "engine/localize/room_model.h"
+#include "engine/trace/radio_device.h"
+
+namespace rayloc {
+
+struct StudySpot {
+  Vec3d position;                // [m]
+  std::vector<CsiFrame> frames;  // of all access points, by (time, access point)
+};
+
+struct StudyLayout {
+  // What the method is told: the room as planned, with the chain gains as they are.
+  RoomModel model;
+  std::vector<StudySpot> spots;
+  // Of people: who sends, at a random place, and what is heard of it while nobody is in the room.
+  std::optional<Transmitter> transmitter;
+  std::vector<CsiFrame> empty;
+};
+
+// Its address.
+inline constexpr MacAddress kStudyTransmitter = {{0x02, 0x52, 0x4c, 0x00, 0x00, 0x01}};
+
+// One a layout. Spots, clutter and radios depend on the seed and the number of the layout alone, so
+// conditions of one experiment are compared on the same draws. Errors: as of furnish(), a plan or
+// impairments that cannot be read, a room without places of the wanted distance and sight.
+Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, std::uint64_t seed);
+
+}  // namespace rayloc

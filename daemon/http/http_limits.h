@@ -1,0 +1,21 @@
+// What a client of the HTTP server may cost, and for how long.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+namespace rayloc {
+
+struct HttpLimits {
+  std::size_t head_bytes = 8192;  // request line and headers together
+  std::size_t connections = 64;   // past that the oldest one that is no viewer is closed
+  // From the connection to the end of the head, and for fetching the answer.
+  std::chrono::milliseconds time{5000};
+  // Streams of events: how many, how often one is asked what is new for it, and how long it may
+  // take nothing of what waits for it.
+  std::size_t viewers = 16;
+  std::chrono::milliseconds event_interval{100};
+  std::chrono::milliseconds event_patience{10'000};
+};
+
+}  // namespace rayloc

@@ -1,0 +1,346 @@
+#include "daemon/http/http_server.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "capture/file_descriptor.h"
+#include "daemon/http/request_handler.h"
+
+namespace rayloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using PollEvents = decltype(pollfd::events);
+
+constexpr std::string_view kEndOfHead = "\r\n\r\n";
+
+struct Connection {
+  FileDescriptor socket;
+  Clock::time_point deadline;
+  std::string head;       // while it is read
+  std::string answer;     // while it is written
+  std::size_t sent = 0;   // of the answer
+  bool finished = false;  // the answer is out: what the client still says is thrown away
+  // Of a viewer.
+  std::shared_ptr<EventFeed> events;  // null: none
+  EventCursor cursor;
+  Clock::time_point next_look;
+
+  bool writing() const { return !answer.empty() && !finished; }
+};
+
+Expected<int> listen_at(const HttpServer::Options& options) {
+  const std::string where = options.host + ":" + std::to_string(options.port);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(options.port);
+  if (inet_pton(AF_INET, options.host.c_str(), &address.sin_addr) != 1) {
+    return make_error(ErrorKind::kConfiguration, "http: " + where + " is no numeric address");
+  }
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  if (fd < 0 || bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(fd, SOMAXCONN) != 0) {
+    const int error = errno;
+    close(fd);
+    return make_error(
+        ErrorKind::kUnavailable,
+        "http: cannot listen at " + where + ": " + std::strerror(error) +
+            (error == EADDRINUSE ? "; is another raylocd running? Set [http] listen, or "
+                                   "enabled = false"
+                                 : ""));
+  }
+  return fd;
+}
+
+}  // namespace
+
+class HttpServer::Impl {
+ public:
+  Impl(int listener, const Options& options, std::map<std::string, HttpRoute> routes)
+      : limits_(options.limits),
+        listener_(listener),
+        wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        handler_(std::move(routes), options.token) {
+    fcntl(listener, F_SETFL, fcntl(listener, F_GETFL) | O_NONBLOCK);
+    sockaddr_in bound{};
+    socklen_t size = sizeof bound;
+    getsockname(listener, reinterpret_cast<sockaddr*>(&bound), &size);
+    port_ = ntohs(bound.sin_port);
+  }
+
+  ~Impl() {
+    eventfd_write(wake_.get(), 1);
+    if (thread_.joinable()) {
+      thread_.join();
+    }
+  }
+
+  void start() {
+    thread_ = std::thread([this] { run(); });
+  }
+  std::uint16_t port() const { return port_; }
+  HttpCounters counters() const {
+    const std::lock_guard lock(mutex_);
+    return counters_;
+  }
+
+ private:
+  void run();
+  void accept_all();
+  // False when the connection is over.
+  bool advance(Connection& connection, PollEvents events);
+  bool read_head(Connection& connection);
+  bool hear_viewer(Connection& connection);
+  bool write_answer(Connection& connection);
+  void set_answer(Connection& connection, HttpAnswer answer);
+  void make_viewer(Connection& connection, HttpAnswer answer);
+  void show_viewers(Clock::time_point now);
+  std::size_t viewers() const;
+  void close_late(Clock::time_point now);
+  template <typename Change>
+  void count(Change change) {
+    const std::lock_guard lock(mutex_);
+    change(counters_);
+  }
+
+  const HttpLimits limits_;
+  const FileDescriptor listener_;
+  const FileDescriptor wake_;
+  RequestHandler handler_;
+  std::uint16_t port_ = 0;
+  std::list<Connection> connections_;  // oldest first; of the thread
+  mutable std::mutex mutex_;
+  HttpCounters counters_;  // guarded by mutex_
+  std::thread thread_;
+};
+
+void HttpServer::Impl::run() {
+  while (true) {
+    std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}, {listener_.get(), POLLIN, 0}};
+    for (const Connection& connection : connections_) {
+      const int reading = connection.events || !connection.writing() ? POLLIN : 0;
+      const int writing = connection.writing() ? POLLOUT : 0;
+      waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
+    }
+    // Deadlines and viewers are looked at ten times a second while there are connections.
+    poll(waiting.data(), waiting.size(), connections_.empty() ? -1 : 100);
+    if (waiting[0].revents != 0) {
+      return;
+    }
+    std::size_t i = 2;
+    for (auto connection = connections_.begin(); connection != connections_.end(); ++i) {
+      const PollEvents events = waiting[i].revents;
+      if (events == 0 || advance(*connection, events)) {
+        ++connection;
+        continue;
+      }
+      if (connection->events) {
+        count([](HttpCounters& counters) { ++counters.viewers_left; });
+      }
+      connection = connections_.erase(connection);
+    }
+    if (waiting[1].revents != 0) {
+      accept_all();
+    }
+    show_viewers(Clock::now());
+    close_late(Clock::now());
+    count([this](HttpCounters& counters) { counters.viewers = viewers(); });
+  }
+}
+
+void HttpServer::Impl::accept_all() {
+  while (true) {
+    const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (fd < 0) {
+      return;
+    }
+    if (connections_.size() >= limits_.connections) {
+      const auto oldest = std::find_if(
+          connections_.begin(), connections_.end(), [](const auto& one) { return !one.events; });
+      connections_.erase(oldest == connections_.end() ? connections_.begin() : oldest);
+      count([](HttpCounters& counters) { ++counters.displaced; });
+    }
+    connections_.push_back(
+        {FileDescriptor(fd), Clock::now() + limits_.time, {}, {}, 0, false, nullptr, {}, {}});
+  }
+}
+
+bool HttpServer::Impl::advance(Connection& connection, PollEvents events) {
+  if (connection.events && (events & ~POLLOUT) != 0 && !hear_viewer(connection)) {
+    return false;
+  }
+  if ((events & POLLOUT) != 0) {
+    return write_answer(connection);
+  }
+  return connection.events || read_head(connection);
+}
+
+// A viewer has nothing more to say; what matters is that it is still there.
+bool HttpServer::Impl::hear_viewer(Connection& connection) {
+  std::array<char, 4096> buffer;
+  const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
+  return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
+}
+
+bool HttpServer::Impl::read_head(Connection& connection) {
+  std::array<char, 4096> buffer;
+  const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
+  if (got <= 0) {
+    return got < 0 && (errno == EAGAIN || errno == EINTR);
+  }
+  if (connection.finished) {
+    return true;
+  }
+  connection.head.append(buffer.data(), static_cast<std::size_t>(got));
+  const std::size_t end = connection.head.find(kEndOfHead);
+  if (end == std::string::npos && connection.head.size() <= limits_.head_bytes) {
+    return true;
+  }
+  if (end == std::string::npos || end > limits_.head_bytes) {
+    set_answer(connection, RequestHandler::refusal(431, "Request Header Fields Too Large"));
+  } else {
+    connection.head.resize(end + kEndOfHead.size());
+    HttpAnswer answer = handler_.answer(connection.head);
+    if (answer.events && viewers() >= limits_.viewers) {
+      answer = RequestHandler::refusal(503, "Too Many Viewers", "Retry-After: 5\r\n");
+      count([](HttpCounters& counters) { ++counters.viewers_refused; });
+    }
+    set_answer(connection, std::move(answer));
+  }
+  return write_answer(connection);
+}
+
+void HttpServer::Impl::set_answer(Connection& connection, HttpAnswer answer) {
+  count([&](HttpCounters& counters) { ++counters.requests[answer.status]; });
+  if (answer.events) {
+    return make_viewer(connection, std::move(answer));
+  }
+  connection.answer = std::move(answer.bytes);
+  connection.deadline = Clock::now() + limits_.time;
+}
+
+void HttpServer::Impl::make_viewer(Connection& connection, HttpAnswer answer) {
+  connection.answer = std::move(answer.bytes);
+  connection.events = std::move(answer.events);
+  connection.cursor.last_event_id = std::move(answer.last_event_id);
+  connection.next_look = Clock::now();
+  connection.deadline = Clock::now() + limits_.event_patience;
+  // What the kernel holds for a viewer that has gone away is bounded as well, in bytes and in time.
+  constexpr int kQueuedBytes = 128 * 1024;
+  const auto patience = static_cast<unsigned>(limits_.event_patience.count());
+  setsockopt(connection.socket.get(), SOL_SOCKET, SO_SNDBUF, &kQueuedBytes, sizeof kQueuedBytes);
+  setsockopt(connection.socket.get(), IPPROTO_TCP, TCP_USER_TIMEOUT, &patience, sizeof patience);
+}
+
+// Asks the feed for each viewer that has taken everything it was given.
+void HttpServer::Impl::show_viewers(Clock::time_point now) {
+  for (auto connection = connections_.begin(); connection != connections_.end();) {
+    if (!connection->events || connection->writing() || now < connection->next_look) {
+      ++connection;
+      continue;
+    }
+    connection->next_look = now + limits_.event_interval;
+    EventBatch batch = connection->events->take(connection->cursor);
+    count([&](HttpCounters& counters) {
+      counters.messages_coalesced += batch.coalesced;
+      counters.events += batch.text.empty() ? 0U : 1U;
+    });
+    connection->answer = std::move(batch.text);
+    connection->deadline = now + limits_.event_patience;
+    if (connection->answer.empty() || write_answer(*connection)) {
+      ++connection;
+      continue;
+    }
+    count([](HttpCounters& counters) { ++counters.viewers_left; });
+    connection = connections_.erase(connection);
+  }
+}
+
+std::size_t HttpServer::Impl::viewers() const {
+  return static_cast<std::size_t>(std::count_if(
+      connections_.begin(), connections_.end(), [](const Connection& one) { return one.events; }));
+}
+
+bool HttpServer::Impl::write_answer(Connection& connection) {
+  const ssize_t sent = send(connection.socket.get(),
+                            connection.answer.data() + connection.sent,
+                            connection.answer.size() - connection.sent,
+                            MSG_NOSIGNAL);
+  if (sent < 0) {
+    return errno == EAGAIN || errno == EINTR;
+  }
+  connection.sent += static_cast<std::size_t>(sent);
+  if (connection.events && sent > 0) {
+    connection.deadline = Clock::now() + limits_.event_patience;
+  }
+  if (connection.sent < connection.answer.size()) {
+    return true;
+  }
+  if (connection.events) {
+    connection.answer.clear();
+    connection.sent = 0;
+    return true;
+  }
+  // Closing while something is unread would reset the connection and take the answer away. So the
+  // client is told that this is all, and is heard out until it closes or the time is up.
+  shutdown(connection.socket.get(), SHUT_WR);
+  connection.finished = true;
+  return true;
+}
+
+void HttpServer::Impl::close_late(Clock::time_point now) {
+  for (auto connection = connections_.begin(); connection != connections_.end();) {
+    const bool viewer = connection->events != nullptr;
+    if (now < connection->deadline || (viewer && !connection->writing())) {
+      ++connection;
+      continue;
+    }
+    if (viewer) {
+      count([](HttpCounters& counters) { ++counters.viewers_stuck; });
+    } else if (!connection->finished) {
+      count([](HttpCounters& counters) { ++counters.timed_out; });
+    }
+    connection = connections_.erase(connection);
+  }
+}
+
+Expected<std::unique_ptr<HttpServer>> HttpServer::open(const Options& options,
+                                                       std::map<std::string, HttpRoute> routes) {
+  int listener = options.adopted_fd;
+  if (listener < 0) {
+    const Expected<int> opened = listen_at(options);
+    if (!opened) {
+      return tl::make_unexpected(opened.error());
+    }
+    listener = *opened;
+  }
+  return std::unique_ptr<HttpServer>(
+      new HttpServer(std::make_unique<Impl>(listener, options, std::move(routes))));
+}
+
+HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+HttpServer::~HttpServer() = default;
+
+void HttpServer::start() { impl_->start(); }
+std::uint16_t HttpServer::port() const { return impl_->port(); }
+HttpCounters HttpServer::counters() const { return impl_->counters(); }
+
+}  // namespace rayloc

@@ -1,0 +1,125 @@
+// The live map: what raylocd publishes (/events) on the floor plan of its site (/api/v1/map).
+import {byId, setText} from './draw.js';
+import {Feed} from './feed.js';
+import {Model} from './model.js';
+import {showCalibration, watchChannel} from './panels.js';
+import {Plan} from './plan.js';
+import {Playback} from './playback.js';
+import {showDaemon, showEvents, showSources} from './sources.js';
+import {Targets} from './targets.js';
+import {Timeline} from './timeline.js';
+import {View} from './view.js';
+
+const ANNOUNCE_MS = 1500;
+const DRAW_MS = 250;  // at least so often: ages grow without a message
+
+const announcements = [];
+const model = new Model((text) => announcements.push(text));
+const targets = new Targets();
+const timeline = new Timeline(model);
+const playback = new Playback(model);
+const view = new View(byId('map'), () => { stirred = true; });
+let plan = null;
+let mapOf = null;  // the epoch that the plan was fetched for
+let stirred = true;
+let drawn = 0;
+
+async function fetchPlan(epoch) {
+  mapOf = epoch;
+  const answer = await fetch('/api/v1/map');
+  if (!answer.ok) throw new Error(`/api/v1/map: ${answer.status}`);
+  const map = await answer.json();
+  const moved = !plan || JSON.stringify(plan.map.bounds) !== JSON.stringify(map.bounds);
+  plan = new Plan(map);
+  setText(byId('site'), map.site);
+  document.title = `${map.site}: RayLoc live map`;
+  byId('empty').hidden = true;
+  if (moved) view.show(map.bounds);
+  await showCalibration(plan);
+  stirred = true;
+}
+
+function told(kind) {
+  return (body) => {
+    model[kind](body);
+    if (kind === 'snapshot' && mapOf !== body.epoch) {
+      fetchPlan(body.epoch).catch(() => { mapOf = null; });
+    }
+    stirred = true;
+  };
+}
+
+function connection(state) {
+  const text = {
+    open: 'Connected',
+    lost: 'Connection lost: trying again',
+    refused: 'No stream: too many viewers, or raylocd is starting; trying again',
+  }[state];
+  const element = byId('connection');
+  element.classList.toggle('lost', state !== 'open');
+  setText(element, text);
+}
+
+function draw(time) {
+  requestAnimationFrame(draw);
+  const elapsed = time - drawn;
+  if (!plan || (!stirred && !timeline.running && elapsed < DRAW_MS)) return;
+  playback.show();
+  drawn = time;
+  stirred = false;
+  const moment = model.held ?? timeline.step(elapsed);
+  plan.place(view);
+  plan.showSources(model.sources);
+  targets.show(model.at(moment), view);
+  showSources(model.sources);
+  showDaemon(model.heartbeat);
+  showEvents(model.events);
+  showScale();
+}
+
+function showScale() {
+  const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
+  const metres = steps.find((m) => m * view.scale >= 60) || 500;
+  byId('scale-bar').style.width = `${metres * view.scale}px`;
+  setText(byId('scale-text'), `${metres} m`);
+}
+
+function announce() {
+  if (announcements.length > 0) {
+    setText(byId('announcer'), announcements.splice(0).slice(-4).join('; '));
+  }
+}
+
+const THEMES = {auto: 'as the system', light: 'light', dark: 'dark'};
+const systemDark = matchMedia('(prefers-color-scheme: dark)');
+let theme = localStorage.getItem('rayloc-theme') || 'auto';
+
+function showTheme() {
+  const dark = theme === 'dark' || (theme === 'auto' && systemDark.matches);
+  document.documentElement.dataset.theme = dark ? 'dark' : 'light';
+  setText(byId('theme'), `Theme: ${THEMES[theme]}`);
+}
+
+byId('theme').addEventListener('click', () => {
+  const names = Object.keys(THEMES);
+  theme = names[(names.indexOf(theme) + 1) % names.length];
+  localStorage.setItem('rayloc-theme', theme);
+  showTheme();
+});
+systemDark.addEventListener('change', showTheme);
+byId('zoom-in').addEventListener('click', () => view.zoom(1.25));
+byId('zoom-out').addEventListener('click', () => view.zoom(0.8));
+byId('fit').addEventListener('click', () => view.fit());
+byId('show-residuals').addEventListener('change', () => { stirred = true; });
+document.addEventListener('keydown', (event) => {
+  if (event.key === 'Escape') targets.selected = null;
+  stirred = true;
+});
+document.addEventListener('input', () => { stirred = true; });
+document.addEventListener('click', () => { stirred = true; });
+
+showTheme();
+watchChannel(targets);
+setInterval(announce, ANNOUNCE_MS);
+new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});
+requestAnimationFrame(draw);

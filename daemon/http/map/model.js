@@ -1,0 +1,191 @@
+// What is known: targets with their past, sources, the daemon. It is filled by the feed and asked
+// for a moment: the present, or one under review.
+//
+// All times are of the daemon's clock [ms]; `now()` follows it from the last message on.
+const PAST = 6000;              // estimates kept of a target: ten minutes of ten a second
+const TRAIL_MS = 20_000;
+const FORGET_MS = 10 * 60_000;  // a target not heard of for so long leaves the map
+const PREFER_FILTERED_MS = 1000;
+const SLACK_MS = 700;           // of the way here, before an estimate counts as stale
+const EVENTS = 100;
+
+export const seconds = (duration) => (duration ? parseFloat(duration) : 0);
+
+export function targetName(target) {
+  return target.name || target.mac || target.hashed_mac || `person ${target.track ?? ''}`.trim();
+}
+
+export class Model {
+  constructor(told) {
+    this.told = told;  // (text): something that a person should know
+    this.clear();
+  }
+
+  clear() {
+    this.epoch = null;
+    this.offset = null;
+    this.targets = new Map();
+    this.sources = new Map();
+    this.events = [];
+    this.heartbeat = null;
+    this.playback = null;
+    this.colours = 0;
+    this.first = null;
+    this.latest = null;
+  }
+
+  now() {
+    return this.offset === null ? Date.now() : performance.now() + this.offset;
+  }
+
+  snapshot(body) {
+    if (body.epoch !== this.epoch) {
+      const restarted = this.epoch !== null;
+      this.clear();
+      this.epoch = body.epoch;
+      if (restarted) this.told('raylocd was started again');
+    }
+    this.update(body);
+  }
+
+  update(body) {
+    this.offset = Date.parse(body.now) - performance.now();
+    for (const message of body.messages) {
+      const sent = Date.parse(message.sent);
+      if (message.location) this.location(message.location, sent);
+      else if (message.source) this.source(message.source, sent);
+      else if (message.heartbeat) this.beat(message.heartbeat, sent);
+      else if (message.track) this.event(trackText(message.track), sent);
+      else if (message.zone) this.event(zoneText(message.zone), sent);
+      else if (message.goodbye) this.event(`raylocd stops: ${message.goodbye.reason}`, sent);
+    }
+    this.forget();
+  }
+
+  beat(heartbeat, sent) {
+    this.heartbeat = {...heartbeat, sent};
+    if (heartbeat.playback) this.play(heartbeat.playback, sent);
+  }
+
+  // playback: as in a heartbeat, known at that time. One that was on its way when somebody asked for
+  // a change is older than the answer.
+  play(playback, at) {
+    if (this.playback && at < this.playback.at) return;
+    const begin = Date.parse(playback.begin);
+    this.playback = {
+      at,
+      playing: playback.state === 'PLAYBACK_STATE_PLAYING',
+      ended: playback.state === 'PLAYBACK_STATE_ENDED',
+      speed: playback.speed,
+      position: (Date.parse(playback.position) - begin) / 1000,
+      length: (Date.parse(playback.end) - begin) / 1000,
+    };
+  }
+
+  // What is paused does not grow old.
+  get held() {
+    const {playback} = this;
+    return playback && !playback.playing && !playback.ended ? this.latest : null;
+  }
+
+  location(location, sent) {
+    const key = `${location.target.mac || location.target.hashed_mac || `person-${location.target.track}`}`;
+    let target = this.targets.get(key);
+    if (!target) {
+      target = {key, name: targetName(location.target), colour: this.colours++ % 8, past: [], filtered: -Infinity};
+      this.targets.set(key, target);
+      this.told(`${target.name} appeared`);
+    }
+    target.last = sent;
+    if (location.kind === 'LOCATION_KIND_FILTERED') target.filtered = Math.max(target.filtered, sent);
+    else if (sent - target.filtered < PREFER_FILTERED_MS) return;
+    const until = sent + 1000 * seconds(location.valid_for) + SLACK_MS;
+    const entry = {sent, until, location};
+    // After a reconnection the two kinds of estimates may come out of order.
+    let at = target.past.length;
+    while (at > 0 && target.past[at - 1].sent > sent) --at;
+    target.past.splice(at, 0, entry);
+    if (target.past.length > PAST) target.past.shift();
+    this.first = this.first === null ? sent : Math.min(this.first, sent);
+    this.latest = Math.max(this.latest ?? sent, sent);
+  }
+
+  source(state, sent) {
+    const before = this.sources.get(state.access_point);
+    const {counters} = state;
+    const frames = Number(counters.frames_complete) + Number(counters.frames_partial);
+    const rejected = Object.values(counters.rejected || {}).reduce((sum, n) => sum + Number(n), 0);
+    const lost = ['kernel_drops', 'ring_dropped', 'late', 'frames_dropped']
+      .reduce((sum, key) => sum + Number(counters[key]), rejected);
+    const source = {state, sent, frames, lost, rate: null};
+    if (before) {
+      const apart = (sent - before.sent) / 1000;
+      source.rate = apart > 0.2 ? Math.max(0, frames - before.frames) / apart : before.rate;
+      if (before.state.status !== state.status) {
+        this.event(`${state.access_point}: ${statusText(state.status)}`, sent);
+      }
+    }
+    this.sources.set(state.access_point, source);
+  }
+
+  event(text, sent) {
+    if (this.events.some((one) => one.sent === sent && one.text === text)) return;
+    this.events.push({text, sent});
+    this.events.sort((a, b) => b.sent - a.sent);
+    this.events.length = Math.min(this.events.length, EVENTS);
+    if (this.now() - sent < 5000) this.told(text);
+  }
+
+  forget() {
+    for (const [key, target] of this.targets) {
+      if (this.now() - target.last > FORGET_MS) this.targets.delete(key);
+    }
+  }
+
+  // Each target as it was known at that time: its latest estimate, whether that was stale, its trail.
+  at(time) {
+    const shown = [];
+    for (const target of this.targets.values()) {
+      const end = latest(target.past, time);
+      if (end < 0) continue;
+      const {location, sent} = target.past[end];
+      const trail = [];
+      for (let i = end; i >= 0 && target.past[i].sent > sent - TRAIL_MS; --i) {
+        const {position, target: before} = target.past[i].location;
+        if (before.track !== location.target.track) break;  // another walk, or place of a recording
+        if (position) trail.push(position);
+      }
+      shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail});
+    }
+    return shown;
+  }
+}
+
+function staleSince({location, sent, until}, time) {
+  if (location.track_state === 'TRACK_STATE_LOST') return sent;
+  return time > until ? sent + 1000 * seconds(location.valid_for) : null;
+}
+
+function latest(past, time) {
+  let low = 0;
+  let high = past.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (past[middle].sent <= time) low = middle + 1;
+    else high = middle;
+  }
+  return low - 1;
+}
+
+const word = (name, prefix) => name.replace(prefix, '').toLowerCase().replaceAll('_', ' ');
+export const statusText = (status) => word(status, 'SOURCE_STATUS_');
+export const trackStateText = (state) => word(state || '', 'TRACK_STATE_').replace('unspecified', '');
+
+function trackText(event) {
+  const reason = event.reason ? ` (${event.reason})` : '';
+  return `${targetName(event.target)}: ${trackStateText(event.state)}${reason}`;
+}
+
+function zoneText(event) {
+  return `${targetName(event.target)} ${word(event.kind, 'ZONE_EVENT_KIND_')} ${event.zone}`;
+}

@@ -1,0 +1,82 @@
+// The panels that are asked for: what the calibration found, and the channel.
+import {byId, html, number, setText, svg} from './draw.js';
+
+async function ask(path) {
+  const answer = await fetch(path);
+  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
+  return answer.json();
+}
+
+export async function showCalibration(plan) {
+  const panel = byId('calibration');
+  const checkbox = byId('show-residuals');
+  const report = await ask('/api/v1/calibration');
+  checkbox.disabled = !report.available || !report.fits;
+  panel.dataset.available = report.available;
+  if (!report.available) {
+    setText(byId('calibration-text'), `Nothing to show: ${report.reason}.`);
+    return;
+  }
+  const parts = Object.entries(report.heldout || {}).filter(([, fit]) => fit.after !== null).map(([ap, fit]) =>
+    `${ap} ${fit.before === null ? '' : `${number(100 * fit.before, 0)} → `}${number(100 * fit.after, 0)} %`);
+  setText(byId('calibration-text'), `Method ${report.method}, ${report.points} points. Power explained at the `
+    + `points held out, median: ${parts.join(', ') || 'not known'}.`);
+  byId('moved-rows').replaceChildren(...(report.moved || []).slice(0, 12).map((one) => html('tr', {}, [
+    html('th', {scope: 'row'}, [one.name]),
+    html('td', {}, [`${Number(one.by.toPrecision(3))} ${one.unit}`]),
+    html('td', {}, [one.prior_sigmas === null ? '' : `${number(one.prior_sigmas, 1)} σ`]),
+  ])));
+  checkbox.addEventListener('change', () => plan.showResiduals(checkbox.checked ? report.fits : []));
+}
+
+const CHANNEL_MS = 1000;
+const WIDE = 300;
+const HIGH = 90;
+
+// While its panel is open: the channel of the selected target, else of the one heard last.
+export function watchChannel(targets) {
+  const panel = byId('csi');
+  let next = null;
+  const look = async () => {
+    clearTimeout(next);
+    if (!panel.open) return;
+    try {
+      showChannel(await ask('/api/v1/channel'), targets.selected);
+    } catch {
+      setText(byId('csi-text'), 'raylocd does not answer.');
+    }
+    next = setTimeout(look, CHANNEL_MS);
+  };
+  panel.addEventListener('toggle', look);
+}
+
+function showChannel(channels, selected) {
+  const channel = channels.find((one) => one.target === selected) || channels[0];
+  if (!channel) {
+    setText(byId('csi-text'), 'No device has been located since this panel was opened.');
+    byId('csi-charts').replaceChildren();
+    return;
+  }
+  const agreement = channel.access_points.map((ap) => `${ap.id} ${number(100 * ap.correlation, 0)} %`);
+  setText(byId('csi-text'), `${channel.target}: amplitude over the tones of each antenna, measured (line) and simulated `
+    + `at the estimated position (dashed). Power explained: ${agreement.join(', ')}.`);
+  byId('csi-charts').replaceChildren(...channel.access_points.flatMap((ap) =>
+    ap.antennas.flatMap((antenna, i) => {
+      const name = `${ap.id}, antenna ${i + 1}`;
+      return [html('p', {class: 'chart-name'}, [name]), chart(name, channel.tones, antenna)];
+    })));
+}
+
+function chart(name, tones, {measured, simulated}) {
+  const top = 1.05 * Math.max(...measured, ...simulated, 1e-9);
+  const [first, last] = [tones[0], tones[tones.length - 1]];
+  const line = (values, kind) => svg('polyline', {
+    class: kind,
+    points: values.map((v, i) => `${(WIDE * (tones[i] - first)) / Math.max(1, last - first)},${HIGH * (1 - v / top)}`).join(' '),
+    'vector-effect': 'non-scaling-stroke',
+  });
+  return svg('svg', {
+    class: 'chart', viewBox: `0 0 ${WIDE} ${HIGH}`, preserveAspectRatio: 'none', role: 'img',
+    'aria-label': `${name}: amplitude from tone ${first} to ${last}, measured and simulated`,
+  }, [svg('rect', {class: 'frame', width: WIDE, height: HIGH}), line(measured, 'measured'), line(simulated, 'simulated')]);
+}

@@ -1,0 +1,110 @@
+// The controls of the recordings that raylocd plays, where it does: they act for everybody who looks.
+import {byId, html, number, setText} from './draw.js';
+
+const STEP = 5;  // [s], of the arrow keys
+
+function minutes(time) {
+  const tenths = Math.round(10 * time);
+  const rest = (tenths % 600) / 10;
+  return `${Math.floor(tenths / 600)}:${rest < 10 ? '0' : ''}${number(rest, 1)}`;
+}
+
+export class Playback {
+  constructor(model) {
+    this.model = model;
+    this.group = byId('playback');
+    this.slider = byId('playback-position');
+    this.speed = byId('playback-speed');
+    this.dragging = false;
+    this.busy = false;
+    this.asked = null;  // what is to be asked for next
+    byId('playback-play').addEventListener('click', () => this.toggle());
+    this.speed.addEventListener('change', () => this.ask({speed: this.speed.value}));
+    this.slider.addEventListener('input', () => { this.dragging = true; });
+    this.slider.addEventListener('change', () => this.seek(Number(this.slider.value)));
+    this.slider.addEventListener('keydown', (event) => this.press(event));
+  }
+
+  toggle() {
+    this.ask({state: this.model.playback.playing ? 'paused' : 'playing'});
+  }
+
+  seek(position) {
+    this.dragging = false;
+    this.ask({position: Math.min(this.model.playback.length, Math.max(0, position))});
+  }
+
+  press(event) {
+    const {length} = this.model.playback;
+    const from = this.position();
+    const to = {
+      ArrowLeft: from - STEP,
+      ArrowDown: from - STEP,
+      ArrowRight: from + STEP,
+      ArrowUp: from + STEP,
+      PageDown: from - length / 10,
+      PageUp: from + length / 10,
+      Home: 0,
+      End: length,
+    }[event.key];
+    if (to === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+    this.seek(to);
+    event.preventDefault();
+  }
+
+  // One question at a time; of what is asked for meanwhile the last counts.
+  async ask(change) {
+    this.asked = {...this.asked, ...change};
+    if (this.busy) return;
+    this.busy = true;
+    while (this.asked) {
+      const question = new URLSearchParams(this.asked);
+      this.sent = this.asked;
+      this.asked = null;
+      try {
+        const answer = await fetch(`/api/v1/playback?${question}`, {method: 'POST', headers: {'X-RayLoc-Control': '1'}});
+        const body = await answer.json();
+        if (!answer.ok) throw new Error(body.error);
+        this.model.play(body, this.model.now());
+      } catch (error) {
+        this.model.told(`The recording could not be controlled: ${error.message}`);
+      }
+    }
+    this.sent = null;
+    this.busy = false;
+  }
+
+  // [s], where it is by now, or will be when what is asked for has been done.
+  position() {
+    const wanted = this.asked?.position ?? this.sent?.position;
+    if (wanted !== undefined) return wanted;
+    const {playing, position, speed, at, length} = this.model.playback;
+    const since = playing && speed ? (speed * (this.model.now() - at)) / 1000 : 0;
+    return Math.min(length, Math.max(0, position + since));
+  }
+
+  show() {
+    const {playback} = this.model;
+    this.group.hidden = !playback;
+    byId('playback-keys').hidden = !playback;
+    byId('review').hidden = Boolean(playback);  // one goes back by moving the recording itself
+    if (!playback) return;
+    this.slider.max = playback.length;
+    const position = this.dragging ? Number(this.slider.value) : this.position();
+    if (!this.dragging) this.slider.value = position;
+    const state = playback.ended ? ', at the end' : playback.playing ? '' : ', paused';
+    const text = `${minutes(position)} of ${minutes(playback.length)}${state}`;
+    setText(byId('playback-text'), text);
+    this.slider.setAttribute('aria-valuetext', text);
+    setText(byId('playback-play'), playback.playing ? 'Pause' : 'Play');
+    this.showSpeed(playback.speed === undefined ? 'max' : String(playback.speed));
+  }
+
+  showSpeed(value) {
+    if (this.busy || document.activeElement === this.speed) return;
+    if (![...this.speed.options].some((one) => one.value === value)) {
+      this.speed.append(html('option', {value}, [`${value}×`]));
+    }
+    this.speed.value = value;
+  }
+}

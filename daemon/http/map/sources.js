@@ -1,0 +1,64 @@
+// The tables of access points and of events, and what the daemon says of itself.
+import {byId, clock, html, number, setText} from './draw.js';
+import {seconds, statusText} from './model.js';
+
+const rows = new Map();
+
+function rowOf(id) {
+  if (!rows.has(id)) {
+    const cells = [0, 1, 2].map(() => html('td'));
+    const row = html('tr', {'data-source': id}, [html('th', {scope: 'row'}, [id]), ...cells]);
+    byId('source-rows').append(row);
+    rows.set(id, {row, cells});
+  }
+  return rows.get(id);
+}
+
+function losses({state, lost}) {
+  if (lost === 0) return '0';
+  const {counters} = state;
+  const kinds = {...counters.rejected, 'dropped by the kernel': counters.kernel_drops, 'dropped here': counters.ring_dropped,
+    late: counters.late, 'frames dropped': counters.frames_dropped};
+  const named = Object.entries(kinds).filter(([, n]) => Number(n) > 0).map(([name, n]) => `${name.replaceAll('_', ' ')} ${n}`);
+  return `${lost} (${named.join(', ')})`;
+}
+
+export function showSources(sources) {
+  for (const [id, {row}] of rows) {
+    if (!sources.has(id)) {
+      row.remove();
+      rows.delete(id);
+    }
+  }
+  for (const [id, source] of sources) {
+    const {cells} = rowOf(id);
+    const status = statusText(source.state.status);
+    const silent = status === 'stalled' ? ` for ${number(seconds(source.state.age), 0)} s` : '';
+    setText(cells[0], status === 'stalled' ? `silent${silent}` : status);
+    cells[0].className = status === 'receiving' ? 'good' : ['stalled', 'failed'].includes(status) ? 'bad' : 'warn';
+    setText(cells[1], source.rate === null ? '' : number(source.rate, source.rate < 10 ? 1 : 0));
+    setText(cells[2], losses(source));
+  }
+}
+
+export function showDaemon(heartbeat) {
+  if (!heartbeat) return;
+  const warnings = heartbeat.calibration_warnings || [];
+  const list = byId('warnings');
+  if (list.dataset.shown !== JSON.stringify(warnings)) {
+    list.dataset.shown = JSON.stringify(warnings);
+    list.replaceChildren(...warnings.map((text) => html('li', {}, [text])));
+  }
+  list.hidden = warnings.length === 0;
+  const fixes = heartbeat.estimation ? heartbeat.estimation.fixes : 0;
+  setText(byId('daemon'), `raylocd ${heartbeat.software_version}, ${fixes} fixes since ${clock(Date.parse(heartbeat.started))}`);
+}
+
+let shownEvents = '';
+export function showEvents(events) {
+  const signature = events.map(({sent, text}) => `${sent}${text}`).join('\n');
+  if (signature === shownEvents) return;
+  shownEvents = signature;
+  byId('event-rows').replaceChildren(...events.map(({sent, text}) =>
+    html('li', {}, [html('span', {class: 'quiet'}, [`${clock(sent)} `]), text])));
+}

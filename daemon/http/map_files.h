@@ -1,0 +1,29 @@
+// The live map: the files of map/, which are part of the program, and the paths they stand at.
+//
+//   /               index.html
+//   /map/NAME       the others
+//
+// They load nothing from elsewhere: what a browser may fetch is bounded by the policy that every
+// answer carries (request_handler.cpp).
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "daemon/http/http_server.h"
+
+namespace rayloc {
+
+struct MapFile {
+  std::string_view name;
+  std::string_view content;
+};
+
+// Written by the build (cmake/EmbedFiles.cmake).
+const std::vector<MapFile>& map_files();
+
+std::map<std::string, HttpRoute> map_routes();
+
+}  // namespace rayloc

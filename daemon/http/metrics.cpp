@@ -1,0 +1,147 @@
+#include "daemon/http/metrics.h"
+
+#include <google/protobuf/descriptor.h>
+#include <prometheus/text_serializer.h>
+
+#include <map>
+#include <utility>
+
+#include "rayloc/v1/heartbeat.pb.h"
+
+namespace rayloc {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Labels = std::vector<ClientMetric::Label>;
+
+bool ends_with(const std::string& text, std::string_view end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// Fields that go up and down.
+bool is_gauge(const std::string& field) {
+  return ends_with(field, "in_flight") || field == "tracks" || field == "subscriptions" ||
+         field == "stopped";
+}
+
+class Families {
+ public:
+  void add(const std::string& name,
+           const std::string& help,
+           bool counter,
+           const Labels& labels,
+           double value) {
+    MetricFamily& family = families_[name];
+    family.name = name;
+    family.help = help;
+    family.type = counter ? MetricType::Counter : MetricType::Gauge;
+    ClientMetric metric;
+    metric.label = labels;
+    (counter ? metric.counter.value : metric.gauge.value) = value;
+    family.metric.push_back(std::move(metric));
+  }
+
+  // The numbers of a message of counters; maps from a reason to a number get the label "reason".
+  void add_counters(const std::string& prefix, const Message& message, const Labels& labels) {
+    const auto& reflection = *message.GetReflection();
+    for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
+      const FieldDescriptor* field = message.GetDescriptor()->field(i);
+      const bool counter = !is_gauge(field->name());
+      const std::string name = prefix + field->name() + (counter ? "_total" : "");
+      const std::string help = field->full_name().substr(std::string_view("rayloc.v1.").size());
+      if (!field->is_repeated() && field->cpp_type() == FieldDescriptor::CPPTYPE_UINT64) {
+        add(name, help, counter, labels, static_cast<double>(reflection.GetUInt64(message, field)));
+      }
+      for (int k = 0; field->is_map() && k < reflection.FieldSize(message, field); ++k) {
+        add_map_entry(name, help, labels, reflection.GetRepeatedMessage(message, field, k));
+      }
+    }
+  }
+
+  std::string text() && {
+    std::vector<MetricFamily> all;
+    for (auto& [name, family] : families_) {
+      all.push_back(std::move(family));
+    }
+    return prometheus::TextSerializer().prometheus::Serializer::Serialize(all);
+  }
+
+ private:
+  void add_map_entry(const std::string& name,
+                     const std::string& help,
+                     Labels labels,
+                     const Message& entry) {
+    const auto& reflection = *entry.GetReflection();
+    const FieldDescriptor* key = entry.GetDescriptor()->map_key();
+    const FieldDescriptor* value = entry.GetDescriptor()->map_value();
+    if (key->cpp_type() == FieldDescriptor::CPPTYPE_STRING &&
+        value->cpp_type() == FieldDescriptor::CPPTYPE_UINT64) {
+      labels.push_back({"reason", reflection.GetString(entry, key)});
+      add(name, help, true, labels, static_cast<double>(reflection.GetUInt64(entry, value)));
+    }
+  }
+
+  std::map<std::string, MetricFamily> families_;
+};
+
+void add_source(const v1::SourceReport& source, Families& families) {
+  const Labels labels = {{"access_point", source.access_point()}};
+  families.add_counters("rayloc_source_", source.counters(), labels);
+  const bool receiving = source.status() == v1::SOURCE_STATUS_RECEIVING;
+  families.add("rayloc_source_up", "1 while datagrams come", false, labels, receiving ? 1.0 : 0.0);
+  if (source.has_age()) {
+    const double age = static_cast<double>(source.age().seconds()) + source.age().nanos() * 1e-9;
+    families.add(
+        "rayloc_source_silence_seconds", "Time since the last datagram", false, labels, age);
+  }
+}
+
+double seconds(const google::protobuf::Timestamp& time) {
+  return static_cast<double>(time.seconds()) + time.nanos() * 1e-9;
+}
+
+}  // namespace
+
+std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<ExtraMetric>& extra) {
+  Families families;
+  families.add("rayloc_info",
+               "Version of the software, hash of the scene, identity of the calibration",
+               false,
+               {{"version", heartbeat.software_version()},
+                {"scene", heartbeat.scene_hash()},
+                {"calibration", heartbeat.calibration_id()}},
+               1.0);
+  families.add("rayloc_start_time_seconds",
+               "When the daemon started, in seconds since 1970",
+               false,
+               {},
+               seconds(heartbeat.started()));
+  families.add("rayloc_calibration_warnings",
+               "What speaks against the calibration in use",
+               false,
+               {},
+               heartbeat.calibration_warnings_size());
+  families.add_counters("rayloc_estimation_", heartbeat.estimation(), {});
+  families.add_counters("rayloc_tracker_", heartbeat.tracker(), {});
+  families.add_counters("rayloc_publisher_", heartbeat.publisher(), {});
+  if (heartbeat.has_recorder()) {
+    families.add_counters("rayloc_recorder_", heartbeat.recorder(), {});
+  }
+  for (const v1::SourceReport& source : heartbeat.sources()) {
+    add_source(source, families);
+  }
+  for (const ExtraMetric& metric : extra) {
+    for (const ExtraMetric::Sample& sample : metric.samples) {
+      const Labels labels =
+          sample.label_name.empty() ? Labels{} : Labels{{sample.label_name, sample.label_value}};
+      families.add(metric.name, metric.help, metric.counter, labels, sample.value);
+    }
+  }
+  return std::move(families).text();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,32 @@
+// The heartbeat as metrics of Prometheus (text format 0.0.4).
+//
+// Every counter of the message becomes a metric by its place and name: estimation.fixes is
+// rayloc_estimation_fixes_total, a source's counters carry the label access_point. A field that is
+// added to the message appears by itself.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace rayloc::v1 {
+class Heartbeat;
+}  // namespace rayloc::v1
+
+namespace rayloc {
+
+// A number that no message holds.
+struct ExtraMetric {
+  std::string name;  // whole: "rayloc_http_requests_total"
+  std::string help;
+  bool counter = false;  // else a gauge
+  struct Sample {
+    std::string label_name = {};  // empty: no label
+    std::string label_value = {};
+    double value = 0.0;
+  };
+  std::vector<Sample> samples;
+};
+
+std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<ExtraMetric>& extra);
+
+}  // namespace rayloc

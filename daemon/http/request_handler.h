@@ -1,0 +1,37 @@
+// RequestHandler: from the head of a request to the bytes of the answer.
+// Thread safety: one thread.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+#include "daemon/http/http_server.h"
+
+namespace rayloc {
+
+struct HttpAnswer {
+  int status = 0;
+  std::string bytes;  // status line, headers, body
+  // Not null: after `bytes` comes what this says.
+  std::shared_ptr<EventFeed> events = nullptr;
+  std::string last_event_id = {};  // as the viewer states it
+};
+
+class RequestHandler {
+ public:
+  RequestHandler(std::map<std::string, HttpRoute> routes, std::string token);
+  ~RequestHandler();
+
+  // `head`: everything up to the empty line, which ends it.
+  HttpAnswer answer(const std::string& head);
+  // What is not answered for another reason than what is asked. `headers`: more of them, whole
+  // lines.
+  static HttpAnswer refusal(int status, const std::string& reason, const std::string& headers = "");
+
+ private:
+  class Parser;
+  std::unique_ptr<Parser> parser_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,36 @@
+// EstimatorList: several estimators as one; each explains the bursts that it knows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+
+namespace rayloc {
+
+class EstimatorList : public Estimator {
+ public:
+  // They are asked in the order in which they were added, and outlive the list.
+  void add(Estimator& estimator) { estimators_.push_back(&estimator); }
+
+  void estimate(const Burst& burst, Estimates& out) override {
+    for (Estimator* estimator : estimators_) {
+      estimator->estimate(burst, out);
+    }
+  }
+  void advance(Timestamp time, Estimates& out) override {
+    for (Estimator* estimator : estimators_) {
+      estimator->advance(time, out);
+    }
+  }
+  void restart(const std::string& reason, Estimates& out) override {
+    for (Estimator* estimator : estimators_) {
+      estimator->restart(reason, out);
+    }
+  }
+
+ private:
+  std::vector<Estimator*> estimators_;
+};
+
+}  // namespace rayloc

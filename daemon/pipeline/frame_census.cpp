@@ -1,0 +1,53 @@
+#include "daemon/pipeline/frame_census.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+namespace rayloc {
+namespace {
+
+constexpr double kMemory = 0.01;      // weight of a new frame
+constexpr double kDeafestDb = 100.0;  // a core without any power
+
+double core_power(const CsiFrame& frame, std::size_t core) {
+  double power = 0.0;
+  for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
+    for (const std::complex<float> h : frame.csi.row(core, stream)) {
+      power += static_cast<double>(std::norm(h));
+    }
+  }
+  return power;
+}
+
+}  // namespace
+
+void FrameCensus::add_power(const CsiFrame& frame) {
+  std::vector<double> power;
+  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
+    power.push_back(core_power(frame, i));
+  }
+  const double strongest = power.empty() ? 0.0 : *std::max_element(power.begin(), power.end());
+  for (std::size_t i = 0; i < frame.cores.size(); ++i) {
+    CoreCensus& core = cores[frame.cores[i]];
+    ++core.frames;
+    if (frame.cores.size() < 2 || !(strongest > 0.0)) {
+      continue;
+    }
+    const double below =
+        power[i] > 0.0 ? std::min(kDeafestDb, 10.0 * std::log10(strongest / power[i])) : kDeafestDb;
+    const double weight = std::max(kMemory, 1.0 / static_cast<double>(core.frames));
+    core.below_strongest_db += weight * (below - core.below_strongest_db);
+  }
+}
+
+void FrameCensus::add(std::span<const CsiFrame> frames) {
+  for (const CsiFrame& frame : frames) {
+    format = frame.format;
+    ++frames_by_bandwidth_mhz[frame.bandwidth_mhz];
+    add_power(frame);
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,16 @@
+// The engine's CsiFrame as the public message CsiFrame.
+#pragma once
+
+#include <string>
+
+#include "engine/channel/csi_frame.h"
+#include "rayloc/v1/csi.pb.h"
+
+namespace rayloc {
+
+// `transmitter`: what it is called outside (TargetNames).
+v1::CsiFrame csi_message(const CsiFrame& frame,
+                         const std::string& access_point,
+                         const std::string& transmitter);
+
+}  // namespace rayloc

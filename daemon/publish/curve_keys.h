@@ -1,0 +1,46 @@
+// Keys of CURVE, ZeroMQ's encryption and authentication (RFC 26): how they are made, kept in files
+// and read.
+//
+// A key is 40 characters (Z85) and stands alone in the first line of its file. Z85 uses characters
+// that shells take for their own: keys are passed by file, not on a command line.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+struct CurveKeyPair {
+  std::string public_key;
+  std::string secret_key;
+};
+
+// From the entropy of the system.
+CurveKeyPair make_curve_keys();
+
+// 40 characters of Z85 that stand for 32 bytes.
+bool is_curve_key(std::string_view text);
+
+// The public half of a secret key. REQUIRES: is_curve_key(secret_key).
+std::string curve_public_key(const std::string& secret_key);
+
+// The pair of a secret key's file. kConfiguration when it cannot be read, holds no key, or when
+// everyone on the machine may read or change it.
+Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file);
+
+Expected<std::string> read_curve_public(const std::filesystem::path& file);
+
+// Makes the file, which only its owner may read; a file that exists is never touched. kUnavailable
+// when it exists or cannot be written.
+Expected<void> write_curve_secret(const std::filesystem::path& file, const std::string& secret_key);
+
+// What a client needs to speak with a server.
+struct CurveClientKeys {
+  std::string server_key;  // the server's public key
+  CurveKeyPair own;
+};
+
+}  // namespace rayloc

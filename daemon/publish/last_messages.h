@@ -1,0 +1,39 @@
+// LastMessages: the last message of each topic, for those who come late (snapshots, the HTTP API).
+//
+// Memory is bounded: past `max_topics` the topic that was published longest ago is forgotten.
+// Thread safety: all members from any thread.
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace rayloc {
+
+class LastMessages {
+ public:
+  explicit LastMessages(std::size_t max_topics) : max_topics_(max_topics) {}
+
+  // `envelope`: a serialised v1::Envelope.
+  void put(const std::string& topic, std::string envelope);
+
+  // Topic and envelope of each topic that begins with one of the prefixes, in alphabetical order.
+  std::vector<std::pair<std::string, std::string>> matching(
+      const std::vector<std::string>& prefixes) const;
+
+ private:
+  struct Entry {
+    std::string envelope;
+    std::list<std::string>::iterator age;
+  };
+  const std::size_t max_topics_;
+  mutable std::mutex mutex_;
+  std::map<std::string, Entry> entries_;  // guarded by mutex_
+  std::list<std::string> by_age_;         // guarded by mutex_; longest unused first
+};
+
+}  // namespace rayloc

@@ -1,0 +1,55 @@
+// MessageBoard: the latest message on each subject, for viewers who look now and then and want to
+// see what has changed since. A viewer is a number, so that a slow one costs nothing.
+//
+// A subject is a topic, split where one topic says different things: a target has one subject for
+// its snapshots and one for its filtered estimates, and the last events of a topic are kept one by
+// one. Frames of CSI are left out.
+//
+// Memory is bounded: past `max_subjects` the subject that was written longest ago is forgotten.
+// Thread safety: all members from any thread.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace rayloc::v1 {
+class Envelope;
+}  // namespace rayloc::v1
+
+namespace rayloc {
+
+class MessageBoard {
+ public:
+  explicit MessageBoard(std::size_t max_subjects) : max_subjects_(max_subjects) {}
+
+  // `bytes`: `envelope`, serialised.
+  void put(const std::string& topic, const v1::Envelope& envelope, std::string bytes);
+
+  struct Message {
+    std::uint64_t revision = 0;  // how many messages had been put when this one was
+    std::shared_ptr<const std::string> envelope;
+  };
+  // The messages put after that revision that are still the latest on their subject, oldest first,
+  // `limit` at most.
+  std::vector<Message> after(std::uint64_t revision, std::size_t limit) const;
+
+  std::uint64_t revision() const;
+
+ private:
+  struct Entry {
+    std::string subject;
+    std::shared_ptr<const std::string> envelope;
+  };
+  const std::size_t max_subjects_;
+  mutable std::mutex mutex_;
+  std::uint64_t revision_ = 0;                       // guarded by mutex_
+  std::map<std::uint64_t, Entry> entries_;           // guarded by mutex_; by revision
+  std::map<std::string, std::uint64_t> of_subject_;  // guarded by mutex_
+};
+
+}  // namespace rayloc

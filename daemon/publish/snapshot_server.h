@@ -1,0 +1,52 @@
+// SnapshotServer: tells late subscribers what was last said of each topic (snapshot.proto), on a
+// ZeroMQ ROUTER socket and a thread of its own.
+//
+// A request is one frame, a v1::SnapshotRequest, from a DEALER or (with the empty frame that it
+// adds) a REQ socket; the answer is one frame, a v1::SnapshotReply. What is no request is dropped
+// and counted; so is an answer that the client does not fetch. Nothing blocks.
+//
+// Thread safety: one thread starts and ends it; counters() from any.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+class ConnectionGuard;
+class LastMessages;
+
+struct SnapshotCounters {
+  std::uint64_t answered = 0;
+  std::uint64_t malformed = 0;  // requests that were none
+  std::uint64_t dropped = 0;    // answers that their client did not fetch
+};
+
+class SnapshotServer {
+ public:
+  struct Options {
+    std::string endpoint = "tcp://127.0.0.1:5561";
+    int adopted_fd = -1;  // as PublisherOptions::adopted_fd
+    std::uint64_t epoch = 0;
+    std::shared_ptr<const LastMessages> last;
+    // Who may ask; null: everyone who can reach the endpoint.
+    std::shared_ptr<ConnectionGuard> guard = nullptr;
+  };
+
+  // Errors as Publisher::bind().
+  static Expected<std::unique_ptr<SnapshotServer>> open(const Options& options);
+  ~SnapshotServer();
+
+  const std::string& endpoint() const;
+  SnapshotCounters counters() const;
+
+ private:
+  class Impl;
+  explicit SnapshotServer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rayloc

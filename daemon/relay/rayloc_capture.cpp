@@ -1,0 +1,165 @@
+// rayloc-capture: captures the datagrams that pass an interface and hands them to raylocd over an
+// AF_UNIX socket. The only program of ours that holds a capability, and it gives it back as soon as
+// the interface is open: before it has read a packet.
+#include <cap-ng.h>
+#include <sys/prctl.h>
+#include <systemd/sd-daemon.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "capture/pcap_live_source.h"
+#include "capture/relay_sender.h"
+#include "daemon/service/exit_status.h"
+
+namespace rayloc {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto kTick = std::chrono::milliseconds(100);
+constexpr auto kLogPeriod = std::chrono::seconds(30);
+
+struct Arguments {
+  PcapLiveOptions live;
+  std::string to;
+};
+
+// All of them, for good. The interface stays open.
+Expected<void> drop_capabilities() {
+  capng_clear(CAPNG_SELECT_CAPS);
+  if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 || capng_apply(CAPNG_SELECT_CAPS) != 0 ||
+      prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0) != 0 ||
+      capng_get_caps_process() != 0 || capng_have_capabilities(CAPNG_SELECT_CAPS) != CAPNG_NONE) {
+    return make_error(ErrorKind::kInternal, "the capabilities cannot be given back");
+  }
+  return {};
+}
+
+// SIGINT and SIGTERM wait until they are asked for.
+class StopSignals {
+ public:
+  StopSignals() {
+    sigemptyset(&signals_);
+    sigaddset(&signals_, SIGINT);
+    sigaddset(&signals_, SIGTERM);
+    sigprocmask(SIG_BLOCK, &signals_, nullptr);
+  }
+  bool requested() const {
+    const timespec now{};
+    return sigtimedwait(&signals_, nullptr, &now) > 0;
+  }
+
+ private:
+  sigset_t signals_{};
+};
+
+void print(const char* when, const SourceCounters& source, const RelayCounters& relay) {
+  std::fprintf(stderr,
+               "rayloc-capture: %s: %llu captured, %llu sent, %llu lost because raylocd did not "
+               "take them, %llu because it was not there, %llu dropped by the kernel\n",
+               when,
+               static_cast<unsigned long long>(source.delivered),
+               static_cast<unsigned long long>(relay.sent),
+               static_cast<unsigned long long>(relay.lost_full),
+               static_cast<unsigned long long>(relay.lost_absent),
+               static_cast<unsigned long long>(source.kernel_drops));
+}
+
+// Says that something is being lost: at once, then every half minute while it goes on.
+class LossLog {
+ public:
+  void look(const SourceCounters& source, const RelayCounters& relay) {
+    const std::uint64_t lost = relay.lost_full + relay.lost_absent + source.kernel_drops;
+    const auto now = Clock::now();
+    if (lost > said_ && (said_ == 0 || now - when_ > kLogPeriod)) {
+      said_ = lost;
+      when_ = now;
+      print("losing", source, relay);
+    }
+  }
+
+ private:
+  std::uint64_t said_ = 0;
+  Clock::time_point when_;
+};
+
+Expected<void> forward(DatagramSource& source, RelaySender& sender, const StopSignals& stop) {
+  DatagramBatch batch;
+  LossLog losses;
+  while (!stop.requested()) {
+    if (auto read = source.read(batch, kTick); !read) {
+      return read;
+    }
+    sender.send(batch, source.counters());
+    losses.look(source.counters(), sender.counters());
+  }
+  return {};
+}
+
+Expected<void> capture(const Arguments& arguments) {
+  const StopSignals stop;
+  auto sender = RelaySender::create(arguments.to);
+  if (!sender) {
+    return tl::make_unexpected(sender.error());
+  }
+  auto source = PcapLiveSource::open(arguments.live);
+  if (!source) {
+    return tl::make_unexpected(source.error());
+  }
+  if (auto dropped = drop_capabilities(); !dropped) {
+    return dropped;
+  }
+  std::fprintf(stderr,
+               "rayloc-capture: %s (%s) to %s\n",
+               arguments.live.interface.c_str(),
+               arguments.live.filter.c_str(),
+               arguments.to.c_str());
+  sd_notify(0, "READY=1");
+  Expected<void> done = forward(**source, *sender, stop);
+  sd_notify(0, "STOPPING=1");
+  print("ended", (*source)->counters(), sender->counters());
+  return done;
+}
+
+int run(int argc, const char* const* argv) {
+  CLI::App app{"Captures what passes an interface and hands it to raylocd, without its privileges",
+               "rayloc-capture"};
+  app.set_version_flag("--version", "rayloc-capture " RAYLOC_VERSION);
+  app.footer("Example:\n  rayloc-capture --interface eth0 --to /run/raylocd/eth0");
+  Arguments arguments;
+  arguments.live.filter = "udp dst port 5500";
+  app.add_option("--interface", arguments.live.interface, "Interface to capture from")->required();
+  app.add_option("--filter", arguments.live.filter, "What to capture: a pcap-filter(7)")
+      ->capture_default_str();
+  app.add_option("--to", arguments.to, "Socket of raylocd: path of a source of kind \"unix\"")
+      ->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  }
+  const Expected<void> done = capture(arguments);
+  if (!done) {
+    std::fprintf(stderr, "rayloc-capture: %s\n", done.error().message.c_str());
+    return exit_status(done.error().kind);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace rayloc
+
+int main(int argc, char** argv) {
+  try {
+    return rayloc::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "rayloc-capture: internal error: %s\n", error.what());
+    return rayloc::kExitInternal;
+  }
+}

@@ -1,0 +1,53 @@
+#include "daemon/service/curve_access.h"
+
+#include <cstdlib>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+// systemd.exec(5), LoadCredential=.
+Expected<std::filesystem::path> secret_file(const CurveConfig& config) {
+  if (!config.secret_file.empty()) {
+    return config.secret_file;
+  }
+  const char* const credentials = std::getenv("CREDENTIALS_DIRECTORY");
+  if (credentials == nullptr) {
+    return make_error(ErrorKind::kConfiguration,
+                      "[curve] is enabled, but there is no secret key: set secret_file, or let "
+                      "systemd pass the credential curve.secret (drop-in curve.conf)");
+  }
+  return std::filesystem::path(credentials) / "curve.secret";
+}
+
+}  // namespace
+
+Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& config,
+                                                             std::shared_ptr<LimitedLog> log) {
+  if (!config.enabled) {
+    return std::make_shared<ConnectionGuard>(ConnectionGuard::Options{});
+  }
+  const Expected<std::filesystem::path> file = secret_file(config);
+  if (!file) {
+    return tl::make_unexpected(file.error());
+  }
+  Expected<CurveKeyPair> keys = read_curve_secret(*file);
+  if (!keys) {
+    return tl::make_unexpected(keys.error());
+  }
+  log_event({LogLevel::kInfo,
+             "publishing encrypted (CURVE); subscribers need our public key",
+             {{"public_key", keys->public_key}, {"clients", std::to_string(config.allow.size())}}});
+  ConnectionGuard::Options options;
+  options.secret_key = std::move(keys->secret_key);
+  options.allow = config.allow;
+  options.on_denied = [log = std::move(log)](const std::string& key, const std::string& address) {
+    log->say("denied",
+             {LogLevel::kWarning,
+              "turned away a client whose key is not in [curve] allow",
+              {{"client_key", key}, {"address", address}}});
+  };
+  return std::make_shared<ConnectionGuard>(std::move(options));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,18 @@
+// [curve] of the configuration as the guard of our ZeroMQ sockets.
+#pragma once
+
+#include <memory>
+
+#include "daemon/publish/connection_guard.h"
+#include "daemon/service/config.h"
+#include "daemon/service/limited_log.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// Reads the secret key; says the public one, and later each client that is turned away, in `log`.
+// kConfiguration when there is no secret key, or others may read it.
+Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& config,
+                                                             std::shared_ptr<LimitedLog> log);
+
+}  // namespace rayloc

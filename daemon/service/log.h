@@ -1,0 +1,30 @@
+// The log of raylocd: to the journal with its levels and fields where standard error is the
+// journal's, else to standard error, a line each, with time (UTC) and level.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/service/config.h"
+
+namespace rayloc {
+
+// Becomes spdlog's default logger.
+void set_up_log(const LogConfig& config);
+void set_log_level(const LogConfig& config);
+
+// Something with figures that a program may want: the journal keeps them as fields of their own
+// (RAYLOC_SOURCE=ap1, for `journalctl RAYLOC_SOURCE=ap1`), a line of text has them at its end
+// ("... source=ap1").
+struct LogField {
+  std::string name;  // lower case, digits and '_'
+  std::string value;
+};
+struct LogEvent {
+  LogLevel level = LogLevel::kInfo;
+  std::string message;
+  std::vector<LogField> fields = {};
+};
+void log_event(const LogEvent& event);
+
+}  // namespace rayloc

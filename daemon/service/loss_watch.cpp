@@ -1,0 +1,52 @@
+#include "daemon/service/loss_watch.h"
+
+#include <utility>
+
+namespace rayloc {
+
+void LossWatch::compare(const Loss& loss, std::uint64_t count) {
+  const std::string site = loss.source.empty() ? loss.kind : loss.kind + " " + loss.source;
+  std::uint64_t& seen = seen_[site];
+  if (count <= seen) {
+    return;
+  }
+  LogEvent event{LogLevel::kWarning, loss.what, {{"loss", loss.kind}}};
+  if (!loss.source.empty()) {
+    event.message = "source " + loss.source + ": " + event.message;
+    event.fields.push_back({"source", loss.source});
+  }
+  event.fields.push_back({"total", std::to_string(count)});
+  log_->say(site, std::move(event), count - seen);
+  seen = count;
+}
+
+void LossWatch::look_at(const v1::SourceReport& source) {
+  const std::string& name = source.access_point();
+  const v1::SourceCounters& counters = source.counters();
+  compare({"kernel_drops", "datagrams lost before we read them: see `rayloc doctor`", name},
+          counters.kernel_drops());
+  compare({"ring_dropped", "datagrams dropped", name}, counters.ring_dropped());
+  compare({"frames_dropped", "frames dropped: estimates take longer than frames to come", name},
+          counters.frames_dropped());
+  for (const auto& [reason, count] : counters.rejected()) {
+    compare({"rejected_" + reason, "datagrams rejected: " + reason, name}, count);
+  }
+}
+
+void LossWatch::look(const v1::Heartbeat& heartbeat) {
+  for (const v1::SourceReport& source : heartbeat.sources()) {
+    look_at(source);
+  }
+  compare({"frames_refused", "frames of transmitters beyond [limits] max_targets refused"},
+          heartbeat.estimation().frames_refused());
+  compare({"events_dropped", "events dropped: the publisher did not keep up"},
+          heartbeat.estimation().events_dropped());
+  compare({"recorder_dropped", "datagrams missing in the recording: the disk did not keep up"},
+          heartbeat.recorder().dropped());
+  compare({"slow_episodes", "a subscriber reads too slowly and loses messages"},
+          heartbeat.publisher().slow_episodes());
+  compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},
+          heartbeat.publisher().handshakes_failed());
+}
+
+}  // namespace rayloc

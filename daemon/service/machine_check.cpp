@@ -1,0 +1,204 @@
+#include "daemon/service/machine_check.h"
+
+#include <arpa/inet.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "daemon/publish/curve_keys.h"
+#include "daemon/service/endpoint.h"
+#include "daemon/service/readiness.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = Finding::Kind;
+
+// What UdpSource asks for; below it datagrams are lost in bursts.
+constexpr std::int64_t kReceiveBuffer = std::int64_t{8} << 20U;
+constexpr std::uintmax_t kFewBytes = std::uintmax_t{1} << 30U;
+
+Finding check_receive_buffer() {
+  std::int64_t granted = 0;
+  std::ifstream("/proc/sys/net/core/rmem_max") >> granted;
+  const std::string what = "net.core.rmem_max is " + std::to_string(granted);
+  if (granted >= kReceiveBuffer) {
+    return {Kind::kOk, what, ""};
+  }
+  return {Kind::kWarning,
+          what + ": bursts of datagrams may be lost",
+          "sysctl -w net.core.rmem_max=" + std::to_string(kReceiveBuffer) +
+              ", and the same line in /etc/sysctl.d"};
+}
+
+Finding check_clock() {
+  if (clock_is_synchronized()) {
+    return {Kind::kOk, "the clock is synchronised", ""};
+  }
+  return {Kind::kWarning,
+          "the clock is not synchronised: times of locations are off",
+          "run chrony or systemd-timesyncd"};
+}
+
+// The folder, or the nearest one above it that exists.
+fs::path existing(fs::path folder) {
+  std::error_code failed;
+  while (!folder.empty() && folder != folder.root_path() && !fs::exists(folder, failed)) {
+    folder = folder.parent_path();
+  }
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+Finding check_disk(const RecordConfig& record) {
+  const fs::path& directory = record.directory;
+  const fs::path folder = existing(directory);
+  std::error_code failed;
+  const fs::space_info space = fs::space(folder, failed);
+  const std::string name = "recordings in " + directory.string();
+  if (failed) {
+    return {Kind::kProblem, name + ": " + failed.message(), "name another folder in [record]"};
+  }
+  const std::string what = name + ": " + std::to_string(space.available >> 20U) + " MiB free";
+  if (access(folder.c_str(), W_OK) != 0) {
+    return {Kind::kWarning, name + ": " + std::strerror(errno), "raylocd's user must write there"};
+  }
+  if (space.available < record.min_free_bytes) {
+    return {Kind::kProblem,
+            what + ", less than min_free_mb: nothing is recorded",
+            "make room, or lower min_free_mb in [record]"};
+  }
+  return space.available < kFewBytes ? Finding{Kind::kWarning, what, "make room"}
+                                     : Finding{Kind::kOk, what, ""};
+}
+
+// Null when the port can be had, else why not.
+std::optional<std::string> refusal(int type, const std::string& host, std::uint16_t port) {
+  const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  inet_pton(AF_INET, host.c_str(), &address.sin_addr);
+  if (type == SOCK_STREAM) {
+    const int yes = 1;
+    setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  }
+  const bool bound = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const int error = errno;
+  close(fd);
+  return bound ? std::nullopt : std::optional<std::string>(std::strerror(error));
+}
+
+Finding check_port(
+    const std::string& name, const std::string& host, std::uint16_t port, int type, bool running) {
+  const std::string what = name + " " + host + ":" + std::to_string(port);
+  const std::optional<std::string> why = refusal(type, host, port);
+  if (!why || running) {
+    return {Kind::kOk, what + (why ? " is in use, raylocd runs" : " is free"), ""};
+  }
+  return {Kind::kProblem, what + ": " + *why, "see who has it: ss -lnup, ss -lntp"};
+}
+
+Finding check_interface(const SourceConfig& source) {
+  const std::string what = "source " + source.access_point + ": interface " + source.interface;
+  if (source.interface != "any" && if_nametoindex(source.interface.c_str()) == 0) {
+    return {Kind::kProblem, what + " does not exist", "ip link lists what there is"};
+  }
+  const int fd = socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0);
+  if (fd < 0) {
+    return {Kind::kWarning,
+            what + ": this user may not capture",
+            "the unit needs the drop-in live-capture.conf (CAP_NET_RAW)"};
+  }
+  close(fd);
+  return {Kind::kOk, what + " can be captured", ""};
+}
+
+Finding check_folder_of(const SourceConfig& source) {
+  const std::filesystem::path folder = source.path.parent_path();
+  const std::string what = "source " + source.access_point + ": socket " + source.path.string();
+  if (access(folder.c_str(), F_OK) != 0) {
+    return {Kind::kWarning,
+            what + ": " + folder.string() + ": " + std::strerror(errno),
+            "raylocd.service makes /run/raylocd; make other folders yourself"};
+  }
+  return {Kind::kOk, what + " has a folder", ""};
+}
+
+Finding check_source(const SourceConfig& source, bool running) {
+  switch (source.kind) {
+    case SourceKind::kUdp:
+      return check_port("source " + source.access_point + ": UDP",
+                        source.listen_host,
+                        source.listen_port,
+                        SOCK_DGRAM,
+                        running);
+    case SourceKind::kInterface:
+      return check_interface(source);
+    case SourceKind::kUnix:
+      return check_folder_of(source);
+    case SourceKind::kPcap:
+      break;
+  }
+  const bool there = source.file == "-" || access(source.file.c_str(), R_OK) == 0;
+  return {there ? Kind::kOk : Kind::kProblem,
+          "source " + source.access_point + ": " + source.file.string() +
+              (there ? "" : std::string(": ") + std::strerror(errno)),
+          there ? "" : "name a recording that can be read"};
+}
+
+// The TCP port of a ZeroMQ endpoint with a numeric address.
+void check_endpoint(const std::string& name,
+                    const std::string& endpoint,
+                    bool running,
+                    std::vector<Finding>& findings) {
+  constexpr std::string_view kTcp = "tcp://";
+  if (endpoint.rfind(kTcp, 0) != 0) {
+    return;
+  }
+  if (const auto address = parse_listen(std::string_view(endpoint).substr(kTcp.size()))) {
+    findings.push_back(check_port(name, address->host, address->port, SOCK_STREAM, running));
+  }
+}
+
+Finding check_curve(const CurveConfig& curve) {
+  if (curve.secret_file.empty()) {
+    return {Kind::kOk, "[curve]: the secret key is systemd's credential curve.secret", ""};
+  }
+  const Expected<CurveKeyPair> keys = read_curve_secret(curve.secret_file);
+  return keys ? Finding{Kind::kOk, "[curve]: our public key is " + keys->public_key, ""}
+              : Finding{Kind::kProblem, "[curve]: " + keys.error().message, ""};
+}
+
+}  // namespace
+
+std::vector<Finding> check_machine(const DaemonConfig& config, bool running) {
+  std::vector<Finding> findings = {check_receive_buffer(), check_clock()};
+  if (!config.record.directory.empty()) {
+    findings.push_back(check_disk(config.record));
+  }
+  for (const SourceConfig& source : config.sources) {
+    findings.push_back(check_source(source, running));
+  }
+  check_endpoint("publishing", config.publish.endpoint, running, findings);
+  check_endpoint("snapshots", config.publish.snapshot, running, findings);
+  if (config.curve.enabled) {
+    findings.push_back(check_curve(config.curve));
+  }
+  if (config.http.enabled) {
+    findings.push_back(
+        check_port("HTTP", config.http.host, config.http.port, SOCK_STREAM, running));
+  }
+  return findings;
+}
+
+}  // namespace rayloc

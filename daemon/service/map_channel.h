@@ -1,0 +1,34 @@
+// MapChannel: how well the channel of a located device agrees with the one that the tracer expects
+// at its position, as JSON for the map (daemon/http/README.md, "/api/v1/channel").
+//
+// Thread safety: one thread.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "daemon/pipeline/channel_watch.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+
+class MapChannel {
+ public:
+  explicit MapChannel(ChannelWatch& watch) : watch_(watch) {}  // outlives this
+
+  // Milliseconds for each burst that it has not seen before; more where a room is traced first.
+  std::string json();
+
+ private:
+  std::string sight_json(const ChannelWatch::Sight& sight);
+  const ReceiverTracer& tracer_at(const ChannelWatch::Sight& sight, const RoomAccessPoint& at);
+
+  ChannelWatch& watch_;
+  std::map<std::shared_ptr<const ChannelWatch::Sight>, std::string> made_;
+  // Of the rooms of the daemon, which are few and stay.
+  std::map<std::pair<std::shared_ptr<const Localizer>, std::string>, ReceiverTracer> tracers_;
+};
+
+}  // namespace rayloc

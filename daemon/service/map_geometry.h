@@ -1,0 +1,18 @@
+// What the map draws that does not move, as JSON (the keys: daemon/http/README.md, "/api/v1/map").
+#pragma once
+
+#include <string>
+
+#include "daemon/site/site.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+// `room`: with its scene. `addresses`: of fixed transmitters, else empty.
+std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses = true);
+
+// What the report beside the calibration in use says of it: what moved, and how well each surveyed
+// point fits. {"available": false, "reason": ...} where there is none that belongs to it.
+std::string map_calibration_json(const Site& site, const RoomModel& room);
+
+}  // namespace rayloc

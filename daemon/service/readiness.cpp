@@ -1,0 +1,74 @@
+#include "daemon/service/readiness.h"
+
+#include <sys/timex.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rayloc {
+namespace {
+
+// received = rejected + ring_dropped + processed + in_flight (source.proto).
+bool is_conserved(const v1::SourceCounters& counters) {
+  std::uint64_t accounted = counters.ring_dropped() + counters.processed() + counters.in_flight();
+  for (const auto& [reason, count] : counters.rejected()) {
+    accounted += count;
+  }
+  return counters.received() == accounted;
+}
+
+std::string source_trouble(const v1::SourceState& state) {
+  const std::string name = "source " + state.access_point() + ": ";
+  switch (state.status()) {
+    case v1::SOURCE_STATUS_WAITING:
+      return name + "nothing has come yet at " + state.description();
+    case v1::SOURCE_STATUS_STALLED:
+      return name + fmt::format("silent for {} s", state.age().seconds());
+    case v1::SOURCE_STATUS_FAILED:
+      return name + state.detail();
+    default:
+      return is_conserved(state.counters()) ? "" : name + "its datagrams are not accounted for";
+  }
+}
+
+}  // namespace
+
+Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
+  Readiness result;
+  for (const v1::SourceState& source : status.sources) {
+    if (std::string trouble = source_trouble(source); !trouble.empty()) {
+      result.reasons.push_back(std::move(trouble));
+    }
+  }
+  for (const std::string& stage : health.stuck_stages) {
+    result.reasons.push_back("stage " + stage + ": no progress");
+  }
+  for (const std::string& error : health.recording_errors) {
+    result.warnings.push_back("recording: " + error);
+  }
+  if (health.reload_failed) {
+    result.warnings.emplace_back("the last reload failed: the configuration is wrong");
+  }
+  if (!health.clock_synchronized) {
+    result.warnings.emplace_back("the clock of this machine is not synchronised: times are off");
+  }
+  for (const std::string& warning : status.heartbeat.calibration_warnings()) {
+    result.warnings.push_back("calibration: " + warning);
+  }
+  return result;
+}
+
+std::string to_json(const Readiness& readiness) {
+  const nlohmann::ordered_json json = {{"ready", readiness.ready()},
+                                       {"reasons", readiness.reasons},
+                                       {"warnings", readiness.warnings}};
+  // Names of devices and files may be no UTF-8.
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+bool clock_is_synchronized() {
+  timex clock{};
+  return adjtimex(&clock) != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
+}
+
+}  // namespace rayloc

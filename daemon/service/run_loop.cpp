@@ -1,0 +1,147 @@
+#include "daemon/service/run_loop.h"
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "daemon/service/log.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::chrono::milliseconds kTick{1000};
+constexpr std::chrono::seconds kStatusInterval{10};
+
+// A stage that is stuck for half the time that the manager grants is stuck: what is left is for
+// saying so.
+std::chrono::milliseconds patience(const ServiceManager& manager) {
+  return manager.watchdog_period().value_or(std::chrono::seconds{20}) / 2;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string list;
+  for (const std::string& word : words) {
+    list += (list.empty() ? "" : ", ") + word;
+  }
+  return list;
+}
+
+}  // namespace
+
+sigset_t block_daemon_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGUSR1}) {
+    sigaddset(&signals, signal);
+  }
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+RunLoop::RunLoop(Service& service, const ServiceManager& manager, Reloader reloader)
+    : service_(service),
+      manager_(manager),
+      reloader_(std::move(reloader)),
+      watchdog_(service.stages(), patience(manager)),
+      period_(std::min(kTick, patience(manager) / 2)) {
+  service_.note_reload(true, &reloader_.values());
+}
+
+std::string RunLoop::run(const sigset_t& signals) {
+  const timespec wait{period_.count() / 1000, (period_.count() % 1000) * 1'000'000};
+  for (;;) {
+    const int signal = sigtimedwait(&signals, nullptr, &wait);
+    if (signal == SIGHUP) {
+      reload();
+    } else if (signal == SIGUSR1) {
+      snapshot("SIGUSR1");
+    } else if (signal > 0) {
+      return signal == SIGINT ? "SIGINT" : "SIGTERM";
+    }
+    tick();
+  }
+}
+
+void RunLoop::tick() {
+  for (const std::string& error : service_.new_errors()) {
+    spdlog::error("{}", error);
+  }
+  for (const std::string& error : service_.ended_errors()) {
+    spdlog::warn("no longer: {}", error);
+  }
+  for (const std::string& warning : service_.new_warnings()) {
+    spdlog::warn("{}", warning);
+  }
+  for (const std::string& line : service_.news()) {
+    spdlog::info("{}", line);
+  }
+  service_.log_losses();
+  feed_watchdog();
+  const auto now = std::chrono::steady_clock::now();
+  if (now >= next_status_) {
+    manager_.status(service_.status_line());
+    next_status_ = now + kStatusInterval;
+  }
+}
+
+void RunLoop::feed_watchdog() {
+  const std::vector<Watchdog::Stuck> stuck = watchdog_.check(std::chrono::steady_clock::now());
+  std::vector<std::string> names;
+  names.reserve(stuck.size());
+  for (const Watchdog::Stuck& stage : stuck) {
+    names.push_back(stage.stage);
+  }
+  service_.note_stuck(std::move(names));
+  if (stuck.empty()) {
+    if (stuck_) {
+      spdlog::warn("watchdog: every stage makes progress again");
+    }
+    stuck_ = false;
+    manager_.feed_watchdog();
+    return;
+  }
+  if (stuck_) {
+    return;  // said once
+  }
+  stuck_ = true;
+  for (const Watchdog::Stuck& stage : stuck) {
+    spdlog::critical(
+        "watchdog: stage '{}' has made no progress for {} ms", stage.stage, stage.since.count());
+  }
+  snapshot("watchdog");
+  spdlog::default_logger()->flush();
+}
+
+void RunLoop::snapshot(const std::string& reason) {
+  const Expected<std::vector<std::string>> files = service_.snapshot();
+  if (files) {
+    spdlog::info("snapshot ({}): writing {}", reason, joined(*files));
+  } else {
+    spdlog::warn("snapshot ({}): {}", reason, files.error().message);
+  }
+}
+
+void RunLoop::reload() {
+  manager_.reloading();
+  const Expected<Reloader::Reload> reload = reloader_.reload();
+  if (!reload) {
+    spdlog::error("reload: nothing has changed, the configuration is wrong:\n{}",
+                  reload.error().message);
+  } else {
+    set_log_level(reload->config.log);
+    service_.apply(reload->config);
+    const std::string applied = joined(reload->changes.applicable);
+    spdlog::info("reload: {}", applied.empty() ? "no change" : "changed " + applied);
+    if (!reload->changes.needs_restart.empty()) {
+      spdlog::warn("reload: refused, these need a restart: {}",
+                   joined(reload->changes.needs_restart));
+    }
+  }
+  service_.note_reload(reload.has_value(), &reloader_.values());
+  manager_.ready();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,47 @@
+// RunLoop: what raylocd's main thread does while the others work: signals, the watchdog, the log of
+// what went wrong, the state for the service manager.
+//
+//   SIGTERM, SIGINT   the loop ends; a second one ends the process at once
+//   SIGHUP            the configuration is read again (reloader.h)
+//   SIGUSR1           what was received lately is written (ring_snapshots.h), as on a watchdog miss
+//
+// Thread safety: the main thread.
+#pragma once
+
+#include <chrono>
+#include <csignal>
+#include <string>
+
+#include "daemon/service/reloader.h"
+#include "daemon/service/service.h"
+#include "daemon/service/service_manager.h"
+#include "daemon/service/watchdog.h"
+
+namespace rayloc {
+
+// Blocks the signals above in this thread and in those that it will start.
+sigset_t block_daemon_signals();
+
+class RunLoop {
+ public:
+  RunLoop(Service& service, const ServiceManager& manager, Reloader reloader);
+
+  // Returns the name of the signal that ends the daemon. REQUIRES: `signals` are blocked.
+  std::string run(const sigset_t& signals);
+
+ private:
+  void tick();
+  void reload();
+  void snapshot(const std::string& reason);
+  void feed_watchdog();
+
+  Service& service_;
+  const ServiceManager& manager_;
+  Reloader reloader_;
+  Watchdog watchdog_;
+  std::chrono::milliseconds period_;  // between two ticks
+  std::chrono::steady_clock::time_point next_status_{};
+  bool stuck_ = false;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,189 @@
+// The part of Service that answers over HTTP.
+#include <fstream>
+#include <string>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/service/background_text.h"
+#include "daemon/service/map_channel.h"
+#include "daemon/service/map_events.h"
+#include "daemon/service/map_geometry.h"
+#include "daemon/service/service.h"
+
+namespace rayloc {
+namespace {
+
+Timestamp system_now() {
+  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
+
+// The first line of the file.
+Expected<std::string> read_token(const std::filesystem::path& file) {
+  if (file.empty()) {
+    return std::string();
+  }
+  constexpr std::size_t kShortest = 16;
+  std::ifstream in(file);
+  std::string token;
+  if (!std::getline(in, token) || token.size() < kShortest) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() +
+                          ": no token: its first line must have 16 characters or more; "
+                          "write one with: openssl rand -hex 32 >" +
+                          file.string());
+  }
+  return token;
+}
+
+}  // namespace
+
+Expected<void> Service::open_http(PassedSockets& sockets) {
+  const HttpConfig& config = setup_.config.http;
+  if (!config.enabled) {
+    return {};
+  }
+  const Expected<std::string> token = read_token(config.token_file);
+  if (!token) {
+    return tl::make_unexpected(token.error());
+  }
+  HttpServer::Options options;
+  options.host = config.host;
+  options.port = config.port;
+  options.adopted_fd = sockets.take("http").value_or(-1);
+  options.token = *token;
+  HttpApi api;
+  api.status = [this] { return status_messages(status_, system_now()); };
+  api.health = [this] { return health(); };
+  api.metrics = [this] { return extra_metrics(); };
+  api.config = [this] {
+    const std::lock_guard lock(health_mutex_);
+    return config_json_;
+  };
+  api.snapshot = [this] { return answer_snapshot(); };
+  api.playback = recording_clock_.playback;
+  api.last = last_messages_;
+  api.events = std::make_shared<MapEvents>(message_board_, status_.epoch, system_now);
+  if (estimator_) {
+    api.map = map_geometry_json(setup_.site, estimator_->room(), !names_->hashed());
+    api.calibration = map_calibration_json(setup_.site, estimator_->room());
+    const auto channel = std::make_shared<MapChannel>(estimator_->channels());
+    const auto text =
+        std::make_shared<BackgroundText>([channel] { return channel->json(); }, "[]\n");
+    api.channel = [text] { return text->ask(); };
+  }
+  Expected<std::unique_ptr<HttpServer>> opened =
+      HttpServer::open(options, http_routes(std::move(api)));
+  if (!opened) {
+    return tl::make_unexpected(opened.error());
+  }
+  http_ = std::move(*opened);
+  return {};
+}
+
+HttpReply Service::answer_snapshot() {
+  constexpr int kAccepted = 202;
+  constexpr int kUnavailable = 503;
+  const Expected<std::vector<std::string>> files = snapshot();
+  const nlohmann::ordered_json json =
+      files ? nlohmann::ordered_json{{"files", *files}}
+            : nlohmann::ordered_json{{"error", files.error().message}};
+  return {files ? kAccepted : kUnavailable,
+          "application/json",
+          json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
+}
+
+std::string Service::http_address() const {
+  return http_ ? setup_.config.http.host + ":" + std::to_string(http_->port()) : "";
+}
+
+void Service::note_reload(bool successful, const ConfigValues* values) {
+  const std::lock_guard lock(health_mutex_);
+  reload_failed_ = !successful;
+  reloaded_ = system_now();
+  if (values != nullptr) {
+    config_json_ = values->json();
+  }
+}
+
+void Service::note_stuck(std::vector<std::string> stages) {
+  const std::lock_guard lock(health_mutex_);
+  stuck_stages_ = std::move(stages);
+}
+
+ServiceHealth Service::health() const {
+  ServiceHealth health;
+  health.clock_synchronized = clock_is_synchronized();
+  for (const auto& recorder : recorders_) {
+    if (std::string error = recorder->counters().files.error; !error.empty()) {
+      health.recording_errors.push_back(std::move(error));
+    }
+  }
+  const std::lock_guard lock(health_mutex_);
+  health.stuck_stages = stuck_stages_;
+  health.reload_failed = reload_failed_;
+  return health;
+}
+
+std::vector<ExtraMetric> Service::extra_metrics() const {
+  std::vector<ExtraMetric> metrics;
+  ExtraMetric requests{"rayloc_http_requests_total", "Answers over HTTP by status", true, {}};
+  const HttpCounters http = http_->counters();
+  for (const auto& [status, count] : http.requests) {
+    requests.samples.push_back({"status", std::to_string(status), static_cast<double>(count)});
+  }
+  metrics.push_back(std::move(requests));
+  metrics.push_back({"rayloc_http_closed_total",
+                     "HTTP connections closed by us before their answer was fetched",
+                     true,
+                     {{"reason", "slow", static_cast<double>(http.timed_out)},
+                      {"reason", "displaced", static_cast<double>(http.displaced)}}});
+  metrics.push_back({"rayloc_http_viewers",
+                     "Open streams of events",
+                     false,
+                     {{"", "", static_cast<double>(http.viewers)}}});
+  metrics.push_back({"rayloc_http_viewers_ended_total",
+                     "Streams of events that ended or were refused",
+                     true,
+                     {{"reason", "left", static_cast<double>(http.viewers_left)},
+                      {"reason", "stuck", static_cast<double>(http.viewers_stuck)},
+                      {"reason", "refused", static_cast<double>(http.viewers_refused)}}});
+  metrics.push_back({"rayloc_http_events_total",
+                     "Events given to viewers, all together",
+                     true,
+                     {{"", "", static_cast<double>(http.events)}}});
+  metrics.push_back({"rayloc_http_messages_coalesced_total",
+                     "Messages that newer ones replaced before a viewer was asked, all together",
+                     true,
+                     {{"", "", static_cast<double>(http.messages_coalesced)}}});
+  const SnapshotCounters snapshots = snapshots_->counters();
+  metrics.push_back({"rayloc_snapshot_requests_total",
+                     "Requests of late subscribers by what became of them",
+                     true,
+                     {{"result", "answered", static_cast<double>(snapshots.answered)},
+                      {"result", "malformed", static_cast<double>(snapshots.malformed)},
+                      {"result", "dropped", static_cast<double>(snapshots.dropped)}}});
+  const RingSnapshotCounters rings =
+      snapshots_of_rings_ ? snapshots_of_rings_->counters() : RingSnapshotCounters{};
+  metrics.push_back({"rayloc_recorder_snapshot_files_total",
+                     "Files asked for of what was received lately, by what became of them",
+                     true,
+                     {{"result", "written", static_cast<double>(rings.files)},
+                      {"result", "failed", static_cast<double>(rings.failed)}}});
+  const std::lock_guard lock(health_mutex_);
+  metrics.push_back({"rayloc_config_last_reload_successful",
+                     "0 when the last reload found the configuration wrong",
+                     false,
+                     {{"", "", reload_failed_ ? 0.0 : 1.0}}});
+  metrics.push_back({"rayloc_config_last_reload_timestamp_seconds",
+                     "When the configuration was last read, in seconds since 1970",
+                     false,
+                     {{"", "", to_seconds(reloaded_.time_since_epoch())}}});
+  metrics.push_back({"rayloc_stages_stuck",
+                     "Threads that make no progress",
+                     false,
+                     {{"", "", static_cast<double>(stuck_stages_.size())}}});
+  return metrics;
+}
+
+}  // namespace rayloc

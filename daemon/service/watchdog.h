@@ -1,0 +1,42 @@
+// Watchdog: whether every stage still makes progress, and which one does not.
+//
+//   Watchdog watchdog(stages, patience);
+//   if (watchdog.check(now).empty()) { ... WATCHDOG=1 ... }
+//
+// A stage is stuck when it has neither beaten nor rested for `patience`. Reads no clock.
+// Thread safety: one thread.
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/stage_progress.h"
+
+namespace rayloc {
+
+class Watchdog {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  Watchdog(std::vector<Stage> stages, std::chrono::milliseconds patience);
+
+  struct Stuck {
+    std::string stage;
+    std::chrono::milliseconds since{};  // it last made progress
+  };
+  // The stages that are stuck now; to be called several times within `patience`.
+  std::vector<Stuck> check(Time now);
+
+ private:
+  struct Seen {
+    Stage stage;
+    std::uint64_t beats = 0;
+    Time advanced{};
+  };
+  std::vector<Seen> seen_;
+  const std::chrono::milliseconds patience_;
+  bool first_ = true;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,54 @@
+// PathGridFiles: path grids in a folder of caches, one file each, named by its key.
+//
+//   offset  bytes  content
+//        0      8  "RLPATHGR"
+//        8      8  length of the content, little-endian
+//       16      8  FNV-1a of the content, little-endian
+//       24      -  content (path_grid.h)
+//
+// A file is written beside its place and renamed, so that no other program sees half of one. One
+// that is cut off, damaged or of something else is left out, said in the log and replaced. The
+// folder is bounded: the grids that were used longest ago go first. No failure of a cache is one of
+// the program.
+//
+// Thread safety: several programs may use one folder; an object is for one thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/localize/path_grid.h"
+
+namespace rayloc {
+
+class PathGridFiles : public PathGridStore {
+ public:
+  struct Options {
+    std::filesystem::path directory;                    // made when it is first written to
+    std::uint64_t most_bytes = std::uint64_t{1} << 30;  // of all grids together
+    std::function<void(const std::string& line)> log;   // what a person may want to know
+  };
+  explicit PathGridFiles(Options options) : options_(std::move(options)) {}
+
+  std::optional<std::string> load(const std::string& key) override;
+  void save(const std::string& key, std::string_view bytes) override;
+  void refuse(const std::string& key) override;
+
+ private:
+  std::filesystem::path file_of(const std::string& key) const;
+  bool write(const std::filesystem::path& file, std::string_view bytes) const;
+  void drop_oldest(const std::filesystem::path& kept) const;
+  void tell(const std::filesystem::path& file, const std::string& what) const;
+
+  Options options_;
+};
+
+// Where caches belong: $CACHE_DIRECTORY, which systemd sets for a service, else rayloc/ in
+// $XDG_CACHE_HOME, else in ~/.cache. Nothing where none of them is known.
+std::optional<std::filesystem::path> cache_directory();
+
+}  // namespace rayloc

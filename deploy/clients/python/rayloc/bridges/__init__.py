@@ -1,0 +1,1 @@
+"""Programs that carry what raylocd publishes into other systems."""

@@ -1,0 +1,235 @@
+"""What raylocd says in the words of Home Assistant's MQTT discovery: a pure mapping.
+
+Each target becomes a device with a tracker, whose state is the zone it is probably in, else "home"
+while it is located and "not_home" afterwards, and sensors for x, y and accuracy in the site's own
+metres. Only the tracker's estimates (FILTERED) are told, each target at most once per `interval`.
+
+Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state),
+BASE/SITE/status (raylocd), BASE/status (this bridge).
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass, field
+from typing import Optional
+
+from rayloc.message import Message
+from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, Location
+from rayloc.v1.target_pb2 import TARGET_KIND_PERSON, TRACK_STATE_LOST, Target
+
+ONLINE, OFFLINE = "online", "offline"
+IN_ZONE = 0.5  # probability from which on a target is said to be in a zone
+SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
+
+
+@dataclass(frozen=True)
+class Publication:
+    """What to publish; an empty payload takes back what was announced on that topic."""
+
+    topic: str
+    payload: str
+    retain: bool
+
+
+@dataclass(frozen=True)
+class Setting:
+    prefix: str = "homeassistant"
+    base: str = "rayloc"
+    interval: float = 1.0  # [s] between two states of one target
+    forget: float = 86_400.0  # [s] after which a device that is not heard is taken back
+
+
+@dataclass
+class _Known:
+    """A target that Home Assistant was told of."""
+
+    topic: str  # of its state
+    node: str
+    object_id: str
+    label: str
+    is_person: bool
+    heard_at: float
+    told_at: float = float("-inf")
+    state: dict[str, object] = field(default_factory=dict)
+    waits: bool = False  # `state` is newer than what was told
+
+    @property
+    def is_retained(self) -> bool:
+        """A person's number ends with the track: what a broker kept of it would be a ghost."""
+        return not self.is_person
+
+    def configurations(self, setting: Setting) -> dict[str, dict[str, object]]:
+        """By topic of discovery."""
+        site_topic = self.topic.rsplit("/", 1)[0]
+        device = {
+            "identifiers": [f"{self.node}_{self.object_id}"],
+            "name": self.label,
+            "manufacturer": "RayLoc",
+            "model": "Person" if self.is_person else "Wi-Fi device",
+        }
+        common: dict[str, object] = {
+            "availability": [
+                {"topic": f"{setting.base}/status"},
+                {"topic": f"{site_topic}/status"},
+            ],
+            "availability_mode": "all",
+            "device": device,
+            "origin": {"name": "RayLoc"},
+        }
+        found: dict[str, dict[str, object]] = {
+            self._discovery(setting, "device_tracker", "place"): {
+                **common,
+                "name": "Place",
+                "unique_id": f"{self.node}_{self.object_id}_place",
+                "state_topic": self.topic,
+                "value_template": "{{ value_json.place }}",
+                "json_attributes_topic": self.topic,
+                "source_type": "router",
+            }
+        }
+        for key, name in SENSORS.items():
+            found[self._discovery(setting, "sensor", key)] = {
+                **common,
+                "name": name,
+                "unique_id": f"{self.node}_{self.object_id}_{key}",
+                "state_topic": self.topic,
+                "value_template": f"{{{{ value_json.{key} }}}}",
+                "unit_of_measurement": "m",
+                "device_class": "distance",
+                "state_class": "measurement",
+            }
+        return found
+
+    def _discovery(self, setting: Setting, component: str, what: str) -> str:
+        return f"{setting.prefix}/{component}/{self.node}/{self.object_id}_{what}/config"
+
+
+class HomeAssistant:
+    """Messages in, publications out. Times are the caller's, monotonic [s]."""
+
+    def __init__(self, setting: Setting) -> None:
+        self._setting = setting
+        self._known: dict[str, _Known] = {}  # by topic of state
+        self._sites: dict[str, str] = {}  # topic of status -> "online" or "offline"
+
+    def on_message(self, message: Message, now: float) -> list[Publication]:
+        self._sites.setdefault(f"{self._setting.base}/{message.topic.split('/')[2]}/status", "")
+        out: list[Publication] = []
+        location = message.location
+        if location is not None and location.kind == LOCATION_KIND_FILTERED:
+            out += self._on_location(message, location, now)
+        elif message.kind == "track" and message.envelope.track.state == TRACK_STATE_LOST:
+            known = self._known.get(self._state_topic(message))
+            if known is not None:
+                out += self._on_lost(known, now)
+        return out
+
+    def on_time(self, now: float, stale: bool) -> list[Publication]:
+        """What is due without a message. `stale`: raylocd is not heard any more."""
+        status = OFFLINE if stale else ONLINE
+        changed = [topic for topic, before in self._sites.items() if before != status]
+        self._sites.update(dict.fromkeys(changed, status))
+        out = [Publication(topic, status, True) for topic in changed]
+        for known in list(self._known.values()):
+            out += self._tell(known, now)
+            if now - known.heard_at > self._setting.forget:
+                out += self._take_back(known)
+        return out
+
+    def announce(self) -> list[Publication]:
+        """Everything anew: to a broker that was connected to, or to a Home Assistant that began."""
+        out = [Publication(topic, status, True) for topic, status in self._sites.items() if status]
+        for known in self._known.values():
+            out += self._configure(known)
+            if known.state:
+                out.append(Publication(known.topic, json.dumps(known.state), False))
+        return out
+
+    def _state_topic(self, message: Message) -> str:
+        # As in raylocd's topics: nothing in it means anything to MQTT.
+        site = message.topic.split("/")[2]
+        return f"{self._setting.base}/{site}/{message.target}"
+
+    def _on_location(self, message: Message, location: Location, now: float) -> list[Publication]:
+        topic = self._state_topic(message)
+        known = self._known.get(topic)
+        out: list[Publication] = []
+        if known is None:
+            known = _Known(
+                topic,
+                node=f"rayloc_{object_id_of(message.site)}",
+                object_id=object_id_of(message.target),
+                label=label_of(location.target, message.target),
+                is_person=location.target.kind == TARGET_KIND_PERSON,
+                heard_at=now,
+            )
+            self._known[topic] = known
+            out += self._configure(known)
+        known.heard_at = now
+        known.state = state_of(location)
+        known.waits = True
+        return out + self._tell(known, now)
+
+    def _on_lost(self, known: _Known, now: float) -> list[Publication]:
+        if known.is_person:  # its number is never used again
+            return self._take_back(known)
+        known.state = {**known.state, "place": "not_home", "x": None, "y": None, "accuracy_m": None}
+        known.waits, known.told_at = True, float("-inf")
+        return self._tell(known, now)
+
+    def _tell(self, known: _Known, now: float) -> list[Publication]:
+        if not known.waits or now - known.told_at < self._setting.interval:
+            return []
+        known.waits, known.told_at = False, now
+        return [Publication(known.topic, json.dumps(known.state), False)]
+
+    def _configure(self, known: _Known) -> list[Publication]:
+        found = known.configurations(self._setting)
+        keep = known.is_retained
+        return [Publication(topic, json.dumps(config), keep) for topic, config in found.items()]
+
+    def _take_back(self, known: _Known) -> list[Publication]:
+        del self._known[known.topic]
+        keep = known.is_retained
+        return [Publication(topic, "", keep) for topic in known.configurations(self._setting)]
+
+
+def state_of(location: Location) -> dict[str, object]:
+    """Absent is null, as it is absent from the message: never 0."""
+    has_position = location.HasField("position")
+    where = location.position
+    accuracy = location.accuracy_m if location.HasField("accuracy_m") else None
+    confidence = location.accuracy_confidence if location.HasField("accuracy_confidence") else None
+    return {
+        "place": place_of(location),
+        "x": round(where.x, 3) if has_position else None,
+        "y": round(where.y, 3) if has_position else None,
+        "z": round(where.z, 3) if has_position else None,
+        "accuracy_m": None if accuracy is None else round(accuracy, 3),
+        "accuracy_confidence": confidence,
+        "zones": {zone.zone: round(zone.probability, 3) for zone in location.zones},
+        "time": location.time.ToJsonString(),
+    }
+
+
+def place_of(location: Location) -> str:
+    if not location.HasField("position") or location.track_state == TRACK_STATE_LOST:
+        return "not_home"
+    zones = [zone for zone in location.zones if zone.probability >= IN_ZONE]
+    return max(zones, key=lambda zone: zone.probability).zone if zones else "home"
+
+
+def label_of(target: Target, identity: str) -> str:
+    return target.name or (f"Wi-Fi {identity}" if target.mac else identity)
+
+
+def object_id_of(text: str) -> str:
+    """Of the characters that a topic of discovery may have: "02:52" -> "02-52", "a b" -> "a_20b"."""
+
+    def encode(match: re.Match[str]) -> str:
+        return "".join(f"_{byte:02x}" for byte in match[0].encode())
+
+    return re.sub(r"[^A-Za-z0-9-]", encode, text.replace(":", "-"))
+

@@ -1,0 +1,151 @@
+"""rayloc to Home Assistant over MQTT.
+
+    python3 -m rayloc.bridges.mqtt --mqtt 127.0.0.1:1883
+
+Needs Debian's python3-paho-mqtt. Ends with SIGTERM or SIGINT; reconnects to both sides by itself.
+"""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+from typing import Any, Iterable, Optional
+
+import paho.mqtt.client
+
+from rayloc.bridges.home_assistant import OFFLINE, ONLINE, HomeAssistant, Publication, Setting
+from rayloc.options import Curve
+from rayloc.subscriber import Subscriber
+
+TOPICS = ["v1/location/", "v1/track/", "v1/heartbeat/"]
+LOOK = 0.2  # [s] between looks at what is due without a message
+
+
+class Broker:
+    """The MQTT side: a will, and a flag for when everything is to be announced anew."""
+
+    def __init__(self, arguments: argparse.Namespace, setting: Setting) -> None:
+        self.must_announce = threading.Event()
+        self._status = f"{setting.base}/status"
+        self._birth = f"{setting.prefix}/status"
+        self._client = paho.mqtt.client.Client(client_id=arguments.client_id)
+        if arguments.username is not None:
+            password = _first_line(arguments.password_file)
+            self._client.username_pw_set(arguments.username, password)
+        if arguments.ca_file is not None:
+            self._client.tls_set(ca_certs=arguments.ca_file)
+        self._client.will_set(self._status, OFFLINE, qos=1, retain=True)
+        self._client.reconnect_delay_set(min_delay=1, max_delay=30)
+        self._client.on_connect = self._on_connect
+        self._client.on_disconnect = self._on_disconnect
+        self._client.on_message = self._on_message
+        host, _, port = arguments.mqtt.rpartition(":")
+        self._client.connect_async(host, int(port), keepalive=30)
+        self._client.loop_start()
+
+    def publish(self, publications: Iterable[Publication]) -> None:
+        # Without a connection nothing is queued: on the next one everything is announced anew.
+        if self._client.is_connected():
+            for each in publications:
+                qos = 1 if each.retain else 0
+                self._client.publish(each.topic, each.payload, qos=qos, retain=each.retain)
+
+    def close(self) -> None:
+        if self._client.is_connected():
+            self._client.publish(self._status, OFFLINE, qos=1, retain=True).wait_for_publish(5.0)
+        self._client.disconnect()
+        self._client.loop_stop()
+
+    def _on_connect(self, client: paho.mqtt.client.Client, _: Any, __: Any, code: int) -> None:
+        if code != 0:
+            say(f"the broker refuses: {paho.mqtt.client.connack_string(code)}")
+            return
+        say("connected to the broker")
+        client.publish(self._status, ONLINE, qos=1, retain=True)
+        client.subscribe(self._birth)
+        self.must_announce.set()
+
+    def _on_disconnect(self, _: Any, __: Any, code: int) -> None:
+        if code != 0:
+            say("the broker is gone; trying again")
+
+    def _on_message(self, _: Any, __: Any, message: paho.mqtt.client.MQTTMessage) -> None:
+        if message.payload == ONLINE.encode():
+            self.must_announce.set()
+
+
+def say(text: str) -> None:
+    print(f"rayloc.bridges.mqtt: {text}", file=sys.stderr, flush=True)
+
+
+def _first_line(file: Optional[Path]) -> Optional[str]:
+    return None if file is None else (file.read_text().splitlines() or [""])[0]
+
+
+def run(arguments: argparse.Namespace) -> None:
+    setting = Setting(arguments.prefix, arguments.base, arguments.interval, arguments.forget)
+    curve = None
+    if arguments.server_key is not None:
+        curve = Curve.read(arguments.server_key, arguments.key)
+    stopping = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopping.set())
+    bridge = HomeAssistant(setting)
+    with Subscriber(
+        arguments.endpoint, topics=TOPICS, targets=arguments.target, curve=curve
+    ) as messages:
+        broker = Broker(arguments, setting)
+        looked = 0.0
+        while not stopping.is_set():
+            message = messages.receive(LOOK)
+            now = time.monotonic()
+            if broker.must_announce.is_set():
+                broker.must_announce.clear()
+                broker.publish(bridge.announce())
+            if message is not None:
+                for gap in message.gaps:
+                    say(f"lost {gap.lost} messages of {gap.topic}")
+                broker.publish(bridge.on_message(message, now))
+            if now - looked >= LOOK:
+                looked = now
+                broker.publish(bridge.on_time(now, messages.stale))
+        broker.close()
+
+
+def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        prog="rayloc.bridges.mqtt", description="raylocd's locations for Home Assistant, over MQTT"
+    )
+    add = parser.add_argument
+    add("--endpoint", default="tcp://127.0.0.1:5560", help="where raylocd publishes")
+    add("--target", action="append", default=[], help="only this target; may be repeated")
+    add("--server-key", type=Path, help="file with the public key of a raylocd with CURVE")
+    add("--key", type=Path, help="file with our own secret key, by `rayloc keygen`")
+    add("--mqtt", default="127.0.0.1:1883", metavar="HOST:PORT", help="the broker")
+    add("--username", help="at the broker")
+    add("--password-file", type=Path, help="its first line is the password")
+    add("--ca-file", help="TLS, with these certificates of authorities (PEM)")
+    add("--client-id", default="rayloc", help="at the broker")
+    add("--prefix", default="homeassistant", help="Home Assistant's discovery prefix")
+    add("--base", default="rayloc", help="first part of our own topics")
+    add("--interval", type=float, default=1.0, help="seconds between two states of a target")
+    add("--forget", type=float, default=86_400.0, help="seconds until a silent device is removed")
+    arguments = parser.parse_args(words)
+    host, _, port = arguments.mqtt.rpartition(":")
+    if not host or not port.isdigit():
+        parser.error(f"--mqtt: HOST:PORT is needed, not {arguments.mqtt!r}")
+    if (arguments.server_key is None) != (arguments.key is None):
+        parser.error("--server-key and --key need each other")
+    return arguments
+
+
+if __name__ == "__main__":
+    try:
+        run(parse())
+    except (OSError, ValueError) as error:
+        say(str(error))
+        sys.exit(78)

@@ -1,0 +1,16 @@
+// The odds of a share on a scale without ends, on which shares near 0 and near 1 compare.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+namespace rayloc {
+
+// ln(share / (1 - share)); shares nearer than 1e-6 to an end count as that far from it.
+inline double log_odds(double share) {
+  constexpr double kNearest = 1e-6;
+  const double bounded = std::clamp(share, kNearest, 1.0 - kNearest);
+  return std::log(bounded / (1.0 - bounded));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,18 @@
+// The middle one of some numbers.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
+namespace rayloc {
+
+// Of an even count the upper of the two in the middle: a value that did occur.
+// REQUIRES: not empty.
+inline double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,60 @@
+// AccessPointFusion: what several access points say of a place together, when each may be wrong
+// (METHODS B7: log-likelihoods add, while nothing is wrong).
+//
+// An access point that is covered, was moved, or whose chains have changed still fits somewhere in
+// the room, about as well as it always does: what it says of the place is then worth nothing. With
+// l_i its log-likelihood of a place, t the exponent of the likelihood, Z_i the mean of exp(t l_i)
+// over the room and e_i the probability that it is wrong,
+//
+//   exp(t l(x)) = prod_i ((1 - e_i) exp(t l_i(x)) + e_i Z_i) - prod_i e_i Z_i
+//
+// An access point whose density at a place is far below e_i of the mean adds nothing there, so that
+// one cannot outvote the others, and two that contradict each other leave both of their places. The
+// last term is what says nothing of the place; it belongs to "elsewhere", with the burst of a
+// device that is not in the room at all.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace rayloc {
+
+// Probabilities before anything is heard. One burst in fifty of a single access point says nothing
+// of the place, as a track takes it (MotionModel::outlier).
+struct FaultPrior {
+  double access_point = 0.01;  // an access point says nothing of the place
+  double elsewhere = 0.01;     // the device is not in the area
+};
+
+class AccessPointFusion {
+ public:
+  // maps: [access point][cell], log-likelihoods of all cells of the room; not empty.
+  // faulty: of each access point, e_i; in (0, 1).
+  AccessPointFusion(std::span<const std::vector<double>> maps,
+                    double temper,
+                    std::span<const double> faulty);
+
+  std::size_t size() const { return log_mean_.size(); }
+
+  // l of a place; `of_each`: l_i. Never below kNothing, which is no mass.
+  static constexpr double kNothing = -1e4;
+  double log_likelihood(std::span<const double> of_each) const;
+
+  // Of a place: the probability that access point i is wrong when the device is there.
+  double faulty(std::size_t i, double log_likelihood) const;
+
+  // Probability of "elsewhere"; log_mean: of exp(t l) over the room, its logarithm.
+  double elsewhere(double log_mean, double prior) const;
+
+ private:
+  double temper_;
+  std::vector<double> faulty_;    // e_i
+  std::vector<double> log_mean_;  // ln Z_i
+  double log_nothing_ = 0.0;      // ln prod e_i Z_i
+};
+
+// ln of the mean of exp(temper l).
+double log_mean_exp(std::span<const double> log_likelihood, double temper);
+
+}  // namespace rayloc

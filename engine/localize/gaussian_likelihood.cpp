@@ -1,0 +1,77 @@
+#include "engine/localize/gaussian_likelihood.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+PathKnowledge knowledge_of(LikelihoodKind kind) {
+  switch (kind) {
+    case LikelihoodKind::kCoherent:
+      return PathKnowledge::kFull;
+    case LikelihoodKind::kPathCovariance:
+      return PathKnowledge::kPower;
+    default:
+      RAYLOC_CHECK(kind == LikelihoodKind::kPartial);
+      return PathKnowledge::kPartial;
+  }
+}
+
+}  // namespace
+
+GaussianLikelihood::GaussianLikelihood(LikelihoodKind kind,
+                                       const OfdmGrid& grid,
+                                       std::size_t antennas)
+    : kind_(kind), model_(grid, antennas, knowledge_of(kind)) {}
+
+PlaceLikelihood GaussianLikelihood::place(const Place& place, const ModelError& error) const {
+  PlaceLikelihood result;
+  result.model = model_.place(place, error);
+  if (kind_ != LikelihoodKind::kPathCovariance) {
+    result.sharp = model_.place(sharp(place), error);
+  }
+  result.reachable = result.model.reachable;
+  return result;
+}
+
+ObservedBurst GaussianLikelihood::observe(std::span<const std::complex<double>> h) const {
+  return {model_.observe(h), {}, 0.0F};
+}
+
+double GaussianLikelihood::log_likelihood(const PlaceLikelihood& place,
+                                          const ObservedBurst& observed) const {
+  return ObservationModel::log_likelihood(place.model, observed.array);
+}
+
+double GaussianLikelihood::coarse_log_likelihood(const PlaceLikelihood& place,
+                                                 const ObservedBurst& observed) const {
+  return ObservationModel::coarse_log_likelihood(place.model, observed.array);
+}
+
+std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
+    const Place& place,
+    const PlaceLikelihood& of,
+    const ModelError& error,
+    const ObservedBurst& observed) const {
+  // Without phases, centimetres change nothing.
+  return kind_ == LikelihoodKind::kPathCovariance
+             ? nullptr
+             : std::make_unique<const NearbyLikelihood>(
+                   model_, sharp(place), error, of.sharp, observed.array);
+}
+
+// The device within half the distance between places of the middle.
+Likelihood::Place GaussianLikelihood::sharp(Place place) const {
+  const double wavelength = 2.0 * std::numbers::pi / model_.wave_number();
+  place.cell_size = std::min(place.cell_size, NearbyLikelihood::kPlaceDistance * wavelength);
+  return place;
+}
+
+double GaussianLikelihood::nowhere(const ModelError& error, const ObservedBurst& observed) const {
+  return ObservationModel::log_likelihood(model_.nowhere(error), observed.array);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,243 @@
+#include "engine/localize/nearby_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+// Delays of the search that are kept around the best one.
+constexpr std::size_t kDelaysBeside = 1;
+constexpr double kLeastPower = 1e-12;
+constexpr double kLeftOut = 1e-6;  // of the known power
+
+// Products written out: those of std::complex check for infinities.
+Value times(const Value& a, const Value& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+}  // namespace
+
+NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
+                                   const ObservationModel::Place& place,
+                                   const ModelError& error,
+                                   const PlaceModel& model,
+                                   const ObservedArray& observed)
+    : size_(observation_model.dimension()),
+      coordinates_(size_ / place.element_offset.size()),
+      wave_number_(observation_model.wave_number()),
+      model_(model) {
+  RAYLOC_CHECK(model.reachable && !place.rays.empty());
+  auto terms = observation_model.ray_terms(place, error);
+  first_length_ = terms.first_length;
+  means_ = std::move(terms.tone);
+  std::vector<double> power(place.rays.size());  // of what is known
+  for (std::size_t p = 0; p < place.rays.size(); ++p) {
+    for (std::size_t i = 0; i < coordinates_; ++i) {
+      Value& mean = means_[p * coordinates_ + i];
+      mean *= terms.parts[p].known;
+      power[p] += std::norm(mean);
+    }
+  }
+  single_means_.assign(means_.begin(), means_.end());
+  keep_strongest(place, std::move(power));
+  const std::size_t best = best_delay(model, observed);
+  const std::size_t first = best > kDelaysBeside ? best - kDelaysBeside : 0;
+  const std::size_t last = std::min(best + kDelaysBeside, ObservedArray::kDelays - 1);
+  std::vector<Value> y(size_);
+  for (std::size_t t = first; t <= last; ++t) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      y[i] = observed.value(i, t);
+    }
+    Delay delay{whitened(y), 0.0};
+    for (const Value& v : delay.observed) {
+      delay.power += std::norm(v);
+    }
+    delay.power = std::max(delay.power, kLeastPower);
+    observed_.insert(observed_.end(), delay.observed.begin(), delay.observed.end());
+    delays_.push_back(std::move(delay));
+  }
+}
+
+// Most rays are uncertain or weak: what is left out is far below the noise.
+void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
+                                      std::vector<double> power) {
+  std::vector<std::size_t> order(power.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return power[a] > power[b];
+  });
+  double left = std::accumulate(power.begin(), power.end(), 0.0);
+  const double least = kLeftOut * left;
+  std::size_t kept = 0;
+  while (kept < order.size() && left > least) {
+    left -= power[order[kept++]];
+  }
+  for (std::size_t m = 0; m < place.element_offset.size(); ++m) {
+    for (std::size_t i = 0; i < kept; ++i) {
+      const std::size_t p = order[i];
+      sources_.push_back({image_of(place.rays[p], place.element_offset[m]), m, p * coordinates_});
+    }
+  }
+}
+
+std::vector<Value> NearbyLikelihood::whitened(const std::vector<Value>& v) const {
+  std::vector<Value> result(size_);
+  const std::complex<float>* w = model_.whitener.data();
+  for (std::size_t i = 0; i < size_; ++i) {
+    for (std::size_t j = 0; j <= i; ++j, ++w) {
+      result[i] += times(Value(*w), v[j]);
+    }
+  }
+  return result;
+}
+
+// What of it depends on the delay, at the best gain. `along`: |mu^H S^-1 y|
+double NearbyLikelihood::log_likelihood(double along, const Delay& delay) const {
+  const auto d = static_cast<double>(size_);
+  const double a = delay.power;
+  const double r = (along + std::sqrt(along * along + 4.0 * a * d)) / (2.0 * a);
+  return 2.0 * d * std::log(r) - a * r * r + 2.0 * along * r;
+}
+
+NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
+  std::vector<Value> mean(size_);
+  std::vector<Value> by_x(size_);
+  std::vector<Value> by_y(size_);
+  for (const Source& source : sources_) {
+    const Vec3d way = source.image - moved;
+    const double length = norm(way);
+    const Value phase = std::polar(1.0, -wave_number_ * (length - first_length_));
+    // d phase = -j k d length, d length = -way / length
+    const Value turn_x(0.0, wave_number_ * way.x / length);
+    const Value turn_y(0.0, wave_number_ * way.y / length);
+    for (std::size_t i = 0; i < coordinates_; ++i) {
+      const Value one = times(phase, means_[source.mean + i]);
+      mean[source.antenna * coordinates_ + i] += one;
+      by_x[source.antenna * coordinates_ + i] += times(turn_x, one);
+      by_y[source.antenna * coordinates_ + i] += times(turn_y, one);
+    }
+  }
+  mean = whitened(mean);
+  by_x = whitened(by_x);
+  by_y = whitened(by_y);
+  const auto product = [](const std::vector<Value>& a, const std::vector<Value>& b) {
+    Value sum;  // a^H b
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      sum += times(std::conj(a[i]), b[i]);
+    }
+    return sum;
+  };
+  const Delay* best = &delays_.front();
+  double best_value = -std::numeric_limits<double>::infinity();
+  Value best_along;
+  for (const Delay& delay : delays_) {
+    const Value along = product(mean, delay.observed);
+    const double value = log_likelihood(std::abs(along), delay);
+    if (value > best_value) {
+      best = &delay;
+      best_value = value;
+      best_along = along;
+    }
+  }
+  const double b = std::abs(best_along);
+  const auto d = static_cast<double>(size_);
+  const double r = (b + std::sqrt(b * b + 4.0 * best->power * d)) / (2.0 * best->power);
+  const Value turn = b > 0.0 ? std::conj(best_along) / b : Value();
+  std::vector<Value> residual(size_);  // r e W y - W mu
+  for (std::size_t i = 0; i < size_; ++i) {
+    residual[i] = r * times(turn, best->observed[i]) - mean[i];
+  }
+  return {best_value - product(mean, mean).real() - static_cast<double>(model_.log_determinant),
+          2.0 * product(by_x, residual).real(),
+          2.0 * product(by_y, residual).real()};
+}
+
+std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
+  const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
+  const Turns turns = turns_on(lattice, rows);
+  std::vector<double> values(lattice.size());
+  std::vector<LaneRow> re(size_);
+  std::vector<LaneRow> im(size_);
+  std::vector<TurnedMean> terms(sources_.size());
+  const std::size_t antennas = size_ / coordinates_;
+  const std::size_t of_antenna = sources_.size() / antennas;
+  for (std::size_t x = 0; x < lattice.count_x; ++x) {
+    for (std::size_t row = 0; row < rows; ++row) {
+      std::fill(re.begin(), re.end(), LaneRow{});
+      std::fill(im.begin(), im.end(), LaneRow{});
+      for (std::size_t s = 0; s < sources_.size(); ++s) {
+        terms[s] = {turns.by_x[s * lattice.count_x + x],
+                    &turns.by_y[s * rows + row],
+                    single_means_.data() + sources_[s].mean};
+      }
+      for (std::size_t m = 0; m < antennas; ++m) {
+        add_turned(std::span(terms).subspan(m * of_antenna, of_antenna),
+                   std::span(re).subspan(m * coordinates_, coordinates_),
+                   std::span(im).subspan(m * coordinates_, coordinates_));
+      }
+      const LaneRow chunk = log_likelihoods(re, im);
+      for (std::size_t t = 0; t < kLaneCount && row * kLaneCount + t < lattice.count_y; ++t) {
+        values[x * lattice.count_y + row * kLaneCount + t] = static_cast<double>(chunk[t]);
+      }
+    }
+  }
+  return values;
+}
+
+// exp(-j k (length - first)) of every source along both axes, the first with that of the middle;
+// from place to place by turning, which is cheaper than a sine each.
+NearbyLikelihood::Turns NearbyLikelihood::turns_on(const Lattice& lattice, std::size_t rows) const {
+  Turns turns;
+  turns.by_x.reserve(sources_.size() * lattice.count_x);
+  turns.by_y.resize(sources_.size() * rows);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    const Vec3d& image = sources_[s].image;
+    const double length = norm(image);
+    const double phase = -wave_number_ * (length - first_length_);
+    const Vec3d slope = (wave_number_ / length) * image;
+    Value turn = std::polar(1.0, phase + slope.x * lattice.offset(0, 0).x);
+    const Value step_x = std::polar(1.0, slope.x * lattice.step_x);
+    for (std::size_t x = 0; x < lattice.count_x; ++x) {
+      turns.by_x.emplace_back(turn);
+      turn = times(turn, step_x);
+    }
+    turn = std::polar(1.0, slope.y * lattice.offset(0, 0).y);
+    const Value step_y = std::polar(1.0, slope.y * lattice.step_y);
+    for (std::size_t y = 0; y < rows * kLaneCount; ++y) {
+      LaneSums& row = turns.by_y[s * rows + y / kLaneCount];
+      row.re[y % kLaneCount] = static_cast<float>(turn.real());
+      row.im[y % kLaneCount] = static_cast<float>(turn.imag());
+      turn = times(turn, step_y);
+    }
+  }
+  return turns;
+}
+
+LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,
+                                          std::span<const LaneRow> im) const {
+  std::vector<LaneSums> along(delays_.size());
+  const LaneRow power = whiten(model_.whitener.data(), re, im, observed_, along);
+  LaneRow values{};
+  for (std::size_t k = 0; k < delays_.size(); ++k) {
+    LaneRow observed;
+    observed.fill(static_cast<float>(delays_[k].power));
+    const LaneRow of_delay = at_best_gain(observed, along[k], size_);
+    for (std::size_t t = 0; t < kLaneCount; ++t) {
+      values[t] = k == 0 ? of_delay[t] : std::max(values[t], of_delay[t]);
+    }
+  }
+  for (std::size_t t = 0; t < kLaneCount; ++t) {
+    values[t] -= power[t] + model_.log_determinant;
+  }
+  return values;
+}
+
+}  // namespace rayloc

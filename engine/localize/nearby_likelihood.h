@@ -1,0 +1,103 @@
+// NearbyLikelihood: the likelihood of one burst at places within a few centimetres of one whose
+// rays are known, with its derivative.
+//
+// Each ray keeps its surfaces, so that its image of every antenna stays where it is: lengths and
+// their derivatives are exact (Fermat: minus the unit direction to the image). Strengths, delays
+// relative to the first ray and the covariance are those of the place in the middle; what is left
+// is ObservationModel's likelihood,
+//
+//   ll(x) = max over r, phase and delay of  2 D ln r - r^2 y^H S^-1 y + 2 r |mu(x)^H S^-1 y|
+//                                           - mu(x)^H S^-1 mu(x) - ln |S|,
+//   d ll  = 2 Re( dmu^H (r e y~ - mu~) ),   y~ = S^-1 y, mu~ = S^-1 mu, e = (y~^H mu) / |.|.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/localize/lane_kernel.h"
+#include "engine/localize/observation_model.h"
+
+namespace rayloc {
+
+// Places in plan around a middle, equally far apart.
+struct Lattice {
+  std::size_t count_x = 1;
+  std::size_t count_y = 1;
+  double step_x = 0.0;  // [m]
+  double step_y = 0.0;
+
+  std::size_t size() const { return count_x * count_y; }
+  Vec3d offset(std::size_t x, std::size_t y) const {
+    return {step_x * (static_cast<double>(x) - 0.5 * static_cast<double>(count_x - 1)),
+            step_y * (static_cast<double>(y) - 0.5 * static_cast<double>(count_y - 1)),
+            0.0};
+  }
+};
+
+class NearbyLikelihood {
+ public:
+  // What is left for the distance between places: `model` is that of the middle with this cell_size
+  // (ObservationModel::Place), `place` has the same. All outlive it. REQUIRES: model.reachable.
+  NearbyLikelihood(const ObservationModel& observation_model,
+                   const ObservationModel::Place& place,
+                   const ModelError& error,
+                   const PlaceModel& model,
+                   const ObservedArray& observed);
+
+  // Share of the wavelength that places should be apart.
+  static constexpr double kPlaceDistance = 0.125;
+
+  struct Slope {
+    double value = 0.0;
+    double by_x = 0.0;  // [1/m]
+    double by_y = 0.0;
+  };
+  // At the best of the delays of ObservedArray, which is held when the place changes: no search
+  // between them, so that value and derivative belong together.
+  Slope at(const Vec3d& moved) const;
+
+  // At all places of the lattice, [x][y]: lengths to first order, in single precision.
+  std::vector<double> on(const Lattice& lattice) const;
+
+ private:
+  struct Source {  // of one ray at one antenna
+    Vec3d image;   // [m], from the middle
+    std::size_t antenna = 0;
+    std::size_t mean = 0;  // first coordinate in means_
+  };
+  struct Delay {
+    std::vector<std::complex<double>> observed;  // W y
+    double power = 0.0;                          // |W y|^2
+  };
+
+  // Phasors of the sources on a lattice, whose rows are filled up to whole LaneRows.
+  struct Turns {
+    std::vector<std::complex<float>> by_x;  // [source][x]
+    std::vector<LaneSums> by_y;             // [source][row of lanes]
+  };
+
+  void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
+  Turns turns_on(const Lattice& lattice, std::size_t rows) const;
+  LaneRow log_likelihoods(std::span<const LaneRow> re, std::span<const LaneRow> im) const;
+  std::vector<std::complex<double>> whitened(const std::vector<std::complex<double>>& v) const;
+  double log_likelihood(double along, const Delay& delay) const;
+
+  std::size_t size_;         // D
+  std::size_t coordinates_;  // of one antenna
+  double wave_number_;
+  const PlaceModel& model_;
+  double first_length_ = 0.0;
+  std::vector<std::complex<double>> means_;  // [ray][coordinate of one antenna]
+  std::vector<std::complex<float>> single_means_;
+  std::vector<Source> sources_;                // by antenna
+  std::vector<Delay> delays_;                  // around the best in the middle
+  std::vector<std::complex<float>> observed_;  // Delay::observed, [delay][coordinate]
+};
+
+}  // namespace rayloc

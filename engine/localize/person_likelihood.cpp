@@ -1,0 +1,406 @@
+#include "engine/localize/person_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+#include "engine/base/check.h"
+#include "engine/base/constants.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
+constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
+constexpr double kDiffuseDecay = 18e-9;   // [s]
+constexpr std::size_t kTriangle = 2;      // n (n + 1) / kTriangle values of a triangle
+
+std::size_t triangle_size(std::size_t n) { return n * (n + 1) / kTriangle; }
+
+// sigma += weight * s s^H, lower triangle by rows.
+void add_outer(double weight,
+               std::span<const Value> s,
+               std::size_t first,
+               std::vector<Value>& sigma) {
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    Value* row = sigma.data() + triangle_size(first + i) + first;
+    const Value left = weight * s[i];
+    for (std::size_t j = 0; j <= i; ++j) {
+      row[j] += left * std::conj(s[j]);
+    }
+  }
+}
+
+// W y
+std::vector<Value> whiten(const WhitenedGaussian& gaussian, std::span<const Value> y) {
+  std::vector<Value> result(y.size());
+  const std::complex<float>* w = gaussian.whitener.data();
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    double re = 0.0;
+    double im = 0.0;
+    for (std::size_t j = 0; j <= i; ++j, ++w) {
+      const auto a = static_cast<double>(w->real());
+      const auto b = static_cast<double>(w->imag());
+      re += a * y[j].real() - b * y[j].imag();
+      im += a * y[j].imag() + b * y[j].real();
+    }
+    result[i] = {re, im};
+  }
+  return result;
+}
+
+// W^H u
+std::vector<Value> unwhiten(const WhitenedGaussian& gaussian, std::span<const Value> u) {
+  std::vector<Value> result(u.size());
+  const std::complex<float>* w = gaussian.whitener.data();
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    for (std::size_t j = 0; j <= i; ++j, ++w) {
+      result[j] += std::conj(Value(*w)) * u[i];
+    }
+  }
+  return result;
+}
+
+double power_of(std::span<const Value> values) {
+  double power = 0.0;
+  for (const Value& v : values) {
+    power += std::norm(v);
+  }
+  return power;
+}
+
+// The gain r that fits best, where A = |W y|^2 and b = |(W mu)^H W y|.
+double best_gain(double a, double b, double d) {
+  return (b + std::sqrt(b * b + 4.0 * a * d)) / (2.0 * a);
+}
+double profile(double a, double b, double d) {
+  const double r = best_gain(a, b, d);
+  return 2.0 * d * std::log(r) - a * r * r + 2.0 * b * r;
+}
+
+constexpr double kLeastPower = 1e-12;
+
+// Of one value, by second differences along the tones, where noise has six times its variance. The
+// array is aligned to the empty room: echoes of a room turn by a tenth of a radian from one tone to
+// the next, a timing offset that is left in by ten times that.
+double noise_power(std::span<const Value> h, std::size_t tones) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < h.size(); row += tones) {
+    for (std::size_t k = row + 1; k + 1 < row + tones; ++k) {
+      sum += std::norm(h[k - 1] - 2.0 * h[k] + h[k + 1]);
+      ++count;
+    }
+  }
+  return count == 0 ? 0.0 : sum / (6.0 * static_cast<double>(count));
+}
+
+}  // namespace
+
+PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
+                                   std::size_t antennas,
+                                   const PersonLink& link,
+                                   double distance)
+    : grid_(grid),
+      antennas_(antennas),
+      distance_(distance),
+      wave_number_(2.0 * std::numbers::pi * grid.centre_hz / kSpeedOfLight),
+      basis_(grid),
+      aligner_(grid),
+      reference_(link.empty),
+      diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {
+  RAYLOC_CHECK(reference_.size() == antennas_ * grid_.size());
+  scale_ = 1.0 / std::sqrt(std::max(power_of(reference_), kLeastPower * kLeastPower));
+  for (Value& v : reference_) {
+    v *= scale_;
+  }
+  const double first = distance_ / kSpeedOfLight;
+  std::vector<Value> row(grid_.size());
+  std::vector<Value> slope(grid_.size());
+  empty_.resize(antennas_ * basis_.size());
+  turned_.resize(empty_.size());
+  for (std::size_t m = 0; m < antennas_; ++m) {
+    for (std::size_t k = 0; k < grid_.size(); ++k) {
+      const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
+      row[k] = reference_[m * grid_.size() + k] * std::polar(1.0, w * first);
+      slope[k] = Value(0.0, w) * row[k];
+    }
+    basis_.project(row, {empty_.data() + m * basis_.size(), basis_.size()});
+    basis_.project(slope, {turned_.data() + m * basis_.size(), basis_.size()});
+  }
+}
+
+PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) const {
+  RAYLOC_CHECK(h.size() == reference_.size());
+  Observed observed;
+  std::vector<Value> aligned(h.begin(), h.end());
+  const Alignment alignment = aligner_.align(reference_, h);
+  observed.correlation = alignment.correlation;
+  aligner_.apply(alignment, aligned);
+  const double first = distance_ / kSpeedOfLight;
+  std::vector<Value> row(grid_.size());
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const double delay =
+        first + kDelayStep * (static_cast<double>(t) - 0.5 * static_cast<double>(kDelays - 1));
+    observed.y[t].resize(dimension());
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      for (std::size_t k = 0; k < grid_.size(); ++k) {
+        row[k] = aligned[m * grid_.size() + k] *
+                 std::polar(1.0, 2.0 * std::numbers::pi * grid_.offset_hz(k) * delay);
+      }
+      basis_.project(row, {observed.y[t].data() + m * basis_.size(), basis_.size()});
+    }
+  }
+  observed.noise = noise_power(aligned, grid_.size()) * static_cast<double>(dimension()) /
+                   std::max(power_of(aligned), kLeastPower);
+  return observed;
+}
+
+ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays, const PatchPlan& plan) const {
+  RAYLOC_CHECK(rays.size() == antennas_);
+  const std::size_t q = basis_.size();
+  const std::size_t size = dimension();
+  const std::size_t count = plan.count;
+  ScatteredPatch patch;
+  std::vector<Value> sample(count * count * size);
+  patch.strength.assign(triangle_size(size), 0.0);
+  patch.blur.assign(triangle_size(size), 0.0);
+  std::vector<Value> s(q);
+  std::vector<Value> turn_x(count);
+  std::vector<Value> turn_y(count);
+  // Unit tone vectors times this have the norm of a response of level 1 on all tones.
+  const double level = scale_ * std::sqrt(static_cast<double>(grid_.size()));
+  for (std::size_t m = 0; m < antennas_; ++m) {
+    for (const ScatteredRay& ray : rays[m]) {
+      basis_.tone((ray.length - distance_) / kSpeedOfLight, s);
+      const Value field = level * ray.amplitude * std::polar(1.0, -wave_number_ * ray.length) *
+                          std::exp(ray.slope_x * plan.offset_x + ray.slope_y * plan.offset_y);
+      for (std::size_t i = 0; i < count; ++i) {
+        turn_x[i] = field * std::exp(ray.slope_x * plan.at(i));
+        turn_y[i] = std::exp(ray.slope_y * plan.at(i));
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < count; ++j) {
+          const Value here = turn_x[i] * turn_y[j];
+          Value* out = sample.data() + (i * count + j) * size + m * q;
+          for (std::size_t c = 0; c < q; ++c) {
+            out[c] += Value(here.real() * s[c].real() - here.imag() * s[c].imag(),
+                            here.real() * s[c].imag() + here.imag() * s[c].real());
+          }
+        }
+      }
+      const double power = std::norm(field);
+      const double phase =
+          plan.step() * plan.step() *
+          (ray.slope_x.imag() * ray.slope_x.imag() + ray.slope_y.imag() * ray.slope_y.imag()) /
+          12.0;
+      add_outer(power, s, m * q, patch.strength);
+      add_outer(power * -std::expm1(-phase), s, m * q, patch.blur);
+      patch.power += power;
+    }
+  }
+  patch.sample.assign(sample.begin(), sample.end());
+  return patch;
+}
+
+// `sigma` without the noise and the delay, lower triangle by rows.
+WhitenedGaussian PersonLikelihood::factorise(std::vector<Value> sigma,
+                                             std::span<const Value> mean,
+                                             const PersonModel& model) const {
+  const std::size_t size = dimension();
+  add_outer(kDelayDeviation * kDelayDeviation, turned_, 0, sigma);
+  Eigen::MatrixXcd matrix(static_cast<Index>(size), static_cast<Index>(size));
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      matrix(static_cast<Index>(i), static_cast<Index>(j)) = sigma[triangle_size(i) + j];
+    }
+    matrix(static_cast<Index>(i), static_cast<Index>(i)) += model.noise / static_cast<double>(size);
+  }
+  const Eigen::LLT<Eigen::MatrixXcd, Eigen::Lower> cholesky(matrix);
+  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
+  const Eigen::MatrixXcd whitener = cholesky.matrixL().solve(
+      Eigen::MatrixXcd::Identity(static_cast<Index>(size), static_cast<Index>(size)));
+  WhitenedGaussian gaussian;
+  gaussian.whitener.reserve(triangle_size(size));
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      gaussian.whitener.emplace_back(whitener(static_cast<Index>(i), static_cast<Index>(j)));
+    }
+    gaussian.log_determinant -=
+        2.0 * std::log(whitener(static_cast<Index>(i), static_cast<Index>(i)).real());
+  }
+  if (!mean.empty()) {
+    const auto whitened = whiten(gaussian, mean);
+    gaussian.mean.assign(whitened.begin(), whitened.end());
+    gaussian.mean_power = power_of(whitened);
+  }
+  return gaussian;
+}
+
+PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
+                                    Value scale,
+                                    const PersonModel& model) const {
+  const std::size_t size = dimension();
+  const std::size_t q = basis_.size();
+  const std::size_t places = patch.sample.size() / size;
+  const double gain = std::norm(scale);
+  std::vector<Value> sigma(triangle_size(size));
+  for (std::size_t i = 0; i < sigma.size(); ++i) {
+    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.blur[i]);
+  }
+  const double diffuse = gain * model.diffuse * patch.power / static_cast<double>(antennas_);
+  for (std::size_t m = 0; m < size; m += q) {
+    for (std::size_t i = 0; i < q; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        sigma[triangle_size(m + i) + m + j] += diffuse * diffuse_[i * q + j];
+      }
+    }
+  }
+  PersonPlace place;
+  place.close = factorise(sigma, {}, model);
+  place.sample.resize(patch.sample.size());
+  std::vector<Value> mean(size);
+  std::vector<Value> mu(size);
+  for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const Value z = scale * Value(patch.sample[p * size + i]);
+      place.sample[p * size + i] = std::complex<float>(z);
+      mean[i] += z / static_cast<double>(places);
+      mu[i] = empty_[i] + z;
+    }
+    place.mean_power.push_back(static_cast<float>(power_of(whiten(place.close, mu))));
+  }
+  for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t i = 0; i < size; ++i) {
+      mu[i] = Value(place.sample[p * size + i]) - mean[i];
+    }
+    add_outer(1.0 / static_cast<double>(places), mu, 0, sigma);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    mean[i] += empty_[i];
+  }
+  place.whole = factorise(std::move(sigma), mean, model);
+  return place;
+}
+
+WhitenedGaussian PersonLikelihood::nobody(const PersonModel& model) const {
+  return factorise(std::vector<Value>(triangle_size(dimension())), empty_, model);
+}
+
+WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& model) const {
+  const std::size_t q = basis_.size();
+  std::vector<Value> sigma(triangle_size(dimension()));
+  for (std::size_t m = 0; m < dimension(); m += q) {
+    for (std::size_t i = 0; i < q; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        sigma[triangle_size(m + i) + m + j] =
+            share / static_cast<double>(antennas_) * diffuse_[i * q + j];
+      }
+    }
+  }
+  return factorise(std::move(sigma), empty_, model);
+}
+
+double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
+                                        const Observed& observed) const {
+  const auto d = static_cast<double>(dimension());
+  double best = -std::numeric_limits<double>::infinity();
+  for (const auto& y : observed.y) {
+    const auto u = whiten(gaussian, y);
+    Value along;
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      along += std::conj(Value(gaussian.mean[i])) * u[i];
+    }
+    best = std::max(best, profile(std::max(power_of(u), kLeastPower), std::abs(along), d));
+  }
+  return best - gaussian.mean_power - gaussian.log_determinant;
+}
+
+// A burst as the model of a square sees it, at every delay.
+struct PersonLikelihood::CloseLook {
+  std::array<double, kDelays> power{};                      // |W y|^2
+  std::array<Value, kDelays> along_empty{};                 // x0^H Sigma^-1 y
+  std::array<std::vector<std::complex<float>>, kDelays> v;  // Sigma^-1 y
+
+  double along(std::size_t delay, const std::complex<float>* z) const {
+    float re = 0.0F;
+    float im = 0.0F;
+    for (std::size_t i = 0; i < v[delay].size(); ++i) {
+      const std::complex<float> a = v[delay][i];
+      re += z[i].real() * a.real() + z[i].imag() * a.imag();
+      im += z[i].real() * a.imag() - z[i].imag() * a.real();
+    }
+    return std::abs(along_empty[delay] + Value(static_cast<double>(re), static_cast<double>(im)));
+  }
+};
+
+PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
+                                                   const Observed& observed) const {
+  CloseLook result;
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const auto u = whiten(place.close, observed.y[t]);
+    const auto v = unwhiten(place.close, u);
+    result.power[t] = std::max(power_of(u), kLeastPower);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      result.along_empty[t] += std::conj(empty_[i]) * v[i];
+    }
+    result.v[t].assign(v.begin(), v.end());
+  }
+  return result;
+}
+
+void PersonLikelihood::log_likelihood(const PersonPlace& place,
+                                      const Observed& observed,
+                                      std::span<double> out) const {
+  RAYLOC_CHECK(out.size() == place.mean_power.size());
+  const std::size_t size = dimension();
+  const auto d = static_cast<double>(size);
+  const CloseLook close = look(place, observed);
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    double best = -std::numeric_limits<double>::infinity();
+    for (std::size_t t = 0; t < kDelays; ++t) {
+      best = std::max(best,
+                      profile(close.power[t], close.along(t, place.sample.data() + p * size), d));
+    }
+    out[p] = best - static_cast<double>(place.mean_power[p]) - place.close.log_determinant;
+  }
+}
+
+std::vector<Value> PersonLikelihood::whitened(const WhitenedGaussian& gaussian,
+                                              std::span<const Value> x) {
+  return whiten(gaussian, x);
+}
+
+double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample) const {
+  double power = 0.0;
+  for (std::size_t i = 0; i < dimension(); ++i) {
+    power += std::norm(Value(place.sample[sample * dimension() + i]));
+  }
+  return power;
+}
+
+double PersonLikelihood::misfit(const PersonPlace& place,
+                                std::size_t sample,
+                                const Observed& observed) const {
+  const std::size_t size = dimension();
+  const auto d = static_cast<double>(size);
+  const CloseLook close = look(place, observed);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const double a = close.power[t];
+    const double b = close.along(t, place.sample.data() + sample * size);
+    const double r = best_gain(a, b, d);
+    least = std::min(least,
+                     (a * r * r - 2.0 * b * r + static_cast<double>(place.mean_power[sample])) / d);
+  }
+  return least;
+}
+
+}  // namespace rayloc

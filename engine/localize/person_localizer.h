@@ -1,0 +1,96 @@
+// PersonLocalizer: where a person stands, from what a burst of a fixed transmitter's frames differs
+// from the empty room by (device-free; METHODS B5, B7).
+//
+//   auto localizer = PersonLocalizer::create(room, reference, {});
+//   LocationEstimate estimate = localizer->locate(frames_of_the_fixed_transmitter);
+//
+// create() traces the room with a person everywhere (seconds to a minute); locate() costs
+// milliseconds and depends on its arguments alone.
+//
+// A tracker takes the two halves of locate() apart: hear(), then map().
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/localize/location_estimate.h"
+#include "engine/localize/person_likelihood.h"
+#include "engine/localize/person_reference.h"
+#include "engine/localize/room_model.h"
+#include "engine/localize/standing_room.h"
+#include "engine/observe/burst.h"
+
+namespace rayloc {
+
+struct PersonLocalizerOptions {
+  double accuracy_confidence = 0.95;
+  std::size_t max_hypotheses = 5;
+  BurstOptions burst;
+  double cell = 0.05;  // [m]
+  int depth = 2;       // reflections on the ways to and from the person together
+};
+
+// What was heard, one entry for each link that heard something usable.
+struct PersonHearing {
+  struct Array {
+    std::size_t link = 0;  // of PersonReference::links
+    PersonLikelihood::Observed observed;
+    double weight = 1.0;  // of its log-likelihood; 1 when noise is negligible
+  };
+  std::vector<Array> arrays;
+  LocationEstimate estimate;  // times, counts and warnings, no position
+};
+
+// What a burst says of a person's place.
+struct PersonMap {
+  // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand.
+  std::vector<double> log_likelihood;
+  double somebody = 0.0;  // logarithm of the mean over the places where somebody can stand
+  std::vector<std::string> warnings;
+  bool is_explained = true;  // by a person at one of the places
+  // The best place is right beside the transmitter, and several access points hear what would be
+  // strong echoes from there: a transmitter that was moved or covered looks the same.
+  bool is_transmitter_doubtful = false;
+};
+
+class PersonLocalizer {
+ public:
+  // An Error when the room, the reference or the body cannot be used.
+  static Expected<PersonLocalizer> create(std::shared_ptr<const RoomModel> room,
+                                          PersonReference reference,
+                                          const PersonLocalizerOptions& options);
+  ~PersonLocalizer();
+  PersonLocalizer(PersonLocalizer&&) noexcept;
+  PersonLocalizer& operator=(PersonLocalizer&&) noexcept;
+
+  // `frames`: of the reference's transmitter, any access points, in order of time. Without a fix,
+  // `reason` says why; an empty room is such a reason.
+  LocationEstimate locate(std::span<const CsiFrame> frames) const;
+  // With another exponent of the likelihood than PersonModel::temper: for fitting that.
+  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+
+  PersonHearing hear(std::span<const CsiFrame> frames) const;
+  // REQUIRES: hearing.arrays is not empty.
+  PersonMap map(const PersonHearing& hearing, double temper) const;
+
+  const StandingRoom& standing_room() const;
+  const RoomModel& room() const;
+  const PersonReference& reference() const;
+  const PersonLocalizerOptions& options() const;
+
+ private:
+  class Impl;
+  explicit PersonLocalizer(std::unique_ptr<const Impl> impl);
+  std::unique_ptr<const Impl> impl_;
+};
+
+// Logarithm of the odds from which on somebody is believed to be there.
+inline constexpr double kSomebody = 3.0;
+// Probability that a map says nothing of the place (PosteriorOptions::outlier).
+inline constexpr double kPersonOutlier = 0.02;
+
+}  // namespace rayloc

@@ -1,0 +1,129 @@
+#include "engine/localize/station_map.h"
+
+#include <cmath>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/localize/ray.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kMostRays = 64;
+
+std::vector<Vec3d> offsets_of(const AntennaArray& array) {
+  std::vector<Vec3d> offsets;
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    offsets.push_back(element_position(array, i) - array.pose.position);
+  }
+  return offsets;
+}
+
+Receiver centre_of(const AntennaArray& array) {
+  return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
+}
+
+}  // namespace
+
+struct StationMap::Tracing {
+  const Source source;
+  const ReceiverTracer tracer;
+  PathGrid rays;  // of each cell's centre
+
+  std::vector<Ray> rays_to(const Vec3d& position) const {
+    const DeviceModel& device = source.room->device;
+    const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
+    return rays_of(tracer.trace(transmitter), *source.room, position, kMostRays);
+  }
+
+  Tracing(const Source& of, PathGridStore* store)
+      : source(of),
+        tracer(PathTracer(of.room->scene, of.room->trace)
+                   .at(centre_of(of.room->access_points[of.access_point].array))) {
+    const RoomGrid& grid = source.grid;
+    const RoomModel& room = *source.room;
+    rays = make_path_grid(
+        {grid.size(), [&](std::size_t cell) { return rays_to(grid.centre(cell)); }},
+        path_grid_key(room, room.access_points[source.access_point], grid, kMostRays),
+        store);
+  }
+};
+
+StationMap::StationMap(const Source& source,
+                       std::shared_ptr<const Tracing> tracing,
+                       std::vector<Vec3d> offsets)
+    : source_(source),
+      offsets_(std::move(offsets)),
+      likelihood_(Likelihood::make(source.likelihood, source.room->grid, offsets_.size())),
+      model_(source.room->grid, offsets_.size()),
+      tracing_(std::move(tracing)) {
+  build_cells();
+  for (std::size_t i = 0; i < offsets_.size(); ++i) {
+    without_.push_back(std::make_unique<Lazy<StationMap>>());
+  }
+}
+
+StationMap::StationMap(const Source& source, PathGridStore* store)
+    : StationMap(source,
+                 std::make_shared<const Tracing>(source, store),
+                 offsets_of(source.room->access_points[source.access_point].array)) {}
+
+StationMap::~StationMap() = default;
+StationMap::StationMap(StationMap&&) noexcept = default;
+
+const StationMap& StationMap::without(std::size_t antenna) const {
+  RAYLOC_CHECK(antenna < offsets_.size() && offsets_.size() > 1);
+  return without_[antenna]->get([&] {
+    std::vector<Vec3d> left = offsets_;
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(antenna));
+    return std::unique_ptr<StationMap>(new StationMap(source_, tracing_, std::move(left)));
+  });
+}
+
+const RoomAccessPoint& StationMap::access_point() const {
+  return source_.room->access_points[source_.access_point];
+}
+
+double StationMap::cell_size() const {
+  return std::sqrt(source_.grid.step_x * source_.grid.step_y);
+}
+
+void StationMap::build_cells() {
+  const ModelError& error = access_point().error;
+  cells_.resize(source_.grid.size());
+  parallel_for(cells_.size(), 16, [&](std::size_t cell) {
+    cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
+  });
+}
+
+ObservedBurst StationMap::observe(std::span<const std::complex<double>> h) const {
+  return likelihood_->observe(h);
+}
+
+double StationMap::log_likelihood(std::size_t cell, const ObservedBurst& observed) const {
+  return likelihood_->log_likelihood(cells_[cell], observed);
+}
+
+double StationMap::coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const {
+  return likelihood_->coarse_log_likelihood(cells_[cell], observed);
+}
+
+double StationMap::nowhere(const ObservedBurst& observed) const {
+  return likelihood_->nowhere(access_point().error, observed);
+}
+
+std::unique_ptr<const NearbyLikelihood> StationMap::nearby(std::size_t cell,
+                                                           const ObservedBurst& observed) const {
+  return likelihood_->nearby(
+      {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], access_point().error, observed);
+}
+
+std::vector<std::complex<double>> StationMap::expected(const Vec3d& position) const {
+  const auto rays = tracing_->rays_to(position);
+  return model_.expected({rays, offsets_, 0.0}, access_point().error);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,81 @@
+// StationMap: what one access point of a room expects to hear of a device in every cell of a grid,
+// and how likely a burst is there: an access point's part of a Localizer's map.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/base/vec3.h"
+#include "engine/localize/likelihood.h"
+#include "engine/localize/nearby_likelihood.h"
+#include "engine/localize/observation_model.h"
+#include "engine/localize/path_grid.h"
+#include "engine/localize/posterior.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+class StationMap {
+ public:
+  struct Source {
+    std::shared_ptr<const RoomModel> room;
+    std::size_t access_point;  // in RoomModel::access_points
+    RoomGrid grid;
+    LikelihoodKind likelihood = LikelihoodKind::kPartial;
+  };
+  // Traces the grid, or takes the rays from `store` (null: no store). Seconds.
+  StationMap(const Source& source, PathGridStore* store);
+  ~StationMap();
+  StationMap(StationMap&&) noexcept;
+  StationMap& operator=(StationMap&&) = delete;
+
+  // The same access point, of the same rays, without one of its antennas: about a second the first
+  // time. REQUIRES: two antennas or more.
+  const StationMap& without(std::size_t antenna) const;
+
+  const RoomAccessPoint& access_point() const;
+  std::size_t antennas() const { return offsets_.size(); }
+  std::size_t dimension() const { return model_.dimension(); }  // of the observation
+
+  // h: [antenna][tone], chain gains removed.
+  ObservedBurst observe(std::span<const std::complex<double>> h) const;
+
+  // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound.
+  bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
+  double log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
+  double coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
+  // When the device may be anywhere: what every place is compared with.
+  double nowhere(const ObservedBurst& observed) const;
+  // Of the burst at places in a cell; null where the likelihood does not tell them apart.
+  // REQUIRES: is_reachable(cell).
+  std::unique_ptr<const NearbyLikelihood> nearby(std::size_t cell,
+                                                 const ObservedBurst& observed) const;
+
+  // The expected array of a device at a place: [antenna][tone].
+  std::vector<std::complex<double>> expected(const Vec3d& position) const;
+
+ private:
+  struct Tracing;
+  StationMap(const Source& source,
+             std::shared_ptr<const Tracing> tracing,
+             std::vector<Vec3d> offsets);
+  void build_cells();
+  double cell_size() const;
+
+  Source source_;
+  std::vector<Vec3d> offsets_;  // [m], of the antennas from the array's centre
+  std::unique_ptr<const Likelihood> likelihood_;
+  ObservationModel model_;
+  std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
+  std::vector<PlaceLikelihood> cells_;
+  std::vector<std::unique_ptr<Lazy<StationMap>>> without_;  // [antenna]
+};
+
+}  // namespace rayloc

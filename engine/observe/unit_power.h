@@ -1,0 +1,24 @@
+// Arrays whose level means nothing are kept at mean square 1.
+#pragma once
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+namespace rayloc {
+
+// Silence stays silence.
+inline void scale_to_unit(std::vector<std::complex<double>>& values) {
+  double power = 0.0;
+  for (const auto& v : values) {
+    power += std::norm(v);
+  }
+  if (power > 0.0) {
+    const double scale = std::sqrt(static_cast<double>(values.size()) / power);
+    for (auto& v : values) {
+      v *= scale;
+    }
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,246 @@
+#include "engine/track/person_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kLeastWeight = 0.02;  // of a moment that is worth working out the map for
+constexpr double kLeastMass = 1e-300;
+// Height at which walls are in the way of a walk and chairs are not, share of the body's.
+constexpr double kWalkHeight = 0.8;
+// Share of the power by which two frames of a room at rest differ beyond noise: the phases of
+// chains jitter by a degree or two.
+constexpr double kStillChange = 1e-3;
+// A track that has been silent for longer begins anew.
+constexpr Duration kLongestGap = std::chrono::seconds(5);
+
+FreeSpace make_space(const RoomModel& room, const StandingRoom& standing, const TargetBody& body) {
+  const RoomGrid& grid = standing.grid;
+  FreeSpace space{grid,
+                  standing.free,
+                  std::vector<std::uint8_t>(grid.size(), 0),
+                  std::vector<std::uint8_t>(grid.size(), 0)};
+  const double height = body.base + kWalkHeight * body.height;
+  const auto at = [&](std::size_t cell) {
+    Vec3d place = grid.centre(cell);
+    place.z = height;
+    return place;
+  };
+  const auto is_open = [&](std::size_t from, std::size_t to) {
+    return space.free[from] != 0 && space.free[to] != 0 &&
+           !room.scene->is_blocked({at(from), at(to)});
+  };
+  parallel_for(grid.size(), 64, [&](std::size_t cell) {
+    space.link_x[cell] =
+        cell + grid.count_y < grid.size() && is_open(cell, cell + grid.count_y) ? 1 : 0;
+    space.link_y[cell] = (cell + 1) % grid.count_y != 0 && is_open(cell, cell + 1) ? 1 : 0;
+  });
+  return space;
+}
+
+// Squared, of what two moments hear, both aligned to the empty room.
+double correlation(const PersonLikelihood::Observed& a, const PersonLikelihood::Observed& b) {
+  const auto& x = a.y[PersonLikelihood::kDelays / 2];
+  const auto& y = b.y[PersonLikelihood::kDelays / 2];
+  std::complex<double> product;
+  double power_x = 0.0;
+  double power_y = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    product += std::conj(x[i]) * y[i];
+    power_x += std::norm(x[i]);
+    power_y += std::norm(y[i]);
+  }
+  return power_x > 0.0 && power_y > 0.0 ? std::norm(product) / (power_x * power_y) : 0.0;
+}
+
+std::vector<double> logarithm(std::vector<double> mass) {
+  for (double& value : mass) {
+    value = std::log(std::max(value, kLeastMass));
+  }
+  return mass;
+}
+
+}  // namespace
+
+PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
+                             PersonTrackerOptions options)
+    : localizer_(std::move(localizer)),
+      options_(std::move(options)),
+      space_(std::make_shared<const FreeSpace>(make_space(
+          localizer_->room(), localizer_->standing_room(), localizer_->reference().person.body))) {}
+
+// By how much what the person adds has changed since the last moment: 0 not at all, 1 as by a move.
+// The access points count by what they hear of the person.
+double PersonTracker::change_of(const PersonHearing& hearing) const {
+  double changed = 0.0;
+  double added = 0.0;
+  for (const PersonHearing::Array& now : hearing.arrays) {
+    for (const PersonHearing::Array& before : life_->last) {
+      if (now.link == before.link) {
+        const double noise = now.observed.noise + before.observed.noise + kStillChange;
+        changed += 1.0 - correlation(before.observed, now.observed) - noise;
+        added += 2.0 - now.observed.correlation - before.observed.correlation - noise;
+      }
+    }
+  }
+  return added > 0.0 ? std::clamp(changed / (options_.moved_change * added), 0.0, 1.0) : 1.0;
+}
+
+void PersonTracker::begin(Timestamp time) {
+  ++track_;
+  life_ = Life{GridFilter(space_, options_.motion), TrackState::kTentative, 0, time, time, 0.0, {}};
+}
+
+// False when the moment shows nobody.
+bool PersonTracker::weigh(const PersonHearing& hearing) {
+  const double temper = localizer_->reference().person.temper;
+  const Timestamp time = hearing.estimate.time;
+  if (!life_) {
+    const PersonMap map = localizer_->map(hearing, temper);
+    if (!map.is_explained || map.is_transmitter_doubtful || map.somebody < kSomebody) {
+      return false;
+    }
+    begin(time);
+    life_->filter.update(map.log_likelihood, 1.0);
+    life_->credit = 1.0;
+    life_->last = hearing.arrays;
+    return true;
+  }
+  const double change = life_->last.empty() ? 1.0 : change_of(hearing);
+  const double credit = life_->credit * (1.0 - change);
+  const double share =
+      std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(options_.evidence_time));
+  const double weight = share * (1.0 - credit);
+  life_->filter.weigh_change(change);
+  life_->credit = credit;
+  if (weight >= kLeastWeight) {
+    const PersonMap map = localizer_->map(hearing, temper);
+    if (!map.is_explained || map.is_transmitter_doubtful || map.somebody < 0.0) {
+      return false;
+    }
+    life_->filter.update(map.log_likelihood, weight);
+    life_->credit += weight;
+  }
+  life_->weighed = time;
+  life_->last = hearing.arrays;
+  return true;
+}
+
+std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) {
+  const bool is_new = life_->moments == 0;
+  TrackState after = life_->state;
+  std::string reason;
+  if (is_seen) {
+    life_->seen = time;
+    ++life_->moments;
+    if (life_->moments >= options_.confirming_moments) {
+      after = TrackState::kConfirmed;
+      reason = "seen often enough";
+    }
+  } else {
+    const Duration silence = time - life_->seen;
+    const bool tentative = life_->state == TrackState::kTentative;
+    if (silence >= (tentative ? options_.forget_after : options_.lose_after)) {
+      after = TrackState::kLost;
+      reason = "not seen for too long";
+    } else if (!tentative && silence >= options_.coast_after) {
+      after = TrackState::kCoasting;
+      reason = "not seen lately";
+    }
+  }
+  if (is_new) {
+    return TrackTransition{time, std::nullopt, TrackState::kTentative, "seen for the first time"};
+  }
+  if (after == life_->state) {
+    return std::nullopt;
+  }
+  const TrackTransition transition{time, life_->state, after, std::move(reason)};
+  life_->state = after;
+  return transition;
+}
+
+PersonUpdate PersonTracker::summarise(LocationEstimate location,
+                                      bool is_seen,
+                                      std::optional<TrackTransition> transition) const {
+  summarise_posterior(localizer_->standing_room().grid,
+                      logarithm(life_->filter.mass()),
+                      {1.0, location.accuracy_confidence, localizer_->options().max_hypotheses},
+                      location);
+  PersonUpdate update;
+  update.track = track_;
+  update.estimate.location = std::move(location);
+  update.estimate.state = life_->state;
+  update.estimate.predicted = !is_seen;
+  update.estimate.standing = life_->filter.standing();
+  update.estimate.transition = std::move(transition);
+  return update;
+}
+
+void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
+                                std::vector<PersonUpdate>& updates) {
+  PersonHearing hearing = localizer_->hear(frames);
+  if (hearing.arrays.empty()) {
+    return;
+  }
+  const Timestamp time = hearing.estimate.time;
+  if (time_ && time <= *time_) {
+    ++out_of_order_;
+    return;
+  }
+  if (life_ && time - *time_ > kLongestGap) {
+    life_.reset();
+  }
+  if (life_) {
+    life_->filter.predict(time - *time_);
+  }
+  time_ = time;
+  const bool is_seen = weigh(hearing);
+  if (!life_) {
+    return;
+  }
+  auto transition = age(time, is_seen);
+  updates.push_back(summarise(std::move(hearing.estimate), is_seen, std::move(transition)));
+  if (life_->state == TrackState::kLost) {
+    life_.reset();
+  }
+}
+
+void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>& updates) {
+  if (life_) {
+    LocationEstimate location;
+    location.accuracy_confidence = localizer_->options().accuracy_confidence;
+    location.time = *time_ + std::chrono::microseconds(1);  // as Track::end()
+    location.capture_start = life_->seen;
+    location.capture_end = life_->seen;
+    const TrackTransition lost{location.time, life_->state, TrackState::kLost, reason};
+    life_->state = TrackState::kLost;
+    updates.push_back(summarise(std::move(location), false, lost));
+  }
+  life_.reset();
+  time_.reset();
+}
+
+void PersonTracker::hear(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates) {
+  for (std::size_t begin = 0; begin < frames.size();) {
+    std::size_t end = begin + 1;
+    const Duration since = time_ ? frames[begin].time - *time_ : options_.interval;
+    if (since >= Duration::zero() && since < options_.interval) {
+      ++passed_over_;
+      begin = end;
+      continue;
+    }
+    while (end < frames.size() && frames[end].time - frames[begin].time <= options_.moment) {
+      ++end;
+    }
+    hear_moment(frames.subspan(begin, end - begin), updates);
+    begin = end;
+  }
+}
+
+}  // namespace rayloc

@@ -1,0 +1,234 @@
+// What a fix says of itself when something is wrong, on recordings of a calibrated site:
+//
+//   failure_bench SITE POINTS.csv [AP=]FILE...
+//
+// Each spot of POINTS is located as recorded, and with one thing wrong: a chain dead, a chain's
+// phase jumped, an access point covered (97 % of the amplitude of its direct way taken out, as the
+// calibrated room has it), a device outside of the area (the bounds end 0.3 m short of it), and the
+// channel of another room. A line a case and number of access points: cases, NO_FIX, fixes with a
+// warning, and those whose stated region of 95 % excludes the truth. --verbose: a line a fix.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "daemon/cli/calibration_inputs.h"
+#include "daemon/evaluate/credible_region.h"
+#include "daemon/site/room_model.h"
+#include "engine/localize/localizer.h"
+#include "tests/support/faulty_frames.h"
+
+namespace rayloc::bench {
+namespace {
+
+using Frames = std::vector<CsiFrame>;
+using Value = std::complex<double>;
+
+struct Spot {
+  Vec3d position;
+  Frames frames;
+};
+
+struct Tally {
+  int cases = 0;
+  int no_fix = 0;
+  int warned = 0;
+  int wrong = 0;
+  int wrong_unwarned = 0;
+};
+
+void strange(const RoomModel& room, std::mt19937& random, Frames& frames) {
+  std::vector<std::vector<Value>> channels(room.access_points.size());
+  std::normal_distribution<float> normal;
+  for (CsiFrame& frame : frames) {
+    std::vector<double> offset;
+    for (const std::int16_t tone : frame.tone_index) {
+      offset.push_back(room.grid.spacing_hz * tone);
+    }
+    auto& h = channels[static_cast<std::size_t>(frame.access_point)];
+    if (h.empty()) {
+      h = test::strange_channel(frame.cores.size(), offset, random);
+    }
+    for (std::size_t m = 0; m < frame.cores.size(); ++m) {
+      const auto row = frame.csi.row(m, 0);
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        const float real = 0.1F * normal(random);
+        row[k] = std::complex<float>(h[m * row.size() + k]) +
+                 std::complex<float>(real, 0.1F * normal(random));
+      }
+    }
+  }
+}
+
+void judge(bool verbose,
+           const std::string& name,
+           const Localizer& localizer,
+           const Spot& spot,
+           const Frames& frames,
+           Tally& tally) {
+  const LocationEstimate estimate = localizer.locate(frames);
+  ++tally.cases;
+  const bool warned = !estimate.warnings.empty();
+  double error = -1.0;
+  double reaching = 0.0;
+  if (estimate.position) {
+    error =
+        std::hypot(estimate.position->x - spot.position.x, estimate.position->y - spot.position.y);
+    reaching = region_reaching(estimate, spot.position).value_or(1.0);
+    tally.warned += warned ? 1 : 0;
+    tally.wrong += reaching > 0.95 ? 1 : 0;
+    tally.wrong_unwarned += reaching > 0.95 && !warned ? 1 : 0;
+  } else {
+    ++tally.no_fix;
+  }
+  if (verbose) {
+    std::printf("%s aps %zu error %.3f accuracy %.3f reaching %.3f elsewhere %.4f loss %.2f",
+                name.c_str(),
+                localizer.room().access_points.size(),
+                error,
+                estimate.accuracy_m,
+                reaching,
+                estimate.residual_probability,
+                estimate.loss);
+    const Hearing hearing = localizer.hear(frames);
+    for (const HeardArray& heard : hearing.arrays) {
+      double weakest = 1e9;
+      const std::size_t tones = localizer.room().grid.size();
+      for (std::size_t m = 0; m < heard.h.size() / tones; ++m) {
+        double own = 0.0;
+        double others = 0.0;
+        for (std::size_t j = 0; j < heard.h.size(); ++j) {
+          (j / tones == m ? own : others) += std::norm(heard.h[j]);
+        }
+        weakest = std::min(weakest, 2.0 * own / others);
+      }
+      std::printf(" | weakest %.1f dB", 10.0 * std::log10(weakest));
+    }
+    std::printf(" %s\n", warned ? estimate.warnings.front().c_str() : "");
+  }
+}
+
+// One half of the room, seen from a spot of the other.
+RoomModel half(RoomModel room, bool upper) {
+  const bool along_x =
+      room.bounds_max.x - room.bounds_min.x > room.bounds_max.y - room.bounds_min.y;
+  double& low = along_x ? room.bounds_min.x : room.bounds_min.y;
+  double& high = along_x ? room.bounds_max.x : room.bounds_max.y;
+  const double middle = 0.5 * (low + high);
+  (upper ? low : high) = middle;
+  return room;
+}
+
+bool is_outside(const RoomModel& room, const Vec3d& p) {
+  constexpr double kMargin = 0.3;
+  return p.x < room.bounds_min.x - kMargin || p.x > room.bounds_max.x + kMargin ||
+         p.y < room.bounds_min.y - kMargin || p.y > room.bounds_max.y + kMargin;
+}
+
+void run(const RoomModel& room, const std::vector<Spot>& spots, bool verbose) {
+  const auto shared = std::make_shared<const RoomModel>(room);
+  const Localizer localizer = *Localizer::create(shared, {});
+  const auto study = [&](const std::string& name,
+                         const Localizer& by,
+                         const std::function<bool(std::size_t, Frames&)>& spoil) {
+    Tally tally;
+    for (std::size_t i = 0; i < spots.size(); ++i) {
+      Frames frames = spots[i].frames;
+      if (spoil(i, frames)) {
+        judge(verbose, name, by, spots[i], frames, tally);
+      }
+    }
+    std::printf("| %s | %zu | %d | %d | %d | %d (%.0f %%) | %d |\n",
+                name.c_str(),
+                room.access_points.size(),
+                tally.cases,
+                tally.no_fix,
+                tally.warned,
+                tally.wrong,
+                100.0 * tally.wrong / std::max(1, tally.cases),
+                tally.wrong_unwarned);
+    std::fflush(stdout);
+  };
+  std::mt19937 random(1);
+  const std::size_t aps = room.access_points.size();
+  const auto hit = [&](std::size_t i) { return static_cast<int>(i % aps); };
+  const auto core = [&](std::size_t i) {
+    const auto& cores = room.access_points[i % aps].cores;
+    return cores[(i / aps) % cores.size()];
+  };
+  study("as recorded", localizer, [](std::size_t, Frames&) { return true; });
+  study("chain dead", localizer, [&](std::size_t i, Frames& frames) {
+    test::kill_chain(frames, hit(i), core(i), random);
+    return true;
+  });
+  study("chain's phase jumped", localizer, [&](std::size_t i, Frames& frames) {
+    const double quarter = 0.5 * std::numbers::pi;
+    test::turn_chain(frames, hit(i), core(i), quarter * static_cast<double>(1 + i / (3 * aps) % 3));
+    return true;
+  });
+  study("access point covered", localizer, [&](std::size_t i, Frames& frames) {
+    test::cover(frames, hit(i), room, spots[i].position);
+    return true;
+  });
+  study("another room's channel", localizer, [&](std::size_t, Frames& frames) {
+    strange(room, random, frames);
+    return true;
+  });
+  for (const bool upper : {false, true}) {
+    const auto part = std::make_shared<const RoomModel>(half(room, upper));
+    const Localizer by = *Localizer::create(part, {});
+    study("outside of the area", by, [&](std::size_t i, Frames&) {
+      return is_outside(*part, spots[i].position);
+    });
+  }
+}
+
+int run(const std::vector<std::string>& arguments, bool verbose) {
+  if (arguments.size() < 3) {
+    std::fputs("failure_bench [--verbose] SITE POINTS.csv [AP=]FILE...\n", stderr);
+    return 64;
+  }
+  const auto site = load_site(arguments[0]);
+  const auto room = site ? load_room_model(*site) : tl::make_unexpected(site.error());
+  if (!room) {
+    std::fprintf(stderr, "failure_bench: %s\n", room.error().message.c_str());
+    return 65;
+  }
+  std::vector<std::string> ids;
+  for (const RoomAccessPoint& ap : room->access_points) {
+    ids.push_back(ap.id);
+  }
+  const auto captures = cli::resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
+  const auto inputs = captures ? cli::read_calibration_inputs(*site, *captures, arguments[1])
+                               : tl::make_unexpected(captures.error());
+  if (!inputs) {
+    std::fprintf(stderr, "failure_bench: %s\n", inputs.error().message.c_str());
+    return 65;
+  }
+  std::vector<Spot> spots;
+  for (const cli::SurveyedFrames& one : inputs->points) {
+    if (!one.frames.empty()) {
+      spots.push_back({one.point.position, one.frames});
+    }
+  }
+  std::puts("| case | access points | n | NO_FIX | warned | wrong | wrong, no warning |");
+  std::puts("|---|---|---|---|---|---|---|");
+  run(*room, spots, verbose);
+  return 0;
+}
+
+}  // namespace
+}  // namespace rayloc::bench
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool verbose = !arguments.empty() && arguments[0] == "--verbose";
+  if (verbose) {
+    arguments.erase(arguments.begin());
+  }
+  return rayloc::bench::run(arguments, verbose);
+}

@@ -1,0 +1,160 @@
+"""What Home Assistant is told of what raylocd says."""
+
+from __future__ import annotations
+
+import json
+import re
+from typing import Optional
+
+import pytest
+
+from rayloc.bridges.home_assistant import (
+    HomeAssistant,
+    Publication,
+    Setting,
+    object_id_of,
+)
+from rayloc.message import Message
+from rayloc.v1.envelope_pb2 import Envelope
+from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, LOCATION_KIND_SNAPSHOT
+from rayloc.v1.target_pb2 import TARGET_KIND_DEVICE, TARGET_KIND_PERSON, TRACK_STATE_LOST
+
+MAC = "02:52:4c:00:00:01"
+STATE = f"rayloc/my%20office/{MAC}"
+NODE = "rayloc_my_20office"
+
+
+def located(
+    x: Optional[float] = 1.25, zones: Optional[dict[str, float]] = None, person: int = 0
+) -> Message:
+    envelope = Envelope(epoch=1, sequence=1)
+    location = envelope.location
+    location.kind = LOCATION_KIND_FILTERED
+    location.target.kind = TARGET_KIND_PERSON if person else TARGET_KIND_DEVICE
+    if person:
+        location.target.track = person
+    else:
+        location.target.mac = MAC
+    if x is not None:
+        location.position.x, location.position.y, location.position.z = x, 2.0, 1.0
+        location.accuracy_m = 0.5
+    for zone, probability in (zones or {}).items():
+        location.zones.add(zone=zone, probability=probability)
+    name = f"person-{person}" if person else MAC
+    return Message(f"v1/location/my%20office/{name}/", envelope)
+
+
+def lost(person: int = 0) -> Message:
+    envelope = Envelope(epoch=1, sequence=2)
+    envelope.track.state = TRACK_STATE_LOST
+    if person:
+        envelope.track.target.track = person
+    else:
+        envelope.track.target.mac = MAC
+    return Message("v1/track/my%20office/", envelope)
+
+
+def states(publications: list[Publication]) -> list[dict[str, object]]:
+    of_targets = [each for each in publications if each.topic.startswith("rayloc/my%20office/0")]
+    return [json.loads(each.payload) for each in of_targets]
+
+
+def test_a_target_is_announced_once_and_its_topics_and_templates_fit_its_state() -> None:
+    subject = HomeAssistant(Setting())
+    first = subject.on_message(located(), 0.0)
+    configurations = {p.topic: json.loads(p.payload) for p in first if p.topic.endswith("/config")}
+    components = sorted(topic.split("/")[1] for topic in configurations)
+    assert components == ["device_tracker", "sensor", "sensor", "sensor"]
+    assert all(p.retain for p in first if p.topic.endswith("/config"))
+    (state,) = states(first)
+    assert (state["place"], state["x"], state["accuracy_m"]) == ("home", 1.25, 0.5)
+    unique = set()
+    for topic, configuration in configurations.items():
+        # <prefix>/<component>/<node>/<object>/config, of the characters that are allowed.
+        assert re.fullmatch(r"homeassistant/[a-z_]+/[\w-]+/[\w-]+/config", topic)
+        assert configuration["state_topic"] == STATE
+        template = configuration["value_template"]
+        (key,) = re.findall(r"^\{\{ value_json\.(\w+) \}\}$", template)
+        assert key in state
+        unique.add(configuration["unique_id"])
+        assert configuration["device"]["identifiers"] == [f"{NODE}_02-52-4c-00-00-01"]
+        topics = [each["topic"] for each in configuration["availability"]]
+        assert topics == ["rayloc/status", "rayloc/my%20office/status"]
+    assert len(unique) == 4
+    again = subject.on_message(located(x=1.5), 5.0)
+    assert [p.topic for p in again] == [STATE]
+    assert not again[0].retain
+
+
+def test_a_target_is_told_of_at_most_once_an_interval_and_then_with_what_is_newest() -> None:
+    subject = HomeAssistant(Setting(interval=1.0))
+    subject.on_message(located(x=1.0), 0.0)
+    for i in range(1, 10):
+        assert subject.on_message(located(x=1.0 + i), 0.1 * i) == []
+    assert states(subject.on_time(0.95, stale=False)) == []
+    (state,) = states(subject.on_time(1.05, stale=False))
+    assert state["x"] == 10.0
+    assert subject.on_time(3.0, stale=False) == []
+
+
+@pytest.mark.parametrize(
+    "zones, place",
+    [({}, "home"), ({"desk": 0.4}, "home"), ({"desk": 0.5, "door": 0.6}, "door")],
+)
+def test_the_place_is_the_most_probable_zone(zones: dict[str, float], place: str) -> None:
+    (state,) = states(HomeAssistant(Setting()).on_message(located(zones=zones), 0.0))
+    assert state["place"] == place
+
+
+def test_without_a_position_there_are_no_coordinates() -> None:
+    (state,) = states(HomeAssistant(Setting()).on_message(located(x=None), 0.0))
+    assert (state["place"], state["x"], state["accuracy_m"]) == ("not_home", None, None)
+
+
+def test_snapshots_are_not_told() -> None:
+    message = located()
+    message.envelope.location.kind = LOCATION_KIND_SNAPSHOT
+    assert HomeAssistant(Setting()).on_message(message, 0.0) == []
+
+
+def test_a_lost_device_is_away_at_once_and_a_lost_person_is_taken_back() -> None:
+    subject = HomeAssistant(Setting())
+    subject.on_message(located(), 0.0)
+    (state,) = states(subject.on_message(lost(), 0.1))
+    assert (state["place"], state["x"]) == ("not_home", None)
+
+    announced = subject.on_message(located(person=3), 0.2)
+    configurations = [p for p in announced if p.topic.endswith("/config")]
+    assert [p.retain for p in configurations] == [False] * 4  # no ghosts in the broker
+    gone = subject.on_message(lost(person=3), 0.3)
+    assert gone == [Publication(p.topic, "", False) for p in configurations]
+    assert subject.on_message(lost(person=3), 0.4) == []
+
+
+def test_a_device_that_is_not_heard_for_long_is_forgotten() -> None:
+    subject = HomeAssistant(Setting(forget=60.0))
+    announced = [p for p in subject.on_message(located(), 0.0) if p.retain]
+    assert [p for p in subject.on_time(59.0, stale=True) if not p.payload] == []
+    assert subject.on_time(61.0, stale=True) == [Publication(p.topic, "", True) for p in announced]
+    assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
+
+
+def test_the_site_is_available_as_long_as_raylocd_is_heard() -> None:
+    subject = HomeAssistant(Setting())
+    subject.on_message(located(), 0.0)
+    status = "rayloc/my%20office/status"
+    assert subject.on_time(0.1, stale=False) == [Publication(status, "online", True)]
+    assert subject.on_time(0.2, stale=False) == []
+    assert subject.on_time(9.0, stale=True) == [Publication(status, "offline", True)]
+
+
+def test_a_home_assistant_that_begins_is_told_everything() -> None:
+    subject = HomeAssistant(Setting())
+    first = subject.on_message(located(), 0.0)
+    online = subject.on_time(0.1, stale=False)
+    assert sorted(p.topic for p in subject.announce()) == sorted(p.topic for p in first + online)
+
+
+def test_ids_have_only_what_discovery_allows_and_stay_different() -> None:
+    ids = [object_id_of(text) for text in ("02:52", "a b", "a_b", "a/b", "büro")]
+    assert ids == ["02-52", "a_20b", "a_5fb", "a_2fb", "b_c3_bcro"]

@@ -1,0 +1,83 @@
+"""The package as a whole: its types, its version, and that pip makes the same of it as CMake."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = ROOT / "deploy/clients/python"
+STAGED = Path(os.environ["RAYLOC_PYTHON"])  # where CMake has put it together
+PATHS = f"{STAGED}:{ROOT}/tests/clients:{ROOT}/tests/clients/stubs"
+
+
+def run(*words: object, **variables: str) -> str:
+    done = subprocess.run(
+        [str(word) for word in words],
+        env={**os.environ, **variables},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        cwd=SOURCES,
+    )
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def mypy(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The words of its command, with what it keeps from one call to the next."""
+    cache = str(tmp_path_factory.mktemp("mypy"))
+    configuration = str(SOURCES / "pyproject.toml")
+    words = ["--strict", "--cache-dir", cache, "--config-file", configuration]
+    return [sys.executable, "-m", "mypy", *words]
+
+
+def test_mypy_finds_nothing_under_strict(mypy: list[str]) -> None:
+    run(*mypy, "-p", "rayloc", MYPYPATH=PATHS)
+    programs = [*SOURCES.glob("examples/*.py"), *ROOT.glob("tests/clients/*.py")]
+    run(*mypy, *programs, MYPYPATH=PATHS)
+
+
+def test_mypy_would_find_a_wrong_type(mypy: list[str], tmp_path: Path) -> None:
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(
+        "import rayloc\n"
+        "for message in rayloc.Subscriber():\n"
+        "    if message.location is not None:\n"
+        "        print(message.location.position.nowhere)\n"
+    )
+    environment = {**os.environ, "MYPYPATH": PATHS}
+    done = subprocess.run([*mypy, str(wrong)], env=environment, capture_output=True, text=True)
+    assert '"Point" has no attribute "nowhere"' in done.stdout, done.stdout
+    assert "Found 1 error" in done.stdout
+
+
+def test_pip_and_cmake_make_the_same_package(tmp_path: Path) -> None:
+    copy = tmp_path / "deploy/clients/python"  # setuptools writes beside its sources
+    copy.parent.mkdir(parents=True)
+    run("cp", "-r", SOURCES, copy)
+    run("cp", "-r", ROOT / "proto", tmp_path / "proto")
+    out = tmp_path / "out"
+    run("env", "-C", copy, sys.executable, "setup.py", "-q", "build", "--build-lib", out)
+    assert contents(out / "rayloc") == contents(STAGED / "rayloc")
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {
+        str(file.relative_to(folder)): file.read_bytes()
+        for file in folder.rglob("*.py*")
+        if "__pycache__" not in file.parts
+    }
+
+
+def test_it_has_the_version_of_the_whole() -> None:
+    whole = re.search(r"project\(rayloc VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text())
+    own = re.search(r'^version = "(.*)"', (SOURCES / "pyproject.toml").read_text(), re.M)
+    assert whole is not None and own is not None
+    assert own[1] == whole[1]

@@ -1,0 +1,82 @@
+#include "daemon/calibrate/held_out_fixes.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kSpots = 16;
+
+// A room that is as its model says, and what is heard of a device in it.
+struct Recorded {
+  std::shared_ptr<const RoomModel> room;
+  std::vector<Vec3d> places;
+  std::vector<std::vector<CsiFrame>> frames;  // at each place
+};
+
+Recorded record() {
+  RoomModel room = test::make_room();
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.001;
+    ap.error.diffuse = 0.005;
+  }
+  Recorded result{std::make_shared<const RoomModel>(std::move(room)), {}, {}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 0; i < kSpots; ++i) {
+    const double x = 1.2 * uniform(random);
+    result.places.push_back({x, 0.8 * uniform(random), 1.2});
+    result.frames.push_back(test::frames_at(
+        *result.room, result.places.back(), {4, 30.0, static_cast<unsigned>(i + 1)}));
+  }
+  return result;
+}
+
+const Recorded& recorded() {
+  static const Recorded kRecorded = record();
+  return kRecorded;
+}
+
+// Of spots that are stated with an error of `survey` [m] on each axis.
+HeldOutFixes fit(double survey, double survey_sigma) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  std::vector<HeldOutSpot> spots;
+  for (std::size_t i = 0; i < recorded().places.size(); ++i) {
+    const double x = survey * normal(random);
+    spots.push_back(
+        {recorded().places[i] + Vec3d{x, survey * normal(random), 0.0}, recorded().frames[i]});
+  }
+  return fit_certainty_of(recorded().room, spots, survey_sigma).value().back();
+}
+
+TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
+  const HeldOutFixes fixes = fit(0.0, 0.0);
+  EXPECT_EQ(fixes.fixes, static_cast<std::size_t>(kSpots));
+  EXPECT_LT(fixes.median_error_m, 0.01);
+  EXPECT_LE(fixes.least_sigma, 0.007);
+}
+
+// What the survey is off is no error of the fixes.
+TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
+  EXPECT_GE(fit(0.02, 0.0).least_sigma, 0.014);
+  EXPECT_LE(fit(0.02, 0.02).least_sigma, 0.01);
+}
+
+TEST(HeldOutFixes, FewSpotsTellNothing) {
+  const HeldOutSpot alone{recorded().places.front(), recorded().frames.front()};
+  const auto fixes = fit_certainty_of(recorded().room, std::vector(3, alone), 0.005);
+  ASSERT_TRUE(fixes);
+  ASSERT_EQ(fixes->size(), 1U);
+  EXPECT_EQ(fixes->back().temper, recorded().room->temper);
+  EXPECT_EQ(fixes->back().least_sigma, recorded().room->least_sigma);
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,319 @@
+// `rayloc reference` and `rayloc replay --kind person` as processes, on what `rayloc simulate` says
+// is true.
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr const char* kPlan = R"(name = "closet"
+size = [3.0, 2.4, 2.5]
+corner = [-1.5, -1.2, 0]
+floor = "concrete"
+ceiling = "ceiling_board"
+walls = "brick"
+[carrier]
+channel = 36
+bandwidth_mhz = 40
+centre_hz = 5190000000
+tones = 128
+active = [[-58, -2], [2, 58]]
+)";
+constexpr const char* kAntennas = R"(pattern = "half_wave_dipole"
+[[access_point.antenna]]
+core = 2
+offset = [0, -0.089, 0]
+[[access_point.antenna]]
+core = 0
+offset = [0, 0, 0]
+[[access_point.antenna]]
+core = 3
+offset = [0, 0.089, 0]
+)";
+constexpr const char* kTransmitters = R"(
+[person]
+radius_m = 0.16
+height_m = 1.7
+[[transmitter]]
+role = "fixed"
+mac = "02:52:4c:00:00:09"
+name = "plug"
+position = [1.2, -0.6, 1.1]
+)";
+constexpr const char* kHeader = "t_start,t_end,x,y,z\n";
+
+struct Place {
+  double x = 0.0;
+  double y = 0.0;
+};
+
+class ReferenceVerb : public ::testing::Test {
+ protected:
+  // The room, two access points, and a calibration of their chains.
+  static void SetUpTestSuite() {
+    fs::remove_all(folder());
+    fs::create_directories(folder());
+    std::string plan = kPlan;
+    plan += "[[access_point]]\nid = \"ap1\"\nposition = [-1.3, 1.0, 1.2]\nyaw_deg = -38\n";
+    plan += kAntennas;
+    plan += "[[access_point]]\nid = \"ap2\"\nposition = [1.3, 1.0, 1.2]\nyaw_deg = -142\n";
+    plan += kAntennas;
+    write("plan.toml", plan);
+    run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
+    std::ofstream(path("site") + "/site.toml", std::ios::app) << kTransmitters;
+    std::vector<Place> survey;
+    survey.reserve(30);
+    for (int row = 0; row < 5; ++row) {
+      for (int column = 0; column < 6; ++column) {
+        survey.push_back({-1.05 + 0.4 * column, -0.75 + 0.3 * row});
+      }
+    }
+    simulate("survey", 1000.0, survey, "1.2", {});
+    run({"calibrate",
+         path("site"),
+         "--gains-only",
+         "--quiet",
+         "--points",
+         path("survey.csv"),
+         "--capture",
+         capture(1, "survey"),
+         capture(2, "survey"),
+         "--out",
+         path("calibrated")});
+    simulate("empty", 2000.0, {{1.2, -0.6}}, "1.1", {"--transmitter", "plug"});
+    simulate("people", 3000.0, people(), "0", {"--transmitter", "plug", "--person"});
+    simulate("later", 4000.0, later(), "0", {"--transmitter", "plug", "--person"});
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
+
+  static std::vector<Place> people() {
+    std::vector<Place> places;
+    places.reserve(16);
+    for (int i = 0; i < 16; ++i) {
+      places.push_back({0.95 * std::sin(2.4 * i), 0.75 * std::sin(1.7 * i + 0.5)});
+    }
+    return places;
+  }
+  static std::vector<Place> later() {
+    std::vector<Place> places;
+    places.reserve(10);
+    for (int i = 0; i < 10; ++i) {
+      places.push_back({0.9 * std::sin(1.9 * i + 1.0), 0.7 * std::sin(2.9 * i)});
+    }
+    return places;
+  }
+
+  // Of this process: others run tests of this file at the same time.
+  static fs::path folder() {
+    return fs::path(::testing::TempDir()) / ("reference_verb_" + std::to_string(::getpid()));
+  }
+  static std::string path(const std::string& name) { return folder() / name; }
+  static std::string capture(int ap, const std::string& name) {
+    const std::string id = "ap" + std::to_string(ap);
+    return id + "=" + path(name + "-" + id + ".pcap");
+  }
+  static void write(const std::string& name, const std::string& text) {
+    std::ofstream(path(name)) << text;
+  }
+  static Finished rayloc(const std::vector<std::string>& arguments) {
+    return RaylocProcess(arguments).wait();
+  }
+  static std::string run(const std::vector<std::string>& arguments) {
+    const Finished finished = rayloc(arguments);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return finished.out;
+  }
+  static void simulate(const std::string& name,
+                       double begin,
+                       const std::vector<Place>& places,
+                       const std::string& z,
+                       const std::vector<std::string>& more,
+                       const std::string& power_cycle = "5") {
+    std::string points = kHeader;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      const double t = begin + 3.0 * static_cast<double>(i);
+      points += std::to_string(t) + "," + std::to_string(t + 0.5) + "," +
+                std::to_string(places[i].x) + "," + std::to_string(places[i].y) + "," + z + "\n";
+    }
+    write(name + ".csv", points);
+    std::vector<std::string> arguments = {"simulate",
+                                          path("site"),
+                                          "--quiet",
+                                          "--seed",
+                                          power_cycle,
+                                          "--points",
+                                          path(name + ".csv"),
+                                          "--out",
+                                          capture(1, name),
+                                          capture(2, name)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run(arguments);
+  }
+  static std::vector<json> replay(const std::string& site, const std::string& name) {
+    std::istringstream lines(run({"replay",
+                                  path(site),
+                                  capture(1, name),
+                                  capture(2, name),
+                                  "--kind",
+                                  "person",
+                                  "--burst",
+                                  "1.2s",
+                                  "--quiet"}));
+    std::vector<json> snapshots;
+    for (std::string line; std::getline(lines, line);) {
+      json location = json::parse(line);
+      if (location["kind"] == "LOCATION_KIND_SNAPSHOT") {
+        snapshots.push_back(std::move(location));
+      }
+    }
+    return snapshots;
+  }
+  // How many are within 15 cm of the truth.
+  static int near(const std::vector<json>& snapshots, const std::vector<Place>& truth) {
+    int count = 0;
+    for (std::size_t i = 0; i < std::min(snapshots.size(), truth.size()); ++i) {
+      if (snapshots[i].contains("position")) {
+        const double x = snapshots[i]["position"]["x"];
+        const double y = snapshots[i]["position"]["y"];
+        count += std::hypot(x - truth[i].x, y - truth[i].y) < 0.15 ? 1 : 0;
+      }
+    }
+    return count;
+  }
+};
+
+// After a power cycle the chains are new and the empty room is the old one: it tells the chains,
+// and people are found against it as before.
+TEST_F(ReferenceVerb, SurvivesAPowerCycle) {
+  run({"reference",
+       path("calibrated"),
+       "--quiet",
+       "--capture",
+       capture(1, "empty"),
+       capture(2, "empty"),
+       "--out",
+       path("before")});
+  simulate("again", 6000.0, {{1.2, -0.6}}, "1.1", {"--transmitter", "plug"}, "6");
+  simulate("visit", 7000.0, later(), "0", {"--transmitter", "plug", "--person"}, "6");
+  run({"calibrate",
+       path("before"),
+       "--rechain",
+       "--quiet",
+       "--capture",
+       capture(1, "again"),
+       capture(2, "again"),
+       "--out",
+       path("after")});
+  std::ifstream in(path("after") + "/report.json");
+  for (const json& access_point : json::parse(in)["access_points"]) {
+    EXPECT_GT(access_point["fit"].get<double>(), 0.99);
+  }
+  const int usual = near(replay("before", "later"), later());
+  EXPECT_GE(usual, 4);
+  const int renewed = near(replay("after", "visit"), later());
+  EXPECT_GE(renewed, usual - 2);
+  EXPECT_LT(near(replay("before", "visit"), later()), renewed);
+}
+
+TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
+  const Finished learned = rayloc({"reference",
+                                   path("calibrated"),
+                                   "--capture",
+                                   capture(1, "empty"),
+                                   capture(2, "empty"),
+                                   "--people",
+                                   capture(1, "people"),
+                                   capture(2, "people"),
+                                   "--points",
+                                   path("people.csv"),
+                                   "--out",
+                                   path("people-site")});
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  EXPECT_THAT(learned.err, HasSubstr("person from 16 places"));
+  const auto snapshots = replay("people-site", "later");
+  const auto truth = later();
+  ASSERT_EQ(snapshots.size(), truth.size());
+  for (const json& snapshot : snapshots) {
+    EXPECT_EQ(snapshot["target"]["kind"], "TARGET_KIND_PERSON");
+    EXPECT_EQ(snapshot["target"]["track"], "1");
+  }
+  EXPECT_GE(near(snapshots, truth), 8);
+
+  // The empty room shows nobody.
+  for (const json& location : replay("people-site", "empty")) {
+    EXPECT_EQ(location["mode"], "FIX_MODE_NO_FIX");
+    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("nobody"));
+  }
+}
+
+TEST_F(ReferenceVerb, SaysThatPeopleNeedAReference) {
+  const auto snapshots = replay("calibrated", "later");
+  ASSERT_FALSE(snapshots.empty());
+  EXPECT_EQ(snapshots[0]["mode"], "FIX_MODE_NO_FIX");
+  EXPECT_THAT(snapshots[0]["quality"]["no_fix_reason"].get<std::string>(),
+              HasSubstr("rayloc reference"));
+}
+
+TEST_F(ReferenceVerb, RefusesWhatCannotBeAReference) {
+  const auto refused = [](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all = {"reference"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    all.insert(all.end(), {"--out", path("refused")});
+    return rayloc(all);
+  };
+  const Finished plan = refused({path("site"), "--capture", capture(1, "empty")});
+  EXPECT_EQ(plan.status, 78);
+  EXPECT_THAT(plan.err, HasSubstr("rayloc calibrate"));
+  const Finished device = refused({path("calibrated"), "--capture", capture(1, "survey")});
+  EXPECT_EQ(device.status, 65);
+  EXPECT_THAT(device.err, HasSubstr("no fixed transmitter"));
+  const Finished alone = refused(
+      {path("calibrated"), "--capture", capture(1, "empty"), "--people", capture(1, "people")});
+  EXPECT_EQ(alone.status, 64);
+  EXPECT_THAT(alone.err, HasSubstr("--points"));
+  const Finished moving = refused({path("calibrated"), "--capture", capture(1, "people")});
+  EXPECT_EQ(moving.status, 65);
+  EXPECT_THAT(moving.err, HasSubstr("changes during the recording"));
+  EXPECT_FALSE(fs::exists(path("refused")));
+}
+
+TEST_F(ReferenceVerb, RefusesAReferenceOfAnotherCalibration) {
+  run({"reference",
+       path("calibrated"),
+       "--quiet",
+       "--capture",
+       capture(1, "empty"),
+       "--out",
+       path("old")});
+  fs::copy(path("old"), path("stale"), fs::copy_options::recursive);
+  std::ifstream in(path("stale") + "/reference.toml");
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto begin = text.find("calibration = \"") + 15;
+  text.replace(begin, 4, "0000");
+  write("stale/reference.toml", text);
+  const Finished finished =
+      rayloc({"replay", path("stale"), capture(1, "later"), "--kind", "person"});
+  EXPECT_EQ(finished.status, 78);
+  EXPECT_THAT(finished.err, HasSubstr("rayloc reference"));
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,109 @@
+#include "daemon/experiment/run_experiment.h"
+
+#include <gtest/gtest.h>
+
+#include "daemon/experiment/experiment_report.h"
+#include "tests/daemon/experiment/small_room.h"
+
+namespace rayloc {
+namespace {
+
+constexpr const char* kStudies = R"(name = "short"
+seed = 3
+[defaults]
+room = "room.toml"
+spots = 3
+frames = 2
+depth = 1
+model_depth = 1
+impairments = "none"
+[[study]]
+name = "method"
+method = ["rayloc", "paper"]
+paper.iterations = 3
+repeats = 2
+access_points = 2
+[[study]]
+name = "steps"
+method = "paper"
+paper.iterations = [0, 4]
+)";
+
+class RunExperiment : public ::testing::Test {
+ protected:
+  RunExperiment() : folder_("run-experiment-test") {}
+
+  std::vector<StudyResult> run(const Experiment& experiment) {
+    auto results =
+        run_experiment(experiment, [&](const Study&, std::size_t, const auto&) { ++reported_; });
+    EXPECT_TRUE(results) << results.error().message;
+    return results ? *std::move(results) : std::vector<StudyResult>();
+  }
+  Experiment experiment() {
+    return *parse_experiment(kStudies, folder_.path() / "experiment.toml");
+  }
+
+  test::SmallRoomFolder folder_;
+  int reported_ = 0;
+};
+
+// With a perfect model, two access points and no impairments our method is within a decimetre or
+// so; three steps of the paper's from a random place are not.
+TEST_F(RunExperiment, ComparesMethodsOnTheSameWorld) {
+  const Experiment file = experiment();
+  const auto results = run(file);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(reported_, 4);
+  const ConditionResult& ours = results[0].conditions[0];
+  const ConditionResult& papers = results[0].conditions[1];
+  EXPECT_EQ(ours.points.size(), 6U);  // 3 spots, twice
+  EXPECT_LT(ours.statistics.median_m, 0.15);
+  EXPECT_TRUE(ours.statistics.coverage_95.has_value());
+  EXPECT_GT(papers.statistics.median_m, ours.statistics.median_m);
+  EXPECT_FALSE(papers.statistics.coverage_95.has_value());
+  EXPECT_NE(papers.points[0].error, papers.points[1].error);  // another start
+  EXPECT_EQ(ours.points[0].error, ours.points[1].error);      // draws nothing
+  EXPECT_EQ(*ours.statistics.room_centre_median_m, *papers.statistics.room_centre_median_m);
+}
+
+TEST_F(RunExperiment, GivesTheSameBytesAgain) {
+  const Experiment file = experiment();
+  const auto first = run(file);
+  const auto second = run(file);
+  EXPECT_EQ(experiment_json(file, first), experiment_json(file, second));
+  EXPECT_EQ(experiment_csv(first), experiment_csv(second));
+  EXPECT_EQ(experiment_html(file, first), experiment_html(file, second));
+}
+
+TEST_F(RunExperiment, LocatesPeopleWithoutADevice) {
+  const auto people = parse_experiment(R"(name = "people"
+[defaults]
+room = "room.toml"
+kind = "person"
+spots = 3
+depth = 1
+model_depth = 1
+access_points = 2
+[[study]]
+name = "people"
+)",
+                                       folder_.path() / "experiment.toml");
+  ASSERT_TRUE(people) << people.error().message;
+  const auto results = run(*people);
+  ASSERT_EQ(results.size(), 1U);
+  const ErrorStatistics& found = results[0].conditions[0].statistics;
+  EXPECT_EQ(found.n, 3U);
+  EXPECT_EQ(found.missed, 0U);
+  EXPECT_LT(found.median_m, 0.3);
+}
+
+TEST_F(RunExperiment, NamesThePlanThatIsMissing) {
+  Experiment file = experiment();
+  file.studies[0].conditions[0].room = "nowhere.toml";
+  const auto results = run_experiment(file, [](const Study&, std::size_t, const auto&) {});
+  ASSERT_FALSE(results);
+  EXPECT_NE(results.error().message.find("nowhere.toml"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rayloc

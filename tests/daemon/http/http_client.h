@@ -1,0 +1,71 @@
+// Raw connections to an HTTP server on loopback, for tests that misbehave.
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace rayloc::testing {
+
+class HttpClient {
+ public:
+  explicit HttpClient(std::uint16_t port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    connected_ =
+        ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  }
+  ~HttpClient() { ::close(socket_); }
+  HttpClient(const HttpClient&) = delete;
+  HttpClient& operator=(const HttpClient&) = delete;
+
+  bool connected() const { return connected_; }
+  // False when the server has closed.
+  bool send(const std::string& text) const {
+    return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) ==
+           static_cast<ssize_t>(text.size());
+  }
+  // What comes until the server closes its side, or nothing more for `patience`.
+  std::string receive(std::chrono::milliseconds patience = std::chrono::seconds(10)) const {
+    std::string text;
+    std::array<char, 4096> buffer{};
+    pollfd waiting{socket_, POLLIN, 0};
+    while (::poll(&waiting, 1, static_cast<int>(patience.count())) > 0) {
+      const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
+      if (got <= 0) {
+        break;
+      }
+      text.append(buffer.data(), static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+
+ private:
+  int socket_;
+  bool connected_ = false;
+};
+
+// The whole answer to one request.
+inline std::string http_get(std::uint16_t port,
+                            const std::string& path,
+                            const std::string& more_headers = "") {
+  const HttpClient client(port);
+  client.send("GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + more_headers + "\r\n");
+  return client.receive();
+}
+
+inline std::string http_body(const std::string& answer) {
+  const std::size_t end = answer.find("\r\n\r\n");
+  return end == std::string::npos ? "" : answer.substr(end + 4);
+}
+
+}  // namespace rayloc::testing

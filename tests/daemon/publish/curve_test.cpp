@@ -1,0 +1,317 @@
+// Who gets in: CURVE over real sockets, and everything that is no handshake.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <mutex>
+#include <random>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/publish/connection_guard.h"
+#include "daemon/publish/curve_keys.h"
+#include "daemon/publish/last_messages.h"
+#include "daemon/publish/late_subscriber.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/publish/snapshot_server.h"
+#include "daemon/publish/subscriber.h"
+#include "rayloc/v1/envelope.pb.h"
+#include "tests/support/eventually.h"
+
+namespace rayloc {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+
+constexpr auto kPatience = 60s;
+
+// A publisher and a snapshot server behind one guard, which say something all the time.
+class GuardedDaemon {
+ public:
+  // With CURVE for `allow`; without it when there are no server keys.
+  GuardedDaemon(const CurveKeyPair& keys, const std::vector<std::string>& allow) {
+    ConnectionGuard::Options options;
+    options.secret_key = keys.secret_key;
+    options.allow = allow;
+    options.on_denied = [this](const std::string& key, const std::string& address) {
+      const std::lock_guard lock(mutex_);
+      denied_ = key + " from " + address;
+    };
+    guard_ = std::make_shared<ConnectionGuard>(std::move(options));
+    const auto last = std::make_shared<LastMessages>(100);
+    PublisherOptions publishing;
+    publishing.endpoint = "tcp://127.0.0.1:*";
+    publishing.site = "office";
+    publishing.epoch = 5;
+    publishing.last = last;
+    publishing.guard = guard_;
+    publisher_.emplace(std::move(*Publisher::bind(publishing)));
+    endpoint_ = publisher_->endpoint();
+    SnapshotServer::Options snapshots;
+    snapshots.endpoint = "tcp://127.0.0.1:*";
+    snapshots.epoch = 5;
+    snapshots.last = last;
+    snapshots.guard = guard_;
+    snapshots_ = std::move(*SnapshotServer::open(snapshots));
+    thread_ = std::thread([this] {
+      while (!stopping_) {
+        publisher_->publish(v1::Heartbeat(), Timestamp{1718000000s});
+        subscriptions_ = publisher_->counters().subscriptions;
+        std::this_thread::sleep_for(1ms);
+      }
+    });
+  }
+  ~GuardedDaemon() {
+    stopping_ = true;
+    thread_.join();
+  }
+  const std::string& endpoint() const { return endpoint_; }
+  const std::string& snapshot() const { return snapshots_->endpoint(); }
+  ConnectionGuard& guard() const { return *guard_; }
+  std::uint64_t subscriptions() const { return subscriptions_; }
+  std::string denied() const {
+    const std::lock_guard lock(mutex_);
+    return denied_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string denied_;  // guarded by mutex_; the last one
+  std::shared_ptr<ConnectionGuard> guard_;
+  std::optional<Publisher> publisher_;
+  std::string endpoint_;
+  std::unique_ptr<SnapshotServer> snapshots_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::uint64_t> subscriptions_ = 0;
+  std::thread thread_;
+};
+
+bool joins(const GuardedDaemon& daemon, const std::optional<CurveClientKeys>& keys) {
+  const auto late =
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, kPatience, keys);
+  return late.has_value();
+}
+
+TEST(Curve, AListedClientGetsTheSnapshotAndTheStream) {
+  const CurveKeyPair server = make_curve_keys();
+  const CurveKeyPair client = make_curve_keys();
+  const GuardedDaemon daemon(server, {make_curve_keys().public_key, client.public_key});
+  auto late = LateSubscriber::join(daemon.endpoint(),
+                                   daemon.snapshot(),
+                                   {"v1/"},
+                                   kPatience,
+                                   CurveClientKeys{server.public_key, client});
+  ASSERT_TRUE(late) << late.error().message;
+  std::uint64_t last = 0;
+  for (int i = 0; i < 20; ++i) {
+    const auto message = late->receive(kPatience);
+    v1::Envelope envelope;
+    ASSERT_TRUE(message && envelope.ParseFromString(message->payload));
+    EXPECT_TRUE(last == 0 || envelope.sequence() == last + 1);
+    last = envelope.sequence();
+  }
+  EXPECT_EQ(daemon.guard().counters().clients_admitted, 2U) << "both sockets";
+  EXPECT_EQ(daemon.guard().counters().clients_denied, 0U);
+  EXPECT_EQ(daemon.guard().counters().handshakes_failed, 0U);
+}
+
+TEST(Curve, WhoIsNotListedGetsNothingAndIsCounted) {
+  const CurveKeyPair server = make_curve_keys();
+  const CurveKeyPair client = make_curve_keys();
+  const CurveKeyPair stranger = make_curve_keys();
+  const GuardedDaemon daemon(server, {client.public_key});
+  const std::vector<std::pair<const char*, std::optional<CurveClientKeys>>> refused = {
+      {"no keys", std::nullopt},
+      {"wrong server key", CurveClientKeys{make_curve_keys().public_key, client}},
+      {"not on the list", CurveClientKeys{server.public_key, stranger}},
+  };
+  for (const auto& [name, keys] : refused) {
+    const GuardCounters before = daemon.guard().counters();
+    auto subscriber = Subscriber::connect(daemon.endpoint(), {""}, 1000, keys);
+    ASSERT_TRUE(subscriber);
+    ASSERT_TRUE(eventually(kPatience, [&] {
+      return daemon.guard().counters().handshakes_failed > before.handshakes_failed;
+    })) << name;
+    EXPECT_FALSE(subscriber->receive(50ms)) << name;
+    EXPECT_EQ(daemon.subscriptions(), 0U) << name;
+    const bool by_list = std::string(name) == "not on the list";
+    EXPECT_EQ(daemon.guard().counters().clients_denied > before.clients_denied, by_list) << name;
+    const auto late =
+        LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, 50ms, keys);
+    EXPECT_FALSE(late) << name;
+  }
+  EXPECT_EQ(daemon.denied(), stranger.public_key + " from 127.0.0.1");
+  EXPECT_EQ(daemon.guard().counters().clients_admitted, 0U);
+  EXPECT_TRUE(joins(daemon, CurveClientKeys{server.public_key, client}));
+}
+
+TEST(Curve, TheListMayChangeMeanwhile) {
+  const CurveKeyPair server = make_curve_keys();
+  const CurveKeyPair client = make_curve_keys();
+  const GuardedDaemon daemon(server, {});
+  const CurveClientKeys keys{server.public_key, client};
+  const auto turned_away = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
+  ASSERT_TRUE(turned_away);
+  ASSERT_TRUE(eventually(kPatience, [&] { return daemon.guard().counters().clients_denied > 0; }));
+  daemon.guard().allow({client.public_key});
+  EXPECT_TRUE(joins(daemon, keys));
+  daemon.guard().allow({});
+  auto again = Subscriber::connect(daemon.endpoint(), {"v1/"}, 1000, keys);
+  ASSERT_TRUE(eventually(kPatience, [&] { return daemon.guard().counters().clients_denied > 1; }));
+  EXPECT_FALSE(again->receive(std::chrono::milliseconds(50)));
+}
+
+// A TCP connection to "tcp://127.0.0.1:PORT" that says what it likes.
+class RawClient {
+ public:
+  RawClient(const std::string& endpoint, const std::string& bytes)
+      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port =
+        htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+    if (::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+      (void)::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    }
+  }
+  RawClient(RawClient&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+  RawClient& operator=(RawClient&&) = delete;
+  ~RawClient() {
+    if (fd_ >= 0) {
+      ::close(fd_);
+    }
+  }
+
+ private:
+  int fd_;
+};
+
+std::string random_bytes(std::mt19937& random, std::size_t most) {
+  std::string bytes(random() % (most + 1), '\0');
+  for (char& byte : bytes) {
+    byte = static_cast<char>(random());
+  }
+  return bytes;
+}
+
+// The greeting of ZMTP 3 (RFC 23) and commands of CURVE and NULL with what is random in them,
+// whole, cut off, or with bytes changed.
+std::string hostile_bytes(std::mt19937& random) {
+  if (random() % 4 == 0) {
+    return random_bytes(random, 300);
+  }
+  static const std::vector<std::string> kMechanisms = {"CURVE", "NULL", "PLAIN", "GSSAPI", "????"};
+  std::string bytes = std::string("\xff\0\0\0\0\0\0\0\x01\x7f\x03", 11) +
+                      static_cast<char>(random() % 3) + kMechanisms[random() % kMechanisms.size()];
+  bytes.resize(32, '\0');
+  bytes += static_cast<char>(random() % 2);
+  bytes.resize(64, '\0');
+  static const std::vector<std::string> kNames = {
+      "HELLO", "INITIATE", "READY", "MESSAGE", "ERROR", "PING", "SUBSCRIBE", "x"};
+  for (std::size_t commands = random() % 4; commands > 0; --commands) {
+    const std::string& name = kNames[random() % kNames.size()];
+    std::string body = std::string(1, static_cast<char>(name.size())) + name;
+    body += name == "HELLO" ? std::string("\x01\0", 2) + std::string(72, '\0') : "";
+    body += random_bytes(random, 250);
+    body.resize(name == "HELLO" && random() % 2 == 0 ? 200 : body.size() % 256, '\x55');
+    bytes += static_cast<char>(random() % 8 == 0 ? random() : 4U);
+    bytes +=
+        random() % 8 == 0 ? std::string(8, '\xff') : std::string(1, static_cast<char>(body.size()));
+    bytes += body;
+  }
+  if (random() % 3 == 0) {
+    bytes.resize(random() % (bytes.size() + 1));
+  }
+  for (std::size_t changes = random() % 4; changes > 0 && !bytes.empty(); --changes) {
+    bytes[random() % bytes.size()] = static_cast<char>(random());
+  }
+  return bytes;
+}
+
+void expect_to_survive(const GuardedDaemon& daemon, const std::optional<CurveClientKeys>& keys) {
+  const unsigned seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  std::deque<RawClient> open;  // some stay, saying nothing more
+  for (int i = 0; i < 400; ++i) {
+    open.emplace_back(i % 2 == 0 ? daemon.endpoint() : daemon.snapshot(), hostile_bytes(random));
+    if (open.size() > 50) {
+      open.pop_front();
+    }
+  }
+  EXPECT_TRUE(joins(daemon, keys));
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    return daemon.guard().counters().handshakes_failed > 0;
+  })) << "counted";
+}
+
+TEST(Curve, BytesThatAreNoHandshakeHarmNobody) {
+  const CurveKeyPair server = make_curve_keys();
+  const CurveKeyPair client = make_curve_keys();
+  const GuardedDaemon daemon(server, {client.public_key});
+  expect_to_survive(daemon, CurveClientKeys{server.public_key, client});
+  EXPECT_EQ(daemon.guard().counters().clients_admitted, 2U) << "the one that has the key";
+}
+
+TEST(Curve, NorDoTheyWithoutIt) {
+  const GuardedDaemon daemon({}, {});
+  expect_to_survive(daemon, std::nullopt);
+}
+
+class CurveKeyFile : public ::testing::Test {
+ protected:
+  CurveKeyFile()
+      : file_(std::filesystem::path(::testing::TempDir()) /
+              (std::string("curve-") +
+               ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    std::filesystem::remove(file_);
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+  const std::filesystem::path file_;
+};
+
+TEST_F(CurveKeyFile, IsOfItsOwnerAloneAndReadsBack) {
+  const CurveKeyPair keys = make_curve_keys();
+  ASSERT_TRUE(write_curve_secret(file_, keys.secret_key));
+  struct stat status {};
+  ASSERT_EQ(stat(file_.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0600U);
+  const auto read = read_curve_secret(file_);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->secret_key, keys.secret_key);
+  EXPECT_EQ(read->public_key, keys.public_key);
+  const auto again = write_curve_secret(file_, make_curve_keys().secret_key);
+  ASSERT_FALSE(again) << "a key that exists is never lost";
+  EXPECT_THAT(again.error().message, HasSubstr("File exists"));
+  EXPECT_EQ(read_curve_secret(file_)->secret_key, keys.secret_key);
+}
+
+TEST_F(CurveKeyFile, IsRefusedWhenEveryoneMayReadItOrItIsNone) {
+  EXPECT_THAT(read_curve_secret(file_).error().message, HasSubstr("No such file"));
+  std::ofstream(file_) << make_curve_keys().secret_key << "\r\n";
+  std::filesystem::permissions(file_, std::filesystem::perms(0644));
+  EXPECT_THAT(read_curve_secret(file_).error().message, HasSubstr("chmod 600"));
+  std::filesystem::permissions(file_, std::filesystem::perms(0440));
+  EXPECT_TRUE(read_curve_secret(file_)) << "as systemd's credentials are";
+  EXPECT_TRUE(read_curve_public(file_)) << "every key looks alike";
+  std::filesystem::permissions(file_, std::filesystem::perms(0600));
+  std::ofstream(file_) << "secret\n";
+  EXPECT_THAT(read_curve_secret(file_).error().message, HasSubstr("40 characters"));
+  EXPECT_FALSE(is_curve_key(std::string(40, '"')));
+  EXPECT_TRUE(is_curve_key(make_curve_keys().public_key));
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,41 @@
+// What takes long is made once at a time, and nobody waits for it.
+#include "daemon/service/background_text.h"
+
+#include <atomic>
+#include <future>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/eventually.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::chrono::seconds kPatience{60};
+
+TEST(BackgroundText, IsThereAtOnceAndRenewedForWhoAsksNext) {
+  std::promise<void> release;
+  std::shared_future<void> released = release.get_future().share();
+  std::atomic<int> made = 0;
+  BackgroundText text(
+      [&] {
+        const int number = ++made;
+        released.wait();
+        return std::to_string(number);
+      },
+      "none");
+  EXPECT_EQ(text.ask(), "none");
+  ASSERT_TRUE(eventually(kPatience, [&] { return made == 1; }));
+  // While the first is being made nobody waits for it, and no second one is begun.
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(text.ask(), "none");
+  }
+  EXPECT_EQ(made, 1);
+  release.set_value();
+  // All who asked meanwhile together get one more.
+  ASSERT_TRUE(eventually(kPatience, [&] { return made == 2; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return text.ask() >= "2"; }));
+}
+
+}  // namespace
+}  // namespace rayloc

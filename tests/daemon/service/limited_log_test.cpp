@@ -1,0 +1,75 @@
+#include "daemon/service/limited_log.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/service/loss_watch.h"
+
+namespace rayloc {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+
+const LimitedLog::Time kStart{1000s};
+
+struct Written {
+  std::vector<std::string> lines;
+  LimitedLog::Write write() {
+    return [this](const LogEvent& event) {
+      std::string line = event.message;
+      for (const LogField& field : event.fields) {
+        line += " " + field.name + "=" + field.value;
+      }
+      lines.push_back(line);
+    };
+  }
+};
+
+TEST(LimitedLog, SaysTheFirstAtOnceAndThenTheCountOncePerPeriod) {
+  Written written;
+  LimitedLog log(written.write(), 30s);
+  for (int i = 0; i < 1000; ++i) {
+    log.say("a", {LogLevel::kWarning, "a" + std::to_string(i)}, 2, kStart + i * 10ms);
+  }
+  EXPECT_THAT(written.lines, ElementsAre("a0"));
+  log.flush(kStart + 29s);
+  EXPECT_EQ(written.lines.size(), 1U);
+  log.flush(kStart + 30s);
+  EXPECT_THAT(written.lines, ElementsAre("a0", "a999 times=1998"));
+  log.flush(kStart + 90s);
+  EXPECT_EQ(written.lines.size(), 2U) << "nothing has happened since";
+  log.say("a", {LogLevel::kWarning, "late"}, 1, kStart + 95s);
+  EXPECT_EQ(written.lines.back(), "late times=1");
+}
+
+TEST(LimitedLog, SitesDoNotSilenceOneAnother) {
+  Written written;
+  LimitedLog log(written.write(), 30s);
+  log.say("a", {LogLevel::kInfo, "a"}, 1, kStart);
+  log.say("b", {LogLevel::kInfo, "b"}, 1, kStart + 1s);
+  EXPECT_THAT(written.lines, ElementsAre("a", "b"));
+}
+
+TEST(LossWatch, NamesTheSourceTheKindAndTheTotal) {
+  Written written;
+  LossWatch watch(std::make_shared<LimitedLog>(written.write()));
+  v1::Heartbeat heartbeat;
+  v1::SourceReport& source = *heartbeat.add_sources();
+  source.set_access_point("ap1");
+  source.mutable_counters()->set_received(1000);
+  watch.look(heartbeat);
+  EXPECT_THAT(written.lines, ElementsAre()) << "nothing is lost";
+  source.mutable_counters()->set_kernel_drops(7);
+  (*source.mutable_counters()->mutable_rejected())["bad_magic"] = 3;
+  watch.look(heartbeat);
+  watch.look(heartbeat);
+  EXPECT_THAT(written.lines,
+              ElementsAre("source ap1: datagrams lost before we read them: see `rayloc doctor` "
+                          "loss=kernel_drops source=ap1 total=7",
+                          "source ap1: datagrams rejected: bad_magic loss=rejected_bad_magic "
+                          "source=ap1 total=3"));
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,125 @@
+"""What a page owes people who use no mouse, no eyes, or weak ones. Each check raises an
+AssertionError that names what is wrong."""
+
+# Of what text stands on: the colours of WCAG 2.1, 1.4.3, behind it as far as they are opaque.
+CONTRAST = """(() => {
+  const linear = (c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
+  const luminance = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+  const parse = (text) => { const n = text.match(/[0-9.]+/g).map(Number); return n.length < 4 ? [...n, 1] : n; };
+  const behind = (e) => {
+    for (; e; e = e.parentElement) {
+      const c = parse(getComputedStyle(e).backgroundColor);
+      if (c[3] === 1) return c;
+    }
+    return [255, 255, 255, 1];
+  };
+  const ratio = (a, b) => { const [h, l] = [luminance(a), luminance(b)].sort((x, y) => y - x); return (h + 0.05) / (l + 0.05); };
+  const found = [];
+  for (const e of document.querySelectorAll('body *:not(svg *)')) {
+    const own = [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim());
+    if (!own || !e.checkVisibility() || e.tagName === 'NOSCRIPT') continue;
+    found.push([e.id || e.className || e.tagName, ratio(parse(getComputedStyle(e).color), behind(e))]);
+  }
+  const style = getComputedStyle(document.documentElement);
+  const hex = (name) => { const v = style.getPropertyValue(name).trim(); return [1, 3, 5].map((i) => parseInt(v.slice(i, i + 2), 16)); };
+  const marks = [];
+  for (let i = 0; i < 8; ++i) marks.push(`--target-${i}`);
+  for (const mark of [...marks, '--stale', '--good', '--bad', '--warn', '--cut', '--overhead', '--accent']) {
+    for (const ground of ['--page', '--floor']) marks[mark + ' on ' + ground] = ratio(hex(mark), hex(ground));
+  }
+  return {text: found, marks: Object.entries(marks).filter(([k]) => k.includes(' on '))};
+})()"""
+
+
+def check_contrast(page, theme):
+    """Text 4.5, marks of the drawing 3, in that theme."""
+    for _ in range(3):
+        if page.ask("document.documentElement.dataset.theme") == theme and \
+                theme in page.ask("document.querySelector('#theme').textContent"):
+            break
+        page.ask("document.querySelector('#theme').click()")
+    assert page.ask("document.documentElement.dataset.theme") == theme
+    page.ask("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    found = page.ask(CONTRAST)
+    assert len(found["text"]) > 40 and len(found["marks"]) == 30, found
+    for name, ratio in found["text"]:
+        assert ratio >= 4.5, f"{theme}: the text of {name} has a contrast of {ratio:.2f}"
+    for name, ratio in found["marks"]:
+        assert ratio >= 3.0, f"{theme}: {name} has a contrast of {ratio:.2f}"
+
+
+def check_tree(page, buttons=7):
+    """Every control has a name, every region and table what a screen reader needs."""
+    page.ask("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    page.call("Accessibility.enable")
+    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+    page.call("Accessibility.disable")
+    by_role = {}
+    for node in nodes:
+        if not node["ignored"]:
+            by_role.setdefault(node["role"]["value"], []).append(
+                node.get("name", {}).get("value", "").strip())
+    controls = ("button", "slider", "combobox", "checkbox", "link", "application", "region", "table",
+                "DisclosureTriangle", "log", "status")
+    for role in controls:
+        for name in by_role.get(role, []):
+            assert name or role in ("status", "table"), f"a {role} without a name"
+    for role, least in (("button", buttons), ("slider", 1), ("combobox", 1), ("application", 1),
+                        ("columnheader", 9), ("rowheader", 4), ("main", 1), ("banner", 1),
+                        ("heading", 6), ("log", 1), ("status", 1)):
+        assert len(by_role.get(role, [])) >= least, f"{len(by_role.get(role, []))} of role {role}"
+    assert page.ask("document.documentElement.lang") == "en"
+    assert page.ask("document.querySelectorAll('[aria-live=polite]').length") >= 1
+    assert page.ask("document.querySelector('#announcer').textContent") != "", "nothing was announced"
+    doubled = page.ask("(() => { const ids = [...document.querySelectorAll('[id]')].map(e => e.id);"
+                       "return ids.filter((id, i) => ids.indexOf(id) !== i); })()")
+    assert not doubled, f"ids used twice: {doubled}"
+
+
+FOCUS = """(() => {
+  const e = document.activeElement;
+  const seen = e.matches(':focus-visible') && parseFloat(getComputedStyle(e).outlineWidth) >= 2;
+  return [e === document.body ? '' : e.id || e.textContent.trim() || e.className, seen];
+})()"""
+
+
+def check_by_keyboard(page, target):
+    """Everything can be reached and used by keys alone, and shows where the focus is."""
+    page.ask("document.activeElement.blur(); window.scrollTo(0, 0)")
+    reached = []
+    for _ in range(60):
+        page.press("Tab")
+        name, seen = page.ask(FOCUS)
+        if name in reached or not name:
+            break
+        assert seen, f"no visible focus at {name}"
+        reached.append(name)
+        use(page, name, target)
+    wanted = ["Skip to the list of targets", "theme", "map", "zoom-in", "zoom-out", "fit", "play",
+              "scrubber", "speed", target, "event-rows"]
+    missing = [name for name in wanted if name not in reached]
+    assert not missing, f"not reached by Tab: {missing} (reached: {reached})"
+
+
+def use(page, name, target):
+    """What a key does there, where it is one of the things to try."""
+    transform = "document.querySelector('#plan').getAttribute('transform')"
+    if name == "map":
+        fitting = page.wait(transform)
+        for key in ("ArrowLeft", "+", "ArrowUp", "-"):
+            before = page.ask(transform)
+            page.press(key)
+            page.wait(f"{transform} !== '{before}'")
+        page.press("0")
+        page.wait(f"{transform} === '{fitting}'")
+    elif name == target:
+        chosen = f"document.querySelector('tr[data-target=\"{target}\"] button').ariaPressed"
+        page.press("Enter")
+        page.wait(f"{chosen} === 'true'")
+        page.press("Escape")
+        page.wait(f"{chosen} === 'false'")
+    elif name == "scrubber":
+        page.press("ArrowLeft")
+        page.wait("document.querySelector('#time-shown').textContent.includes('ago')")
+        page.ask("document.querySelector('#live').click()")
+        page.wait("document.querySelector('#time-shown').textContent === 'live'")

@@ -1,0 +1,188 @@
+// What raylocd says over HTTP, from the silent start to datagrams that come.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/daemon/http/http_client.h"
+#include "tests/e2e/live_daemon.h"
+
+namespace rayloc::e2e {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::http_body;
+using testing::http_get;
+using ::testing::StartsWith;
+
+constexpr std::chrono::seconds kPatience{60};
+
+nlohmann::json json_at(const LiveDaemon& daemon, const std::string& path) {
+  return nlohmann::json::parse(http_body(http_get(daemon.http_port(), path)));
+}
+
+TEST(Http, TellsStateMetricsAndReasons) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  const std::uint16_t port = daemon.http_port();
+  EXPECT_THAT(http_get(port, "/healthz"), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(http_get(port, "/readyz"), StartsWith("HTTP/1.1 503 "));
+  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons"),
+            nlohmann::json({"source ap2: nothing has come yet at udp " + daemon.address(0)}));
+  EXPECT_EQ(json_at(daemon, "/api/v1/targets"), nlohmann::json::array());
+
+  ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
+  EXPECT_THAT(http_get(port, "/readyz"), StartsWith("HTTP/1.1 200 "));
+  EXPECT_EQ(json_at(daemon, "/api/v1/sources").at(0).at("status"), "SOURCE_STATUS_RECEIVING");
+  ASSERT_TRUE(eventually(kPatience, [&] { return !json_at(daemon, "/api/v1/targets").empty(); }));
+  EXPECT_EQ(json_at(daemon, "/api/v1/targets").at(0).at("location").at("target").at("mac"),
+            "02:52:4c:00:00:01");
+  EXPECT_EQ(json_at(daemon, "/api/v1/config").at("publish.endpoint"), daemon.endpoint());
+
+  Process late(folder.path(),
+               "late",
+               "rayloc",
+               {"sub",
+                "v1/location/",
+                "--endpoint",
+                daemon.endpoint(),
+                "--snapshot",
+                daemon.snapshot(),
+                "--json",
+                "--count",
+                "1"});
+  EXPECT_EQ(late.wait(kPatience), 0) << late.errors();
+  EXPECT_EQ(nlohmann::json::parse(read_text(late.out())), json_at(daemon, "/api/v1/targets").at(0));
+
+  // The three ways to learn the counters agree.
+  const nlohmann::json status = json_at(daemon, "/api/v1/status");
+  EXPECT_EQ(number(status.at("sources").at(0).at("counters").at("received")), 2000U);
+  const std::string metrics = http_body(http_get(port, "/metrics"));
+  EXPECT_THAT(metrics, HasSubstr("\nrayloc_source_received_total{access_point=\"ap2\"} 2000\n"));
+  EXPECT_THAT(metrics, HasSubstr("\nrayloc_http_requests_total{status=\"503\"} "));
+  EXPECT_EQ(status.at("epoch"), daemon.bodies("heartbeat").back().at("epoch"));
+
+  // Silence is a reason again.
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    const nlohmann::json reasons = json_at(daemon, "/readyz").at("reasons");
+    return !reasons.empty() &&
+           reasons.at(0).get<std::string>().rfind("source ap2: silent for", 0) == 0;
+  }));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(Http, NothingListensBeyondLoopbackButTheSources) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  // The sockets of the daemon by inode, and what /proc/net says of them.
+  std::set<std::string> inodes;
+  const std::string fds = "/proc/" + std::to_string(daemon.pid()) + "/fd";
+  for (const auto& entry : std::filesystem::directory_iterator(fds)) {
+    std::error_code gone;
+    const std::string target = std::filesystem::read_symlink(entry.path(), gone).string();
+    if (target.rfind("socket:[", 0) == 0) {
+      inodes.insert(target.substr(8, target.size() - 9));
+    }
+  }
+  int listening = 0;
+  for (const char* table : {"tcp", "tcp6", "udp", "udp6"}) {
+    for (const std::string& line : read_lines(std::string("/proc/net/") + table)) {
+      std::istringstream words(line);
+      std::array<std::string, 10> field;
+      for (std::string& word : field) {
+        words >> word;
+      }
+      const bool stream = table[0] == 't';
+      if (inodes.count(field[9]) == 0 || (stream && field[3] != "0A")) {
+        continue;
+      }
+      ++listening;
+      // 127.0.0.1, also as IPv6 writes it.
+      EXPECT_THAT(field[1].substr(0, field[1].find(':')), ::testing::EndsWith("0100007F"))
+          << table << " " << line;
+    }
+  }
+  EXPECT_EQ(listening, 3) << "UDP, publish and HTTP";
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(Http, TheVerbsAskAndReport) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
+  int runs = 0;
+  const auto rayloc = [&](std::vector<std::string> words, int status) {
+    words.insert(words.end(), {"--http", address});
+    Process process(folder.path(), "verb" + std::to_string(++runs), "rayloc", words);
+    EXPECT_EQ(process.wait(kPatience), status) << process.errors();
+    return read_text(process.out()) + process.errors();
+  };
+  rayloc({"wait-ready", "--running"}, 0);
+  EXPECT_THAT(rayloc({"wait-ready", "--timeout", "0.5"}, 69),
+              HasSubstr("not ready: source ap2: nothing has come yet"));
+  EXPECT_THAT(rayloc({"doctor", daemon.configuration().string()}, 69),
+              HasSubstr("problem  source ap2: nothing has come yet"));
+  Process sender(folder.path(),
+                 "sender",
+                 "rayloc",
+                 {"send",
+                  bundled_recording("calibration", "ap2"),
+                  "--to",
+                  daemon.address(0),
+                  "--rate",
+                  "1000",
+                  "--duration",
+                  "5"});
+  rayloc({"wait-ready"}, 0);
+  const std::string status = rayloc({"status"}, 0);
+  EXPECT_THAT(status, HasSubstr(": ready\n"));
+  EXPECT_THAT(status, HasSubstr("ap2          receiving"));
+  EXPECT_THAT(rayloc({"status", "--json"}, 0), HasSubstr("\"readiness\":{"));
+  EXPECT_THAT(rayloc({"doctor", daemon.configuration().string()}, 0),
+              HasSubstr("ok       source ap2: UDP " + daemon.address(0) + " is in use"));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+
+  EXPECT_THAT(rayloc({"status"}, 69), HasSubstr("is raylocd running there"));
+  EXPECT_THAT(rayloc({"doctor", daemon.configuration().string()}, 0),
+              HasSubstr("ok       HTTP " + address + " is free"));
+  // Somebody else has the port.
+  LiveDaemon other(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(other.ready()) << other.errors();
+  EXPECT_THAT(
+      rayloc({"doctor", other.configuration().string()}, 69),
+      HasSubstr("problem  source ap2: UDP " + other.address(0) + ": Address already in use"));
+}
+
+TEST(Http, HostileClientsCostNothing) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  std::deque<testing::HttpClient> slow;
+  for (int i = 0; i < 200; ++i) {
+    slow.emplace_back(daemon.http_port());
+    slow.back().send("GET /metrics HTTP/1.1\r\nX: ");
+  }
+  EXPECT_THAT(http_get(daemon.http_port(), "/../../../etc/passwd"), StartsWith("HTTP/1.1 404 "));
+  EXPECT_THAT(http_get(daemon.http_port(), "/healthz", "X: " + std::string(50'000, 'x') + "\r\n"),
+              StartsWith("HTTP/1.1 431 "));
+  ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
+  // The last datagrams may still be in the socket.
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    return http_body(http_get(daemon.http_port(), "/metrics"))
+               .find("\nrayloc_source_received_total{access_point=\"ap2\"} 2000\n") !=
+           std::string::npos;
+  })) << daemon.errors();
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+}  // namespace
+}  // namespace rayloc::e2e

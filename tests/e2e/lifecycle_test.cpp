@@ -1,0 +1,252 @@
+// raylocd as a service manager sees it: readiness, watchdog, reload, stop, sockets that are passed.
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "capture/pcap_source.h"
+#include "tests/daemon/http/http_client.h"
+#include "tests/e2e/live_daemon.h"
+#include "tests/e2e/notify_socket.h"
+
+namespace rayloc::e2e {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr std::chrono::seconds kPatience{60};
+
+LiveDaemonOptions one_access_point(const std::vector<std::string>& environment,
+                                   const std::string& more = "") {
+  return {.site = bundled(""),
+          .access_points = {"ap2"},
+          .more_configuration = more,
+          .setting = {.environment = environment}};
+}
+
+// The process that appends to the recordings (capture/append_process.h); 0 when there is none.
+pid_t append_process_of(pid_t daemon) {
+  const std::string tasks = "/proc/" + std::to_string(daemon) + "/task";
+  for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+    std::istringstream children(read_text(task.path() / "children"));
+    for (pid_t child = 0; children >> child;) {
+      if (read_text("/proc/" + std::to_string(child) + "/comm") == "rayloc-append\n") {
+        return child;
+      }
+    }
+  }
+  return 0;
+}
+
+// In the recordings whose names begin so.
+std::uint64_t read_datagrams(const std::filesystem::path& folder, const std::string& prefix) {
+  std::uint64_t count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind(prefix, 0) != 0 || entry.path().extension() != ".pcap") {
+      continue;
+    }
+    const auto source = PcapFileSource::open(entry.path().string()).value();
+    DatagramBatch batch;
+    while (!batch.ended && source->read(batch, Duration::zero())) {
+      count += batch.datagrams.size();
+    }
+  }
+  return count;
+}
+
+TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
+  const TemporaryFolder folder;
+  NotifySocket manager(folder.path());
+  LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}));
+  ASSERT_TRUE(manager.wait_for("READY=1", kPatience)) << daemon.errors();
+  EXPECT_THAT(daemon.log(), HasSubstr("listening: ap2: udp " + daemon.address(0)));
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    return std::any_of(manager.lines().begin(), manager.lines().end(), [](const std::string& line) {
+      return line.rfind("STATUS=0 of 1 sources heard; 0 datagrams", 0) == 0;
+    });
+  }));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  EXPECT_EQ(manager.lines().back(), "STOPPING=1");
+  EXPECT_EQ(manager.count("READY=1"), 1);
+  EXPECT_EQ(manager.count("WATCHDOG=1"), 0) << "nobody asked to be fed";
+}
+
+TEST(LifeCycle, NamesTheStageThatIsStuckAndStarvesTheWatchdog) {
+  const TemporaryFolder folder;
+  NotifySocket manager(folder.path());
+  LiveDaemon daemon(
+      folder.path(),
+      one_access_point({manager.variable(), "WATCHDOG_USEC=1000000"},
+                       "[record]\ndirectory = \"" + (folder.path() / "rec").string() + "\"\n"));
+  ASSERT_TRUE(manager.wait_for("WATCHDOG=1", kPatience, 3)) << daemon.errors();
+
+  // A disk that does not answer.
+  const pid_t append = append_process_of(daemon.pid());
+  ASSERT_NE(append, 0);
+  ASSERT_EQ(kill(append, SIGSTOP), 0);
+  EXPECT_EQ(send_for_a_second(folder.path(), daemon), 0);
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    return daemon.log().find("watchdog: stage 'recorder ap2' has made no progress") !=
+           std::string::npos;
+  })) << daemon.errors();
+  EXPECT_THAT(daemon.log(), Not(HasSubstr("stage 'source"))) << "only the guilty one";
+  // What came lately is saved, past the stage that is stuck.
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    return read_datagrams(folder.path() / "rec", "ap2-snapshot-") > 0;
+  })) << daemon.errors();
+  const int fed = manager.count("WATCHDOG=1");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  EXPECT_EQ(manager.count("WATCHDOG=1"), fed) << "fed although a stage is stuck";
+
+  ASSERT_EQ(kill(append, SIGCONT), 0);
+  EXPECT_TRUE(manager.wait_for("WATCHDOG=1", kPatience, fed + 2)) << daemon.errors();
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
+  for (const bool twice : {true, false}) {
+    const TemporaryFolder folder;
+    NotifySocket manager(folder.path());
+    LiveDaemon daemon(
+        folder.path(),
+        one_access_point({manager.variable()},
+                         "[record]\ndirectory = \"" + (folder.path() / "rec").string() + "\"\n"));
+    ASSERT_TRUE(daemon.ready()) << daemon.errors();
+    const pid_t append = append_process_of(daemon.pid());
+    ASSERT_EQ(kill(append, SIGSTOP), 0);
+    EXPECT_EQ(send_for_a_second(folder.path(), daemon), 0);
+    const auto begin = std::chrono::steady_clock::now();
+    daemon.signal(SIGTERM);
+    ASSERT_TRUE(manager.wait_for("STOPPING=1", kPatience)) << daemon.errors();
+    if (twice) {
+      // The signal is let through just after the manager is told.
+      eventually(kPatience, [&] {
+        daemon.signal(SIGTERM);
+        return !daemon.running();
+      });
+    }
+    const std::optional<int> status = daemon.wait(kPatience);
+    const auto took = std::chrono::steady_clock::now() - begin;
+    kill(append, SIGCONT);
+    if (twice) {
+      EXPECT_EQ(status, 128 + SIGTERM);
+      EXPECT_LT(took, std::chrono::seconds(3));
+    } else {
+      EXPECT_EQ(status, 70) << daemon.errors();
+      EXPECT_LT(took, std::chrono::seconds(8));
+      EXPECT_THAT(daemon.log(), HasSubstr("what waits for the disk is lost"));
+    }
+  }
+}
+
+TEST(LifeCycle, AReloadAppliesWhatItMayNamesTheRestAndRefusesABrokenFile) {
+  const TemporaryFolder folder;
+  NotifySocket manager(folder.path());
+  LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}, "heartbeat_s = 3\n"));
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  const std::string good = read_text(daemon.configuration());
+  const auto reload = [&](const std::string& text, const std::string& said, int times) {
+    std::ofstream(daemon.configuration()) << text;
+    daemon.signal(SIGHUP);
+    EXPECT_TRUE(manager.wait_for("RELOADING=1", kPatience, times));
+    EXPECT_TRUE(manager.wait_for("READY=1", kPatience, times + 1));
+    EXPECT_THAT(daemon.log(), HasSubstr(said));
+  };
+  reload(good + "[log]\nlevel = \"verbose\"\n[engine]\nburst_s = 0.5\n",
+         "reload: nothing has changed, the configuration is wrong:\n" +
+             daemon.configuration().string() + ":",
+         1);
+  EXPECT_THAT(daemon.log(), HasSubstr("'verbose' is no value of 'level'"));
+  const std::size_t heartbeats = daemon.bodies("heartbeat").size();
+  std::string faster = good;
+  faster.replace(faster.find("heartbeat_s = 3"), 15, "heartbeat_s = 0.1");
+  reload(faster + "[engine]\nburst_s = 0.5\n", "reload: changed publish.heartbeat_s", 2);
+  EXPECT_THAT(daemon.log(), HasSubstr("refused, these need a restart: engine.burst_s"));
+  EXPECT_TRUE(eventually(std::chrono::seconds(10), [&] {
+    return daemon.bodies("heartbeat").size() > heartbeats + 10;
+  })) << daemon.errors();
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// A listening socket on loopback, as a .socket unit would have bound it.
+int bound_socket(int type, std::uint16_t port) {
+  const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  EXPECT_TRUE(type == SOCK_DGRAM || listen(fd, 16) == 0);
+  return fd;
+}
+
+TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
+  if (std::system("unshare --net true 2>/dev/null") != 0) {
+    GTEST_SKIP() << "no right to make a network namespace here";
+  }
+  const TemporaryFolder folder;
+  NotifySocket manager(folder.path());
+  const std::uint16_t udp = free_port(SOCK_DGRAM);
+  const std::uint16_t publish = free_port(SOCK_STREAM);
+  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(publish);
+  const int udp_socket = bound_socket(SOCK_DGRAM, udp);
+  const int publish_socket = bound_socket(SOCK_STREAM, publish);
+  const std::uint16_t http = free_port(SOCK_STREAM);
+  const int http_socket = bound_socket(SOCK_STREAM, http);
+  const std::filesystem::path config = folder.path() / "raylocd.toml";
+  std::ofstream(config) << "[site]\ndirectory = \"" << bundled("").string()
+                        << "\"\n[[source]]\naccess_point = \"ap2\"\nkind = \"udp\"\n[publish]\n"
+                        << "endpoint = \"" << endpoint << "\"\nsnapshot = \"ipc://"
+                        << (folder.path() / "snapshot").string() << "\"\n";
+  // An empty network namespace: not even loopback is up.
+  Process daemon(
+      folder.path(),
+      "raylocd",
+      "raylocd",
+      {"--config", config.string()},
+      {.environment = {manager.variable()},
+       .sockets = {{"source-ap2", udp_socket}, {"publish", publish_socket}, {"http", http_socket}},
+       .wrapper = {"unshare", "--net"}});
+  close(publish_socket);
+  close(http_socket);
+  ASSERT_TRUE(manager.wait_for("READY=1", kPatience)) << daemon.errors();
+  EXPECT_EQ(testing::http_body(testing::http_get(http, "/healthz")), "ok\n");
+  Process sender(folder.path(),
+                 "send",
+                 "rayloc",
+                 {"send",
+                  bundled_recording("calibration", "ap2"),
+                  "--to",
+                  "127.0.0.1:" + std::to_string(udp),
+                  "--rate",
+                  "1000",
+                  "--duration",
+                  "1"});
+  Process subscriber(folder.path(),
+                     "sub",
+                     "rayloc",
+                     {"sub", "v1/source/", "--endpoint", endpoint, "--json", "--count", "3"});
+  EXPECT_EQ(subscriber.wait(kPatience), 0) << subscriber.errors() << daemon.errors();
+  EXPECT_EQ(sender.wait(kPatience), 0) << sender.errors();
+  EXPECT_THAT(read_text(subscriber.out()), HasSubstr("SOURCE_STATUS_RECEIVING"));
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(kPatience), 0) << daemon.errors();
+  close(udp_socket);
+}
+
+}  // namespace
+}  // namespace rayloc::e2e

@@ -1,0 +1,556 @@
+#!/usr/bin/python3
+"""The live map in a real browser: raylocd as a process, recorded datagrams over UDP, headless
+Chromium, and the pixels that it shows.
+
+    map_test.py BIN_DIR OUT_DIR [--picture FILE.png]
+
+Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
+"""
+
+import argparse
+import csv
+import gzip
+import http.client
+import json
+import math
+import os
+import re
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import tomllib
+
+import accessibility
+from browser import Browser
+
+ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
+SITE = os.path.join(ROOT, "tests/data/sites/meeting_room")
+ACCESS_POINTS = ["ap1", "ap2", "ap3"]
+DEVICE = "02:52:4c:00:00:01"
+CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
+SHOWN = f"{CELLS}.length > 0"
+STALE = f"{CELLS}[1].textContent.includes('stale since')"
+PATIENCE = 60.0
+PIXELS = 3.0
+# daemon/http/map/map.css: the first target, and one without a newer estimate.
+LIVE_COLOUR = (0x00, 0x67, 0xB8)
+STALE_COLOUR = (0x66, 0x71, 0x7C)
+
+
+def eventually(what, condition, seconds=PATIENCE):
+    end = time.monotonic() + seconds
+    while True:
+        value = condition()
+        if value:
+            return value
+        assert time.monotonic() < end, f"never: {what}"
+        time.sleep(0.05)
+
+
+def free_port(kind, used=set()):
+    # Below the range from which the kernel gives out its own.
+    for port in range(15000 + os.getpid() % 1600 * 10, 32000):
+        with socket.socket(socket.AF_INET, kind) as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
+        if port not in used:
+            used.add(port)
+            return port
+    raise RuntimeError("no free port")
+
+
+class Daemon:
+    """raylocd on ports that stay the same when it is started again. `recording`: it plays those of
+    this name instead of listening."""
+
+    def __init__(self, folder, binaries, site, recording=None):
+        self.folder, self.binaries, self.process = folder, binaries, None
+        self.http = free_port(socket.SOCK_STREAM)
+        self.udp = [free_port(socket.SOCK_DGRAM) for _ in ACCESS_POINTS]
+        sources = "".join(f'[[source]]\naccess_point = "{name}"\n'
+                          + (f'kind = "pcap"\nspeed = 1\n'
+                             f'file = "{SITE}/{recording}-{name}.pcap.gz"\n' if recording else
+                             f'kind = "udp"\nlisten = "127.0.0.1:{port}"\n')
+                          for name, port in zip(ACCESS_POINTS, self.udp))
+        with open(os.path.join(folder, "raylocd.toml"), "w", encoding="utf-8") as file:
+            file.write(f'[site]\ndirectory = "{site}"\n{sources}'
+                       f'[http]\nlisten = "127.0.0.1:{self.http}"\n[publish]\n'
+                       f'endpoint = "tcp://127.0.0.1:{free_port(socket.SOCK_STREAM)}"\n'
+                       f'snapshot = "ipc://{folder}/snapshot"\n')
+        self.url = f"http://127.0.0.1:{self.http}/"
+
+    def start(self):
+        with open(os.path.join(self.folder, "raylocd.log"), "ab") as log:
+            self.process = subprocess.Popen(
+                [os.path.join(self.binaries, "raylocd"), "--config",
+                 os.path.join(self.folder, "raylocd.toml")],
+                stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        eventually("raylocd answers", self.answers)
+
+    def answers(self):
+        assert self.process.poll() is None, "raylocd has ended"
+        try:
+            return self.get("healthz")[0] == 200
+        except OSError:
+            return False
+
+    def stop(self):
+        self.process.terminate()
+        assert self.process.wait(PATIENCE) == 0
+        self.process = None
+
+    def get(self, path):
+        connection = http.client.HTTPConnection("127.0.0.1", self.http, timeout=PATIENCE)
+        connection.request("GET", "/" + path)
+        answer = connection.getresponse()
+        try:
+            return answer.status, answer.read(), dict(answer.getheaders())
+        finally:
+            connection.close()
+
+    def position(self):
+        """Of the device: the last filtered estimate, as a new viewer is told it."""
+        connection = http.client.HTTPConnection("127.0.0.1", self.http, timeout=PATIENCE)
+        try:
+            connection.request("GET", "/events")
+            answer = connection.getresponse()
+            assert answer.status == 200, answer.status
+            for line in answer:
+                if line.startswith(b"data: "):
+                    messages = json.loads(line[6:])["messages"]
+                    break
+        finally:
+            connection.close()
+        for location in reversed([one["location"] for one in messages if "location" in one]):
+            if location["kind"] == "LOCATION_KIND_FILTERED" and location["target"].get("mac") == DEVICE:
+                return location["position"]["x"], location["position"]["y"]
+        return None
+
+
+class Recording:
+    """The bundled recordings of the access points, to be sent spot by spot."""
+
+    def __init__(self):
+        with open(os.path.join(SITE, "device_los.csv"), encoding="ascii") as file:
+            self.spots = [{key: float(value) for key, value in row.items()}
+                          for row in csv.DictReader(file)]
+        self.datagrams = []
+        for index, name in enumerate(ACCESS_POINTS):
+            with gzip.open(os.path.join(SITE, f"device_los-{name}.pcap.gz")) as file:
+                data = file.read()
+            at = 24
+            while at < len(data):
+                seconds, micros, length, _ = struct.unpack_from("<IIII", data, at)
+                # Ethernet, IPv4 without options, UDP.
+                self.datagrams.append((seconds + micros * 1e-6, index, data[at + 58:at + 16 + length]))
+                at += 16 + length
+        self.datagrams.sort(key=lambda one: one[0])
+
+    def send(self, spot, daemon, until):
+        """The datagrams of that spot at their pace, over and over until `until` is set."""
+        begin, end = self.spots[spot]["t_start"], self.spots[spot]["t_end"]
+        chosen = [one for one in self.datagrams if begin <= one[0] <= end]
+        assert chosen
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not until.is_set():
+                started = time.monotonic()
+                for stamp, index, payload in chosen:
+                    time.sleep(max(0.0, stamp - begin - (time.monotonic() - started)))
+                    out.sendto(payload, ("127.0.0.1", daemon.udp[index]))
+
+
+def survey():
+    """x, y, z of each point of the calibration."""
+    with open(os.path.join(SITE, "calibration.csv"), encoding="ascii") as file:
+        return [(row["x"], row["y"], row["z"]) for row in csv.DictReader(file)]
+
+
+class Sending:
+    def __init__(self, recording, spot, daemon):
+        self.until = threading.Event()
+        self.thread = threading.Thread(target=recording.send, args=(spot, daemon, self.until))
+
+    def __enter__(self):
+        self.thread.start()
+
+    def __exit__(self, *_):
+        self.until.set()
+        self.thread.join()
+
+
+# ---- Where something ought to be, by the site and the rule of view.js alone ----------------------
+def expected_pixel(position, box):
+    with open(os.path.join(SITE, "site.toml"), "rb") as file:
+        bounds = tomllib.load(file)["bounds"]
+    left, top, width, height = box
+    sizes = [bounds[axis][1] - bounds[axis][0] + 0.6 for axis in "xy"]
+    scale = min((width - 32) / sizes[0], (height - 32) / sizes[1])
+    middle = [sum(bounds[axis]) / 2 for axis in "xy"]
+    return (left + width / 2 + (position[0] - middle[0]) * scale,
+            top + height / 2 - (position[1] - middle[1]) * scale)
+
+
+def map_box(page):
+    """Where the layout has put the map, by Chromium's own word."""
+    root = page.call("DOM.getDocument")["root"]["nodeId"]
+    node = page.call("DOM.querySelector", nodeId=root, selector="#map")["nodeId"]
+    quad = page.call("DOM.getBoxModel", nodeId=node)["model"]["content"]
+    return quad[0], quad[1], quad[2] - quad[0], quad[5] - quad[1]
+
+
+def shown_at(page, expected, colour):
+    """The middle of the target's mark among the pixels within 100 of where it ought to be."""
+    left, top = (max(0, int(v) - 100) for v in expected)
+    x, y, count = page.pixels(left, top, 200, 200).middle_of(colour)
+    return (left + x, top + y) if count > 60 else None
+
+
+def assert_shown(page, daemon, colour, what):
+    def error():
+        position = daemon.position()
+        expected = expected_pixel(position, map_box(page))
+        shown = shown_at(page, expected, colour)
+        return None if shown is None else (math.dist(shown, expected), position)
+
+    # The page is told ten times a second, and what it is told may still be moving.
+    found = eventually(f"{what}: the mark within {PIXELS} pixels",
+                       lambda: (e := error()) and e[0] <= PIXELS and e)
+    print(f"{what}: {found[0]:.2f} pixels off")
+    return found[1]
+
+
+def silent_errors(page):
+    """What the browser itself says about a server that is away."""
+    return [one for one in page.errors if "net::ERR_" not in one]
+
+
+class MapTest:
+    def __init__(self, folder, out, daemon, browser, recording, picture):
+        self.folder, self.out, self.daemon = folder, out, daemon
+        self.browser, self.recording, self.picture = browser, recording, picture
+        self.pages = []
+
+    def open(self, width, height, phone=False):
+        page = self.browser.page(width, height, phone)
+        page.go(self.daemon.url)
+        page.wait("document.querySelectorAll('#plan polygon').length > 5")
+        self.pages.append(page)
+        return page
+
+    def artefact(self, page, name):
+        page.screenshot(os.path.join(self.out, name + ".png"))
+
+    def follow_spots(self, page):
+        """Live and at rest, at two places."""
+        before = None
+        for spot in (0, 1):
+            truth = self.recording.spots[spot]
+            with Sending(self.recording, spot, self.daemon):
+                eventually("the device is located", lambda: (p := self.daemon.position())
+                           and math.dist(p, (truth["x"], truth["y"])) < 0.3)
+                assert_shown(page, self.daemon, LIVE_COLOUR, f"spot {spot}, live")
+                page.wait("document.querySelector('#source-rows td.good') !== null")
+                page.wait("[...document.querySelectorAll('#source-rows tr')]"
+                          ".every(r => Number(r.children[2].textContent) > 1)")
+                self.artefact(page, f"spot-{spot}-live")
+                if spot == 1:
+                    self.look_at_panels(page)
+                if self.picture and spot == 1:
+                    page.resize(1280, 760)
+                    page.wait("document.querySelector('#map').clientWidth < 1000")
+                    page.wait(f"parseFloat(document.querySelector('tr[data-target=\"{DEVICE}\"]')"
+                              ".children[3].textContent) < 0.3")
+                    assert_shown(page, self.daemon, LIVE_COLOUR, "picture")
+                    page.screenshot(self.picture)
+                    page.resize(1920, 1080)
+            page.wait(STALE)
+            position = assert_shown(page, self.daemon, STALE_COLOUR, f"spot {spot}, stale")
+            assert before is None or math.dist(position, before) > 0.5, "it did not move"
+            before = position
+
+    def look_at_panels(self, page):
+        """The channel and the calibration, while the device transmits."""
+        page.ask("document.querySelector('#csi').open = document.querySelector('#calibration').open"
+                 " = true")
+        # Text and charts are written at once, and anew each second.
+        text = page.wait("document.querySelectorAll('#csi-charts .measured').length === 9 && "
+                         "document.querySelectorAll('#csi-charts .simulated').length === 9 && "
+                         "document.querySelector('#csi-text').textContent")
+        explained = [int(word) for word in re.findall(r"ap\d (\d+) %", text)]
+        # Only the gains are calibrated, so not every access point agrees; an arbitrary channel
+        # explains some 10 %.
+        assert len(explained) == 3 and max(explained) > 60, text
+        page.ask("document.querySelector('#show-residuals').click()")
+        points = len({tuple(row) for row in survey()})
+        page.wait(f"document.querySelectorAll('#residuals circle').length === {points}")
+        assert page.ask("document.querySelectorAll('#moved-rows tr').length") > 0
+        self.artefact(page, "panels")
+        page.ask("document.querySelector('#show-residuals').click()")
+        page.wait("document.querySelectorAll('#residuals circle').length === 0")
+        page.ask("document.querySelectorAll('details').forEach(d => { d.open = false; })")
+
+    def survive_restart(self, page):
+        page.ask("window.sameDocument = true")
+        self.daemon.stop()
+        page.wait("document.querySelector('#connection').textContent.startsWith('Connection lost')")
+        self.daemon.start()
+        page.wait("document.querySelector('#connection').textContent === 'Connected'")
+        with Sending(self.recording, 2, self.daemon):
+            page.wait(SHOWN)
+            eventually("the device is located", self.daemon.position)
+        page.wait(STALE)
+        assert_shown(page, self.daemon, STALE_COLOUR, "after a restart")
+        assert page.ask("window.sameDocument"), "the page was loaded again"
+        # A chart of errors starts anew: that the server was away is in the console.
+        assert not silent_errors(page), page.errors
+        page.errors.clear()
+
+    def small_and_large(self):
+        for width, height, phone in ((390, 844, True), (768, 1024, True), (3840, 2160, False)):
+            page = self.open(width, height, phone)
+            page.wait(f"document.querySelector('[data-target=\"{DEVICE}\"]') !== null")
+            assert_shown(page, self.daemon, STALE_COLOUR, f"{width} pixels wide")
+            widest = page.ask("document.documentElement.scrollWidth")
+            assert widest <= width, f"{width} pixels wide: the page is {widest} wide"
+            self.artefact(page, f"{width}")
+            if phone:
+                small = page.ask("[...document.querySelectorAll('button')].filter(b => "
+                                 "b.checkVisibility() && "
+                                 "b.getBoundingClientRect().height < 24).length")
+                assert small == 0, "buttons too small for a finger"
+            self.check(page)
+
+    def sixteen_viewers(self):
+        pages = [self.open(640, 480) for _ in range(16)]
+        with Sending(self.recording, 0, self.daemon):
+            truth = self.recording.spots[0]
+            for page in pages:
+                # It was at another spot.
+                page.wait(f"(() => {{ const [x, y] = {CELLS}[2].textContent.split(',').map(Number);"
+                          f"return Math.hypot(x - {truth['x']}, y - {truth['y']}) < 0.3; }})()")
+            status, _, headers = self.daemon.get("events")
+            assert status == 503 and headers["Retry-After"] == "5", (status, headers)
+        viewers = int(self.metric("rayloc_http_viewers"))
+        assert viewers == 16, viewers
+        seventeenth = self.open_refused()
+        for page in pages:
+            self.check(page)
+        for page in pages[1:]:
+            self.close(page)
+        # A place is free, and the one that was refused takes it by itself.
+        seventeenth.wait("document.querySelector('#connection').textContent === 'Connected'")
+        self.close(seventeenth)
+        # All of them saw the same.
+        assert_shown(pages[0], self.daemon, STALE_COLOUR, "the first of 16 viewers")
+        self.close(pages[0])
+
+    def open_refused(self):
+        page = self.browser.page(640, 480)
+        page.go(self.daemon.url)
+        page.wait("document.querySelector('#connection').textContent.startsWith('No stream')")
+        self.pages.append(page)
+        return page
+
+    def metric(self, name):
+        text = self.daemon.get("metrics")[1].decode()
+        return next(line.split()[1] for line in text.splitlines() if line.startswith(name + " "))
+
+    def check(self, page):
+        assert not page.errors, page.errors
+        elsewhere = [url for url in page.requests if not url.startswith(self.daemon.url)
+                     and url != "about:blank"]
+        assert page.requests and not elsewhere, elsewhere
+
+    def close(self, page):
+        self.pages.remove(page)
+        page.close()
+
+    def run(self):
+        page = self.open(1920, 1080)
+        self.follow_spots(page)
+        self.check(page)
+        accessibility.check_by_keyboard(page, DEVICE)
+        accessibility.check_tree(page)
+        for theme in ("dark", "light"):  # what follows looks for the colours of light
+            accessibility.check_contrast(page, theme)
+            self.artefact(page, f"1920-{theme}")
+        self.check(page)
+        self.survive_restart(page)
+        self.close(page)
+        self.small_and_large()
+        for one in list(self.pages):
+            self.close(one)
+        self.sixteen_viewers()
+
+
+class PlaybackTest(MapTest):
+    """raylocd on recordings, controlled from the page by keys."""
+
+    POSITION = "document.querySelector('#playback-position')"
+    TEXT = "document.querySelector('#playback-text').textContent"
+
+    def state(self):
+        status, body, _ = self.daemon.get("api/v1/playback")
+        assert status == 200, status
+        return json.loads(body)
+
+    def reach(self, page, name):
+        for _ in range(60):
+            if page.ask("document.activeElement.id") == name:
+                return
+            page.press("Tab")
+        raise AssertionError(f"not reached by Tab: {name}")
+
+    def begin(self):
+        """Of the recordings [s since 1970]."""
+        return min(one[0] for one in self.recording.datagrams)
+
+    def spot_at(self, seconds):
+        """Where the device stood, so long after the beginning; None on its way."""
+        return next((spot for spot in self.recording.spots
+                     if spot["t_start"] + 0.4 < self.begin() + seconds < spot["t_end"]), None)
+
+    def go_to(self, page, steps):
+        """By so many times Home and the arrow; the map shows where the device stood then."""
+        self.reach(page, "playback-position")
+        page.press("Home")
+        for _ in range(steps):
+            page.press("ArrowRight")
+        page.wait(f"Number({self.POSITION}.value) === {5 * steps}")
+        truth = self.spot_at(5 * steps)
+        eventually(f"the device at {5 * steps} s", lambda: (p := self.daemon.position())
+                   and math.dist(p, (truth["x"], truth["y"])) < 0.3)
+        assert_shown(page, self.daemon, LIVE_COLOUR, f"{5 * steps} s into the recording")
+        # What was before the move is not joined to it.
+        page.wait("[...document.querySelectorAll('#trails polyline')].every((line) => "
+                  "line.getBBox().width < 100 && line.getBBox().height < 100)")
+        assert f"{5 * steps // 60}:{5 * steps % 60:02}.0 of " in \
+            page.ask(f"{self.POSITION}.getAttribute('aria-valuetext')")
+
+    def control(self, page):
+        page.wait("!document.querySelector('#playback').hidden && "
+                  "document.querySelector('#review').hidden")
+        self.reach(page, "playback-play")
+        page.press(" ")
+        page.wait(f"{self.TEXT}.includes('paused')")
+        paused = self.state()
+        assert paused["state"] == "PLAYBACK_STATE_PAUSED", paused
+        page.ask("window.beats = 0; new EventSource('/events').addEventListener('update', (event) =>"
+                 " { window.beats += event.data.includes('heartbeat'); })")
+        stops = [n for n in range(1, 20) if self.spot_at(5 * n)]
+        assert len(stops) >= 2, stops
+        for steps in (stops[-1], stops[0]):
+            self.go_to(page, steps)
+        # The zone is around the place that it is at now.
+        page.wait("document.querySelector('#event-rows').textContent.includes('entered corner')")
+        page.wait(f"{CELLS}[4].textContent === 'corner'")
+        assert page.ask("document.querySelector('#zones text').textContent") == "corner"
+        page.wait("window.beats > 2")  # it stands still, and nothing grows old
+        stands = self.state()
+        assert stands["position"] == self.state()["position"], stands
+        assert page.ask(f"!{STALE}")
+        self.artefact(page, "recording-paused")
+        self.reach(page, "playback-speed")
+        page.press("ArrowDown")
+        eventually("twice as fast", lambda: self.state().get("speed") == 2)
+        self.play(page)
+
+    def play(self, page):
+        """On to the end, and from the beginning again."""
+        moves = int(self.state()["moves"])
+        self.reach(page, "playback-position")
+        page.press("End")
+        page.wait(f"{self.TEXT}.includes('at the end')")
+        assert self.state()["state"] == "PLAYBACK_STATE_ENDED"
+        self.reach(page, "playback-play")
+        page.press("Enter")
+        page.wait(f"!{self.TEXT}.includes('at the end') && !{self.TEXT}.includes('paused')")
+        again = self.state()
+        assert again["state"] == "PLAYBACK_STATE_PLAYING" and int(again["moves"]) == moves + 2, again
+        assert_counted(self.daemon)
+
+    def run(self):
+        page = self.open(1280, 800)
+        self.control(page)
+        self.artefact(page, "recording")
+        accessibility.check_tree(page, buttons=6)
+        accessibility.check_contrast(page, "dark")
+        self.check(page)
+        self.close(page)
+        phone = self.open(390, 844, True)
+        phone.wait("!document.querySelector('#playback').hidden")
+        assert phone.ask("document.documentElement.scrollWidth") <= 390
+        self.check(phone)
+        self.close(phone)
+
+
+def assert_counted(daemon):
+    """However it was moved, every datagram that was received is accounted for."""
+    for source in json.loads(daemon.get("api/v1/sources")[1]):
+        counters = {key: int(value) for key, value in source["counters"].items()
+                    if key != "rejected"}
+        assert counters["received"] == counters["processed"] + counters["in_flight"], source
+        assert counters["frames_dropped"] == 0 and not source["counters"]["rejected"], source
+
+
+def with_zone(site):
+    """The same site, with a zone around where the device is ten seconds after the beginning."""
+    copy = site + "-with-zone"
+    shutil.copytree(site, copy)
+    x, y = (Recording().spots[2][axis] for axis in "xy")
+    west, east, south, north = x - 0.4, x + 0.4, y - 0.4, y + 0.4
+    with open(os.path.join(copy, "site.toml"), "a", encoding="utf-8") as file:
+        file.write(f'\n[[zone]]\nname = "corner"\npolygon = [[{west}, {south}], [{east}, {south}], '
+                   f'[{east}, {north}], [{west}, {north}]]\nenter_after_s = 0.1\n')
+    return copy
+
+
+def calibrate(folder, binaries):
+    site = os.path.join(folder, "site")
+    captures = [f"{name}={SITE}/calibration-{name}.pcap.gz" for name in ACCESS_POINTS]
+    subprocess.run([os.path.join(binaries, "rayloc"), "calibrate", SITE, "--gains-only", "--quiet",
+                    "--capture", *captures, "--points", SITE + "/calibration.csv", "--out", site],
+                   check=True, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    return site
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("binaries")
+    parser.add_argument("out")
+    parser.add_argument("--picture")
+    arguments = parser.parse_args()
+    os.makedirs(arguments.out, exist_ok=True)
+    folder = tempfile.mkdtemp(prefix="rayloc-map.")
+    site = calibrate(folder, arguments.binaries)
+    daemon = Daemon(folder, arguments.binaries, site)
+    try:
+        with Browser(folder) as browser:
+            daemon.start()
+            MapTest(folder, arguments.out, daemon, browser, Recording(), arguments.picture).run()
+            daemon.stop()
+            daemon = Daemon(folder, arguments.binaries, with_zone(site), "device_los")
+            daemon.start()
+            PlaybackTest(folder, arguments.out, daemon, browser, Recording(), None).run()
+            daemon.stop()
+    except BaseException:
+        for log in ("raylocd.log", "chromium.log"):
+            with open(os.path.join(folder, log), encoding="utf-8", errors="replace") as file:
+                print(f"---- {log}\n{file.read()[-4000:]}", file=sys.stderr)
+        raise
+    finally:
+        if daemon.process:
+            daemon.process.kill()
+            daemon.process.wait()
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+#include "engine/localize/paper_settings.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string refusal(std::string_view assignment) {
+  PaperLocalizerOptions options;
+  const auto set = set_paper(assignment, options);
+  EXPECT_FALSE(set) << assignment;
+  return set ? "" : set.error().message;
+}
+
+TEST(PaperSettings, DefaultsAreThoseOfTheDeviceBasedMethod) {
+  const std::vector<std::pair<const char*, double>> paper = {{"gamma_1", 0.05},
+                                                             {"gamma_2", 0.05},
+                                                             {"sigma_0_squared", 1.0},
+                                                             {"sigma_m", 0.01},
+                                                             {"alpha", 0.2},
+                                                             {"positions", 5},
+                                                             {"iterations", 100},
+                                                             {"rate", 0.03},
+                                                             {"momentum", 0.6},
+                                                             {"smoothing", 1},
+                                                             {"fixed_sigma", 0}};
+  for (const auto& [key, value] : paper) {
+    const PaperSetting* setting = find_paper_setting(key);
+    ASSERT_NE(setting, nullptr) << key;
+    EXPECT_EQ(setting->get({}), value) << key;
+  }
+}
+
+TEST(PaperSettings, EachSetsWhatItGetsAndNothingElse) {
+  std::set<std::string_view> keys;
+  for (const PaperSetting& setting : paper_settings()) {
+    EXPECT_TRUE(keys.insert(setting.key).second) << setting.key;
+    const double before = setting.get({});
+    EXPECT_GE(before, setting.min) << setting.key;
+    EXPECT_LE(before, setting.max) << setting.key;
+    const double other = setting.kind == PaperSettingKind::kFlag    ? 1.0 - before
+                         : setting.kind == PaperSettingKind::kWhole ? before + 2.0
+                                                                    : 0.5 * before + 0.1;
+    PaperLocalizerOptions options;
+    setting.set(options, other);
+    for (const PaperSetting& one : paper_settings()) {
+      EXPECT_EQ(one.get(options), one.key == setting.key ? other : one.get({}))
+          << setting.key << " changes " << one.key;
+    }
+  }
+}
+
+TEST(PaperSettings, ReadsAssignments) {
+  PaperLocalizerOptions options;
+  ASSERT_TRUE(set_paper("alpha=0.5", options));
+  ASSERT_TRUE(set_paper("smoothing=false", options));
+  ASSERT_TRUE(set_paper("iterations=7", options));
+  EXPECT_EQ(options.descent.alpha, 0.5);
+  EXPECT_FALSE(options.descent.is_smoothed);
+  EXPECT_EQ(options.descent.iterations, 7);
+}
+
+TEST(PaperSettings, RefuseWhatMeansNothing) {
+  EXPECT_THAT(refusal("alpha"), HasSubstr("KEY=VALUE"));
+  EXPECT_THAT(refusal("alhpa=1"), HasSubstr("did you mean 'alpha'?"));
+  EXPECT_THAT(refusal("alpha=-1"), HasSubstr("a number from 0"));
+  EXPECT_THAT(refusal("alpha=nan"), HasSubstr("a number from 0"));
+  EXPECT_THAT(refusal("alpha=1x"), HasSubstr("a number from 0"));
+  EXPECT_THAT(refusal("iterations=1.5"), HasSubstr("a whole number"));
+  EXPECT_THAT(refusal("smoothing=1"), HasSubstr("true or false"));
+  EXPECT_THAT(refusal("sigma_0_squared=0"), HasSubstr("sigma_0_squared"));
+}
+
+TEST(PaperSettings, HelpNamesEveryKeyWithItsDefault) {
+  const std::string help = paper_settings_help();
+  for (const PaperSetting& setting : paper_settings()) {
+    EXPECT_THAT(help,
+                HasSubstr(std::string(setting.key) + "=" + paper_text(setting, setting.get({}))));
+  }
+  EXPECT_THAT(help, HasSubstr("smoothing=true"));
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,22 @@
+// eventually(): waits for what another thread or process is about to do.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace rayloc {
+
+// Calls `condition` every few milliseconds until it holds. False when `patience` has run out.
+template <typename Condition>
+bool eventually(std::chrono::seconds patience, Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) {
+      return false;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return true;
+}
+
+}  // namespace rayloc
