@@ -48,6 +48,26 @@ if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset asan)")
 endif()
 
+# Of which half of the tree the current folder is, for the header that its sources precompile.
+function(rayloc_part result)
+  set(${result} daemon PARENT_SCOPE)
+  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(tests/)?engine(/|$)")
+    set(${result} engine PARENT_SCOPE)
+  endif()
+endfunction()
+
+# What the libraries and programs of one half are compiled with in a sanitizer's tree.
+function(rayloc_options part result)
+  set(options "")
+  if(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
+    list(APPEND options -fsanitize=fuzzer-no-link)
+  endif()
+  if(RAYLOC_SANITIZE AND part STREQUAL daemon)  # only engine/ computes
+    list(APPEND options -O0)
+  endif()
+  set(${result} ${options} PARENT_SCOPE)
+endfunction()
+
 # rayloc_library(NAME SOURCES file... [DEPENDS target...]): one folder, one static library.
 function(rayloc_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
@@ -55,9 +75,10 @@ function(rayloc_library name)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE rayloc_warnings PUBLIC ${ARG_DEPENDS})
     target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
-    if(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
-      target_compile_options(${name} PRIVATE -fsanitize=fuzzer-no-link)
-    endif()
+    rayloc_part(part)
+    rayloc_options(${part} options)
+    target_compile_options(${name} PRIVATE ${options})
+    rayloc_precompile(${name} ${part} ${options})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE ${ARG_DEPENDS})
@@ -70,6 +91,10 @@ function(rayloc_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+  rayloc_part(part)
+  rayloc_options(${part} options)
+  target_compile_options(${name} PRIVATE ${options})
+  rayloc_precompile(${name} ${part} ${options})
 endfunction()
 
 # Builds every test of the tree; `all` builds the programs as well.
@@ -83,13 +108,14 @@ elseif(RAYLOC_SANITIZE)
   set(RAYLOC_TEST_PREFIX "asan.")
 endif()
 
-# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY]): a GoogleTest
-# program. The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by RAYLOC_BIN.
-# Labels: `threads` (the only tests built under ThreadSanitizer), `slow` and `e2e` (real processes,
-# one at a time unless FILES_ONLY says that nothing in them happens in real time; neither is built
-# under a sanitizer), `replay`; `unit` when none is given.
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE]): a
+# GoogleTest program. The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by
+# RAYLOC_BIN. Labels: `threads` (the only tests built under ThreadSanitizer), `slow` and `e2e` (real
+# processes, one at a time beside other tests unless FILES_ONLY says that nothing in them happens in
+# real time; neither is built under a sanitizer), `replay`; `unit` when none is given. WHOLE: one
+# entry of ctest, for a program whose tests share what takes them most of their time.
 function(rayloc_test name)
-  cmake_parse_arguments(ARG "FILES_ONLY" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "FILES_ONLY;WHOLE" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
@@ -98,6 +124,13 @@ function(rayloc_test name)
   target_compile_definitions(${name} PRIVATE
     RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
     RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
+  rayloc_part(part)
+  set(options "")
+  if(part STREQUAL daemon)  # what takes their time is in the libraries, or waiting
+    list(APPEND options -O0)
+  endif()
+  target_compile_options(${name} PRIVATE ${options})
+  rayloc_precompile(${name} ${part}_test ${options})
   # A test that does not belong into this tree is a target that nothing builds, so that what a
   # folder says about it in addition holds everywhere.
   if(RAYLOC_SANITIZE AND ("e2e" IN_LIST ARG_LABELS OR "slow" IN_LIST ARG_LABELS))
@@ -108,22 +141,21 @@ function(rayloc_test name)
   endif()
   set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL FALSE)
   add_dependencies(rayloc_tests ${name})
-  set(serial FALSE)
+  set(lock "")
   if("e2e" IN_LIST ARG_LABELS)
     if(NOT ARG_FILES_ONLY)
-      set(serial TRUE)
+      set(lock RESOURCE_LOCK real_time)
     endif()
     add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
   endif()
-  if(RAYLOC_SANITIZE)
-    # One entry a program: a start under a sanitizer takes longer than most tests.
+  if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
     add_test(NAME "${RAYLOC_TEST_PREFIX}${name}" COMMAND ${name} --gtest_brief=1)
     set_tests_properties("${RAYLOC_TEST_PREFIX}${name}" PROPERTIES LABELS "${ARG_LABELS}"
       TIMEOUT 1200 ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
     return()
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT 300 RUN_SERIAL ${serial}
+                       PROPERTIES TIMEOUT 300 ${lock}
                        ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
   # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
   set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")

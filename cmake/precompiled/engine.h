@@ -1,0 +1,6 @@
+// For the libraries of engine/.
+#pragma once
+
+#include <Eigen/Dense>
+
+#include "cmake/precompiled/standard.h"
