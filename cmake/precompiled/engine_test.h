@@ -1,8 +1,8 @@
 // For the tests of engine/.
 #pragma once
 
-#include <Eigen/Dense>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include "cmake/precompiled/standard.h"
