@@ -45,7 +45,7 @@ if(RAYLOC_SANITIZE)
   add_link_options(-fsanitize=${RAYLOC_SANITIZE})
 endif()
 if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset asan)")
+  message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
 endif()
 
 # Of which half of the tree the current folder is, for the header that its sources precompile.
