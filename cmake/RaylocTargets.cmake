@@ -48,24 +48,26 @@ if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
 endif()
 
-# Of which half of the tree the current folder is, for the header that its sources precompile.
-function(rayloc_part result)
-  set(${result} daemon PARENT_SCOPE)
+# rayloc_compile(TARGET [TEST]): the options and the precompiled header of its half of the tree, by the
+# current folder.
+function(rayloc_compile target)
+  set(part daemon)
   if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(tests/)?engine(/|$)")
-    set(${result} engine PARENT_SCOPE)
+    set(part engine)
   endif()
-endfunction()
-
-# What the libraries and programs of one half are compiled with in a sanitizer's tree.
-function(rayloc_options part result)
+  set(header ${part})
   set(options "")
-  if(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
+  if("TEST" IN_LIST ARGN)
+    set(header ${part}_test)
+  elseif(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
     list(APPEND options -fsanitize=fuzzer-no-link)
   endif()
-  if(RAYLOC_SANITIZE AND part STREQUAL daemon)  # only engine/ computes
+  # Only engine/ computes; what takes the time of tests is in the libraries, or waiting.
+  if(part STREQUAL daemon AND ("TEST" IN_LIST ARGN OR RAYLOC_SANITIZE))
     list(APPEND options -O0)
   endif()
-  set(${result} ${options} PARENT_SCOPE)
+  target_compile_options(${target} PRIVATE ${options})
+  rayloc_precompile(${target} ${header} ${options})
 endfunction()
 
 # rayloc_library(NAME SOURCES file... [DEPENDS target...]): one folder, one static library.
@@ -75,10 +77,7 @@ function(rayloc_library name)
     add_library(${name} STATIC ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE rayloc_warnings PUBLIC ${ARG_DEPENDS})
     target_include_directories(${name} PUBLIC "${PROJECT_SOURCE_DIR}")
-    rayloc_part(part)
-    rayloc_options(${part} options)
-    target_compile_options(${name} PRIVATE ${options})
-    rayloc_precompile(${name} ${part} ${options})
+    rayloc_compile(${name})
   else()
     add_library(${name} INTERFACE)
     target_link_libraries(${name} INTERFACE ${ARG_DEPENDS})
@@ -91,10 +90,7 @@ function(rayloc_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
-  rayloc_part(part)
-  rayloc_options(${part} options)
-  target_compile_options(${name} PRIVATE ${options})
-  rayloc_precompile(${name} ${part} ${options})
+  rayloc_compile(${name})
 endfunction()
 
 # Builds every test of the tree; `all` builds the programs as well.
@@ -124,13 +120,7 @@ function(rayloc_test name)
   target_compile_definitions(${name} PRIVATE
     RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
     RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
-  rayloc_part(part)
-  set(options "")
-  if(part STREQUAL daemon)  # what takes their time is in the libraries, or waiting
-    list(APPEND options -O0)
-  endif()
-  target_compile_options(${name} PRIVATE ${options})
-  rayloc_precompile(${name} ${part}_test ${options})
+  rayloc_compile(${name} TEST)
   # A test that does not belong into this tree is a target that nothing builds, so that what a
   # folder says about it in addition holds everywhere.
   if(RAYLOC_SANITIZE AND ("e2e" IN_LIST ARG_LABELS OR "slow" IN_LIST ARG_LABELS))
