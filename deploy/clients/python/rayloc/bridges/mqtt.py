@@ -8,7 +8,6 @@ Needs Debian's python3-paho-mqtt. Ends with SIGTERM or SIGINT; reconnects to bot
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 import threading
 import time
@@ -18,8 +17,7 @@ from typing import Any, Iterable, Optional
 import paho.mqtt.client
 
 from rayloc.bridges.home_assistant import OFFLINE, ONLINE, HomeAssistant, Publication, Setting
-from rayloc.options import Curve
-from rayloc.subscriber import Subscriber
+from rayloc.bridges.program import add_source, check_source, subscribe, until_signalled
 
 TOPICS = ["v1/location/", "v1/track/", "v1/heartbeat/"]
 LOOK = 0.2  # [s] between looks at what is due without a message
@@ -88,16 +86,9 @@ def _first_line(file: Optional[Path]) -> Optional[str]:
 
 def run(arguments: argparse.Namespace) -> None:
     setting = Setting(arguments.prefix, arguments.base, arguments.interval, arguments.forget)
-    curve = None
-    if arguments.server_key is not None:
-        curve = Curve.read(arguments.server_key, arguments.key)
-    stopping = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stopping.set())
     bridge = HomeAssistant(setting)
-    with Subscriber(
-        arguments.endpoint, topics=TOPICS, targets=arguments.target, curve=curve
-    ) as messages:
+    stopping = until_signalled()
+    with subscribe(arguments, TOPICS) as messages:
         broker = Broker(arguments, setting)
         looked = 0.0
         while not stopping.is_set():
@@ -120,11 +111,8 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="rayloc.bridges.mqtt", description="raylocd's locations for Home Assistant, over MQTT"
     )
+    add_source(parser)
     add = parser.add_argument
-    add("--endpoint", default="tcp://127.0.0.1:5560", help="where raylocd publishes")
-    add("--target", action="append", default=[], help="only this target; may be repeated")
-    add("--server-key", type=Path, help="file with the public key of a raylocd with CURVE")
-    add("--key", type=Path, help="file with our own secret key, by `rayloc keygen`")
     add("--mqtt", default="127.0.0.1:1883", metavar="HOST:PORT", help="the broker")
     add("--username", help="at the broker")
     add("--password-file", type=Path, help="its first line is the password")
@@ -138,8 +126,7 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     host, _, port = arguments.mqtt.rpartition(":")
     if not host or not port.isdigit():
         parser.error(f"--mqtt: HOST:PORT is needed, not {arguments.mqtt!r}")
-    if (arguments.server_key is None) != (arguments.key is None):
-        parser.error("--server-key and --key need each other")
+    check_source(parser, arguments)
     return arguments
 
 

@@ -13,15 +13,11 @@ import argparse
 import json
 import math
 import re
-import signal
 import sys
-import threading
-from pathlib import Path
 from typing import Any, Iterator, Optional
 
+from rayloc.bridges.program import add_source, check_source, subscribe, until_signalled
 from rayloc.message import Message
-from rayloc.options import Curve
-from rayloc.subscriber import Subscriber
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, LOCATION_KIND_SNAPSHOT, Location
 from rayloc.v1.target_pb2 import TRACK_STATE_LOST
 
@@ -94,16 +90,9 @@ class Ros2:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    curve = None
-    if arguments.server_key is not None:
-        curve = Curve.read(arguments.server_key, arguments.key)
-    stopping = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stopping.set())
     bridge = Ros2(arguments.base, arguments.frame, arguments.kind)
-    with Subscriber(
-        arguments.endpoint, topics=["v1/location/"], targets=arguments.target, curve=curve
-    ) as messages:
+    stopping = until_signalled()
+    with subscribe(arguments, ["v1/location/"]) as messages:
         while not stopping.is_set():
             message = messages.receive(LOOK)
             if message is None:
@@ -124,19 +113,15 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
         description="raylocd's locations as PoseWithCovarianceStamped of ROS 2: one operation of"
         " the rosbridge protocol a line",
     )
+    add_source(parser)
     add = parser.add_argument
-    add("--endpoint", default="tcp://127.0.0.1:5560", help="where raylocd publishes")
-    add("--target", action="append", default=[], help="only this target; may be repeated")
     add("--kind", choices=sorted(KINDS), default="filtered", help="of locations")
     add("--frame", default="map", help="frame_id of the site's coordinates")
     add("--base", default="/rayloc", help="what the topics begin with")
-    add("--server-key", type=Path, help="file with the public key of a raylocd with CURVE")
-    add("--key", type=Path, help="file with our own secret key, by `rayloc keygen`")
     arguments = parser.parse_args(words)
     if not re.fullmatch(r"(/[A-Za-z][A-Za-z0-9_]*)+", arguments.base):
         parser.error(f"--base: a name of ROS as /rayloc is needed, not {arguments.base!r}")
-    if (arguments.server_key is None) != (arguments.key is None):
-        parser.error("--server-key and --key need each other")
+    check_source(parser, arguments)
     return arguments
 
 

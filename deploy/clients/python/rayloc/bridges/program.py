@@ -1,0 +1,41 @@
+"""What bridges that subscribe have in common as programs: what they read, and what ends them."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import threading
+from pathlib import Path
+from typing import Sequence
+
+from rayloc.options import Curve
+from rayloc.subscriber import Subscriber
+
+
+def add_source(parser: argparse.ArgumentParser) -> None:
+    """The arguments that say what is subscribed to; check_source() after they are parsed."""
+    add = parser.add_argument
+    add("--endpoint", default="tcp://127.0.0.1:5560", help="where raylocd publishes")
+    add("--target", action="append", default=[], help="only this target; may be repeated")
+    add("--server-key", type=Path, help="file with the public key of a raylocd with CURVE")
+    add("--key", type=Path, help="file with our own secret key, by `rayloc keygen`")
+
+
+def check_source(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> None:
+    if (arguments.server_key is None) != (arguments.key is None):
+        parser.error("--server-key and --key need each other")
+
+
+def subscribe(arguments: argparse.Namespace, topics: Sequence[str]) -> Subscriber:
+    curve = None
+    if arguments.server_key is not None:
+        curve = Curve.read(arguments.server_key, arguments.key)
+    return Subscriber(arguments.endpoint, topics=topics, targets=arguments.target, curve=curve)
+
+
+def until_signalled() -> threading.Event:
+    """Is set by SIGTERM and SIGINT."""
+    stopping = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopping.set())
+    return stopping
