@@ -15,7 +15,7 @@ from typing import AsyncIterator, Optional, Type
 import zmq
 import zmq.asyncio
 
-from rayloc.connection import BATCH, LOOK, Connection
+from rayloc.connection import BATCH, Connection
 from rayloc.message import Message
 
 
@@ -30,11 +30,9 @@ class AsyncSubscriber(Connection):
             self._drain()
             if ready:
                 break
-            wait = LOOK
-            if deadline is not None:
-                wait = min(wait, deadline - time.monotonic())
-                if wait <= 0:
-                    return None
+            wait = self._wait(deadline)
+            if wait <= 0:
+                return None
             self._without_pause = 0
             await self._arrival(wait)
         self._without_pause += 1

@@ -86,6 +86,11 @@ class Connection:
         know is no longer, or not yet, how it is. What arrives is looked at in receive()."""
         return self._stream.stale(time.monotonic())
 
+    @staticmethod
+    def _wait(deadline: Optional[float]) -> float:
+        """Seconds until one looks again; none are left when `deadline` has passed."""
+        return LOOK if deadline is None else min(LOOK, deadline - time.monotonic())
+
     def _drain(self) -> None:
         """Takes what has arrived, without waiting."""
         self._answer_stream()

@@ -13,7 +13,7 @@ from typing import Iterator, Optional, Type
 
 import zmq
 
-from rayloc.connection import LOOK, Connection
+from rayloc.connection import Connection
 from rayloc.message import Message
 
 
@@ -27,11 +27,9 @@ class Subscriber(Connection):
             self._drain()
             if ready:
                 break
-            wait = LOOK
-            if deadline is not None:
-                wait = min(wait, deadline - time.monotonic())
-                if wait <= 0:
-                    return None
+            wait = self._wait(deadline)
+            if wait <= 0:
+                return None
             self._poller.poll(int(wait * 1000) + 1)
         return ready.popleft()
 
