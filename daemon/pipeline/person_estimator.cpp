@@ -1,5 +1,7 @@
 #include "daemon/pipeline/person_estimator.h"
 
+#include <algorithm>
+
 #include "daemon/pipeline/estimates.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
@@ -7,7 +9,21 @@
 namespace rayloc {
 namespace {
 
-constexpr std::uint64_t kSnapshotTrack = 1;
+bool is_fixed(const SiteTransmitter& transmitter) {
+  return transmitter.role == TransmitterRole::kFixed;
+}
+
+// The place of a fixed transmitter among those of the site, from 1.
+std::uint64_t number_of(const SiteTransmitter& fixed, const Site& site) {
+  std::uint64_t number = 1;
+  for (const SiteTransmitter& other : site.transmitters) {
+    if (&other == &fixed) {
+      break;
+    }
+    number += is_fixed(other) ? 1U : 0U;
+  }
+  return number;
+}
 
 // Of a burst that cannot be judged.
 LocationEstimate without_reference(const Burst& burst) {
@@ -34,15 +50,23 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
   if (!references) {
     return tl::make_unexpected(std::move(references.error()));
   }
+  PersonTrackerOptions tracker = options.tracker;
+  tracker.number_step = static_cast<std::uint64_t>(
+      std::count_if(site.transmitters.begin(), site.transmitters.end(), is_fixed));
   for (PersonReference& reference : *references) {
     const MacAddress mac = reference.mac;
+    const SiteTransmitter* fixed = find_fixed_transmitter(site, mac);
+    if (fixed == nullptr) {  // no longer: nobody listens to it
+      continue;
+    }
+    tracker.first_number = number_of(*fixed, site);
     auto localizer =
         PersonLocalizer::create(estimator->room_, std::move(reference), options.localizer);
     if (!localizer) {
       return tl::make_unexpected(std::move(localizer.error()));
     }
     auto shared = std::make_shared<const PersonLocalizer>(*std::move(localizer));
-    estimator->links_.emplace(mac, Link{shared, PersonTracker(shared, options.tracker)});
+    estimator->links_.emplace(mac, Link{shared, PersonTracker(shared, tracker)});
   }
   return estimator;
 }
@@ -60,26 +84,56 @@ LocationContext PersonEstimator::context_of(std::uint64_t track) const {
   return context;
 }
 
+PersonTrackerCounters PersonEstimator::tracker_counters() const {
+  const std::lock_guard lock(mutex_);
+  return tracker_counters_;
+}
+
+void PersonEstimator::publish_counters() {
+  PersonTrackerCounters sum;
+  for (const auto& [mac, link] : links_) {
+    sum += link.tracker.counters();
+  }
+  const std::lock_guard lock(mutex_);
+  tracker_counters_ = sum;
+}
+
 void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
-  if (find_fixed_transmitter(site_, burst.transmitter) == nullptr) {
+  const SiteTransmitter* fixed = find_fixed_transmitter(site_, burst.transmitter);
+  if (fixed == nullptr) {
     return;
   }
-  const auto link = links_.find(burst.transmitter);
-  if (link == links_.end()) {
-    out.locations.push_back(location_message(without_reference(burst), context_of(kSnapshotTrack)));
+  const LocationContext context = context_of(number_of(*fixed, site_));
+  const auto found = links_.find(burst.transmitter);
+  if (found == links_.end()) {
+    out.locations.push_back(location_message(without_reference(burst), context));
     return;
   }
-  out.locations.push_back(
-      location_message(link->second.localizer->locate(burst.frames), context_of(kSnapshotTrack)));
+  Link& link = found->second;
+  out.locations.push_back(location_message(link.localizer->locate(burst.frames), context));
   std::vector<PersonUpdate> updates;
-  link->second.tracker.hear(burst.frames, updates);
+  link.tracker.hear(burst.frames, updates, burst.heard_since);
   append(updates, out);
+  publish_counters();
 }
 
 void PersonEstimator::append(const std::vector<PersonUpdate>& updates, Estimates& out) const {
   for (const PersonUpdate& update : updates) {
-    out.locations.push_back(filtered_message(update.estimate, context_of(update.track)));
+    const LocationContext context = context_of(update.track);
+    out.locations.push_back(filtered_message(update.estimate, context));
+    if (update.estimate.transition) {
+      out.events.push_back(track_event(update.estimate, context.target));
+    }
   }
+}
+
+void PersonEstimator::advance(Timestamp time, Estimates& out) {
+  for (auto& [mac, link] : links_) {
+    std::vector<PersonUpdate> updates;
+    link.tracker.advance(time, updates);
+    append(updates, out);
+  }
+  publish_counters();
 }
 
 void PersonEstimator::restart(const std::string& reason, Estimates& out) {
@@ -88,6 +142,7 @@ void PersonEstimator::restart(const std::string& reason, Estimates& out) {
     link.tracker.restart(reason, updates);
     append(updates, out);
   }
+  publish_counters();
 }
 
 }  // namespace rayloc

@@ -1,7 +1,11 @@
 // PersonEstimator: locates a person who carries no device, from the bursts of the site's fixed
-// transmitters (device-free). Each burst gives a snapshot of the target person-1, NO_FIX when
-// nobody is seen, and filtered estimates of the moments within it, of the target person-N with N
-// the number of the track.
+// transmitters (device-free). Each burst gives a snapshot, NO_FIX when nobody is seen, and filtered
+// estimates of the moments within it.
+//
+// Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i,
+// i + K, i + 2K ...: its snapshots the first, its tracks all of them in turn. So what two
+// transmitters say is never taken for one target, and no number depends on which of them saw
+// somebody first. A person whom two transmitters see is two targets.
 //
 // A site without a reference of the empty room (`rayloc reference`) gives NO_FIX, with the reason.
 #pragma once
@@ -9,6 +13,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +41,11 @@ class PersonEstimator : public Estimator {
                                                            const Options& options);
 
   void estimate(const Burst& burst, Estimates& out) override;
+  void advance(Timestamp time, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
+
+  // Of all trackers. Thread safety: may be called from any thread.
+  PersonTrackerCounters tracker_counters() const;
 
  private:
   PersonEstimator(Site site, Options options)
@@ -49,11 +58,14 @@ class PersonEstimator : public Estimator {
 
   LocationContext context_of(std::uint64_t track) const;
   void append(const std::vector<PersonUpdate>& updates, Estimates& out) const;
+  void publish_counters();
 
   const Site site_;
   const Options options_;
   std::shared_ptr<const RoomModel> room_;
   std::map<MacAddress, Link> links_;
+  mutable std::mutex mutex_;
+  PersonTrackerCounters tracker_counters_;  // guarded by mutex_
 };
 
 }  // namespace rayloc

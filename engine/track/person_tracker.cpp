@@ -17,8 +17,6 @@ constexpr double kWalkHeight = 0.8;
 // Share of the power by which two frames of a room at rest differ beyond noise: the phases of
 // chains jitter by a degree or two.
 constexpr double kStillChange = 1e-3;
-// A track that has been silent for longer begins anew.
-constexpr Duration kLongestGap = std::chrono::seconds(5);
 
 FreeSpace make_space(const RoomModel& room, const StandingRoom& standing, const TargetBody& body) {
   const RoomGrid& grid = standing.grid;
@@ -68,6 +66,19 @@ std::vector<double> logarithm(std::vector<double> mass) {
 
 }  // namespace
 
+PersonTrackerCounters& PersonTrackerCounters::operator+=(const PersonTrackerCounters& other) {
+  begun += other.begun;
+  lost += other.lost;
+  moments += other.moments;
+  used += other.used;
+  nobody += other.nobody;
+  unexplained += other.unexplained;
+  out_of_order += other.out_of_order;
+  unusable += other.unusable;
+  passed_over += other.passed_over;
+  return *this;
+}
+
 PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
                              PersonTrackerOptions options)
     : localizer_(std::move(localizer)),
@@ -93,24 +104,37 @@ double PersonTracker::change_of(const PersonHearing& hearing) const {
 }
 
 void PersonTracker::begin(Timestamp time) {
-  ++track_;
-  life_ = Life{GridFilter(space_, options_.motion), TrackState::kTentative, 0, time, time, 0.0, {}};
+  life_.emplace(Life{GridFilter(space_, options_.motion)});
+  life_->track = options_.first_number + counters_.begun * options_.number_step;
+  life_->time = time;
+  life_->weighed = time;
+  ++counters_.begun;
 }
 
-// False when the moment shows nobody.
-bool PersonTracker::weigh(const PersonHearing& hearing) {
+void PersonTracker::predict(Timestamp time) {
+  life_->filter.predict(time - life_->time);
+  life_->time = time;
+}
+
+PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
   const double temper = localizer_->reference().person.temper;
   const Timestamp time = hearing.estimate.time;
+  const auto judge = [](const PersonMap& map, double least) {
+    if (!map.is_explained || map.is_transmitter_doubtful) {
+      return Sight::kUnexplained;
+    }
+    return map.somebody < least ? Sight::kNobody : Sight::kSeen;
+  };
   if (!life_) {
     const PersonMap map = localizer_->map(hearing, temper);
-    if (!map.is_explained || map.is_transmitter_doubtful || map.somebody < kSomebody) {
-      return false;
+    const Sight sight = judge(map, kSomebody);
+    if (sight == Sight::kSeen) {
+      begin(time);
+      life_->filter.update(map.log_likelihood, 1.0);
+      life_->credit = 1.0;
+      life_->last = hearing.arrays;
     }
-    begin(time);
-    life_->filter.update(map.log_likelihood, 1.0);
-    life_->credit = 1.0;
-    life_->last = hearing.arrays;
-    return true;
+    return sight;
   }
   const double change = life_->last.empty() ? 1.0 : change_of(hearing);
   const double credit = life_->credit * (1.0 - change);
@@ -121,15 +145,15 @@ bool PersonTracker::weigh(const PersonHearing& hearing) {
   life_->credit = credit;
   if (weight >= kLeastWeight) {
     const PersonMap map = localizer_->map(hearing, temper);
-    if (!map.is_explained || map.is_transmitter_doubtful || map.somebody < 0.0) {
-      return false;
+    if (const Sight sight = judge(map, 0.0); sight != Sight::kSeen) {
+      return sight;
     }
     life_->filter.update(map.log_likelihood, weight);
     life_->credit += weight;
   }
   life_->weighed = time;
   life_->last = hearing.arrays;
-  return true;
+  return Sight::kSeen;
 }
 
 std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) {
@@ -165,73 +189,106 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
   return transition;
 }
 
-PersonUpdate PersonTracker::summarise(LocationEstimate location,
-                                      bool is_seen,
-                                      std::optional<TrackTransition> transition) const {
+// Of a time at which nothing was heard.
+LocationEstimate PersonTracker::unheard(Timestamp time) const {
+  LocationEstimate location;
+  location.accuracy_confidence = localizer_->options().accuracy_confidence;
+  location.time = time;
+  location.capture_start = life_->seen;
+  location.capture_end = life_->seen;
+  return location;
+}
+
+// Says where the track is; one that is lost is forgotten.
+void PersonTracker::report(LocationEstimate location,
+                           bool is_seen,
+                           std::optional<TrackTransition> transition,
+                           std::vector<PersonUpdate>& updates) {
   summarise_posterior(localizer_->standing_room().grid,
                       logarithm(life_->filter.mass()),
                       {1.0, location.accuracy_confidence, localizer_->options().max_hypotheses},
                       location);
   PersonUpdate update;
-  update.track = track_;
+  update.track = life_->track;
   update.estimate.location = std::move(location);
   update.estimate.state = life_->state;
   update.estimate.predicted = !is_seen;
   update.estimate.standing = life_->filter.standing();
   update.estimate.transition = std::move(transition);
-  return update;
+  updates.push_back(std::move(update));
+  if (life_->state == TrackState::kLost) {
+    ++counters_.lost;
+    life_.reset();
+  }
+}
+
+void PersonTracker::coast(Timestamp until, std::vector<PersonUpdate>& updates) {
+  while (life_ && life_->due < until) {
+    const Timestamp time = life_->due;
+    life_->due += options_.coasting_interval;
+    predict(time);
+    auto transition = age(time, false);
+    report(unheard(time), false, std::move(transition), updates);
+  }
 }
 
 void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
                                 std::vector<PersonUpdate>& updates) {
+  ++counters_.moments;
   PersonHearing hearing = localizer_->hear(frames);
   if (hearing.arrays.empty()) {
+    ++counters_.unusable;
     return;
   }
   const Timestamp time = hearing.estimate.time;
-  if (time_ && time <= *time_) {
-    ++out_of_order_;
+  if ((time_ && time <= *time_) || (life_ && time <= life_->time)) {
+    ++counters_.out_of_order;
     return;
   }
-  if (life_ && time - *time_ > kLongestGap) {
-    life_.reset();
-  }
   if (life_) {
-    life_->filter.predict(time - *time_);
+    predict(time);
   }
   time_ = time;
-  const bool is_seen = weigh(hearing);
+  const Sight sight = weigh(hearing);
+  const bool is_seen = sight == Sight::kSeen;
+  counters_.used += is_seen ? 1U : 0U;
+  counters_.nobody += sight == Sight::kNobody ? 1U : 0U;
+  counters_.unexplained += sight == Sight::kUnexplained ? 1U : 0U;
   if (!life_) {
     return;
   }
   auto transition = age(time, is_seen);
-  updates.push_back(summarise(std::move(hearing.estimate), is_seen, std::move(transition)));
-  if (life_->state == TrackState::kLost) {
-    life_.reset();
-  }
+  life_->due = std::max(life_->seen + options_.coast_after, time + options_.coasting_interval);
+  report(std::move(hearing.estimate), is_seen, std::move(transition), updates);
 }
 
 void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>& updates) {
   if (life_) {
-    LocationEstimate location;
-    location.accuracy_confidence = localizer_->options().accuracy_confidence;
-    location.time = *time_ + std::chrono::microseconds(1);  // as Track::end()
-    location.capture_start = life_->seen;
-    location.capture_end = life_->seen;
-    const TrackTransition lost{location.time, life_->state, TrackState::kLost, reason};
+    // Later than the last estimate: what is said of an instant has one name (event_id).
+    const Timestamp time = life_->time + std::chrono::microseconds(1);
+    const TrackTransition lost{time, life_->state, TrackState::kLost, reason};
     life_->state = TrackState::kLost;
-    updates.push_back(summarise(std::move(location), false, lost));
+    report(unheard(time), false, lost, updates);
   }
-  life_.reset();
   time_.reset();
 }
 
-void PersonTracker::hear(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates) {
+void PersonTracker::advance(Timestamp now, std::vector<PersonUpdate>& updates) {
+  coast(now, updates);
+}
+
+void PersonTracker::hear(std::span<const CsiFrame> frames,
+                         std::vector<PersonUpdate>& updates,
+                         std::optional<Timestamp> heard_since) {
+  if (frames.empty()) {
+    return;
+  }
+  coast(heard_since.value_or(frames.front().time), updates);
   for (std::size_t begin = 0; begin < frames.size();) {
     std::size_t end = begin + 1;
     const Duration since = time_ ? frames[begin].time - *time_ : options_.interval;
     if (since >= Duration::zero() && since < options_.interval) {
-      ++passed_over_;
+      ++counters_.passed_over;
       begin = end;
       continue;
     }

@@ -6,6 +6,10 @@
 // The filter is that of devices (grid_filter.h). Nobody says here whose burst it is: a track begins
 // when somebody is seen, and a second person is not told from the first.
 //
+// Who is not seen any more is predicted at every moment that is heard, and while the transmitter is
+// silent at fixed times after the last moment: what is stated does not depend on how often
+// advance() is called.
+//
 // Thread safety: for one thread.
 #pragma once
 
@@ -42,10 +46,31 @@ struct PersonTrackerOptions {
   Duration coast_after = std::chrono::milliseconds(500);  // unseen, a track coasts
   Duration forget_after = std::chrono::seconds(1);        // unseen, a tentative track is lost
   Duration lose_after = std::chrono::seconds(5);          // unseen, any track is lost
+  // Between two predicted positions while the transmitter is silent.
+  Duration coasting_interval = std::chrono::milliseconds(200);
+  // Tracks are numbered first_number, first_number + number_step, ...: trackers of several
+  // transmitters never use the same number, whichever sees somebody first.
+  std::uint64_t first_number = 1;
+  std::uint64_t number_step = 1;
+};
+
+// moments = used + nobody + unexplained + out_of_order + unusable; begun = lost + tracks now.
+struct PersonTrackerCounters {
+  std::uint64_t begun = 0;         // tracks
+  std::uint64_t lost = 0;          // tracks
+  std::uint64_t moments = 0;       // measurements
+  std::uint64_t used = 0;          // in which somebody was seen
+  std::uint64_t nobody = 0;        // in which nobody was
+  std::uint64_t unexplained = 0;   // by a person at one of the places
+  std::uint64_t out_of_order = 0;  // not later than what had been seen
+  std::uint64_t unusable = 0;      // in which no access point heard anything that can be used
+  std::uint64_t passed_over = 0;   // frames between the moments
+
+  PersonTrackerCounters& operator+=(const PersonTrackerCounters& other);
 };
 
 struct PersonUpdate {
-  std::uint64_t track = 1;  // from 1; a number is never used again
+  std::uint64_t track = 1;  // its number, never used again
   FilteredEstimate estimate;
 };
 
@@ -54,43 +79,56 @@ class PersonTracker {
   PersonTracker(std::shared_ptr<const PersonLocalizer> localizer, PersonTrackerOptions options);
 
   // Appends an estimate for every moment of the burst in which there is a track. `frames`: of the
-  // reference's transmitter, in order of time.
-  void hear(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);
+  // reference's transmitter, in order of time. `heard_since`: the transmitter has not been silent
+  // since then, earlier bursts were left out; its first frame when nothing is stated.
+  void hear(std::span<const CsiFrame> frames,
+            std::vector<PersonUpdate>& updates,
+            std::optional<Timestamp> heard_since = std::nullopt);
+
+  // No frame before `now` comes any more: appends where somebody unseen may be, or that the track
+  // is lost.
+  void advance(Timestamp now, std::vector<PersonUpdate>& updates);
 
   // The track ends, for that reason: time may go back.
   void restart(const std::string& reason, std::vector<PersonUpdate>& updates);
 
-  std::uint64_t out_of_order() const { return out_of_order_; }  // moments refused
-  std::uint64_t passed_over() const { return passed_over_; }    // frames between the moments
+  const PersonTrackerCounters& counters() const { return counters_; }
 
  private:
+  enum class Sight : std::uint8_t { kSeen, kNobody, kUnexplained };
+
   struct Life {
     GridFilter filter;
+    std::uint64_t track = 0;
+    Timestamp time{};  // of the filter
+    Timestamp seen{};
+    Timestamp weighed{};  // last moment that was
+    Timestamp due{};      // of the next predicted position, if the transmitter stays silent
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // in which somebody was seen
-    Timestamp seen;
-    Timestamp weighed;    // last moment that was
-    double credit = 0.0;  // of a snapshot's weight, given to the present channel
-    std::vector<PersonHearing::Array> last;
+    double credit = 0.0;      // of a snapshot's weight, given to the present channel
+    std::vector<PersonHearing::Array> last{};
   };
 
   void hear_moment(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);
+  void coast(Timestamp until, std::vector<PersonUpdate>& updates);
   void begin(Timestamp time);
+  void predict(Timestamp time);
   double change_of(const PersonHearing& hearing) const;
-  bool weigh(const PersonHearing& hearing);
+  Sight weigh(const PersonHearing& hearing);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);
-  PersonUpdate summarise(LocationEstimate location,
-                         bool is_seen,
-                         std::optional<TrackTransition> transition) const;
+  LocationEstimate unheard(Timestamp time) const;
+  void report(LocationEstimate location,
+              bool is_seen,
+              std::optional<TrackTransition> transition,
+              std::vector<PersonUpdate>& updates);
 
   std::shared_ptr<const PersonLocalizer> localizer_;
   PersonTrackerOptions options_;
   std::shared_ptr<const FreeSpace> space_;
   std::optional<Life> life_;
   std::optional<Timestamp> time_;  // of the last moment
-  std::uint64_t track_ = 0;        // number of the last one
-  std::uint64_t out_of_order_ = 0;
-  std::uint64_t passed_over_ = 0;
+  PersonTrackerCounters counters_;
 };
 
 }  // namespace rayloc

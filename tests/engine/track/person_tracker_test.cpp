@@ -27,16 +27,79 @@ std::vector<CsiFrame> moment(const RoomModel& room,
   return frames;
 }
 
-TEST(PersonTracker, FollowsAWalkAndLosesWhoHasLeft) {
-  const auto room = std::make_shared<const RoomModel>(test::make_room());
-  const auto localizer = std::make_shared<const PersonLocalizer>(
-      *PersonLocalizer::create(room, test::learn_reference(*room), {}));
-  PersonTracker tracker(localizer, {});
-  std::vector<PersonUpdate> updates;
+class PersonTracking : public ::testing::Test {
+ protected:
+  using Updates = std::vector<PersonUpdate>;
+
+  static void SetUpTestSuite() {
+    room_ = std::make_shared<const RoomModel>(test::make_room());
+    localizer_ = std::make_shared<const PersonLocalizer>(
+        *PersonLocalizer::create(room_, test::learn_reference(*room_), {}));
+    standing_ = moment(*room_, {{0.2, 0.2}}, 0.0);
+  }
+  static void TearDownTestSuite() {
+    standing_.clear();
+    localizer_.reset();
+    room_.reset();
+  }
+
+  // Somebody stands in the room, at this time.
+  static std::vector<CsiFrame> somebody(double seconds) {
+    std::vector<CsiFrame> frames = standing_;
+    for (CsiFrame& frame : frames) {
+      frame.time += from_seconds(seconds);
+    }
+    return frames;
+  }
+  // Sees somebody `count` times, every 0.1 s from this time on.
+  static void see(PersonTracker& tracker, double begin, int count, Updates& updates) {
+    for (int i = 0; i < count; ++i) {
+      tracker.hear(somebody(begin + 0.1 * i), updates);
+    }
+  }
+  static Timestamp at(double seconds) { return standing_.front().time + from_seconds(seconds); }
+  static PersonTracker tracker(const PersonTrackerOptions& options = {}) {
+    return {localizer_, options};
+  }
+  static std::vector<TrackState> entered(const Updates& updates) {
+    std::vector<TrackState> states;
+    for (const PersonUpdate& update : updates) {
+      if (update.estimate.transition) {
+        states.push_back(update.estimate.transition->after);
+      }
+    }
+    return states;
+  }
+  static void expect_same(const Updates& a, const Updates& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      EXPECT_EQ(a[i].track, b[i].track);
+      EXPECT_EQ(a[i].estimate.state, b[i].estimate.state);
+      EXPECT_EQ(a[i].estimate.location.time, b[i].estimate.location.time);
+      ASSERT_TRUE(a[i].estimate.location.position && b[i].estimate.location.position);
+      EXPECT_EQ(a[i].estimate.location.position->x, b[i].estimate.location.position->x);
+      EXPECT_EQ(a[i].estimate.location.covariance, b[i].estimate.location.covariance);
+    }
+  }
+
+  static std::shared_ptr<const RoomModel> room_;
+  static std::shared_ptr<const PersonLocalizer> localizer_;
+  static std::vector<CsiFrame> standing_;
+};
+
+std::shared_ptr<const RoomModel> PersonTracking::room_;
+std::shared_ptr<const PersonLocalizer> PersonTracking::localizer_;
+std::vector<CsiFrame> PersonTracking::standing_;
+
+using enum TrackState;
+
+TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
 
   // Nobody yet.
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room, {}, 0.1 * i), updates);
+    tracker.hear(moment(*room_, {}, 0.1 * i), updates);
   }
   EXPECT_TRUE(updates.empty());
 
@@ -45,7 +108,7 @@ TEST(PersonTracker, FollowsAWalkAndLosesWhoHasLeft) {
     const double t = 1.0 + 0.1 * i;
     const TargetPosition truth{-0.8 + 0.04 * i, 0.3 - 0.01 * i};
     updates.clear();
-    tracker.hear(moment(*room, {truth}, t), updates);
+    tracker.hear(moment(*room_, {truth}, t), updates);
     ASSERT_EQ(updates.size(), 1U);
     EXPECT_EQ(updates[0].track, 1U);
     const auto& location = updates[0].estimate.location;
@@ -55,27 +118,144 @@ TEST(PersonTracker, FollowsAWalkAndLosesWhoHasLeft) {
     }
   }
   EXPECT_GE(near, 28);
-  EXPECT_EQ(updates[0].estimate.state, TrackState::kConfirmed);
+  EXPECT_EQ(updates[0].estimate.state, kConfirmed);
 
-  std::vector<TrackState> after;
+  updates.clear();
   for (int i = 0; i < 60; ++i) {
-    updates.clear();
-    tracker.hear(moment(*room, {}, 5.0 + 0.1 * i), updates);
-    for (const PersonUpdate& update : updates) {
-      if (update.estimate.transition) {
-        after.push_back(update.estimate.transition->after);
-      }
-    }
+    tracker.hear(moment(*room_, {}, 5.0 + 0.1 * i), updates);
   }
-  EXPECT_EQ(after, (std::vector<TrackState>{TrackState::kCoasting, TrackState::kLost}));
+  EXPECT_EQ(entered(updates), (std::vector{kCoasting, kLost}));
+  EXPECT_EQ(updates.back().estimate.state, kLost);
+  EXPECT_FALSE(std::any_of(updates.begin(), updates.end(), [](const PersonUpdate& update) {
+    return !update.estimate.predicted;
+  }));
 
   // Who comes next is another track.
   updates.clear();
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room, {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
+    tracker.hear(moment(*room_, {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
   }
   ASSERT_FALSE(updates.empty());
   EXPECT_EQ(updates.back().track, 2U);
+
+  const PersonTrackerCounters& counters = tracker.counters();
+  EXPECT_EQ(counters.begun, 2U);
+  EXPECT_EQ(counters.lost, 1U);
+  EXPECT_EQ(counters.moments, 110U);
+  EXPECT_EQ(counters.used, 45U);
+  EXPECT_EQ(counters.nobody, 65U);
+  EXPECT_EQ(counters.moments,
+            counters.used + counters.nobody + counters.unexplained + counters.out_of_order +
+                counters.unusable);
+}
+
+TEST_F(PersonTracking, CoastsAtFixedTimesHoweverOftenItIsAsked) {
+  auto at_once = tracker();
+  Updates once;
+  see(at_once, 0.0, 6, once);
+  const std::size_t seen = once.size();
+  const Timestamp last = once.back().estimate.location.time;
+  at_once.advance(last + std::chrono::seconds(60), once);
+
+  EXPECT_EQ(entered(once), (std::vector{kTentative, kConfirmed, kCoasting, kLost}));
+  // 0.5, 0.7 ... 5.1 s after it was seen: the first of these that is 5 s or more is the last.
+  ASSERT_EQ(once.size(), seen + 24);
+  for (std::size_t i = seen; i < once.size(); ++i) {
+    const FilteredEstimate& estimate = once[i].estimate;
+    EXPECT_EQ(estimate.location.time, last + std::chrono::milliseconds(500 + 200 * (i - seen)));
+    EXPECT_EQ(estimate.location.capture_end, last);
+    EXPECT_TRUE(estimate.predicted);
+    EXPECT_EQ(estimate.state, i + 1 < once.size() ? kCoasting : kLost);
+  }
+  EXPECT_EQ(once.back().estimate.transition->reason, "not seen for too long");
+
+  auto often = tracker();
+  Updates stepwise;
+  see(often, 0.0, 6, stepwise);
+  for (int i = 0; i < 700; ++i) {
+    often.advance(last + std::chrono::milliseconds(10 * i), stepwise);
+  }
+  expect_same(once, stepwise);
+
+  // Nobody asks until somebody is seen again: the same, and a new track.
+  auto never = tracker();
+  Updates silent;
+  see(never, 0.0, 6, silent);
+  see(never, 30.0, 1, silent);
+  ASSERT_EQ(silent.size(), once.size() + 1);
+  EXPECT_EQ(silent.back().track, 2U);
+  EXPECT_EQ(silent.back().estimate.state, kTentative);
+  silent.pop_back();
+  expect_same(once, silent);
+}
+
+TEST_F(PersonTracking, IsSureOfWhoIsSeenAgain) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  see(tracker, 0.0, 6, updates);
+  see(tracker, 3.0, 1, updates);
+  EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed, kCoasting, kConfirmed}));
+  EXPECT_EQ(updates.back().track, 1U);
+  EXPECT_FALSE(updates.back().estimate.predicted);
+  EXPECT_EQ(tracker.counters().lost, 0U);
+}
+
+TEST_F(PersonTracking, ForgetsSoonWhomItHardlySaw) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  see(tracker, 0.0, 2, updates);
+  const Timestamp last = updates.back().estimate.location.time;
+  tracker.advance(last + std::chrono::milliseconds(1100), updates);
+  EXPECT_EQ(entered(updates), std::vector{kTentative});
+  tracker.advance(last + std::chrono::milliseconds(1101), updates);
+  EXPECT_EQ(entered(updates), (std::vector{kTentative, kLost}));
+  EXPECT_EQ(updates.back().estimate.location.time, last + std::chrono::milliseconds(1100));
+}
+
+TEST_F(PersonTracking, IsNotSilentWhereBurstsWereLeftOut) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  see(tracker, 0.0, 6, updates);
+  tracker.hear(somebody(4.0), updates, at(0.6));
+  EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed}));
+}
+
+TEST_F(PersonTracking, RefusesMomentsThatComeTooLate) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  see(tracker, 0.0, 6, updates);
+  tracker.advance(at(2.0), updates);
+  const std::size_t before = updates.size();
+  see(tracker, 1.0, 1, updates);
+  EXPECT_EQ(updates.size(), before);
+  EXPECT_GT(tracker.counters().out_of_order, 0U);
+  EXPECT_EQ(tracker.counters().used, 6U);
+}
+
+TEST_F(PersonTracking, EndsWhenTimeMayGoBack) {
+  auto tracker = PersonTracking::tracker();
+  Updates updates;
+  see(tracker, 100.0, 6, updates);
+  tracker.restart("moved", updates);
+  EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed, kLost}));
+  EXPECT_EQ(updates.back().estimate.transition->reason, "moved");
+  const std::size_t before = updates.size();
+  tracker.restart("moved", updates);
+  tracker.advance(at(1000.0), updates);
+  EXPECT_EQ(updates.size(), before);
+  see(tracker, 0.0, 1, updates);
+  EXPECT_EQ(updates.back().track, 2U);
+  EXPECT_EQ(tracker.counters().begun, 2U);
+  EXPECT_EQ(tracker.counters().lost, 1U);
+}
+
+TEST_F(PersonTracking, NumbersTracksAsItIsTold) {
+  auto tracker = PersonTracking::tracker({.first_number = 2, .number_step = 3});
+  Updates updates;
+  see(tracker, 0.0, 1, updates);
+  EXPECT_EQ(updates.back().track, 2U);
+  see(tracker, 10.0, 1, updates);
+  EXPECT_EQ(updates.back().track, 5U);
 }
 
 }  // namespace
