@@ -190,6 +190,15 @@ void add_counters(const v1::Heartbeat& heartbeat, Lines& lines) {
       estimation.bursts_in_flight()));
   lines.push_back(fmt::format(
       "tracks      {} now, {} begun, {} lost", tracker.tracks(), tracker.begun(), tracker.lost()));
+  if (heartbeat.has_person_tracker()) {
+    const v1::PersonTrackerCounters& people = heartbeat.person_tracker();
+    lines.push_back(fmt::format("people      {} now, {} begun, {} lost; seen in {} of {} moments",
+                                people.tracks(),
+                                people.begun(),
+                                people.lost(),
+                                people.used(),
+                                people.moments()));
+  }
   lines.push_back(fmt::format(
       "publisher   {} messages to {} subscriptions; {} coalesced, {} events dropped, {} times "
       "somebody was slow",

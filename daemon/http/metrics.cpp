@@ -127,6 +127,7 @@ std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<Extra
                heartbeat.calibration_warnings_size());
   families.add_counters("rayloc_estimation_", heartbeat.estimation(), {});
   families.add_counters("rayloc_tracker_", heartbeat.tracker(), {});
+  families.add_counters("rayloc_person_tracker_", heartbeat.person_tracker(), {});
   families.add_counters("rayloc_publisher_", heartbeat.publisher(), {});
   if (heartbeat.has_recorder()) {
     families.add_counters("rayloc_recorder_", heartbeat.recorder(), {});

@@ -88,6 +88,7 @@ Expected<std::unique_ptr<Service>> Service::open(
     return tl::make_unexpected(opened.error());
   }
   service->status_.georeference = service->setup_.site.georeference;
+  service->status_.people = service->people_.get();
   if (const DeviceEstimator* estimator = service->estimator_.get(); estimator != nullptr) {
     service->status_.estimator = estimator;
     const RoomModel& room = estimator->room();

@@ -133,6 +133,20 @@ void fill_tracker(const DeviceEstimator& estimator, v1::TrackerCounters* counter
   counters->set_bursts_refused(tracker.refused);
 }
 
+void fill_person_tracker(const PersonEstimator& estimator, v1::PersonTrackerCounters* counters) {
+  const PersonTrackerCounters tracker = estimator.tracker_counters();
+  counters->set_tracks(tracker.begun - tracker.lost);
+  counters->set_begun(tracker.begun);
+  counters->set_lost(tracker.lost);
+  counters->set_moments(tracker.moments);
+  counters->set_used(tracker.used);
+  counters->set_nobody(tracker.nobody);
+  counters->set_unexplained(tracker.unexplained);
+  counters->set_out_of_order(tracker.out_of_order);
+  counters->set_unusable(tracker.unusable);
+  counters->set_frames_passed_over(tracker.passed_over);
+}
+
 void fill_recorder(const StatusSources& sources, v1::RecorderCounters* counters) {
   for (const RecorderStage* recorder : sources.recorders) {
     const RecorderStageCounters recorded = recorder->counters();
@@ -202,6 +216,9 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
       heartbeat.add_calibration_warnings(warning.text);
     }
     fill_tracker(*sources.estimator, heartbeat.mutable_tracker());
+  }
+  if (sources.people != nullptr) {
+    fill_person_tracker(*sources.people, heartbeat.mutable_person_tracker());
   }
   // The mailbox first: a receiving thread reports its frames before it puts them there, so that
   // what it reports afterwards contains whatever the mailbox had.

@@ -8,6 +8,7 @@
 
 #include "daemon/pipeline/clock_offset.h"
 #include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/playback.h"
 #include "daemon/pipeline/publisher_stage.h"
@@ -21,6 +22,7 @@ struct StatusSources {
   const Pipeline* pipeline = nullptr;
   const PublisherStage* publisher = nullptr;
   const DeviceEstimator* estimator = nullptr;  // none: nothing is located
+  const PersonEstimator* people = nullptr;     // none: nobody is looked for
   std::vector<const RecorderStage*> recorders;
   std::uint64_t recordings_repaired = 0;  // at the start
   std::shared_ptr<ClockOffset> clock;

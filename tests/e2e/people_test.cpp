@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,32 @@ class People : public testing::Test {
   const TemporaryFolder folder_;
 };
 
+// Every track begins once, goes from state to state and is lost once, if at all; the heartbeat
+// counts the same.
+void expect_whole_lives(const LiveDaemon& daemon) {
+  std::map<std::uint64_t, std::string> state;  // by number
+  std::uint64_t lost = 0;
+  for (const nlohmann::json& event : daemon.bodies("track")) {
+    EXPECT_EQ(event.at("target").at("kind"), "TARGET_KIND_PERSON") << event.dump();
+    const auto [track, begins] =
+        state.try_emplace(number(event.at("target").at("track")), "TRACK_STATE_UNSPECIFIED");
+    EXPECT_EQ(event.at("previous_state"), track->second) << event.dump();
+    EXPECT_EQ(event.at("state") == "TRACK_STATE_TENTATIVE", begins) << event.dump();
+    track->second = event.at("state");
+    lost += track->second == "TRACK_STATE_LOST" ? 1U : 0U;
+  }
+  EXPECT_GE(state.size(), 1U) << daemon.errors();
+  const nlohmann::json tracker = daemon.bodies("heartbeat").back().at("person_tracker");
+  EXPECT_EQ(number(tracker.at("begun")), state.size());
+  EXPECT_EQ(number(tracker.at("lost")), lost);
+  EXPECT_EQ(number(tracker.at("tracks")), state.size() - lost);
+  EXPECT_GE(number(tracker.at("used")), kPlaces.size());
+  EXPECT_EQ(number(tracker.at("moments")),
+            number(tracker.at("used")) + number(tracker.at("nobody")) +
+                number(tracker.at("unexplained")) + number(tracker.at("out_of_order")) +
+                number(tracker.at("unusable")));
+}
+
 TEST_F(People, AreFoundByTheDaemonAndPublished) {
   calibrated_site(folder());
   simulate("empty", {"1.25,-0.45,1.2"}, {});
@@ -122,6 +149,7 @@ TEST_F(People, AreFoundByTheDaemonAndPublished) {
   EXPECT_GE(std::count_if(
                 nearest.begin(), nearest.end(), [](double distance) { return distance < 0.15; }),
             4);
+  expect_whole_lives(daemon);
 }
 
 }  // namespace

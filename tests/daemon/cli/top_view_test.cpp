@@ -141,6 +141,24 @@ TEST(TopModel, ForgetsTheSilentAndBoundsItsMemory) {
   EXPECT_TRUE(model.targets().empty());
 }
 
+TEST(TopView, CountsPeopleWhereTheyAreLookedFor) {
+  TopModel model;
+  v1::Envelope beat = heartbeat(100, 0);
+  model.add("h", beat, kStart);
+  EXPECT_EQ(text_of(model, kStart).find("people "), std::string::npos) << text_of(model, kStart);
+  v1::PersonTrackerCounters& people = *beat.mutable_heartbeat()->mutable_person_tracker();
+  people.set_tracks(2);
+  people.set_begun(7);
+  people.set_lost(5);
+  people.set_used(31);
+  people.set_moments(40);
+  model.add("h", beat, kStart);
+  EXPECT_NE(
+      text_of(model, kStart).find("people      2 now, 7 begun, 5 lost; seen in 31 of 40 moments\n"),
+      std::string::npos)
+      << text_of(model, kStart);
+}
+
 // What an ordinary terminal is wide enough for.
 TEST(TopView, FitsIntoEightyColumns) {
   TopModel model;

@@ -29,6 +29,7 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   v1::Heartbeat heartbeat;
   int next = number_all(*heartbeat.mutable_estimation(), 1001);
   next = number_all(*heartbeat.mutable_tracker(), next);
+  next = number_all(*heartbeat.mutable_person_tracker(), next);
   next = number_all(*heartbeat.mutable_recorder(), next);
   next = number_all(*heartbeat.mutable_publisher(), next);
   v1::SourceReport& source = *heartbeat.add_sources();
@@ -42,6 +43,7 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_estimation_fixes_total counter\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_estimation_frames_in_flight gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_tracker_tracks gauge\n"));
+  EXPECT_THAT(text, HasSubstr("# TYPE rayloc_person_tracker_tracks gauge\n"));
   EXPECT_THAT(text,
               HasSubstr("rayloc_source_rejected_total{access_point=\"ap \\\"1\\\"\\n\","
                         "reason=\"too_short\"} " +
