@@ -1,0 +1,308 @@
+// People without a device through the whole pipeline: what two fixed transmitters say of somebody
+// who stands in a simulated room for two seconds and leaves.
+#include "daemon/pipeline/person_estimator.h"
+
+#include <tbb/global_control.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "capture/pcap_source.h"
+#include "daemon/pipeline/ordered_sink.h"
+#include "daemon/pipeline/paced_source.h"
+#include "daemon/publish/proto_time.h"
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlan = R"(name = "closet"
+size = [3.0, 2.4, 2.5]
+corner = [-1.5, -1.2, 0]
+floor = "concrete"
+ceiling = "ceiling_board"
+walls = "brick"
+[carrier]
+channel = 36
+bandwidth_mhz = 40
+centre_hz = 5190000000
+tones = 128
+active = [[-58, -2], [2, 58]]
+[[access_point]]
+id = "ap1"
+position = [-1.3, 1.0, 1.2]
+yaw_deg = -38
+pattern = "half_wave_dipole"
+[[access_point.antenna]]
+core = 2
+offset = [0, -0.089, 0]
+[[access_point.antenna]]
+core = 0
+offset = [0, 0, 0]
+[[access_point.antenna]]
+core = 3
+offset = [0, 0.089, 0]
+)";
+constexpr const char* kTransmitters = R"(
+[person]
+radius_m = 0.16
+height_m = 1.7
+[[transmitter]]
+role = "fixed"
+mac = "02:52:4c:00:00:09"
+name = "plug"
+position = [1.2, -0.6, 1.1]
+[[transmitter]]
+role = "fixed"
+mac = "02:52:4c:00:00:0a"
+name = "lamp"
+position = [1.1, 0.9, 1.4]
+)";
+constexpr const char* kHeader = "t_start,t_end,x,y,z\n";
+constexpr std::size_t kPcapHeader = 24;  // [bytes], of a file
+
+struct Outcome {
+  std::vector<v1::Location> locations;
+  std::vector<v1::TrackEvent> events;  // by time
+  PersonTrackerCounters counters;
+  std::string text;  // all of it
+
+  // The states that a track entered, and when.
+  std::vector<std::pair<v1::TrackState, Timestamp>> life(std::uint64_t track) const {
+    std::vector<std::pair<v1::TrackState, Timestamp>> states;
+    for (const v1::TrackEvent& event : events) {
+      if (event.target().track() == track) {
+        states.emplace_back(event.state(), from_proto(event.time()));
+      }
+    }
+    return states;
+  }
+  // When somebody was last seen of it.
+  Timestamp last_seen(std::uint64_t track) const {
+    Timestamp last{};
+    for (const v1::Location& location : locations) {
+      if (location.kind() == v1::LOCATION_KIND_FILTERED && location.target().track() == track &&
+          location.mode() == v1::FIX_MODE_2D) {
+        last = std::max(last, from_proto(location.time()));
+      }
+    }
+    return last;
+  }
+};
+
+class Recorder : public LocationSink {
+ public:
+  explicit Recorder(Outcome& outcome)
+      : outcome_(outcome), ordered_([&outcome](const v1::Location& location) {
+          outcome.locations.push_back(location);
+        }) {}
+  void location(v1::Location&& location) override { ordered_.location(std::move(location)); }
+  void event(v1::TrackEvent&& event) override { outcome_.events.push_back(std::move(event)); }
+  void advance(Timestamp time) override { ordered_.advance(time); }
+  void finish() {
+    ordered_.finish();
+    // As locations, they come in the order in which they became known.
+    std::sort(outcome_.events.begin(), outcome_.events.end(), [](const auto& a, const auto& b) {
+      return std::pair(from_proto(a.time()), a.event_id()) <
+             std::pair(from_proto(b.time()), b.event_id());
+    });
+    for (const v1::Location& location : outcome_.locations) {
+      outcome_.text += location.SerializeAsString();
+    }
+    for (const v1::TrackEvent& event : outcome_.events) {
+      outcome_.text += event.SerializeAsString();
+    }
+  }
+
+ private:
+  Outcome& outcome_;
+  OrderedSink ordered_;
+};
+
+class PeopleOfTwoTransmitters : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fs::remove_all(folder());
+    fs::create_directories(folder());
+    std::ofstream(path("plan.toml")) << kPlan;
+    run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
+    std::ofstream(path("site") + "/site.toml", std::ios::app) << kTransmitters;
+    std::string survey = kHeader;
+    for (int i = 0; i < 30; ++i) {
+      const int row = i / 6;
+      survey += std::to_string(1000 + 2 * i) + "," + std::to_string(1000.5 + 2 * i) + "," +
+                std::to_string(-1.05 + 0.4 * (i % 6)) + "," + std::to_string(-0.75 + 0.3 * row) +
+                ",1.2\n";
+    }
+    simulate("survey", survey, {});
+    run({"calibrate",
+         path("site"),
+         "--gains-only",
+         "--quiet",
+         "--points",
+         path("survey.csv"),
+         "--capture",
+         "ap1=" + path("survey.pcap"),
+         "--out",
+         path("calibrated")});
+    learn_the_empty_room();
+    // Somebody stands there for two seconds; then both fall silent, and time goes on by the frames
+    // of a device.
+    simulate("plug",
+             kHeader + std::string("3000,3002,0.1,-0.1,0\n"),
+             {"--transmitter", "plug", "--person", "--frames", "40"});
+    simulate("lamp",
+             kHeader + std::string("3000.02,3002,0.1,-0.1,0\n"),
+             {"--transmitter", "lamp", "--person", "--frames", "40"});
+    simulate("later",
+             kHeader + std::string("3002.1,3012,0.3,0.2,1.2\n"),
+             {"--transmitter", "02:52:4c:00:00:01", "--frames", "120"});
+    outcome_ = replay(8192, nullptr);
+  }
+  static void TearDownTestSuite() {
+    outcome_ = {};
+    fs::remove_all(folder());
+  }
+
+  static void learn_the_empty_room() {
+    simulate(
+        "empty", kHeader + std::string("2000,2000.5,1.2,-0.6,1.1\n"), {"--transmitter", "plug"});
+    simulate("more", kHeader + std::string("2003,2003.5,1.1,0.9,1.4\n"), {"--transmitter", "lamp"});
+    std::ifstream in(path("more.pcap"), std::ios::binary);
+    in.seekg(kPcapHeader);
+    std::ofstream(path("empty.pcap"), std::ios::binary | std::ios::app) << in.rdbuf();
+    run({"reference",
+         path("calibrated"),
+         "--quiet",
+         "--capture",
+         "ap1=" + path("empty.pcap"),
+         "--out",
+         path("people")});
+  }
+  // Of this process: others run tests of this file at the same time.
+  static fs::path folder() {
+    return fs::path(::testing::TempDir()) / ("person_estimator_" + std::to_string(::getpid()));
+  }
+  static std::string path(const std::string& name) { return folder() / name; }
+  static void run(const std::vector<std::string>& arguments) {
+    const Finished finished = RaylocProcess(arguments).wait();
+    ASSERT_EQ(finished.status, 0) << finished.err;
+  }
+  static void simulate(const std::string& name,
+                       const std::string& points,
+                       const std::vector<std::string>& more) {
+    std::ofstream(path(name + ".csv")) << points;
+    std::vector<std::string> arguments = {"simulate",
+                                          path("site"),
+                                          "--quiet",
+                                          "--points",
+                                          path(name + ".csv"),
+                                          "--out",
+                                          "ap1=" + path(name + ".pcap")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    run(arguments);
+  }
+  static Outcome replay(std::size_t ring_frames, const std::shared_ptr<Pace>& pace) {
+    PersonEstimator::Options options;
+    options.localizer.cell = 0.1;  // enough to see somebody, and soon done
+    const auto estimator =
+        PersonEstimator::create(load_site(path("people")).value(), options).value();
+    std::vector<SourceWorker::Input> inputs;
+    for (const char* name : {"plug", "lamp", "later"}) {
+      SourceWorker::Input input;
+      input.access_point = "ap1";
+      input.source = PcapFileSource::open(path(std::string(name) + ".pcap")).value();
+      if (pace) {
+        input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
+      }
+      input.receiver.access_point = 0;
+      inputs.push_back(std::move(input));
+    }
+    Outcome outcome;
+    Recorder sink(outcome);
+    PipelineOptions pipeline_options;
+    pipeline_options.ring_frames = ring_frames;
+    pipeline_options.overflow = Overflow::kWait;
+    Pipeline pipeline(pipeline_options, std::move(inputs), *estimator, sink);
+    pipeline.start();
+    pipeline.wait();
+    sink.finish();
+    outcome.counters = estimator->tracker_counters();
+    return outcome;
+  }
+
+  static Outcome outcome_;  // of a replay
+};
+
+Outcome PeopleOfTwoTransmitters::outcome_;
+
+TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
+  // The plug, first in the site, has the odd numbers, and the lamp the even ones.
+  const auto plug = outcome_.life(1);
+  const auto lamp = outcome_.life(2);
+  for (const auto& life : {plug, lamp}) {
+    ASSERT_EQ(life.size(), 4U);
+    EXPECT_EQ(life[0].first, v1::TRACK_STATE_TENTATIVE);
+    EXPECT_EQ(life[1].first, v1::TRACK_STATE_CONFIRMED);
+    EXPECT_EQ(life[2].first, v1::TRACK_STATE_COASTING);
+    EXPECT_EQ(life[3].first, v1::TRACK_STATE_LOST);
+  }
+  EXPECT_EQ(outcome_.events.size(), 8U);
+  EXPECT_EQ(outcome_.counters.begun, 2U);
+  EXPECT_EQ(outcome_.counters.lost, 2U);
+  EXPECT_GE(outcome_.counters.used, 30U);
+  EXPECT_EQ(outcome_.counters.moments,
+            outcome_.counters.used + outcome_.counters.nobody + outcome_.counters.unexplained +
+                outcome_.counters.out_of_order + outcome_.counters.unusable);
+
+  // At fixed times after somebody was seen, however the frames of others come.
+  EXPECT_EQ(plug[2].second, outcome_.last_seen(1) + std::chrono::milliseconds(500));
+  EXPECT_EQ(plug[3].second, outcome_.last_seen(1) + std::chrono::milliseconds(5100));
+  EXPECT_EQ(lamp[2].second, outcome_.last_seen(2) + std::chrono::milliseconds(500));
+  EXPECT_EQ(lamp[3].second, outcome_.last_seen(2) + std::chrono::milliseconds(5100));
+}
+
+TEST_F(PeopleOfTwoTransmitters, DependNeitherOnSpeedNorOnQueuesNorOnThreads) {
+  ASSERT_FALSE(outcome_.text.empty());
+  EXPECT_EQ(replay(3, nullptr).text, outcome_.text);
+  EXPECT_EQ(replay(8192, std::make_shared<Pace>(50.0)).text, outcome_.text);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(replay(8192, nullptr).text, outcome_.text);
+}
+
+TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
+  std::map<std::uint64_t, std::vector<v1::Location>> by_number;
+  for (const v1::Location& location : outcome_.locations) {
+    by_number[location.target().track()].push_back(location);
+  }
+  // While both see somebody, each says so under its own number, snapshots too.
+  for (const std::uint64_t number : {1U, 2U}) {
+    const auto snapshots = static_cast<std::size_t>(std::count_if(
+        by_number[number].begin(), by_number[number].end(), [](const v1::Location& location) {
+          return location.kind() == v1::LOCATION_KIND_SNAPSHOT && location.has_position();
+        }));
+    EXPECT_GE(snapshots, 5U) << number;
+  }
+  std::vector<std::string> ids;
+  for (const v1::Location& location : outcome_.locations) {
+    ids.push_back(location.event_id());
+  }
+  for (const v1::TrackEvent& event : outcome_.events) {
+    ids.push_back(event.event_id());
+  }
+  std::sort(ids.begin(), ids.end());
+  EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+}
+
+}  // namespace
+}  // namespace rayloc
