@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <numeric>
 #include <random>
 #include <utility>
 
@@ -12,6 +10,7 @@
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/calibrate/stated_parameter.h"
+#include "engine/calibrate/stated_widths.h"
 #include "engine/calibrate/surface_scan.h"
 #include "engine/calibrate/wave_cycles.h"
 #include "engine/scene/scene.h"
@@ -70,6 +69,7 @@ class JointCalibration {
   JointContext context(std::span<const JointSample> samples) const {
     return {model_, unknowns_, samples, traced_at_};
   }
+  double half_wave() const { return 0.5 * kSpeedOfLight / original_.grid.centre_hz; }  // [m]
   std::vector<double> change() const { return context({}).change(state_.values); }
   std::vector<ChainGains> gains() const;
   void set_gains(std::span<const ChainGains> gains);
@@ -293,9 +293,7 @@ bool JointCalibration::settle(const JointRound& round) {
   const auto strongest =
       strongest_surfaces(surface_power(traced_, *room_.scene), kTriedShare, kMostTried);
   WaveCycleSearch search{
-      strongest, 0.5 * kSpeedOfLight / original_.grid.centre_hz, joint_options(round, free), [&] {
-        return go_on();
-      }};
+      strongest, half_wave(), joint_options(round, free), [&] { return go_on(); }};
   search.options.iterations = kTrialIterations;
   const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
   other_cycles_ = cycles.others;
@@ -377,8 +375,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
 std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
                                             std::span<const JointSample> samples) const {
   const std::vector<char> none(unknowns_.size());
-  JointOptions options = joint_options(round, none);
-  options.survey_sigma = options_.priors.survey;
+  const JointOptions options{round.floor, options_.iterations, options_.priors.survey, none};
   JointState state = state_;
   JointProblem(context(samples)).solve(options, state, {});
   return std::move(state.survey);
@@ -387,10 +384,13 @@ std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
 std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round) {
   const std::vector<char> free = released(round);
   const auto samples = fitted();
-  const JointProblem problem(context(samples));
-  std::vector<double> sigma = problem.posterior(joint_options(round, free), state_);
-  widen_by_other_cycles(context(samples), round.floor, state_, sigma);
-  widen_by_wave_cycles(other_cycles_, unknowns_, state_, sigma);
+  const JointContext about = context(samples);
+  const std::vector<double> sigma = stated_widths(
+      about,
+      joint_options(round, free),
+      state_,
+      other_cycles_,
+      {surface_power(traced_, *room_.scene), mean_unexplained(about, state_), half_wave()});
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const bool chain =

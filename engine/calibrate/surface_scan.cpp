@@ -83,6 +83,9 @@ std::vector<double> surface_power(std::span<const TracedSample> samples, const S
       }
     }
   }
+  for (double& one : power) {
+    one /= static_cast<double>(std::max<std::size_t>(samples.size(), 1));
+  }
   return power;
 }
 
