@@ -28,19 +28,20 @@ Samples samples_of(std::span<const CalibrationPoint> points,
 
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              std::size_t access_point,
-                                             std::span<const CalibrationPoint> points) {
+                                             std::span<const CalibrationPoint> points,
+                                             ArrayFit array) {
   AccessPointResult result;
   result.index = access_point;
   const Samples all = samples_of(points, access_point, true);
   const AccessPointCalibrator on_all(room, access_point, all.samples);
-  auto fit = on_all.fit();
+  auto fit = on_all.fit(array);
   if (!fit) {
     return tl::make_unexpected(std::move(fit.error()));
   }
   result.fit = *std::move(fit);
   auto train =
       AccessPointCalibrator(room, access_point, samples_of(points, access_point, false).samples)
-          .fit();
+          .fit(array);
   if (!train) {
     train.error().message += " after holding out; use a smaller --holdout";
     return tl::make_unexpected(std::move(train.error()));

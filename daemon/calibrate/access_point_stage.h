@@ -23,7 +23,8 @@ struct AccessPointResult {
 // Of the access point with that index. An Error names it where too few points heard it.
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              std::size_t access_point,
-                                             std::span<const CalibrationPoint> points);
+                                             std::span<const CalibrationPoint> points,
+                                             ArrayFit array);
 
 // The access point as a fit has it.
 void apply(const AccessPointFit& fit, RoomAccessPoint& access_point);

@@ -1,8 +1,10 @@
 #include "daemon/calibrate/calibrated_site.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <string>
 
 #include "daemon/scene/scene_files.h"
 #include "engine/scene/scene.h"
@@ -10,34 +12,48 @@
 namespace rayloc {
 namespace {
 
-CalibratedValue calibrated(const FittedValue& value) {
-  return {value.value, value.prior, value.sigma};
+CalibratedValue stated(const FittedValue& value) { return {value.value, value.prior, value.sigma}; }
+
+// A change of the pose; as sure as the parameter of that name, where there is one.
+CalibratedValue stated(double change,
+                       const std::string& name,
+                       std::span<const RoomParameter> parameters) {
+  const auto found = std::find_if(
+      parameters.begin(), parameters.end(), [&](const auto& one) { return one.name == name; });
+  return {change, 0.0, found == parameters.end() ? 0.0 : found->sigma};
 }
 
 }  // namespace
 
 std::vector<CalibratedAccessPoint> calibrated_access_points(
-    const RoomModel& surveyed, const RoomModel& room, std::span<const AccessPointResult> results) {
+    const RoomModel& surveyed,
+    const RoomCalibration& calibrated,
+    std::span<const AccessPointResult> results) {
   std::vector<CalibratedAccessPoint> access_points;
   for (const AccessPointResult& result : results) {
     const RoomAccessPoint& before = surveyed.access_points[result.index];
-    const RoomAccessPoint& after = room.access_points[result.index];
+    const RoomAccessPoint& after = calibrated.room.access_points[result.index];
     const Pose& stood = before.array.pose;
     const Pose& stands = after.array.pose;
     CalibratedAccessPoint ap;
     ap.id = after.id;
     ap.points = result.fit.samples_used;
-    ap.position_x.value = stands.position.x - stood.position.x;
-    ap.position_y.value = stands.position.y - stood.position.y;
-    ap.position_z.value = stands.position.z - stood.position.z;
-    ap.yaw_offset = calibrated(result.fit.yaw_offset);
-    ap.yaw_offset.value += stands.orientation.yaw - stood.orientation.yaw;
-    ap.pitch_offset.value = stands.orientation.pitch - stood.orientation.pitch;
-    ap.roll_offset.value = stands.orientation.roll - stood.orientation.roll;
-    ap.plan_tolerance = calibrated(result.fit.plan_tolerance);
-    ap.diffuse = calibrated(result.fit.diffuse);
-    ap.diffuse_exponent = calibrated(result.fit.diffuse_exponent);
-    ap.noise = calibrated(result.fit.noise);
+    const auto changed = [&](double change, const char* name) {
+      return stated(change, after.id + "." + name, calibrated.parameters);
+    };
+    ap.position_x = changed(stands.position.x - stood.position.x, "position.x");
+    ap.position_y = changed(stands.position.y - stood.position.y, "position.y");
+    ap.position_z = changed(stands.position.z - stood.position.z, "position.z");
+    ap.yaw_offset = changed(stands.orientation.yaw - stood.orientation.yaw, "yaw");
+    ap.yaw_offset.value += result.fit.yaw_offset.value;
+    // Where the yaw was held here, the calibration before has found it.
+    ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
+    ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, "pitch");
+    ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, "roll");
+    ap.plan_tolerance = stated(result.fit.plan_tolerance);
+    ap.diffuse = stated(result.fit.diffuse);
+    ap.diffuse_exponent = stated(result.fit.diffuse_exponent);
+    ap.noise = stated(result.fit.noise);
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
     for (std::size_t e = 0; e < after.array.element_offset.size(); ++e) {

@@ -8,14 +8,18 @@
 
 #include "daemon/calibrate/access_point_stage.h"
 #include "daemon/site/calibration_file.h"
+#include "engine/calibrate/room_calibration.h"
 #include "engine/localize/room_model.h"
 
 namespace rayloc {
 
 // Of each access point in `results`: where it stands and turns against `surveyed`, its chains and
-// the errors of the model. `room`: as calibrated, but for what `results` say.
+// the errors of the model. `calibrated`: the room, but for what `results` say, and how sure its
+// parameters are.
 std::vector<CalibratedAccessPoint> calibrated_access_points(
-    const RoomModel& surveyed, const RoomModel& room, std::span<const AccessPointResult> results);
+    const RoomModel& surveyed,
+    const RoomCalibration& calibrated,
+    std::span<const AccessPointResult> results);
 
 // Mean gains and phases of the chains of an access point against its first.
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& access_point);

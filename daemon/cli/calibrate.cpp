@@ -8,8 +8,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <numeric>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,6 +17,7 @@
 #include "daemon/calibrate/calibration_report.h"
 #include "daemon/calibrate/checkpoint_file.h"
 #include "daemon/calibrate/held_out_fixes.h"
+#include "daemon/calibrate/holdout.h"
 #include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/calibration_inputs.h"
@@ -59,23 +58,6 @@ struct Options {
   bool quiet = false;
 };
 
-// Which points are held out: a share of them, drawn without replacement; the same for each access
-// point.
-std::vector<bool> draw_holdout(std::size_t count, double share, std::uint64_t seed) {
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::mt19937_64 random(seed);
-  for (std::size_t i = count; i > 1; --i) {
-    std::swap(order[i - 1], order[random() % i]);
-  }
-  std::vector<bool> held(count);
-  const auto most = static_cast<std::size_t>(share * static_cast<double>(count));
-  for (std::size_t i = 0; i < most; ++i) {
-    held[order[i]] = true;
-  }
-  return held;
-}
-
 std::uint64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -96,7 +78,7 @@ class Calibration {
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer);
   void count_from_survey(std::vector<RoomParameter>& parameters) const;
-  Expected<void> fit_errors(const RoomModel& room);
+  Expected<void> fit_errors(const CalibrationMethodResult& method);
   Expected<void> fit_certainty(const RoomModel& room);
   CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods,
                               const CalibrationFile& file) const;
@@ -195,7 +177,7 @@ Expected<void> Calibration::fit_gains() {
       inputs_.refused.push_back({plan_.access_points[a].id, "no recording: stays uncalibrated"});
       continue;
     }
-    auto result = fit_access_point(plan_, a, points_);
+    auto result = fit_access_point(plan_, a, points_, ArrayFit::kFitted);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }
@@ -262,10 +244,13 @@ void Calibration::count_from_survey(std::vector<RoomParameter>& parameters) cons
   }
 }
 
-// What the likelihood needs to know of the calibrated room.
-Expected<void> Calibration::fit_errors(const RoomModel& room) {
+// What the likelihood needs to know of the calibrated room. The joint calibration knows the arrays
+// better than the likelihood does, which asks for less than all that was measured.
+Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
+  const RoomModel& room = method.calibration.room;
+  const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
   for (const AccessPointResult& gains : gains_) {
-    auto result = fit_access_point(room, gains.index, points_);
+    auto result = fit_access_point(room, gains.index, points_, array);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }
@@ -336,7 +321,7 @@ Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& me
   file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
   file.ray_depth = room.trace.max_depth;
   file.transmission = room.trace.transmission;
-  file.access_points = calibrated_access_points(plan_, room, results_);
+  file.access_points = calibrated_access_points(plan_, methods.front().calibration, results_);
   file.surfaces = calibrated_surfaces(room);
   file.parameters = methods.front().calibration.parameters;
   if (auto written =
@@ -399,7 +384,7 @@ Expected<void> Calibration::run() {
         {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
   const RoomModel& room = methods.front().calibration.room;
-  if (auto fitted = fit_errors(room); !fitted) {
+  if (auto fitted = fit_errors(methods.front()); !fitted) {
     return fitted;
   }
   if (auto fitted = fit_certainty(room); !fitted) {

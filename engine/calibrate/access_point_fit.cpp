@@ -187,10 +187,15 @@ Expected<AccessPointFit> AccessPointCalibrator::start() const {
   return fit;
 }
 
-Expected<AccessPointFit> AccessPointCalibrator::fit() const {
+Expected<AccessPointFit> AccessPointCalibrator::fit(ArrayFit array) const {
   auto fit = start();
   for (int round = 0; fit && round < 2; ++round) {
-    fit_yaw(*fit);
+    if (array == ArrayFit::kFitted) {
+      fit_yaw(*fit);
+    } else {
+      principal_gains(offsets(0.0), fit->error(), &fit->gain_sigma);
+      fit->gains = access_point_.gains;
+    }
     fit_errors(*fit);
   }
   return fit;

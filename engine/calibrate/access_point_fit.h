@@ -9,6 +9,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,6 +50,9 @@ struct AccessPointFit {
   }
 };
 
+// Whether an access point's yaw and chain gains are to be found, or known already.
+enum class ArrayFit : std::uint8_t { kFitted, kHeld };
+
 // One access point of a room and the points it was calibrated on.
 class AccessPointCalibrator {
  public:
@@ -60,7 +64,7 @@ class AccessPointCalibrator {
 
   // An Error when fewer than `kLeastSamples` samples can be used.
   static constexpr std::size_t kLeastSamples = 4;
-  Expected<AccessPointFit> fit() const;
+  Expected<AccessPointFit> fit(ArrayFit array = ArrayFit::kFitted) const;
   // The gains alone, at the surveyed yaw and with the errors of a floor plan: no scan, a tenth of
   // the time.
   Expected<AccessPointFit> fit_gains() const;
