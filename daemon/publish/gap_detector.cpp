@@ -1,8 +1,44 @@
 #include "daemon/publish/gap_detector.h"
 
+#include <iterator>
+
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc {
+
+// How many messages of the topic were lost right before this one, which is remembered.
+std::uint64_t GapDetector::missing_before(const std::string& topic, std::uint64_t sequence) {
+  const auto known = last_.find(topic);
+  if (known == last_.end()) {
+    if (last_.size() >= max_topics_ && !by_age_.empty()) {
+      last_.erase(by_age_.front());
+      by_age_.pop_front();
+    }
+    by_age_.push_back(topic);
+    last_.emplace(topic, Heard{sequence, std::prev(by_age_.end())});
+    return 0;
+  }
+  Heard& heard = known->second;
+  by_age_.splice(by_age_.end(), by_age_, heard.age);
+  const std::uint64_t lost = sequence > heard.sequence + 1 ? sequence - heard.sequence - 1 : 0;
+  heard.sequence = sequence;
+  return lost;
+}
+
+// With the last sequences that a message on `topic` names.
+void GapDetector::compare(const v1::TopicClass& topic_class,
+                          const std::string& topic,
+                          std::vector<Gap>& gaps) {
+  for (const v1::TopicSequence& named : topic_class.last_sequences()) {
+    const auto silent = last_.find(named.topic());
+    // The message's own topic is not yet counted in what it says.
+    if (silent != last_.end() && named.topic() != topic &&
+        named.sequence() > silent->second.sequence) {
+      gaps.push_back({named.topic(), named.sequence() - silent->second.sequence});
+      silent->second.sequence = named.sequence();
+    }
+  }
+}
 
 std::vector<GapDetector::Gap> GapDetector::add(const std::string& topic,
                                                const v1::Envelope& envelope) {
@@ -10,26 +46,19 @@ std::vector<GapDetector::Gap> GapDetector::add(const std::string& topic,
   if (any_ && envelope.epoch() != epoch_) {
     ++restarts_;
     last_.clear();
+    by_age_.clear();
   }
   any_ = true;
   epoch_ = envelope.epoch();
 
-  const auto [known, is_new] = last_.try_emplace(topic, envelope.sequence());
-  if (!is_new) {
-    if (envelope.sequence() > known->second + 1) {
-      gaps.push_back({topic, envelope.sequence() - known->second - 1});
-    }
-    known->second = envelope.sequence();
+  if (const std::uint64_t lost = missing_before(topic, envelope.sequence()); lost > 0) {
+    gaps.push_back({topic, lost});
   }
   for (const v1::TopicClass& topic_class : envelope.heartbeat().topic_classes()) {
-    for (const v1::TopicSequence& last : topic_class.last_sequences()) {
-      const auto silent = last_.find(last.topic());
-      // The heartbeat's own topic is not yet counted in what the heartbeat says.
-      if (silent != last_.end() && last.topic() != topic && last.sequence() > silent->second) {
-        gaps.push_back({last.topic(), last.sequence() - silent->second});
-        silent->second = last.sequence();
-      }
-    }
+    compare(topic_class, topic, gaps);
+  }
+  for (const v1::TopicClass& topic_class : envelope.goodbye().topic_classes()) {
+    compare(topic_class, topic, gaps);
   }
   for (const Gap& gap : gaps) {
     lost_ += gap.lost;

@@ -62,5 +62,30 @@ TEST(GapDetector, HeartbeatsShowLossOnSilentTopics) {
   EXPECT_TRUE(detector.add("v1/location/s/a/", numbered(1, 43)).empty());
 }
 
+TEST(GapDetector, AGoodbyeShowsLossOnSilentTopics) {
+  GapDetector detector;
+  detector.add("v1/location/s/a/", numbered(1, 40));
+  v1::Envelope goodbye = numbered(1, 6);
+  auto& last = *goodbye.mutable_goodbye()->add_topic_classes()->add_last_sequences();
+  last.set_topic("v1/location/s/a/");
+  last.set_sequence(43);
+  const auto gaps = detector.add("v1/heartbeat/s/", goodbye);
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_EQ(gaps[0].lost, 3U);
+}
+
+TEST(GapDetector, ForgetsTheTopicHeardLongestAgo) {
+  GapDetector detector(2);
+  detector.add("a/", numbered(1, 1));
+  detector.add("b/", numbered(1, 1));
+  detector.add("a/", numbered(1, 2));
+  detector.add("c/", numbered(1, 1));                        // b is forgotten
+  EXPECT_EQ(detector.add("a/", numbered(1, 4)).size(), 1U);  // a is known
+  EXPECT_TRUE(detector.add("b/", numbered(1, 9)).empty());   // b is new, c is forgotten
+  EXPECT_EQ(detector.add("b/", numbered(1, 11)).size(), 1U);
+  EXPECT_TRUE(detector.add("c/", numbered(1, 50)).empty());
+  EXPECT_EQ(detector.lost(), 2U);
+}
+
 }  // namespace
 }  // namespace rayloc
