@@ -167,12 +167,8 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
     simulate("later",
              kHeader + std::string("3002.1,3012,0.3,0.2,1.2\n"),
              {"--transmitter", "02:52:4c:00:00:01", "--frames", "120"});
-    outcome_ = replay(8192, nullptr);
   }
-  static void TearDownTestSuite() {
-    outcome_ = {};
-    fs::remove_all(folder());
-  }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
 
   static void learn_the_empty_room() {
     simulate(
@@ -241,15 +237,17 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
     return outcome;
   }
 
-  static Outcome outcome_;  // of a replay
+  // Of a replay.
+  static const Outcome& outcome() {
+    static const Outcome kMade = replay(8192, nullptr);
+    return kMade;
+  }
 };
-
-Outcome PeopleOfTwoTransmitters::outcome_;
 
 TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
   // The plug, first in the site, has the odd numbers, and the lamp the even ones.
-  const auto plug = outcome_.life(1);
-  const auto lamp = outcome_.life(2);
+  const auto plug = outcome().life(1);
+  const auto lamp = outcome().life(2);
   for (const auto& life : {plug, lamp}) {
     ASSERT_EQ(life.size(), 4U);
     EXPECT_EQ(life[0].first, v1::TRACK_STATE_TENTATIVE);
@@ -257,32 +255,32 @@ TEST_F(PeopleOfTwoTransmitters, AreLostOnceEach) {
     EXPECT_EQ(life[2].first, v1::TRACK_STATE_COASTING);
     EXPECT_EQ(life[3].first, v1::TRACK_STATE_LOST);
   }
-  EXPECT_EQ(outcome_.events.size(), 8U);
-  EXPECT_EQ(outcome_.counters.begun, 2U);
-  EXPECT_EQ(outcome_.counters.lost, 2U);
-  EXPECT_GE(outcome_.counters.used, 30U);
-  EXPECT_EQ(outcome_.counters.moments,
-            outcome_.counters.used + outcome_.counters.nobody + outcome_.counters.unexplained +
-                outcome_.counters.out_of_order + outcome_.counters.unusable);
+  EXPECT_EQ(outcome().events.size(), 8U);
+  EXPECT_EQ(outcome().counters.begun, 2U);
+  EXPECT_EQ(outcome().counters.lost, 2U);
+  EXPECT_GE(outcome().counters.used, 30U);
+  EXPECT_EQ(outcome().counters.moments,
+            outcome().counters.used + outcome().counters.nobody + outcome().counters.unexplained +
+                outcome().counters.out_of_order + outcome().counters.unusable);
 
   // At fixed times after somebody was seen, however the frames of others come.
-  EXPECT_EQ(plug[2].second, outcome_.last_seen(1) + std::chrono::milliseconds(500));
-  EXPECT_EQ(plug[3].second, outcome_.last_seen(1) + std::chrono::milliseconds(5100));
-  EXPECT_EQ(lamp[2].second, outcome_.last_seen(2) + std::chrono::milliseconds(500));
-  EXPECT_EQ(lamp[3].second, outcome_.last_seen(2) + std::chrono::milliseconds(5100));
+  EXPECT_EQ(plug[2].second, outcome().last_seen(1) + std::chrono::milliseconds(500));
+  EXPECT_EQ(plug[3].second, outcome().last_seen(1) + std::chrono::milliseconds(5100));
+  EXPECT_EQ(lamp[2].second, outcome().last_seen(2) + std::chrono::milliseconds(500));
+  EXPECT_EQ(lamp[3].second, outcome().last_seen(2) + std::chrono::milliseconds(5100));
 }
 
 TEST_F(PeopleOfTwoTransmitters, DependNeitherOnSpeedNorOnQueuesNorOnThreads) {
-  ASSERT_FALSE(outcome_.text.empty());
-  EXPECT_EQ(replay(3, nullptr).text, outcome_.text);
-  EXPECT_EQ(replay(8192, std::make_shared<Pace>(50.0)).text, outcome_.text);
+  ASSERT_FALSE(outcome().text.empty());
+  EXPECT_EQ(replay(3, nullptr).text, outcome().text);
+  EXPECT_EQ(replay(8192, std::make_shared<Pace>(50.0)).text, outcome().text);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(replay(8192, nullptr).text, outcome_.text);
+  EXPECT_EQ(replay(8192, nullptr).text, outcome().text);
 }
 
 TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
   std::map<std::uint64_t, std::vector<v1::Location>> by_number;
-  for (const v1::Location& location : outcome_.locations) {
+  for (const v1::Location& location : outcome().locations) {
     by_number[location.target().track()].push_back(location);
   }
   // While both see somebody, each says so under its own number, snapshots too.
@@ -294,10 +292,10 @@ TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
     EXPECT_GE(snapshots, 5U) << number;
   }
   std::vector<std::string> ids;
-  for (const v1::Location& location : outcome_.locations) {
+  for (const v1::Location& location : outcome().locations) {
     ids.push_back(location.event_id());
   }
-  for (const v1::TrackEvent& event : outcome_.events) {
+  for (const v1::TrackEvent& event : outcome().events) {
     ids.push_back(event.event_id());
   }
   std::sort(ids.begin(), ids.end());

@@ -31,21 +31,23 @@ class PersonTracking : public ::testing::Test {
  protected:
   using Updates = std::vector<PersonUpdate>;
 
-  static void SetUpTestSuite() {
-    room_ = std::make_shared<const RoomModel>(test::make_room());
-    localizer_ = std::make_shared<const PersonLocalizer>(
-        *PersonLocalizer::create(room_, test::learn_reference(*room_), {}));
-    standing_ = moment(*room_, {{0.2, 0.2}}, 0.0);
+  static const std::shared_ptr<const RoomModel>& room() {
+    static const auto kMade = std::make_shared<const RoomModel>(test::make_room());
+    return kMade;
   }
-  static void TearDownTestSuite() {
-    standing_.clear();
-    localizer_.reset();
-    room_.reset();
+  static const std::shared_ptr<const PersonLocalizer>& localizer() {
+    static const auto kMade = std::make_shared<const PersonLocalizer>(
+        *PersonLocalizer::create(room(), test::learn_reference(*room()), {}));
+    return kMade;
+  }
+  static const std::vector<CsiFrame>& standing() {
+    static const std::vector<CsiFrame> kMade = moment(*room(), {{0.2, 0.2}}, 0.0);
+    return kMade;
   }
 
   // Somebody stands in the room, at this time.
   static std::vector<CsiFrame> somebody(double seconds) {
-    std::vector<CsiFrame> frames = standing_;
+    std::vector<CsiFrame> frames = standing();
     for (CsiFrame& frame : frames) {
       frame.time += from_seconds(seconds);
     }
@@ -57,9 +59,9 @@ class PersonTracking : public ::testing::Test {
       tracker.hear(somebody(begin + 0.1 * i), updates);
     }
   }
-  static Timestamp at(double seconds) { return standing_.front().time + from_seconds(seconds); }
+  static Timestamp at(double seconds) { return standing().front().time + from_seconds(seconds); }
   static PersonTracker tracker(const PersonTrackerOptions& options = {}) {
-    return {localizer_, options};
+    return {localizer(), options};
   }
   static std::vector<TrackState> entered(const Updates& updates) {
     std::vector<TrackState> states;
@@ -81,15 +83,7 @@ class PersonTracking : public ::testing::Test {
       EXPECT_EQ(a[i].estimate.location.covariance, b[i].estimate.location.covariance);
     }
   }
-
-  static std::shared_ptr<const RoomModel> room_;
-  static std::shared_ptr<const PersonLocalizer> localizer_;
-  static std::vector<CsiFrame> standing_;
 };
-
-std::shared_ptr<const RoomModel> PersonTracking::room_;
-std::shared_ptr<const PersonLocalizer> PersonTracking::localizer_;
-std::vector<CsiFrame> PersonTracking::standing_;
 
 using enum TrackState;
 
@@ -99,7 +93,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
 
   // Nobody yet.
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room_, {}, 0.1 * i), updates);
+    tracker.hear(moment(*room(), {}, 0.1 * i), updates);
   }
   EXPECT_TRUE(updates.empty());
 
@@ -108,7 +102,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
     const double t = 1.0 + 0.1 * i;
     const TargetPosition truth{-0.8 + 0.04 * i, 0.3 - 0.01 * i};
     updates.clear();
-    tracker.hear(moment(*room_, {truth}, t), updates);
+    tracker.hear(moment(*room(), {truth}, t), updates);
     ASSERT_EQ(updates.size(), 1U);
     EXPECT_EQ(updates[0].track, 1U);
     const auto& location = updates[0].estimate.location;
@@ -122,7 +116,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
 
   updates.clear();
   for (int i = 0; i < 60; ++i) {
-    tracker.hear(moment(*room_, {}, 5.0 + 0.1 * i), updates);
+    tracker.hear(moment(*room(), {}, 5.0 + 0.1 * i), updates);
   }
   EXPECT_EQ(entered(updates), (std::vector{kCoasting, kLost}));
   EXPECT_EQ(updates.back().estimate.state, kLost);
@@ -133,7 +127,7 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
   // Who comes next is another track.
   updates.clear();
   for (int i = 0; i < 5; ++i) {
-    tracker.hear(moment(*room_, {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
+    tracker.hear(moment(*room(), {{0.2, 0.2}}, 20.0 + 0.1 * i), updates);
   }
   ASSERT_FALSE(updates.empty());
   EXPECT_EQ(updates.back().track, 2U);
