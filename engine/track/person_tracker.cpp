@@ -150,6 +150,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
     }
     life_->filter.update(map.log_likelihood, weight);
     life_->credit += weight;
+    life_->is_clear = map.somebody >= kSomebody;
   }
   life_->weighed = time;
   life_->last = hearing.arrays;
@@ -162,6 +163,7 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
   std::string reason;
   if (is_seen) {
     life_->seen = time;
+    life_->clear = life_->is_clear ? time : life_->clear;
     ++life_->moments;
     if (life_->moments >= options_.confirming_moments) {
       after = TrackState::kConfirmed;
@@ -177,6 +179,10 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
       after = TrackState::kCoasting;
       reason = "not seen lately";
     }
+  }
+  if (time - life_->clear >= options_.doubt_after) {
+    after = TrackState::kLost;
+    reason = "not clearly seen for too long";
   }
   if (is_new) {
     return TrackTransition{time, std::nullopt, TrackState::kTentative, "seen for the first time"};

@@ -46,6 +46,9 @@ struct PersonTrackerOptions {
   Duration coast_after = std::chrono::milliseconds(500);  // unseen, a track coasts
   Duration forget_after = std::chrono::seconds(1);        // unseen, a tentative track is lost
   Duration lose_after = std::chrono::seconds(5);          // unseen, any track is lost
+  // Without a clear sight, as a track needs to begin, any track is lost: a link that hears little
+  // of a person hears as much of an empty room, and one who has left would stay for ever.
+  Duration doubt_after = std::chrono::seconds(10);
   // Between two predicted positions while the transmitter is silent.
   Duration coasting_interval = std::chrono::milliseconds(200);
   // Tracks are numbered first_number, first_number + number_step, ...: trackers of several
@@ -102,11 +105,13 @@ class PersonTracker {
     std::uint64_t track = 0;
     Timestamp time{};  // of the filter
     Timestamp seen{};
+    Timestamp clear{};    // last time that somebody was seen as clearly as a track needs to begin
     Timestamp weighed{};  // last moment that was
     Timestamp due{};      // of the next predicted position, if the transmitter stays silent
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // in which somebody was seen
     double credit = 0.0;      // of a snapshot's weight, given to the present channel
+    bool is_clear = true;     // what the present channel shows
     std::vector<PersonHearing::Array> last{};
   };
 

@@ -143,6 +143,23 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
                 counters.unusable);
 }
 
+// However little the moments say, nobody stays for ever who was seen clearly once.
+TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
+  PersonTrackerOptions options;
+  options.lose_after = std::chrono::seconds(100);
+  options.doubt_after = std::chrono::seconds(2);
+  auto tracker = PersonTracking::tracker(options);
+  Updates updates;
+  see(tracker, 0.0, 40, updates);  // clearly, and for longer than that
+  EXPECT_EQ(entered(updates), (std::vector{kTentative, kConfirmed}));
+  for (int i = 0; i < 40; ++i) {
+    tracker.hear(moment(*room(), {}, 4.0 + 0.1 * i), updates);
+  }
+  ASSERT_EQ(entered(updates), (std::vector{kTentative, kConfirmed, kCoasting, kLost}));
+  EXPECT_EQ(updates.back().estimate.transition->reason, "not clearly seen for too long");
+  EXPECT_LT(std::abs(to_seconds(updates.back().estimate.location.time - at(3.9 + 2.0))), 0.15);
+}
+
 TEST_F(PersonTracking, CoastsAtFixedTimesHoweverOftenItIsAsked) {
   auto at_once = tracker();
   Updates once;
