@@ -56,3 +56,19 @@ header[23] = 3
 for first in (0, 256):
     struct.pack_into("<HHH", header, 12, first, first + 255, 512)
     write("axcsi", f"he40_from_{first}", bytes(header) + bytes(4 * 256))
+
+# Headers of the relay (capture/relayed_datagram.h): a datagram, a tick, and what must be refused.
+NOW = 1_800_000_000_000_000_000
+
+
+def relayed(kind, time, payload=b"", magic=b"RLC1"):
+    return struct.pack("<4sI6Q2I2H", magic, kind, 7, 41, time, time - 10, 3, 2, 0x0A0A0A02, 0x0A0A0A01, 5500, 5501) + payload
+
+
+write("relay", "datagram", relayed(0, NOW, next(payloads(AXCSI[0]))))
+write("relay", "tick", relayed(1, NOW))
+write("relay", "other_kind", relayed(2, NOW))
+write("relay", "other_magic", relayed(0, NOW, magic=b"RLC2"))
+write("relay", "cut", relayed(0, NOW)[:67])
+write("relay", "of_2200", relayed(1, 7_258_118_400_000_000_000))
+write("relay", "after_2200", relayed(1, 7_258_118_400_000_000_011))
