@@ -49,6 +49,9 @@ void DatagramRing::moved() {
 
 // REQUIRES: the mutex is held.
 void DatagramRing::seal() {
+  // What its vectors have reserved and do not use counts nowhere, and may be as much again.
+  open_.entries.shrink_to_fit();
+  open_.payloads.shrink_to_fit();
   bytes_ += open_.bytes();
   pieces_.push_back(std::make_shared<const Piece>(std::exchange(open_, {})));
 }

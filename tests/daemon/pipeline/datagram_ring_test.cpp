@@ -67,6 +67,20 @@ TEST(DatagramRing, StaysWithinItsBytes) {
   EXPECT_GT(times_in(ring).size(), 1500U);
 }
 
+TEST(DatagramRing, ReservesNoMoreThanItHolds) {
+  DatagramRing ring(std::chrono::hours(1), std::size_t{1} << 20U);
+  tap(ring, 0, 5000, std::chrono::microseconds(1), 634);
+  std::size_t held = 0;
+  std::size_t reserved = 0;
+  for (const auto& piece : ring.contents()) {
+    held += piece->bytes();
+    reserved +=
+        piece->payloads.capacity() + piece->entries.capacity() * sizeof(DatagramRing::Piece::Entry);
+  }
+  EXPECT_GT(held, std::size_t{1} << 19U);
+  EXPECT_LE(reserved, held + held / 20);
+}
+
 class RingSnapshotsTest : public ::testing::Test {
  protected:
   RingSnapshotsTest() { std::filesystem::remove_all(folder_); }
