@@ -18,7 +18,9 @@ constexpr std::size_t kLeastFixes = 10;
 constexpr std::array kExponents = {
     2.0, 1.6, 1.3, 1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
 constexpr std::size_t kFalls = 2;
-constexpr double kTold = 1.0;  // difference of the sums of log scores that tells exponents apart
+// Difference of the sums of log scores that tells exponents apart: two units of support, the
+// likelihood's own interval of 95 %.
+constexpr double kTold = 2.0;
 constexpr std::array kLeastSigmas = {0.002, 0.003, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03};  // [m]
 
 // The estimate if its variances were larger by `more` [m^2] on each axis.
