@@ -1,6 +1,7 @@
 // Many datagrams over loopback into a real raylocd: none is lost at a rate it must stand, and every
 // one that is lost in an overload is counted. RAYLOC_LOAD_SECONDS lengthens the run.
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <thread>
 
@@ -46,6 +47,12 @@ TEST(Load, LosesNothingAtFiftyThousandDatagramsASecond) {
   const Tally tally = settled(daemon);
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
 
+  std::printf("%d datagrams/s: %llu received, %llu lost, %llu frames, %llu of them worked on\n",
+              kRate,
+              static_cast<unsigned long long>(tally.received),           // NOLINT
+              static_cast<unsigned long long>(tally.lost()),             // NOLINT
+              static_cast<unsigned long long>(tally.frames),             // NOLINT
+              static_cast<unsigned long long>(tally.frames_processed));  // NOLINT
   expect_conserved(tally);
   EXPECT_EQ(tally.received + tally.kernel_drops, sent_by(sender)) << "unaccounted";
   EXPECT_EQ(tally.lost(), 0U) << "rejected " << tally.rejected << ", kernel " << tally.kernel_drops
