@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
 
 #include "engine/localize/localizer.h"
@@ -42,8 +43,8 @@ Ray ray_of(double length) {
   return ray;
 }
 
-// Cells of 0, 1, 2, 0 ... rays.
-PathGridSource source(std::size_t cells, int& traced) {
+// Cells of 0, 1, 2, 0 ... rays. They are asked for from several threads.
+PathGridSource source(std::size_t cells, std::atomic<int>& traced) {
   return {cells, [&traced](std::size_t cell) {
             ++traced;
             std::vector<Ray> rays;
@@ -55,7 +56,7 @@ PathGridSource source(std::size_t cells, int& traced) {
 }
 
 PathGrid small_grid() {
-  int traced = 0;
+  std::atomic<int> traced = 0;
   return make_path_grid(source(100, traced), "key", nullptr);
 }
 
@@ -80,11 +81,11 @@ TEST(PathGrid, BytesThatAreCutOffOrTooManyAreNone) {
 
 TEST(PathGrid, IsTracedOnceAndThenAFewCells) {
   MemoryStore store;
-  int first = 0;
+  std::atomic<int> first = 0;
   const PathGrid made = make_path_grid(source(1000, first), "key", &store);
   EXPECT_EQ(first, 1000);
   EXPECT_EQ(store.saves, 1);
-  int second = 0;
+  std::atomic<int> second = 0;
   EXPECT_TRUE(is_same(make_path_grid(source(1000, second), "key", &store), made));
   EXPECT_GT(second, 10);
   EXPECT_LT(second, 50);
@@ -104,7 +105,7 @@ TEST(PathGrid, WhatThisProgramWouldNotMakeIsRefusedAndReplaced) {
   for (const std::string& bytes : {to_bytes(wrong), to_bytes(short_one), std::string("rubbish")}) {
     MemoryStore store;
     store.kept["key"] = bytes;
-    int traced = 0;
+    std::atomic<int> traced = 0;
     EXPECT_TRUE(is_same(make_path_grid(source(100, traced), "key", &store), right));
     EXPECT_EQ(store.refusals, 1);
     EXPECT_EQ(store.saves, 1);
