@@ -18,6 +18,7 @@ struct AccessPointResult {
   AccessPointFit fit;          // on all points
   AccessPointFit train;        // without those held out
   std::vector<PointFit> fits;  // of all points, with `train`; before: equal gains, surveyed yaw
+  std::vector<TransmitterLevel> levels = {};
 };
 
 // Of the access point with that index. An Error names it where too few points heard it.

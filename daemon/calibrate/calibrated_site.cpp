@@ -56,6 +56,7 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.noise = stated(result.fit.noise);
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
+    ap.levels = result.levels;
     for (std::size_t e = 0; e < after.array.element_offset.size(); ++e) {
       ap.element_y.push_back(after.array.element_offset[e].y - before.array.element_offset[e].y);
     }

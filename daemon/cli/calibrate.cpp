@@ -18,6 +18,7 @@
 #include "daemon/calibrate/checkpoint_file.h"
 #include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/calibrate/holdout.h"
+#include "daemon/calibrate/level_stage.h"
 #include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/calibration_inputs.h"
@@ -79,6 +80,7 @@ class Calibration {
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer);
   void count_from_survey(std::vector<RoomParameter>& parameters) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
+  std::vector<HeldOutSpot> spots(bool all) const;
   Expected<void> fit_certainty(const RoomModel& room);
   CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods,
                               const CalibrationFile& file) const;
@@ -129,6 +131,11 @@ Expected<void> Calibration::measure() {
   id.add(options_.method);
   id.add(options_.seed);
   id.add(options_.holdout);
+  for (const SiteTransmitter& transmitter : site_.transmitters) {
+    if (transmitter.constant_power) {
+      id.add(to_string(transmitter.mac));
+    }
+  }
   id_ = id.text();
   return {};
 }
@@ -259,18 +266,27 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   return {};
 }
 
-Expected<void> Calibration::fit_certainty(const RoomModel& room) {
-  auto trained = std::make_shared<RoomModel>(room);
-  for (const AccessPointResult& result : results_) {
-    apply(result.train, trained->access_points[result.index]);
-  }
+// What was heard at the points held out, or at all that were not refused.
+std::vector<HeldOutSpot> Calibration::spots(bool all) const {
   std::vector<HeldOutSpot> spots;
   for (std::size_t p = 0; p < points_.size(); ++p) {
-    if (points_[p].held_out && !inputs_.points[p].frames.empty()) {
+    const auto& h = points_[p].h;
+    const bool used = std::any_of(h.begin(), h.end(), [](const auto& one) { return !one.empty(); });
+    if ((all ? used : points_[p].held_out) && !inputs_.points[p].frames.empty()) {
       spots.push_back({points_[p].position, inputs_.points[p].frames});
     }
   }
-  auto fixes = fit_certainty_of(std::move(trained), spots, CalibrationPriors().survey);
+  return spots;
+}
+
+Expected<void> Calibration::fit_certainty(const RoomModel& room) {
+  auto trained = std::make_shared<RoomModel>(room);
+  for (AccessPointResult& result : results_) {
+    result.levels = fit_levels(site_, room, result, spots(true), inputs_.refused);
+    apply(result.train, trained->access_points[result.index]);
+    trained->access_points[result.index].levels = result.levels;
+  }
+  auto fixes = fit_certainty_of(std::move(trained), spots(false), CalibrationPriors().survey);
   if (!fixes) {
     return tl::make_unexpected(std::move(fixes.error()));
   }

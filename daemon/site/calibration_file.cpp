@@ -50,6 +50,12 @@ std::string chain_text(const CalibratedAccessPoint& ap, std::size_t core) {
   return text + "\n]\n";
 }
 
+std::string level_text(const TransmitterLevel& level) {
+  return "[[access_point.level]]\ntransmitter = \"" + to_string(level.transmitter) +
+         "\"\noffset_db = " + to_text(level.offset_db) + "\nsigma_db = " + to_text(level.sigma_db) +
+         "\n";
+}
+
 CalibratedValue read_value(const TomlTable& table, std::string_view key, NumberRange range) {
   CalibratedValue result;
   const auto child = table.table(key);
@@ -120,6 +126,25 @@ void read_chains(const TomlTable& table, CalibratedAccessPoint& ap) {
   }
 }
 
+void read_levels(const TomlTable& table, CalibratedAccessPoint& ap) {
+  for (const TomlTable& level : table.tables("level")) {
+    level.require({{"transmitter", "transmitter = \"02:52:4c:00:00:01\""},
+                   {"offset_db", "offset_db = -12.5"},
+                   {"sigma_db", "sigma_db = 2.0"}});
+    const auto text = level.string("transmitter");
+    const auto offset = level.number("offset_db", {});
+    const auto sigma = level.number("sigma_db", {1e-3, 1e3, "dB"});
+    if (!text || !offset || !sigma) {
+      continue;  // said
+    }
+    if (const auto mac = parse_mac_address(*text)) {
+      ap.levels.push_back({*mac, *offset, *sigma});
+    } else {
+      level.error_at("transmitter", mac.error().message);
+    }
+  }
+}
+
 CalibratedAccessPoint read_access_point(const TomlTable& table) {
   table.require({{"id", "id = \"ap1\""},
                  {"centre_hz", "centre_hz = 5190000000"},
@@ -134,6 +159,7 @@ CalibratedAccessPoint read_access_point(const TomlTable& table) {
   }
   read_tones(table, ap.gains.grid);
   read_chains(table, ap);
+  read_levels(table, ap);
   return ap;
 }
 
@@ -262,6 +288,9 @@ std::string to_toml(const CalibrationFile& calibration) {
             "\ntones = " + tones_text(ap.gains.grid.tone_index) + "\n";
     for (std::size_t core = 0; core < ap.gains.cores.size(); ++core) {
       text += chain_text(ap, core);
+    }
+    for (const TransmitterLevel& level : ap.levels) {
+      text += level_text(level);
     }
   }
   for (const CalibratedSurface& surface : calibration.surfaces) {

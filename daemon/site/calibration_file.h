@@ -1,6 +1,13 @@
 // The calibration file: what `rayloc calibrate` found out about the access points of a site, as
 // TOML: every number with its unit, what was assumed before and its standard deviation.
 //
+// Of a device that the site says is of constant power (constant_power), each access point that
+// heard it at ten points or more has a table:
+//   [[access_point.level]]
+//   transmitter = "02:52:4c:00:00:01"
+//   offset_db = 15.4     # level as the receiver states it [dBm], less the power that is traced
+//   [dB] sigma_db = 1.9       # standard deviation from place to place, at least 0.5
+//
 // It is valid for the scene it was made with: `scene_hash` is compared when a room is loaded.
 #pragma once
 
@@ -39,6 +46,7 @@ struct CalibratedAccessPoint {
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core [rad]
   std::vector<double> element_y;   // [m], of each core's antenna, added to its y in the array
+  std::vector<TransmitterLevel> levels = {};  // of transmitters of constant power
 };
 
 // What a surface does to all it reflects, beyond its material (RoomModel::surface_correction).

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "daemon/site/calibration_file.h"
 #include "engine/scene/scene_hash.h"
@@ -20,7 +21,17 @@ DeviceModel device_of(const Site& site) {
   return device;
 }
 
-Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& room) {
+// Those of the transmitters that the site still says are of constant power.
+std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, const Site& site) {
+  std::erase_if(levels, [&](const TransmitterLevel& level) {
+    const SiteTransmitter* stated = find_transmitter(site, level.transmitter);
+    return stated == nullptr || !stated->constant_power;
+  });
+  return levels;
+}
+
+Expected<void> apply_calibration(const Site& site, RoomModel& room) {
+  const std::filesystem::path& file = *site.calibration_file;
   auto calibration = load_calibration_file(file);
   if (!calibration) {
     return tl::make_unexpected(std::move(calibration.error()));
@@ -76,6 +87,7 @@ Expected<void> apply_calibration(const std::filesystem::path& file, RoomModel& r
                  found.diffuse_exponent.value,
                  found.noise.value};
     ap->gains = std::move(found.gains);
+    ap->levels = believed(std::move(found.levels), site);
   }
   return {};
 }
@@ -109,7 +121,7 @@ Expected<RoomModel> load_room_model(const Site& site) {
     room.access_points.push_back({ap.id, ap.array, ap.cores, {}, {}});
   }
   if (site.calibration_file) {
-    if (auto applied = apply_calibration(*site.calibration_file, room); !applied) {
+    if (auto applied = apply_calibration(site, room); !applied) {
       return tl::make_unexpected(std::move(applied.error()));
     }
   }

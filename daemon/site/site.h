@@ -49,6 +49,7 @@ struct SiteTransmitter {
   double height = 1.2;            // [m], of a device
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;
   Polarization polarization = Polarization::kVertical;
+  // Of a device: it never changes its power, so the level that is heard tells how far it is.
   bool constant_power = false;
 };
 

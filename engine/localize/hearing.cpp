@@ -93,6 +93,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   const auto at = static_cast<std::ptrdiff_t>(row);
   burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
   burst.cores.erase(burst.cores.begin() + at);
+  burst.level_dbm.reset();  // that of the others was not learned
   return burst;
 }
 

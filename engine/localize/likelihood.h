@@ -12,7 +12,8 @@
 // and delay at all: the residual e^2 of what is observed has an unknown variance, so that
 //   ll = -N / 2 ln(e^2 + floor),   N: real numbers that the delay basis leaves independent.
 //
-// The level of what is heard enters none of them: transmitters change their power.
+// The level of what is heard enters none of them: transmitters change their power. That of one
+// which does not is a likelihood of its own (level.h).
 //
 // Thread safety: const members may be used from many threads.
 #pragma once

@@ -12,7 +12,9 @@
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/localize/access_point_fusion.h"
+#include "engine/localize/cell_places.h"
 #include "engine/localize/hearing.h"
+#include "engine/localize/level.h"
 #include "engine/localize/likelihood.h"
 #include "engine/localize/posterior.h"
 #include "engine/localize/station_map.h"
@@ -36,32 +38,6 @@ constexpr std::size_t kMostRefined = 100;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
 constexpr double kLeastResidual = 1e-30;
-
-// Of the places of a cell: the logarithm of the mean of their tempered likelihoods, not tempered,
-// and where their mass is.
-std::pair<double, CellMoments> summarise_places(const Lattice& lattice,
-                                                const std::vector<double>& log_likelihood,
-                                                double temper) {
-  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
-  double sum = 0.0;
-  CellMoments m;
-  for (std::size_t i = 0; i < log_likelihood.size(); ++i) {
-    const double mass = std::exp(temper * (log_likelihood[i] - top));
-    const Vec3d p = lattice.offset(i / lattice.count_y, i % lattice.count_y);
-    sum += mass;
-    m.x += mass * p.x;
-    m.y += mass * p.y;
-    m.xx += mass * p.x * p.x;
-    m.xy += mass * p.x * p.y;
-    m.yy += mass * p.y * p.y;
-  }
-  m.x /= sum;
-  m.y /= sum;
-  m.xx = m.xx / sum - m.x * m.x + lattice.step_x * lattice.step_x / 12.0;
-  m.xy = m.xy / sum - m.x * m.y;
-  m.yy = m.yy / sum - m.y * m.y + lattice.step_y * lattice.step_y / 12.0;
-  return {top + std::log(sum / static_cast<double>(log_likelihood.size())) / temper, m};
-}
 
 // What every access point says of every cell, above being nowhere in particular.
 struct StationMaps {
@@ -123,12 +99,13 @@ class Localizer::Impl {
   std::optional<HeardArray> heard_by(std::size_t number,
                                      BurstObservation& burst,
                                      LocationEstimate& estimate) const;
-  StationMaps maps_of(const std::vector<HeardArray>& heard, double far_below) const;
+  StationMaps maps_of(const std::vector<HeardArray>& heard, double temper, double far_below) const;
   Lattice lattice() const;
   std::vector<std::vector<double>> places_of(std::size_t cell,
                                              const Lattice& lattice,
                                              const std::vector<HeardArray>& heard,
-                                             const std::vector<double>& nowhere) const;
+                                             const std::vector<double>& nowhere,
+                                             double temper) const;
   void refine(const std::vector<HeardArray>& heard,
               const StationMaps& maps,
               const AccessPointFusion& fusion,
@@ -173,7 +150,7 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
     burst = without_row(std::move(burst), dead->row);
     station = &station->without(dead->row);
   }
-  HeardArray heard{number, station, station->observe(burst.h), burst.h, 1.0};
+  HeardArray heard{number, station, station->observe(burst.h), burst.h, 1.0, {}};
   if (heard.observed.array.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
@@ -183,6 +160,9 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
   const double in_basis = burst.noise_variance * static_cast<double>(station->dimension()) /
                           static_cast<double>(heard.h.size());
   heard.weight = ap.error.noise / (ap.error.noise + in_basis);
+  if (const auto level = heard_level(ap, burst)) {
+    heard.level = station->level_log_likelihood(*level);
+  }
   return heard;
 }
 
@@ -204,21 +184,23 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
 
 // Cells near the best of all access points together, and near the best of each, are looked at
 // closely; far_below is taken from the others.
-StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard, double far_below) const {
+StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
+                                     double temper,
+                                     double far_below) const {
   StationMaps maps;
   for (const HeardArray& one : heard) {
     maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
   maps.cell.assign(heard.size(), std::vector<double>(grid_.size()));
   std::vector<double> sum(grid_.size());
-  const auto above = [&](std::size_t i, double log_likelihood) {
-    return heard[i].weight * (log_likelihood - maps.nowhere[i]);
+  const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
+    return heard[i].weight * (log_likelihood - maps.nowhere[i]) + heard[i].level_at(cell, temper);
   };
   parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
       const StationMap& station = *heard[i].map;
       if (station.is_reachable(cell)) {
-        maps.cell[i][cell] = above(i, station.coarse_log_likelihood(cell, heard[i].observed));
+        maps.cell[i][cell] = above(i, cell, station.coarse_log_likelihood(cell, heard[i].observed));
       }
       sum[cell] += maps.cell[i][cell];
     }
@@ -234,7 +216,7 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard, doubl
       if (sum[cell] < least && value < least_of_one[i]) {
         value -= far_below;
       } else if (heard[i].map->is_reachable(cell)) {
-        value = above(i, heard[i].map->log_likelihood(cell, heard[i].observed));
+        value = above(i, cell, heard[i].map->log_likelihood(cell, heard[i].observed));
       }
     }
   });
@@ -253,11 +235,11 @@ Lattice Localizer::Impl::lattice() const {
 
 // Log-likelihoods of the places of a cell, [place][array]; empty where the likelihood does not tell
 // them apart.
-std::vector<std::vector<double>> Localizer::Impl::places_of(
-    std::size_t cell,
-    const Lattice& lattice,
-    const std::vector<HeardArray>& heard,
-    const std::vector<double>& nowhere) const {
+std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
+                                                            const Lattice& lattice,
+                                                            const std::vector<HeardArray>& heard,
+                                                            const std::vector<double>& nowhere,
+                                                            double temper) const {
   std::vector<std::vector<double>> places(lattice.size(), std::vector<double>(heard.size()));
   for (std::size_t i = 0; i < heard.size(); ++i) {
     if (!heard[i].map->is_reachable(cell)) {
@@ -269,7 +251,7 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(
     }
     const auto values = nearby->on(lattice);
     for (std::size_t j = 0; j < places.size(); ++j) {
-      places[j][i] = heard[i].weight * (values[j] - nowhere[i]);
+      places[j][i] = heard[i].weight * (values[j] - nowhere[i]) + heard[i].level_at(cell, temper);
     }
   }
   return places;
@@ -298,7 +280,7 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
   const Lattice lattice_of_cell = lattice();
   parallel_for(order.size(), 1, [&](std::size_t n) {
     const std::size_t cell = order[n];
-    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere);
+    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, temper);
     if (places.empty()) {
       return;
     }
@@ -411,7 +393,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   if (hearing.arrays.empty()) {
     return std::move(estimate);
   }
-  StationMaps maps = maps_of(hearing.arrays, kFarBelow);
+  StationMaps maps = maps_of(hearing.arrays, temper, kFarBelow);
   keep_explained(hearing.arrays, maps, estimate);
   if (hearing.arrays.empty()) {
     return std::move(estimate);
@@ -446,13 +428,13 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
 
 Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
   std::vector<HeardArray> heard = hearing.arrays;
-  StationMaps maps = maps_of(heard, 0.0);
+  const double temper = room_->temper;
+  StationMaps maps = maps_of(heard, temper, 0.0);
   LocationEstimate unused;
   keep_explained(heard, maps, unused);
   if (heard.empty()) {
     return {};
   }
-  const double temper = room_->temper;
   const AccessPointFusion fusion(maps.cell, temper, faults(heard));
   Evidence result{fuse(maps, fusion).log_likelihood, 0.0};
   result.elsewhere =

@@ -46,6 +46,13 @@ struct HeardArray {
   ObservedBurst observed;
   std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
   double weight = 1.0;                  // of its log-likelihood; 1 when noise is negligible
+  std::vector<double> level;            // [cell], StationMap::level_log_likelihood(); empty: none
+
+  // To add to what is then raised to the power of `temper`: that is of how well h is modelled, and
+  // the spread of levels was measured.
+  double level_at(std::size_t cell, double temper) const {
+    return level.empty() || temper <= 0.0 ? 0.0 : level[cell] / temper;
+  }
 };
 
 struct Hearing {
@@ -72,8 +79,9 @@ class Localizer {
   // What a burst says of every cell of grid(). Cells that are far from the best are known less
   // precisely, as a lower bound. REQUIRES: hearing.arrays is not empty.
   struct Evidence {
-    // Relative to the device being nowhere in particular, not tempered; empty when no place
-    // explains the burst.
+    // Relative to the device being nowhere in particular, not tempered (what a level says is
+    // divided by RoomModel::temper, which does not apply to it); empty when no place explains the
+    // burst.
     std::vector<double> log_likelihood;
     double elsewhere = 0.0;  // probability that the burst says nothing of the place
   };

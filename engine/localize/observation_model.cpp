@@ -169,6 +169,10 @@ ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
   return terms;
 }
 
+double diffuse_share(const ModelError& error, double first_length) {
+  return error.diffuse * std::pow(first_length / kDiffuseReference, error.diffuse_exponent);
+}
+
 PlaceModel ObservationModel::place(const Place& place, const ModelError& error) const {
   if (place.rays.empty()) {
     return {};
@@ -192,8 +196,7 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
     mu += terms.parts[p].known * s;
     sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, terms.parts[p].unknown);
   }
-  const double diffuse =
-      error.diffuse * std::pow(terms.first_length / kDiffuseReference, error.diffuse_exponent);
+  const double diffuse = diffuse_share(error, terms.first_length);
   add_rest(diffuse / static_cast<double>(antennas_), error.noise, diffuse_, sigma);
   return factorise(sigma, mu);
 }

@@ -69,6 +69,9 @@ enum class PathKnowledge : std::uint8_t {
   kPower,  // c_p = 0, u_p = 0: nothing depends on the rays' phases
 };
 
+// Power of what is not traced, share of the traced, where the first ray is so long [m].
+double diffuse_share(const ModelError& error, double first_length);
+
 // The delay of ObservedArray that fits best.
 std::size_t best_delay(const PlaceModel& place, const ObservedArray& observed);
 

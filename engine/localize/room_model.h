@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
+#include "engine/channel/mac_address.h"
 #include "engine/channel/ofdm_grid.h"
 #include "engine/em/antenna_pattern.h"
 #include "engine/observe/chain_gains.h"
@@ -31,12 +32,22 @@ struct ModelError {
   double strength = 1.0;          // of the usual uncertainty of a ray's power; 0: known exactly
 };
 
+// What an access point states as the level of a transmitter of constant power, less the power that
+// is traced (traced_level_db()).
+struct TransmitterLevel {
+  MacAddress transmitter;
+  double offset_db = 0.0;
+  double sigma_db = 0.0;  // standard deviation, from place to place
+};
+
 struct RoomAccessPoint {
   std::string id;
   AntennaArray array;
   std::vector<std::uint8_t> cores;  // receive chain of each element of `array`
   ChainGains gains;                 // empty: not calibrated
   ModelError error;
+  // Of the transmitters whose power is known to be constant; of others the level says nothing.
+  std::vector<TransmitterLevel> levels = {};
 };
 
 // The device that is looked for: how it radiates and the height that is assumed.

@@ -5,6 +5,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/localize/access_point_fusion.h"
 #include "engine/localize/ray.h"
 #include "engine/scene/scene.h"
 #include "engine/trace/path_tracer.h"
@@ -94,7 +95,11 @@ double StationMap::cell_size() const {
 void StationMap::build_cells() {
   const ModelError& error = access_point().error;
   cells_.resize(source_.grid.size());
+  level_db_.resize(cells_.size());
   parallel_for(cells_.size(), 16, [&](std::size_t cell) {
+    if (!tracing_->rays[cell].empty()) {
+      level_db_[cell] = traced_level_db(tracing_->rays[cell], error);
+    }
     cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
   });
 }
@@ -109,6 +114,25 @@ double StationMap::log_likelihood(std::size_t cell, const ObservedBurst& observe
 
 double StationMap::coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const {
   return likelihood_->coarse_log_likelihood(cells_[cell], observed);
+}
+
+std::vector<double> StationMap::level_log_likelihood(const HeardLevel& heard) const {
+  std::vector<double> result(cells_.size());
+  std::vector<double> reachable;
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    if (is_reachable(cell)) {
+      result[cell] = heard.log_likelihood(level_db_[cell]);
+      reachable.push_back(result[cell]);
+    }
+  }
+  if (reachable.empty()) {
+    return result;
+  }
+  const double mean = log_mean_exp(reachable, 1.0);
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    result[cell] -= is_reachable(cell) ? mean : 0.0;
+  }
+  return result;
 }
 
 double StationMap::nowhere(const ObservedBurst& observed) const {

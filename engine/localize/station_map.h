@@ -13,6 +13,7 @@
 
 #include "engine/base/parallel.h"
 #include "engine/base/vec3.h"
+#include "engine/localize/level.h"
 #include "engine/localize/likelihood.h"
 #include "engine/localize/nearby_likelihood.h"
 #include "engine/localize/observation_model.h"
@@ -51,6 +52,9 @@ class StationMap {
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
   double log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
   double coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
+  // Of the burst's level in every cell, less the logarithm of its mean over the cells that are
+  // reachable: a level tells nothing of a device that may be anywhere. 0 elsewhere.
+  std::vector<double> level_log_likelihood(const HeardLevel& heard) const;
   // When the device may be anywhere: what every place is compared with.
   double nowhere(const ObservedBurst& observed) const;
   // Of the burst at places in a cell; null where the likelihood does not tell them apart.
@@ -75,6 +79,7 @@ class StationMap {
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
   std::vector<PlaceLikelihood> cells_;
+  std::vector<double> level_db_;                            // of each cell that a ray leads to
   std::vector<std::unique_ptr<Lazy<StationMap>>> without_;  // [antenna]
 };
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/median.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/unit_power.h"
 
@@ -16,6 +17,7 @@ using Value = std::complex<double>;
 struct Reading {
   Timestamp time;
   std::vector<Value> values;  // [core][tone] in the order of the request
+  std::optional<double> level_dbm;
 };
 
 // Position in `frame.tone_index` of every tone of the grid; nothing when one is missing.
@@ -33,6 +35,30 @@ std::optional<std::vector<std::size_t>> tone_positions(const CsiFrame& frame,
   return positions;
 }
 
+// Mean power of the cores; nothing where it is not stated of all of them.
+std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8_t> cores) {
+  double power = 0.0;  // [mW]
+  for (const std::uint8_t core : cores) {
+    const auto at = static_cast<std::size_t>(
+        std::find(frame.cores.begin(), frame.cores.end(), core) - frame.cores.begin());
+    if (at >= frame.power_dbm.size() || !frame.power_dbm[at]) {
+      return std::nullopt;
+    }
+    power += std::pow(10.0, 0.1 * static_cast<double>(*frame.power_dbm[at]));
+  }
+  return 10.0 * std::log10(power / static_cast<double>(cores.size()));
+}
+
+std::optional<double> level_of(const std::vector<Reading>& readings) {
+  std::vector<double> levels;
+  for (const Reading& reading : readings) {
+    if (reading.level_dbm) {
+      levels.push_back(*reading.level_dbm);
+    }
+  }
+  return levels.empty() ? std::nullopt : std::optional(median(std::move(levels)));
+}
+
 // The values of a frame, or the name of the reason why it cannot be used.
 Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request) {
   if (frame.csi.streams() != 1) {
@@ -45,7 +71,7 @@ Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request)
   if (!tones) {
     return bad_input("wrong_grid");
   }
-  Reading reading{frame.time, {}};
+  Reading reading{frame.time, {}, level_of(frame, request.cores)};
   reading.values.reserve(request.cores.size() * tones->size());
   for (const std::uint8_t core : request.cores) {
     const auto found = std::find(frame.cores.begin(), frame.cores.end(), core);
@@ -231,6 +257,8 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   result.noise_variance = frame_noise / (count * power);
   constexpr double kLeastNoise = 1e-12;  // a noiseless simulation has a finite level as well
   result.snr_db = 10.0 * std::log10(power / std::max(frame_noise, kLeastNoise));
+  result.transmitter = chosen.front()->transmitter;
+  result.level_dbm = level_of(readings);
   result.first = readings.front().time;
   result.last = readings.back().time;
   result.frames_used = readings.size();

@@ -5,7 +5,8 @@
 // the phase phi and the timing offset T are new in every frame and the chain gains G stay for a
 // power cycle. Absolute level, phase and delay are therefore lost; every frame is aligned by its
 // own (g, phi, T) to the running average and averaged. What remains is G h up to one complex factor
-// and one delay. G is not removed here (ChainGains).
+// and one delay. G is not removed here (ChainGains). The level that the receiver states beside its
+// CSI (CsiFrame::power_dbm) is kept apart.
 //
 // The cost is bounded: at most BurstOptions::max_frames frames are read, spread evenly over the
 // burst; the others are only counted.
@@ -15,6 +16,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +24,7 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/channel/mac_address.h"
 #include "engine/channel/ofdm_grid.h"
 
 namespace rayloc {
@@ -35,6 +38,7 @@ struct BurstOptions {
 
 struct BurstObservation {
   int access_point = 0;
+  MacAddress transmitter;
   Timestamp first;  // of the frames used
   Timestamp last;
   std::size_t frames_used = 0;
@@ -48,6 +52,9 @@ struct BurstObservation {
   // frame it is estimated from the differences between neighbouring tones, an upper bound.
   double noise_variance = 0.0;
   double snr_db = 0.0;  // of one frame
+  // Level as the receiver states it [dBm]: mean power of the cores asked for, median of the frames
+  // used; nothing where no frame states it of all of these cores.
+  std::optional<double> level_dbm;
   // What successive frames differ by beyond the noise: the share of the power that is not in the
   // principal component when early and late frames are compared; about 0 without motion.
   double motion_residual = 0.0;

@@ -1,6 +1,9 @@
 // `rayloc calibrate` as a process, on the bundled site.
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+
+std::string read_text(const fs::path& file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
 
 class CalibrateVerb : public testing::Test {
  protected:
@@ -62,6 +70,40 @@ TEST_F(CalibrateVerb, WritesASiteWhoseGainsExplainTheHeldOutPoints) {
   EXPECT_GT(heldout.at("after").get<double>(), 0.6);
   EXPECT_GT(heldout.at("after").get<double>(), heldout.at("before").get<double>() + 0.2);
   EXPECT_FALSE(report.at("parameters").empty());
+  EXPECT_EQ(read_text(out_ / "calibration.toml").find("access_point.level"), std::string::npos);
+}
+
+TEST_F(CalibrateVerb, LearnsTheLevelOfADeviceOfConstantPower) {
+  const fs::path site = out_.string() + "_site";
+  fs::remove_all(site);
+  fs::create_directories(site);
+  fs::copy(kSite + "/meshes", site / "meshes");
+  fs::copy_file(kSite + "/scene.xml", site / "scene.xml");
+  std::string text = read_text(kSite + "/site.toml");
+  const std::string device = "role = \"device\"\n";
+  ASSERT_NE(text.find(device), std::string::npos);
+  text.insert(text.find(device), "constant_power = true\n");
+  std::ofstream(site / "site.toml") << text;
+  const Finished run = RaylocProcess({"calibrate",
+                                      site,
+                                      "--gains-only",
+                                      "--out",
+                                      out_,
+                                      "--capture",
+                                      "ap3=" + kSite + "/calibration-ap3.pcap.gz",
+                                      "--points",
+                                      kSite + "/calibration.csv"})
+                           .wait();
+  fs::remove_all(site);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string calibration = read_text(out_ / "calibration.toml");
+  const std::size_t level = calibration.find("[[access_point.level]]\n");
+  ASSERT_NE(level, std::string::npos);
+  EXPECT_EQ(calibration.find("transmitter = \"02:52:4c:00:00:01\"", level),
+            calibration.find('\n', level) + 1);
+  const Finished read =
+      RaylocProcess({"replay", out_, "ap3=" + kSite + "/device_los-ap3.pcap.gz"}).wait();
+  EXPECT_EQ(read.status, 0) << read.err;
 }
 
 // The default method: the room itself is fitted, and what it leaves is a site.

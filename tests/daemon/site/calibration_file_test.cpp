@@ -1,6 +1,11 @@
 #include "daemon/site/calibration_file.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
 
 namespace rayloc {
 namespace {
@@ -28,6 +33,8 @@ CalibrationFile example() {
   ap.gain_sigma = {0.01, 0.02};
   ap.element_y = {0.0, -0.0007};
   ap.position_x = {0.004, 0.0, 0.001};
+  ap.levels = {{*parse_mac_address("02:52:4c:00:00:01"), -41.3, 2.1},
+               {*parse_mac_address("02:52:4c:00:00:0a"), 1.0 / 3.0, 0.5}};
   file.access_points = {ap};
   file.method = "joint";
   file.ray_depth = 3;
@@ -60,6 +67,13 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(ap.gains.coupling, written.access_points[0].gains.coupling);
   EXPECT_EQ(ap.gain_sigma, written.access_points[0].gain_sigma);
   EXPECT_EQ(ap.element_y, written.access_points[0].element_y);
+  ASSERT_EQ(ap.levels.size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const TransmitterLevel& level = written.access_points[0].levels[i];
+    EXPECT_EQ(ap.levels[i].transmitter, level.transmitter);
+    EXPECT_EQ(ap.levels[i].offset_db, level.offset_db);
+    EXPECT_EQ(ap.levels[i].sigma_db, level.sigma_db);
+  }
   EXPECT_EQ(read->method, "joint");
   EXPECT_EQ(read->ray_depth, 3);
   EXPECT_TRUE(read->transmission);
@@ -90,6 +104,60 @@ TEST(CalibrationFile, RefusesACouplingOfSomeChains) {
   ASSERT_FALSE(read);
   EXPECT_NE(read.error().message.find("'coupling' of every chain"), std::string::npos)
       << read.error().message;
+}
+
+// Those of before have none either, and those of sites without a transmitter of constant power.
+TEST(CalibrationFile, TakesAccessPointsWithoutLevels) {
+  CalibrationFile written = example();
+  written.access_points[0].levels.clear();
+  const std::string text = to_toml(written);
+  EXPECT_EQ(text.find("level"), std::string::npos);
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_TRUE(read->access_points[0].levels.empty());
+}
+
+// The error of the example with that line of its second level replaced; it has to be the only one
+// and to name the line.
+std::string error_of_second_level(const std::string& line, const std::string& by) {
+  std::string text = to_toml(example());
+  const std::size_t second = text.find("[[access_point.level]]", text.find("level]]") + 1);
+  const std::size_t at = text.find(line, second);
+  text.replace(at, text.find('\n', at) - at, by);
+  const auto number =
+      1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  if (read) {
+    return "none";
+  }
+  std::string message = read.error().message;
+  EXPECT_EQ(message.find("calibration.toml:" + std::to_string(number) + ":"), 0U) << message;
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  return message;
+}
+
+TEST(CalibrationFile, SaysWhichLineOfALevelIsWrong) {
+  using testing::HasSubstr;
+  EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = \"kitchen\""),
+              HasSubstr("kitchen"));
+  EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = 7"), HasSubstr("transmitter"));
+  EXPECT_THAT(error_of_second_level("sigma_db = ", "sigma_db = 0.0"), HasSubstr("sigma_db"));
+  EXPECT_THAT(error_of_second_level("sigma_db = ", "sigma_db = -1.0"), HasSubstr("sigma_db"));
+  EXPECT_THAT(error_of_second_level("offset_db = ", "offset_db = nan"), HasSubstr("offset_db"));
+  EXPECT_THAT(error_of_second_level("offset_db = ", "offset_db = \"much\""),
+              HasSubstr("offset_db"));
+}
+
+TEST(CalibrationFile, RefusesALevelThatIsNotWhole) {
+  for (const std::string key : {"transmitter", "offset_db", "sigma_db"}) {
+    std::string text = to_toml(example());
+    const std::size_t at = text.find(key + " = ", text.find("[[access_point.level]]"));
+    text.erase(at, text.find('\n', at) - at);
+    const auto read = parse_calibration_file(text, "calibration.toml");
+    ASSERT_FALSE(read) << key;
+    EXPECT_THAT(read.error().message, testing::HasSubstr("'" + key + "'"));
+    EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
+  }
 }
 
 TEST(CalibrationFile, SaysWhereItIsWrong) {

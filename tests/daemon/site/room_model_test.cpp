@@ -103,6 +103,39 @@ TEST_F(RoomModelTest, OfACopyIsThatOfTheOriginalWithItsCalibration) {
               1e-12);
 }
 
+// A calibration holds what was true of the site when it was made; what the site says now counts.
+TEST_F(RoomModelTest, BelievesLevelsOfTransmittersThatTheSiteSaysAreConstant) {
+  const auto site = load_site(kSite);
+  ASSERT_TRUE(site);
+  const auto room = load_room_model(*site);
+  ASSERT_TRUE(room);
+  ASSERT_EQ(site->transmitters.size(), 2U);
+  CalibrationFile calibration = calibration_of(*room);
+  calibration.access_points[1].levels = {{site->transmitters[0].mac, -30.0, 1.0},
+                                         {*parse_mac_address("02:00:00:00:00:99"), -40.0, 2.0},
+                                         {site->transmitters[1].mac, -50.0, 3.0}};
+  ASSERT_TRUE(prepare_output(folder_, false));
+  ASSERT_TRUE(write_site(*site, to_toml(calibration), folder_));
+  auto stated = load_site(folder_);
+  ASSERT_TRUE(stated) << stated.error().message;
+
+  const auto silent = load_room_model(*stated);  // as is: constant_power is nowhere stated
+  ASSERT_TRUE(silent) << silent.error().message;
+  for (const RoomAccessPoint& ap : silent->access_points) {
+    EXPECT_TRUE(ap.levels.empty()) << ap.id;
+  }
+
+  stated->transmitters[1].constant_power = true;
+  const auto constant = load_room_model(*stated);
+  ASSERT_TRUE(constant) << constant.error().message;
+  EXPECT_TRUE(constant->access_points[0].levels.empty());
+  const auto& levels = constant->access_points[1].levels;
+  ASSERT_EQ(levels.size(), 1U);
+  EXPECT_EQ(levels[0].transmitter, site->transmitters[1].mac);
+  EXPECT_EQ(levels[0].offset_db, -50.0);
+  EXPECT_EQ(levels[0].sigma_db, 3.0);
+}
+
 TEST_F(RoomModelTest, RefusesTheCalibrationOfAnotherScene) {
   const auto site = load_site(kSite);
   ASSERT_TRUE(site);

@@ -53,6 +53,7 @@ TEST(Site, ReadsEveryKey) {
   EXPECT_EQ(site->transmitters[0].role, TransmitterRole::kDevice);
   EXPECT_EQ(site->transmitters[0].height, 1.1);
   EXPECT_FALSE(site->transmitters[0].position);
+  EXPECT_FALSE(site->transmitters[0].constant_power);
   EXPECT_EQ(site->transmitters[1].position, (Vec3d{1.25, -0.45, 1.2}));
   EXPECT_EQ(to_string(site->transmitters[1].mac), "02:52:4c:00:00:02");
   EXPECT_EQ(site->person->area_radius, 4.5);

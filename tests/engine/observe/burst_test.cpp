@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -189,6 +190,71 @@ TEST(Burst, OfOneFrameBoundsTheNoise) {
   ASSERT_TRUE(burst);
   EXPECT_GT(burst->noise_variance, 0.8e-2);
   EXPECT_LT(burst->noise_variance, 2e-2);
+}
+
+// Levels stated of cores 0, 2 and 3, and of core 1, which nobody asks for and is ten times louder.
+std::vector<CsiFrame> stated_frames(const std::vector<float>& of_each_frame) {
+  const OfdmGrid grid = vht40();
+  auto frames = frames_of(channel(grid, 12), grid, static_cast<int>(of_each_frame.size()), 1e-3);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    CsiFrame& frame = frames[i];
+    const Csi heard = frame.csi;
+    frame.cores = {1, 0, 2, 3};
+    frame.csi = Csi(4, 1, grid.size());
+    for (std::size_t m = 0; m < 4; ++m) {
+      const auto from = heard.row(m == 0 ? 0 : m - 1, 0);
+      std::copy(from.begin(), from.end(), frame.csi.row(m, 0).begin());
+    }
+    frame.power_dbm = {of_each_frame[i] + 10.0F,
+                       of_each_frame[i],
+                       of_each_frame[i] + 3.0F,
+                       of_each_frame[i] - 6.0F};
+  }
+  return frames;
+}
+
+// Mean power of the cores of stated_frames() above what is stated of each [dB].
+double mean_above() {
+  return 10.0 * std::log10((1.0 + std::pow(10.0, 0.3) + std::pow(10.0, -0.6)) / 3.0);
+}
+
+TEST(Burst, KeepsTheMeanPowerOfItsCoresAndTheMedianOfItsFrames) {
+  const auto burst =
+      combine_burst(stated_frames({-50.0F, -53.0F, -80.0F, -52.0F, -51.0F}), request_of(vht40()));
+  ASSERT_TRUE(burst) << burst.error().message;
+  ASSERT_TRUE(burst->level_dbm);
+  EXPECT_NEAR(*burst->level_dbm, -52.0 + mean_above(), 1e-6);
+}
+
+TEST(Burst, TakesTheLevelOfTheFramesThatStateItOfAllItsCores) {
+  auto frames = stated_frames({-50.0F, -60.0F, -70.0F});
+  frames[1].power_dbm[3].reset();
+  frames[2].power_dbm.clear();
+  const auto burst = combine_burst(frames, request_of(vht40()));
+  ASSERT_TRUE(burst) << burst.error().message;
+  EXPECT_EQ(burst->frames_used, 3U);
+  ASSERT_TRUE(burst->level_dbm);
+  EXPECT_NEAR(*burst->level_dbm, -50.0 + mean_above(), 1e-6);
+}
+
+TEST(Burst, HasNoLevelWhereNoFrameStatesIt) {
+  auto frames = stated_frames({-50.0F, -60.0F});
+  frames[0].power_dbm[1].reset();
+  frames[1].power_dbm.clear();
+  const auto burst = combine_burst(frames, request_of(vht40()));
+  ASSERT_TRUE(burst) << burst.error().message;
+  EXPECT_FALSE(burst->level_dbm);
+}
+
+TEST(Burst, IsOfTheTransmitterOfItsFrames) {
+  auto frames = stated_frames({-50.0F, -60.0F});
+  const MacAddress device = *parse_mac_address("02:52:4c:00:00:01");
+  for (CsiFrame& frame : frames) {
+    frame.transmitter = device;
+  }
+  const auto burst = combine_burst(frames, request_of(vht40()));
+  ASSERT_TRUE(burst) << burst.error().message;
+  EXPECT_EQ(burst->transmitter, device);
 }
 
 }  // namespace

@@ -1,0 +1,52 @@
+#include "engine/calibrate/level_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engine/localize/level.h"
+#include "engine/localize/ray.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kMostRays = 64;
+// Powers are stated in whole decibels: no spread is known better.
+constexpr double kLeastSigma = 0.5;  // [dB]
+
+}  // namespace
+
+std::optional<LevelFit> fit_level(const RoomModel& room,
+                                  std::size_t access_point,
+                                  std::span<const LevelSample> samples) {
+  const RoomAccessPoint& ap = room.access_points[access_point];
+  const AntennaArray& array = ap.array;
+  const ReceiverTracer tracer =
+      PathTracer(room.scene, room.trace)
+          .at(Receiver{
+              {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+  std::vector<double> off;
+  for (const LevelSample& sample : samples) {
+    const Transmitter device{{sample.position, {}, room.device.pattern, room.device.polarization}};
+    const auto rays = rays_of(tracer.trace(device), room, sample.position, kMostRays);
+    if (!rays.empty()) {
+      off.push_back(sample.level_dbm - traced_level_db(rays, ap.error));
+    }
+  }
+  if (off.size() < kLeastLevelSamples) {
+    return std::nullopt;
+  }
+  const auto count = static_cast<double>(off.size());
+  double mean = 0.0;
+  for (const double one : off) {
+    mean += one / count;
+  }
+  double variance = 0.0;
+  for (const double one : off) {
+    variance += (one - mean) * (one - mean) / (count - 1.0);
+  }
+  return LevelFit{mean, std::max(std::sqrt(variance), kLeastSigma), off.size()};
+}
+
+}  // namespace rayloc

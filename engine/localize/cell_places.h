@@ -1,0 +1,18 @@
+// The places of one cell of a room's grid, which a localizer looks at closely, as one figure.
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "engine/localize/nearby_likelihood.h"
+#include "engine/localize/posterior.h"
+
+namespace rayloc {
+
+// The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
+// is. `log_likelihood`: [place], of the lattice.
+std::pair<double, CellMoments> summarise_places(const Lattice& lattice,
+                                                const std::vector<double>& log_likelihood,
+                                                double temper);
+
+}  // namespace rayloc
