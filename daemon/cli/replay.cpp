@@ -213,22 +213,30 @@ Expected<void> report(const Pipeline& pipeline, bool quiet) {
   return {};
 }
 
-Expected<PaperLocalizerOptions> paper_options(const Options& options) {
+// What method paper is told of the targets of each kind; each has defaults of its own.
+struct PaperOptions {
+  PaperLocalizerOptions devices;
+  PaperLocalizerOptions people = paper_person_options();
+};
+
+Expected<PaperOptions> paper_options(const Options& options) {
   if (options.method != "paper" && (options.starts > 1 || !options.paper.empty())) {
     const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
     return make_error(
         ErrorKind::kUsage,
         option + " is of method paper, not of " + options.method + "; use --method paper");
   }
-  PaperLocalizerOptions paper;
-  paper.seed = options.seed;
-  paper.starts = options.starts;
-  for (const std::string& assignment : options.paper) {
-    if (auto set = set_paper(assignment, paper); !set) {
-      return make_error(ErrorKind::kUsage, "--paper " + set.error().message);
+  PaperOptions all;
+  for (PaperLocalizerOptions* paper : {&all.devices, &all.people}) {
+    paper->seed = options.seed;
+    paper->starts = options.starts;
+    for (const std::string& assignment : options.paper) {
+      if (auto set = set_paper(assignment, *paper); !set) {
+        return make_error(ErrorKind::kUsage, "--paper " + set.error().message);
+      }
     }
   }
-  return paper;
+  return all;
 }
 
 // Nothing where they are not to be kept, or nobody knows where.
@@ -270,8 +278,10 @@ struct Estimators {
 
 Expected<Estimators> make_estimators(const Options& options,
                                      const Site& site,
-                                     PaperLocalizerOptions paper) {
+                                     const PaperOptions& paper) {
   Estimators estimators;
+  const LocationMethod method =
+      options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
   if (options.kind != "person") {
     DeviceEstimator::Options estimation;
     auto names = target_names(options);
@@ -279,10 +289,9 @@ Expected<Estimators> make_estimators(const Options& options,
       return tl::make_unexpected(names.error());
     }
     estimation.names = *std::move(names);
-    estimation.method =
-        options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
+    estimation.method = method;
     estimation.localizer.path_grids = path_grids(options);
-    estimation.paper = paper;
+    estimation.paper = paper.devices;
     estimation.localizer.likelihood = likelihood_of(options.likelihood);
     auto devices = DeviceEstimator::create(site, estimation);
     if (!devices) {
@@ -292,9 +301,11 @@ Expected<Estimators> make_estimators(const Options& options,
     estimators.all.add(*estimators.devices);
   }
   // Without a reference nobody can be seen; who asks for people alone is told so.
-  if (options.kind == "person" ||
-      (options.kind == "all" && options.method != "paper" && site.reference_file)) {
-    auto people = PersonEstimator::create(site, {});
+  if (options.kind == "person" || (options.kind == "all" && site.reference_file)) {
+    PersonEstimator::Options estimation;
+    estimation.method = method;
+    estimation.paper = paper.people;
+    auto people = PersonEstimator::create(site, estimation);
     if (!people) {
       return tl::make_unexpected(people.error());
     }
@@ -342,10 +353,6 @@ Expected<void> write_all(const Options& options,
 }
 
 Expected<void> run(const Options& options) {
-  if (options.kind == "person" && options.method == "paper") {
-    return make_error(ErrorKind::kUsage,
-                      "--method paper locates devices only; use --kind device, or --method rayloc");
-  }
   auto paper = paper_options(options);
   if (!paper) {
     return tl::make_unexpected(std::move(paper.error()));
@@ -371,7 +378,7 @@ Expected<void> run(const Options& options) {
   if (!inputs) {
     return tl::make_unexpected(inputs.error());
   }
-  auto estimators = make_estimators(options, *site, *std::move(paper));
+  auto estimators = make_estimators(options, *site, *paper);
   if (!estimators) {
     return tl::make_unexpected(estimators.error());
   }
@@ -417,7 +424,8 @@ RunVerb declare(CLI::App& app) {
   app.add_option(
       "--paper",
       options->paper,
-      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults:\n" +
+      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
+      "(for people where they differ):\n" +
           paper_settings_help());
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(CLI::Range(0, 1024))
@@ -446,7 +454,8 @@ const Verb kReplay = {
     "  rayloc replay room/ ap1=monday.pcap --method paper --paper alpha=0.5 smoothing=false\n"
     "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"
     "  rayloc replay room/ ap1=monday.pcap --out locations.jsonl --zone-events zones.jsonl\n"
-    "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s",
+    "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s\n"
+    "  rayloc replay room-people/ ap1=monday.pcap --kind person --method paper --seed 7",
     &declare};
 
 }  // namespace rayloc::cli

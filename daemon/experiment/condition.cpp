@@ -178,7 +178,7 @@ std::string condition_text(const Condition& condition, std::string_view key) {
   if (key.starts_with(kPaper)) {
     const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
     RAYLOC_CHECK(setting != nullptr);
-    return paper_text(*setting, setting->get(condition.paper));
+    return paper_text(*setting, setting->get(condition.paper_options()));
   }
   return text_of(condition, find_key(key));
 }
@@ -187,8 +187,9 @@ std::optional<double> condition_number(const Condition& condition, std::string_v
   if (key.starts_with(kPaper)) {
     const PaperSetting* setting = find_paper_setting(key.substr(kPaper.size()));
     RAYLOC_CHECK(setting != nullptr);
-    return setting->kind == PaperSettingKind::kFlag ? std::nullopt
-                                                    : std::optional(setting->get(condition.paper));
+    return setting->kind == PaperSettingKind::kFlag
+               ? std::nullopt
+               : std::optional(setting->get(condition.paper_options()));
   }
   const auto* number = std::get_if<double C::*>(&find_key(key).member);
   return number == nullptr ? std::nullopt : std::optional(condition.**number);
@@ -218,9 +219,14 @@ std::string experiment_help() {
     line(std::string(key.key) + " = " + value, key.meaning);
   }
   const PaperLocalizerOptions defaults;
+  const PaperLocalizerOptions people = paper_person_options();
   for (const PaperSetting& setting : paper_settings()) {
+    std::string meaning(setting.meaning);
+    if (setting.get(people) != setting.get(defaults)) {
+      meaning += " (people: " + paper_text(setting, setting.get(people)) + ")";
+    }
     line("paper." + std::string(setting.key) + " = " + paper_text(setting, setting.get(defaults)),
-         setting.meaning);
+         meaning);
   }
   return help;
 }

@@ -13,7 +13,7 @@
 #include <variant>
 
 #include "daemon/site/number_range.h"
-#include "engine/localize/paper_localizer.h"
+#include "engine/localize/paper_options.h"
 
 namespace rayloc {
 
@@ -40,7 +40,13 @@ struct Condition {
   double model_depth = 0;  // reflections that the model knows
   double repeats = 0;      // locations of each spot, with other random numbers; of method paper
   double multi_start = 0;  // random starts of one location, the least loss wins; of method paper
-  PaperLocalizerOptions paper;
+  PaperLocalizerOptions paper;  // of devices
+  PaperLocalizerOptions paper_of_people = paper_person_options();
+
+  // Those of the kind that is located.
+  const PaperLocalizerOptions& paper_options() const {
+    return kind == "person" ? paper_of_people : paper;
+  }
 };
 
 struct ConditionKey {
@@ -71,7 +77,7 @@ std::optional<double> condition_number(const Condition& condition, std::string_v
 // What tells apart worlds, and within them models: equal texts mean equal frames, equal rooms.
 std::string world_text(const Condition& condition);
 
-// A line a key: its name, default and meaning.
+// A line a key: its name, default and meaning, and the default for people where that is another.
 std::string experiment_help();
 
 }  // namespace rayloc

@@ -78,7 +78,10 @@ std::vector<Value> read_values(const TomlTable& table, const PaperSetting& setti
   }
   values.reserve(numbers.size());
   for (const double x : numbers) {
-    values.emplace_back([set = setting.set, x](Condition& c) { set(c.paper, x); });
+    values.emplace_back([set = setting.set, x](Condition& c) {
+      set(c.paper, x);
+      set(c.paper_of_people, x);
+    });
   }
   return values;
 }
@@ -188,12 +191,6 @@ class ExperimentReader {
       table.error(table.name() +
                   " states no 'room', nor does [defaults]; add, for example: room = "
                   "\"rooms/office.toml\"");
-      return false;
-    }
-    if (condition.kind == "person" && condition.method == "paper") {
-      table.error_at("kind",
-                     "method paper locates devices only in this version; write method = "
-                     "\"rayloc\" for people");
       return false;
     }
     for (const auto& valid :

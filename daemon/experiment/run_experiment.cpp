@@ -11,6 +11,7 @@
 #include "engine/localize/likelihood.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/paper_localizer.h"
+#include "engine/localize/paper_person_localizer.h"
 #include "engine/localize/person_localizer.h"
 
 namespace rayloc {
@@ -19,13 +20,18 @@ namespace {
 // One method in one room: an estimate for frames and the number of the repeat.
 using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
 
+PaperLocalizerOptions options_of(const Condition& condition) {
+  PaperLocalizerOptions options = condition.paper_options();
+  options.starts = static_cast<std::size_t>(condition.multi_start);
+  return options;
+}
+
 // A person of whom the radius is believed and the empty room was heard (METHODS B5).
-Expected<Locate> make_person_method(std::shared_ptr<const RoomModel> room,
-                                    const StudyLayout& layout) {
+Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout) {
   std::vector<EmptyRoom> empty;
   std::vector<std::string> warnings;
-  for (std::size_t ap = 0; ap < room->access_points.size(); ++ap) {
-    auto burst = hear(*room, ap, layout.empty, {}, warnings);
+  for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
+    auto burst = hear(room, ap, layout.empty, {}, warnings);
     if (burst) {
       empty.push_back({ap, std::move(burst->h)});
     }
@@ -33,11 +39,32 @@ Expected<Locate> make_person_method(std::shared_ptr<const RoomModel> room,
   if (empty.empty()) {
     return bad_input("no access point hears the fixed transmitter of the empty room");
   }
-  auto reference = fit_empty_room(*room, *layout.transmitter, empty);
+  auto reference = fit_empty_room(room, *layout.transmitter, empty);
   if (!reference) {
     return tl::make_unexpected(std::move(reference.error()));
   }
   reference->mac = kStudyTransmitter;
+  return reference;
+}
+
+Expected<Locate> make_person_method(std::shared_ptr<const RoomModel> room,
+                                    const Condition& condition,
+                                    const StudyLayout& layout,
+                                    std::uint64_t seed) {
+  auto reference = refer(*room, layout);
+  if (!reference) {
+    return tl::make_unexpected(std::move(reference.error()));
+  }
+  if (condition.method == "paper") {
+    auto made = PaperPersonLocalizer::create(std::move(room), *reference, options_of(condition));
+    if (!made) {
+      return tl::make_unexpected(std::move(made.error()));
+    }
+    const auto localizer = std::make_shared<const PaperPersonLocalizer>(*std::move(made));
+    return [localizer, seed](const StudySpot& spot, std::size_t repeat) {
+      return localizer->locate(spot.frames, seed + repeat);
+    };
+  }
   auto made = PersonLocalizer::create(std::move(room), *std::move(reference), {});
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
@@ -53,12 +80,10 @@ Expected<Locate> make_method(const Condition& condition,
   told.trace.max_depth = static_cast<int>(condition.model_depth);
   auto room = std::make_shared<const RoomModel>(std::move(told));
   if (layout.transmitter) {
-    return make_person_method(std::move(room), layout);
+    return make_person_method(std::move(room), condition, layout, seed);
   }
   if (condition.method == "paper") {
-    PaperLocalizerOptions options = condition.paper;
-    options.starts = static_cast<std::size_t>(condition.multi_start);
-    auto made = PaperLocalizer::create(std::move(room), options);
+    auto made = PaperLocalizer::create(std::move(room), options_of(condition));
     if (!made) {
       return tl::make_unexpected(std::move(made.error()));
     }

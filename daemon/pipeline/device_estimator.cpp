@@ -235,7 +235,7 @@ LocationContext DeviceEstimator::context_of(const MacAddress& device,
   context.frame.set_site(site_.name);
   context.frame.set_scene_hash(model.scene_hash);
   context.frame.set_calibration_id(model.calibration_id);
-  context.method = options_.method == LocationMethod::kPaper ? "paper" : "rayloc";
+  context.method = method_name(options_.method);
   context.valid_for = options_.valid_for;
   return context;
 }

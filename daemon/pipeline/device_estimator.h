@@ -19,6 +19,7 @@
 
 #include "daemon/pipeline/channel_watch.h"
 #include "daemon/pipeline/estimates.h"
+#include "daemon/pipeline/location_method.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/location_message.h"
 #include "daemon/publish/target_names.h"
@@ -30,8 +31,6 @@
 #include "engine/track/device_tracker.h"
 
 namespace rayloc {
-
-enum class LocationMethod : std::uint8_t { kRayloc, kPaper };
 
 class DeviceEstimator : public Estimator {
  public:

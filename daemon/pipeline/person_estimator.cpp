@@ -38,6 +38,27 @@ LocationEstimate without_reference(const Burst& burst) {
 
 }  // namespace
 
+LocationEstimate PersonEstimator::Link::locate(std::span<const CsiFrame> frames) const {
+  return std::visit([&](const auto& of) { return of->locate(frames); }, localizer);
+}
+
+Expected<PersonEstimator::Link> PersonEstimator::prepare(
+    PersonReference reference, const PersonTrackerOptions& tracker) const {
+  if (options_.method == LocationMethod::kPaper) {
+    auto made = PaperPersonLocalizer::create(room_, reference, options_.paper);
+    if (!made) {
+      return tl::make_unexpected(std::move(made.error()));
+    }
+    return Link{std::make_shared<const PaperPersonLocalizer>(*std::move(made)), std::nullopt};
+  }
+  auto made = PersonLocalizer::create(room_, std::move(reference), options_.localizer);
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  const auto shared = std::make_shared<const PersonLocalizer>(*std::move(made));
+  return Link{shared, PersonTracker(shared, tracker)};
+}
+
 Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& site,
                                                                    const Options& options) {
   std::unique_ptr<PersonEstimator> estimator(new PersonEstimator(site, options));
@@ -60,13 +81,11 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
       continue;
     }
     tracker.first_number = number_of(*fixed, site);
-    auto localizer =
-        PersonLocalizer::create(estimator->room_, std::move(reference), options.localizer);
-    if (!localizer) {
-      return tl::make_unexpected(std::move(localizer.error()));
+    auto link = estimator->prepare(std::move(reference), tracker);
+    if (!link) {
+      return tl::make_unexpected(std::move(link.error()));
     }
-    auto shared = std::make_shared<const PersonLocalizer>(*std::move(localizer));
-    estimator->links_.emplace(mac, Link{shared, PersonTracker(shared, tracker)});
+    estimator->links_.emplace(mac, *std::move(link));
   }
   return estimator;
 }
@@ -79,7 +98,7 @@ LocationContext PersonEstimator::context_of(std::uint64_t track) const {
   context.frame.set_site(site_.name);
   context.frame.set_scene_hash(room_->scene_hash);
   context.frame.set_calibration_id(room_->calibration_id);
-  context.method = "rayloc";
+  context.method = method_name(options_.method);
   context.valid_for = options_.valid_for;
   return context;
 }
@@ -92,7 +111,9 @@ PersonTrackerCounters PersonEstimator::tracker_counters() const {
 void PersonEstimator::publish_counters() {
   PersonTrackerCounters sum;
   for (const auto& [mac, link] : links_) {
-    sum += link.tracker.counters();
+    if (link.tracker) {
+      sum += link.tracker->counters();
+    }
   }
   const std::lock_guard lock(mutex_);
   tracker_counters_ = sum;
@@ -110,9 +131,12 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
     return;
   }
   Link& link = found->second;
-  out.locations.push_back(location_message(link.localizer->locate(burst.frames), context));
+  out.locations.push_back(location_message(link.locate(burst.frames), context));
+  if (!link.tracker) {
+    return;
+  }
   std::vector<PersonUpdate> updates;
-  link.tracker.hear(burst.frames, updates, burst.heard_since);
+  link.tracker->hear(burst.frames, updates, burst.heard_since);
   append(updates, out);
   publish_counters();
 }
@@ -129,8 +153,11 @@ void PersonEstimator::append(const std::vector<PersonUpdate>& updates, Estimates
 
 void PersonEstimator::advance(Timestamp time, Estimates& out) {
   for (auto& [mac, link] : links_) {
+    if (!link.tracker) {
+      continue;
+    }
     std::vector<PersonUpdate> updates;
-    link.tracker.advance(time, updates);
+    link.tracker->advance(time, updates);
     append(updates, out);
   }
   publish_counters();
@@ -138,8 +165,11 @@ void PersonEstimator::advance(Timestamp time, Estimates& out) {
 
 void PersonEstimator::restart(const std::string& reason, Estimates& out) {
   for (auto& [mac, link] : links_) {
+    if (!link.tracker) {
+      continue;
+    }
     std::vector<PersonUpdate> updates;
-    link.tracker.restart(reason, updates);
+    link.tracker->restart(reason, updates);
     append(updates, out);
   }
   publish_counters();

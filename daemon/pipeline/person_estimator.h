@@ -7,6 +7,8 @@
 // transmitters say is never taken for one target, and no number depends on which of them saw
 // somebody first. A person whom two transmitters see is two targets.
 //
+// The paper's method always sees somebody and has no tracks.
+//
 // A site without a reference of the empty room (`rayloc reference`) gives NO_FIX, with the reason.
 #pragma once
 
@@ -14,14 +16,20 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
+#include "daemon/pipeline/location_method.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/location_message.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
+#include "engine/localize/paper_options.h"
+#include "engine/localize/paper_person_localizer.h"
 #include "engine/localize/person_localizer.h"
 #include "engine/track/person_tracker.h"
 #include "rayloc/v1/location.pb.h"
@@ -31,9 +39,11 @@ namespace rayloc {
 class PersonEstimator : public Estimator {
  public:
   struct Options {
-    PersonLocalizerOptions localizer;
-    PersonTrackerOptions tracker;
-    Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
+    LocationMethod method = LocationMethod::kRayloc;
+    PersonLocalizerOptions localizer;                      // of kRayloc
+    PersonTrackerOptions tracker;                          // of kRayloc
+    PaperLocalizerOptions paper = paper_person_options();  // of kPaper
+    Duration valid_for = std::chrono::milliseconds(450);   // until a next burst is overdue
   };
 
   // Reads the scene and prepares the room: up to a minute.
@@ -52,9 +62,15 @@ class PersonEstimator : public Estimator {
       : site_(std::move(site)), options_(std::move(options)) {}
   // Of one fixed transmitter.
   struct Link {
-    std::shared_ptr<const PersonLocalizer> localizer;
-    PersonTracker tracker;
+    std::variant<std::shared_ptr<const PersonLocalizer>,
+                 std::shared_ptr<const PaperPersonLocalizer>>
+        localizer;
+    std::optional<PersonTracker> tracker;  // the paper's method has none
+
+    LocationEstimate locate(std::span<const CsiFrame> frames) const;
   };
+
+  Expected<Link> prepare(PersonReference reference, const PersonTrackerOptions& tracker) const;
 
   LocationContext context_of(std::uint64_t track) const;
   void append(const std::vector<PersonUpdate>& updates, Estimates& out) const;

@@ -3,7 +3,7 @@
 //
 //   L(P) = mean over access points of (MSE(a) + gamma_1 MSE(tau)) + gamma_2 |xy - c|^2
 //
-// with PaperCsiLoss for the first two, c the middle of the room (METHODS C4) and descend() for the
+// with PaperCsiLoss for the first two, c the middle of the room (METHODS C4) and search() for the
 // way down; the height is that of the room's device. The gradient is the tracer's. Paths are those
 // of RoomModel::trace with its surface corrections.
 //
@@ -12,9 +12,7 @@
 // nor hypotheses (LocationEstimate::is_uncertainty_stated is false), and all of the probability is
 // "somewhere else".
 //
-// Random numbers are drawn anew for every fix, from the seed, the time of the first frame and the
-// number of the start: the same frames give the same bytes, in any order of fixes and on any number
-// of threads.
+// Where it starts and what it draws: PaperSearch.
 #pragma once
 
 #include <cstdint>
@@ -25,22 +23,11 @@
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/location_estimate.h"
-#include "engine/localize/paper_csi_loss.h"
 #include "engine/localize/paper_descent.h"
+#include "engine/localize/paper_options.h"
 #include "engine/localize/room_model.h"
-#include "engine/observe/burst.h"
 
 namespace rayloc {
-
-struct PaperLocalizerOptions {
-  PaperCsiLossOptions csi;
-  double centre_weight = 0.05;  // gamma_2 [1/m^2]; 0 leaves the term out
-  PaperDescentOptions descent;
-  std::size_t starts = 1;      // random ones; the least final loss wins
-  std::optional<Vec3d> start;  // instead of the first random one
-  std::uint64_t seed = 1;
-  BurstOptions burst;
-};
 
 class PaperLocalizer {
  public:

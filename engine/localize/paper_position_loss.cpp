@@ -3,57 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "engine/base/check.h"
+#include "engine/localize/paper_search.h"
+#include "engine/localize/surface_correction.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kLeastResidual = 1e-30;
-
-// What the surfaces that a path meets multiply it by.
-Complex<double> correction_of(const Path& path, const RoomModel& room) {
-  std::complex<double> factor = 1.0;
-  for (const Interaction& interaction : path.interactions) {
-    if (interaction.kind == InteractionKind::kReflection) {
-      factor *= room.surface_correction[interaction.surface];
-    }
-  }
-  return {factor.real(), factor.imag()};
-}
-
-std::vector<Paths> corrected(const std::vector<Paths>& traced, const RoomModel& room) {
-  if (room.surface_correction.empty()) {
-    return traced;
-  }
-  std::vector<Paths> result;
-  for (const Paths& paths : traced) {
-    std::vector<Path> changed(paths.begin(), paths.end());
-    for (Path& path : changed) {
-      path.a = correction_of(path, room) * path.a;
-    }
-    result.emplace_back(std::move(changed));
-  }
-  return result;
-}
-
-void correct(std::vector<PathDerivatives>& derivatives,
-             const std::vector<Paths>& paths,
-             const RoomModel& room) {
-  if (room.surface_correction.empty()) {
-    return;
-  }
-  for (std::size_t element = 0; element < paths.size(); ++element) {
-    for (std::size_t i = 0; i < paths[element].size(); ++i) {
-      const Complex<double> factor = correction_of(paths[element][i], room);
-      for (std::size_t j = 0; j < derivatives[element].parameter_count(); ++j) {
-        derivatives[element].at(i, j).a = factor * derivatives[element].at(i, j).a;
-      }
-    }
-  }
-}
 
 Transmitter device_at(const RoomModel& room, const Vec3d& position) {
   return Transmitter{{position, {}, room.device.pattern, room.device.polarization}};
@@ -71,7 +30,11 @@ PaperPositionLoss::PaperPositionLoss(const RoomModel& room,
 
 std::vector<Paths> PaperPositionLoss::trace(const PaperStation& station,
                                             const Vec3d& position) const {
-  return corrected(station.tracer.trace(device_at(room_, position)), room_);
+  auto traced = station.tracer.trace(device_at(room_, position));
+  for (Paths& paths : traced) {
+    correct_paths(room_.surface_correction, paths);
+  }
+  return traced;
 }
 
 LossInPlan PaperPositionLoss::of_station(const PaperMeasurement& measured,
@@ -80,11 +43,12 @@ LossInPlan PaperPositionLoss::of_station(const PaperMeasurement& measured,
                                      Parameter::transmitter_position(1)};
   const ArrayTracer& tracer = measured.station->tracer;
   const Transmitter device = device_at(room_, position);
-  const auto traced = tracer.trace(device);
-  auto derivatives = tracer.differentiate(device, traced, kInPlan);
+  auto paths = tracer.trace(device);
+  auto derivatives = tracer.differentiate(device, paths, kInPlan);
   RAYLOC_CHECK(derivatives.has_value());  // a position always has derivatives
-  correct(*derivatives, traced, room_);
-  const auto paths = corrected(traced, room_);
+  for (std::size_t element = 0; element < paths.size(); ++element) {
+    correct_paths(room_.surface_correction, paths[element], (*derivatives)[element]);
+  }
   const auto h = array_csi(paths, room_.grid);
   const auto expected = csi_loss_.observe(h);
   const auto gradient = array_loss_gradient(
@@ -93,10 +57,7 @@ LossInPlan PaperPositionLoss::of_station(const PaperMeasurement& measured,
 }
 
 LossInPlan PaperPositionLoss::at(const Vec3d& position) const {
-  const double x = position.x - 0.5 * (room_.bounds_min.x + room_.bounds_max.x);
-  const double y = position.y - 0.5 * (room_.bounds_min.y + room_.bounds_max.y);
-  LossInPlan sum{
-      centre_weight_ * (x * x + y * y), 2.0 * centre_weight_ * x, 2.0 * centre_weight_ * y};
+  LossInPlan sum = centre_loss(room_, centre_weight_, position);
   const double share = 1.0 / static_cast<double>(measured_.size());
   for (const PaperMeasurement& measured : measured_) {
     const LossInPlan one = of_station(measured, position);

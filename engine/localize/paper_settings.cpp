@@ -205,11 +205,16 @@ std::string paper_text(const PaperSetting& setting, double value) {
 std::string paper_settings_help() {
   constexpr std::size_t kWidth = 22;  // of "sigma_0_squared=1"
   const Options defaults;
+  const Options people = paper_person_options();
   std::string text;
   for (const PaperSetting& setting : kSettings) {
     std::string line = std::string(setting.key) + "=" + paper_text(setting, setting.get(defaults));
     line.resize(std::max(line.size(), kWidth), ' ');
-    text += line + std::string(setting.meaning) + "\n";
+    text += line + std::string(setting.meaning);
+    if (setting.get(people) != setting.get(defaults)) {
+      text += " (people: " + paper_text(setting, setting.get(people)) + ")";
+    }
+    text += "\n";
   }
   return text;
 }

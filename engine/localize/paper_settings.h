@@ -1,9 +1,9 @@
 // The hyper-parameters and ablations of method `paper` by name (METHODS A4), as the command line
 // and the files of experiments state them.
 //
-// paper_settings() is all there is to know of them: reading, defaults, limits and the text of
-// --help come from it. Defaults are those of PaperLocalizerOptions, the paper's of device-based
-// localization.
+// paper_settings() is all there is to know of them: reading, limits and the text of --help come
+// from it. Defaults are those of PaperLocalizerOptions for devices, of paper_person_options() for
+// people.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "engine/base/expected.h"
-#include "engine/localize/paper_localizer.h"
+#include "engine/localize/paper_options.h"
 
 namespace rayloc {
 
@@ -38,7 +38,7 @@ Expected<void> set_paper(std::string_view assignment, PaperLocalizerOptions& opt
 // "0.2", "100", "true".
 std::string paper_text(const PaperSetting& setting, double value);
 
-// A line a key: its name, default and meaning.
+// A line a key: its name, default and meaning, and the default for people where that is another.
 std::string paper_settings_help();
 
 }  // namespace rayloc

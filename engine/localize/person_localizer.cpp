@@ -119,19 +119,10 @@ class PersonLocalizer::Impl {
 };
 
 Expected<Station> PersonLocalizer::Impl::make_station(const PersonLink& link) const {
-  if (link.access_point >= room_->access_points.size()) {
-    return make_error(ErrorKind::kInternal, "the reference is of another site");
+  if (auto valid = check_link(*room_, link); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
   }
   const RoomAccessPoint& ap = room_->access_points[link.access_point];
-  if (const std::string problem = calibration_problem(*room_, ap); !problem.empty()) {
-    return make_error(ErrorKind::kConfiguration, "access point " + ap.id + " " + problem);
-  }
-  if (link.empty.size() != ap.cores.size() * room_->grid.size()) {
-    return make_error(ErrorKind::kConfiguration,
-                      "access point " + ap.id +
-                          ": the reference has other cores or tones than the site; record the "
-                          "empty room again (rayloc reference)");
-  }
   auto scattering = PersonScattering::create(
       *room_, link.access_point, reference_.transmitter, reference_.person.body, options_.depth);
   if (!scattering) {

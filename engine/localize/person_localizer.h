@@ -20,6 +20,7 @@
 #include "engine/localize/location_estimate.h"
 #include "engine/localize/person_likelihood.h"
 #include "engine/localize/person_reference.h"
+#include "engine/localize/person_scattering.h"
 #include "engine/localize/room_model.h"
 #include "engine/localize/standing_room.h"
 #include "engine/observe/burst.h"
@@ -30,8 +31,8 @@ struct PersonLocalizerOptions {
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
   BurstOptions burst;
-  double cell = 0.05;  // [m]
-  int depth = 2;       // reflections on the ways to and from the person together
+  double cell = 0.05;        // [m]
+  int depth = kPersonDepth;  // reflections on the ways to and from the person together
 };
 
 // What was heard, one entry for each link that heard something usable.

@@ -16,8 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/expected.h"
 #include "engine/base/vec3.h"
 #include "engine/channel/mac_address.h"
+#include "engine/localize/room_model.h"
 #include "engine/trace/radio_device.h"
 #include "engine/trace/target_body.h"
 
@@ -57,5 +59,9 @@ struct PersonReference {
   std::optional<PersonArea> area;
   std::string id;  // hash of what it was made from
 };
+
+// An Error when a link is of an access point that the room does not have as it was recorded, or
+// that is not calibrated.
+Expected<void> check_link(const RoomModel& room, const PersonLink& link);
 
 }  // namespace rayloc

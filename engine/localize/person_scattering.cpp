@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/constants.h"
+#include "engine/localize/surface_correction.h"
 
 namespace rayloc {
 namespace {
@@ -86,6 +87,20 @@ std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) c
     }
   }
   return rays;
+}
+
+std::optional<std::vector<TargetPaths>> PersonScattering::paths(const TargetPosition& place) const {
+  std::vector<TargetPaths> result;
+  result.reserve(links_.size());
+  for (const TargetLink& link : links_) {
+    auto found = link.differentiate(place);
+    if (!found) {
+      return std::nullopt;
+    }
+    correct_paths(correction_, found->paths, found->by_position);
+    result.push_back(*std::move(found));
+  }
+  return result;
 }
 
 }  // namespace rayloc

@@ -28,6 +28,8 @@ struct ScatteredRay {
   Vec3d departure;  // unit, the way that the wave leaves the transmitter
 };
 
+inline constexpr int kPersonDepth = 2;  // reflections that are worth following past a person
+
 using ScatteredRays = std::vector<std::vector<ScatteredRay>>;  // [element][ray]
 
 // The same rays of a transmitter that stands elsewhere, by millimetres: lengths alone change.
@@ -46,6 +48,9 @@ class PersonScattering {
 
   // Nothing where the transmitter or an antenna would be inside the body.
   std::optional<ScatteredRays> at(const TargetPosition& place) const;
+
+  // The same, of each element, as paths with their derivatives: exact at the place alone.
+  std::optional<std::vector<TargetPaths>> paths(const TargetPosition& place) const;
 
  private:
   PersonScattering(const RoomModel& room, std::vector<TargetLink> links);

@@ -78,11 +78,20 @@ TEST(ExperimentFile, ErrorsNameTheirPlace) {
               HasSubstr("e.toml:5:9: 'boxes' is a list"));
 }
 
-TEST(ExperimentFile, RefusesPeopleForAMethodThatLocatesDevices) {
-  const std::string people = std::string(kHead) + "[[study]]\nname = \"s\"\nkind = \"person\"\n";
-  EXPECT_TRUE(parse_experiment(people, "e.toml"));
-  EXPECT_THAT(refusal(people + "method = [\"rayloc\", \"paper\"]\n"),
-              HasSubstr("e.toml:7:8: method paper locates devices only"));
+// What the file does not state is the paper's for the kind that is located.
+TEST(ExperimentFile, PeopleHaveThePapersDefaultsForPeople) {
+  const Study study = read(
+                          "[[study]]\nname = \"s\"\nkind = [\"device\", \"person\"]\n"
+                          "method = \"paper\"\npaper.alpha = 5\n")
+                          .studies.front();
+  ASSERT_EQ(study.conditions.size(), 2U);
+  const Condition& device = study.conditions[0];
+  const Condition& person = study.conditions[1];
+  EXPECT_EQ(condition_text(device, "paper.sigma_0_squared"), "1");
+  EXPECT_EQ(condition_text(person, "paper.sigma_0_squared"), "0.1");
+  EXPECT_EQ(condition_text(device, "paper.alpha"), "5");
+  EXPECT_EQ(condition_text(person, "paper.alpha"), "5");
+  EXPECT_EQ(person.paper_options().centre_weight, 2.0);
 }
 
 TEST(ExperimentFile, RefusesMoreConditionsThanAnybodyWaitsFor) {
@@ -98,7 +107,7 @@ TEST(ExperimentFile, RefusesMoreConditionsThanAnybodyWaitsFor) {
 // Running them takes minutes, reading them must always work.
 TEST(ExperimentFile, TheShippedExperimentsAndTheirRoomsCanBeRead) {
   const std::filesystem::path folder = RAYLOC_TEST_DATA "/../../deploy/experiments";
-  for (const char* name : {"paper.toml", "ablation.toml"}) {
+  for (const char* name : {"paper.toml", "ablation.toml", "ablation_people.toml"}) {
     const auto experiment = load_experiment(folder / name);
     ASSERT_TRUE(experiment) << experiment.error().message;
     for (const Study& study : experiment->studies) {

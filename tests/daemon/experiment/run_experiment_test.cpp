@@ -86,15 +86,27 @@ model_depth = 1
 access_points = 2
 [[study]]
 name = "people"
+[[study]]
+name = "the paper's"
+method = "paper"
+repeats = 2
+paper.iterations = 2
 )",
                                        folder_.path() / "experiment.toml");
   ASSERT_TRUE(people) << people.error().message;
   const auto results = run(*people);
-  ASSERT_EQ(results.size(), 1U);
+  ASSERT_EQ(results.size(), 2U);
   const ErrorStatistics& found = results[0].conditions[0].statistics;
   EXPECT_EQ(found.n, 3U);
   EXPECT_EQ(found.missed, 0U);
   EXPECT_LT(found.median_m, 0.3);
+  // Two steps from a random place lead nowhere; each repeat starts elsewhere.
+  const ConditionResult& papers = results[1].conditions[0];
+  EXPECT_EQ(papers.points.size(), 6U);
+  EXPECT_EQ(papers.statistics.missed, 0U);
+  EXPECT_GT(papers.statistics.median_m, found.median_m);
+  EXPECT_FALSE(papers.statistics.coverage_95.has_value());
+  EXPECT_NE(papers.points[0].error, papers.points[1].error);
 }
 
 TEST_F(RunExperiment, NamesThePlanThatIsMissing) {

@@ -211,6 +211,11 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
   static Outcome replay(std::size_t ring_frames, const std::shared_ptr<Pace>& pace) {
     PersonEstimator::Options options;
     options.localizer.cell = 0.1;  // enough to see somebody, and soon done
+    return replay(ring_frames, pace, options);
+  }
+  static Outcome replay(std::size_t ring_frames,
+                        const std::shared_ptr<Pace>& pace,
+                        const PersonEstimator::Options& options) {
     const auto estimator =
         PersonEstimator::create(load_site(path("people")).value(), options).value();
     std::vector<SourceWorker::Input> inputs;
@@ -300,6 +305,34 @@ TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
   }
   std::sort(ids.begin(), ids.end());
   EXPECT_EQ(std::adjacent_find(ids.begin(), ids.end()), ids.end());
+}
+
+// The same targets and bursts as of our method; each burst is a place, without accuracy or tracks.
+TEST_F(PeopleOfTwoTransmitters, AreLocatedByThePapersMethodToo) {
+  PersonEstimator::Options options;
+  options.method = LocationMethod::kPaper;
+  options.paper.descent.iterations = 2;
+  const Outcome papers = replay(8192, nullptr, options);
+  const auto snapshots = [](const Outcome& of) {
+    std::vector<std::pair<std::uint64_t, Timestamp>> bursts;
+    for (const v1::Location& location : of.locations) {
+      if (location.kind() == v1::LOCATION_KIND_SNAPSHOT) {
+        bursts.emplace_back(location.target().track(), from_proto(location.time()));
+      }
+    }
+    return bursts;
+  };
+  EXPECT_GE(papers.locations.size(), 10U);
+  EXPECT_EQ(snapshots(papers), snapshots(outcome()));
+  EXPECT_EQ(papers.locations.size(), snapshots(papers).size());
+  EXPECT_TRUE(papers.events.empty());
+  for (const v1::Location& location : papers.locations) {
+    EXPECT_EQ(location.method(), "paper");
+    EXPECT_EQ(location.target().kind(), v1::TARGET_KIND_PERSON);
+    EXPECT_TRUE(location.has_position());
+    EXPECT_FALSE(location.has_accuracy_m());
+    EXPECT_EQ(location.hypotheses_size(), 0);
+  }
 }
 
 }  // namespace

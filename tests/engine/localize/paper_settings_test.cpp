@@ -36,6 +36,19 @@ TEST(PaperSettings, DefaultsAreThoseOfTheDeviceBasedMethod) {
   }
 }
 
+TEST(PaperSettings, PeopleHaveTheDefaultsOfTheDeviceFreeMethod) {
+  const PaperLocalizerOptions people = paper_person_options();
+  for (const PaperSetting& setting : paper_settings()) {
+    const double expected = setting.key == "gamma_1" || setting.key == "gamma_2" ? 2.0
+                            : setting.key == "sigma_0_squared"                   ? 0.1
+                            : setting.key == "alpha"                             ? 1.0
+                                                                                 : setting.get({});
+    EXPECT_EQ(setting.get(people), expected) << setting.key;
+  }
+  EXPECT_THAT(paper_settings_help(), HasSubstr("sigma_0_squared=1"));
+  EXPECT_THAT(paper_settings_help(), HasSubstr("(people: 0.1)"));
+}
+
 TEST(PaperSettings, EachSetsWhatItGetsAndNothingElse) {
   std::set<std::string_view> keys;
   for (const PaperSetting& setting : paper_settings()) {
