@@ -256,12 +256,13 @@ Expected<void> Reference::learn_person() {
     if (!fit) {
       return bad_input(options_.points + ": " + fit.error().message);
     }
-    auto temper = fit_person_certainty(room_, *fit, spots, frames_of_spot);
-    if (!temper) {
-      return tl::make_unexpected(std::move(temper.error()));
+    const auto certainty = fit_person_certainty(room_, *fit, spots, frames_of_spot);
+    if (!certainty) {
+      return tl::make_unexpected(certainty.error());
     }
     reference = std::move(fit->reference);
-    reference.person.temper = *temper;
+    reference.person.temper = certainty->temper;
+    reference.person.second_person = certainty->second_person;
     spots_ = std::max(spots_, fit->spots);
   }
   return {};
@@ -327,6 +328,12 @@ void Reference::print() const {
                person.diffuse,
                person.noise,
                person.temper);
+  if (person.second_person) {
+    std::fprintf(stderr,
+                 "  a second person is believed from a log-likelihood of %.1f on, and with two "
+                 "access points\n",
+                 *person.second_person);
+  }
   for (const RefusedInput& refused : refused_) {
     std::fprintf(stderr, "not used: %s: %s\n", refused.what.c_str(), refused.reason.c_str());
   }

@@ -5,6 +5,7 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
+#include "engine/localize/people.h"
 
 namespace rayloc {
 namespace {
@@ -38,8 +39,12 @@ LocationEstimate without_reference(const Burst& burst) {
 
 }  // namespace
 
-LocationEstimate PersonEstimator::Link::locate(std::span<const CsiFrame> frames) const {
-  return std::visit([&](const auto& of) { return of->locate(frames); }, localizer);
+std::vector<LocationEstimate> PersonEstimator::Link::locate(
+    std::span<const CsiFrame> frames) const {
+  if (const auto* ours = std::get_if<std::shared_ptr<const PersonLocalizer>>(&localizer)) {
+    return locate_people(**ours, frames);
+  }
+  return {std::get<std::shared_ptr<const PaperPersonLocalizer>>(localizer)->locate(frames)};
 }
 
 Expected<PersonEstimator::Link> PersonEstimator::prepare(
@@ -49,14 +54,16 @@ Expected<PersonEstimator::Link> PersonEstimator::prepare(
     if (!made) {
       return tl::make_unexpected(std::move(made.error()));
     }
-    return Link{std::make_shared<const PaperPersonLocalizer>(*std::move(made)), std::nullopt};
+    return Link{std::make_shared<const PaperPersonLocalizer>(*std::move(made)),
+                std::nullopt,
+                tracker.number_step};
   }
   auto made = PersonLocalizer::create(room_, std::move(reference), options_.localizer);
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
   const auto shared = std::make_shared<const PersonLocalizer>(*std::move(made));
-  return Link{shared, PersonTracker(shared, tracker)};
+  return Link{shared, PersonTracker(shared, tracker), tracker.number_step};
 }
 
 Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& site,
@@ -124,14 +131,18 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   if (fixed == nullptr) {
     return;
   }
-  const LocationContext context = context_of(number_of(*fixed, site_));
+  const std::uint64_t number = number_of(*fixed, site_);
   const auto found = links_.find(burst.transmitter);
   if (found == links_.end()) {
-    out.locations.push_back(location_message(without_reference(burst), context));
+    out.locations.push_back(location_message(without_reference(burst), context_of(number)));
     return;
   }
   Link& link = found->second;
-  out.locations.push_back(location_message(link.locate(burst.frames), context));
+  std::uint64_t person = number;
+  for (const LocationEstimate& one : link.locate(burst.frames)) {
+    out.locations.push_back(location_message(one, context_of(person)));
+    person += link.number_step;
+  }
   if (!link.tracker) {
     return;
   }

@@ -3,7 +3,8 @@
 // estimates of the moments within it.
 //
 // Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i,
-// i + K, i + 2K ...: its snapshots the first, its tracks all of them in turn. So what two
+// i + K, i + 2K ...: its snapshots the first, and the second for another person in the same burst;
+// its tracks all of them in turn. So what two
 // transmitters say is never taken for one target, and no number depends on which of them saw
 // somebody first. A person whom two transmitters see is two targets.
 //
@@ -66,8 +67,9 @@ class PersonEstimator : public Estimator {
                  std::shared_ptr<const PaperPersonLocalizer>>
         localizer;
     std::optional<PersonTracker> tracker;  // the paper's method has none
+    std::uint64_t number_step = 1;         // between the numbers of two of its people
 
-    LocationEstimate locate(std::span<const CsiFrame> frames) const;
+    std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames) const;
   };
 
   Expected<Link> prepare(PersonReference reference, const PersonTrackerOptions& tracker) const;

@@ -1,5 +1,6 @@
 #include "engine/calibrate/person_certainty.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/localize/people.h"
 
 namespace rayloc {
 namespace {
@@ -16,6 +18,10 @@ constexpr std::size_t kParts = 3;
 constexpr std::array<double, 8> kTempers = {0.05, 0.1, 0.15, 0.25, 0.35, 0.5, 0.7, 1.0};
 // The truth counts as found within about this much: cells and known places are as coarse [m].
 constexpr double kKernel = 0.05;
+// Spots from which the most that a second person explains is known, and the least that it is said
+// to be.
+constexpr std::size_t kLeastSpots = 20;
+constexpr double kLeastGain = 20.0;
 
 // Probability density about the truth, against that of knowing nothing.
 double score(const StandingRoom& standing, const PersonMap& map, const TargetPosition& truth) {
@@ -71,18 +77,29 @@ double chosen(const std::array<std::vector<double>, kTempers.size()>& scores) {
   return kTempers[best];
 }
 
+// What the best second person explains; 0 where none is looked for.
+double second_gain(const PersonLocalizer& localizer, const PersonHearing& hearing) {
+  if (hearing.arrays.empty()) {
+    return 0.0;
+  }
+  const double temper = localizer.reference().person.temper;
+  const auto pair = best_pair(localizer, hearing, temper, localizer.map(hearing, temper));
+  return pair ? pair->gain : 0.0;
+}
+
 }  // namespace
 
-Expected<double> fit_person_certainty(const RoomModel& room,
-                                      const PersonFit& fit,
-                                      std::span<const PersonSpot> spots,
-                                      std::span<const std::vector<CsiFrame>> frames,
-                                      const PersonFitOptions& options) {
+Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
+                                               const PersonFit& fit,
+                                               std::span<const PersonSpot> spots,
+                                               std::span<const std::vector<CsiFrame>> frames,
+                                               const PersonFitOptions& options) {
   RAYLOC_CHECK(spots.size() == frames.size());
   const auto shared = std::make_shared<const RoomModel>(room);
   PersonFitOptions same_body = options;
   same_body.radius_steps.clear();
   std::array<std::vector<double>, kTempers.size()> scores;  // of each exponent, by spot
+  double gain = kLeastGain;
   for (std::size_t part = 0; part < kParts; ++part) {
     std::vector<PersonSpot> others;
     for (std::size_t s = 0; s < spots.size(); ++s) {
@@ -104,9 +121,14 @@ Expected<double> fit_person_certainty(const RoomModel& room,
         const PersonMap map = localizer->map(hearing, kTempers[t]);
         scores[t].push_back(score(localizer->standing_room(), map, spots[s].place));
       }
+      gain = std::max(gain, second_gain(*localizer, hearing));
     }
   }
-  return chosen(scores);
+  PersonCertainty certainty{chosen(scores), std::nullopt};
+  if (scores.front().size() >= kLeastSpots) {
+    certainty.second_person = gain;
+  }
+  return certainty;
 }
 
 }  // namespace rayloc

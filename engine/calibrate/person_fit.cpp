@@ -121,7 +121,7 @@ std::vector<double> PersonFitter::samples(const FitLink& link,
                                           double nobody) const {
   std::vector<double> values(prior_.size());
   link.likelihood.log_likelihood(
-      link.likelihood.place(heard.patch, scale, model), heard.observed, values);
+      link.likelihood.place(heard.patch, scale, model), heard.observed, {}, values);
   for (double& value : values) {
     value -= nobody;
   }

@@ -85,7 +85,7 @@ class GeometryLink {
       spot.number = s;
       spot.rays = *std::move(rays);
       spot.errors = likelihood_.place(likelihood_.patch(spot.rays, kPlan), 1.0, model).close;
-      spot.empty = PersonLikelihood::whitened(spot.errors, likelihood_.empty());
+      spot.empty = whiten(spot.errors, likelihood_.empty());
       double power = 0.0;
       for (const Value& v : spot.empty) {
         power += std::norm(v);
@@ -94,7 +94,7 @@ class GeometryLink {
         v /= std::sqrt(power);
       }
       const auto observed = likelihood_.observe(spots[s].h[number_]);
-      spot.y = PersonLikelihood::whitened(spot.errors, observed.y[PersonLikelihood::kDelays / 2]);
+      spot.y = whiten(spot.errors, observed.y[PersonLikelihood::kDelays / 2]);
       take_out(spot.empty, spot.y);
       found[s] = std::move(spot);
     });
@@ -119,8 +119,8 @@ class GeometryLink {
       const std::size_t size = likelihood_.dimension();
       for (std::size_t p = 0; p < prior.size(); ++p) {
         const auto first = patch.sample.begin() + static_cast<std::ptrdiff_t>(p * size);
-        auto z = PersonLikelihood::whitened(
-            spot.errors, std::vector<Value>(first, first + static_cast<std::ptrdiff_t>(size)));
+        auto z = whiten(spot.errors,
+                        std::vector<Value>(first, first + static_cast<std::ptrdiff_t>(size)));
         take_out(spot.empty, z);
         Value along;
         double z_power = 0.0;

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
@@ -36,44 +38,6 @@ void add_outer(double weight,
       row[j] += left * std::conj(s[j]);
     }
   }
-}
-
-// W y
-std::vector<Value> whiten(const WhitenedGaussian& gaussian, std::span<const Value> y) {
-  std::vector<Value> result(y.size());
-  const std::complex<float>* w = gaussian.whitener.data();
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    double re = 0.0;
-    double im = 0.0;
-    for (std::size_t j = 0; j <= i; ++j, ++w) {
-      const auto a = static_cast<double>(w->real());
-      const auto b = static_cast<double>(w->imag());
-      re += a * y[j].real() - b * y[j].imag();
-      im += a * y[j].imag() + b * y[j].real();
-    }
-    result[i] = {re, im};
-  }
-  return result;
-}
-
-// W^H u
-std::vector<Value> unwhiten(const WhitenedGaussian& gaussian, std::span<const Value> u) {
-  std::vector<Value> result(u.size());
-  const std::complex<float>* w = gaussian.whitener.data();
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    for (std::size_t j = 0; j <= i; ++j, ++w) {
-      result[j] += std::conj(Value(*w)) * u[i];
-    }
-  }
-  return result;
-}
-
-double power_of(std::span<const Value> values) {
-  double power = 0.0;
-  for (const Value& v : values) {
-    power += std::norm(v);
-  }
-  return power;
 }
 
 // The gain r that fits best, where A = |W y|^2 and b = |(W mu)^H W y|.
@@ -308,19 +272,75 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
   return factorise(std::move(sigma), empty_, model);
 }
 
+// Of each of them the covariance of its square, without the noise and the delay that every Gaussian
+// has; kept are the directions in which that is more than the noise is worth.
+PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
+                                        const PersonModel& model) const {
+  PersonCompany company;
+  if (people.empty()) {
+    return company;
+  }
+  const std::size_t size = dimension();
+  const auto n = static_cast<Index>(size);
+  company.added.resize(size);
+  Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(n, n);
+  Eigen::VectorXcd turned(n);
+  for (std::size_t i = 0; i < size; ++i) {
+    turned(static_cast<Index>(i)) = kDelayDeviation * turned_[i];
+  }
+  const double noise = model.noise / static_cast<double>(size);
+  for (const PersonStand& person : people) {
+    Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
+    for (std::size_t i = 0; i < size; ++i) {
+      company.added[i] += Value(person.place->sample[person.sample * size + i]);
+      for (std::size_t j = 0; j <= i; ++j) {
+        whitener(static_cast<Index>(i), static_cast<Index>(j)) =
+            Value(person.place->close.whitener[triangle_size(i) + j]);
+      }
+    }
+    const Eigen::MatrixXcd lower =
+        whitener.triangularView<Eigen::Lower>().solve(Eigen::MatrixXcd::Identity(n, n));
+    sum += lower * lower.adjoint() - turned * turned.adjoint() -
+           noise * Eigen::MatrixXcd::Identity(n, n);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
+  for (Index i = n; i-- > 0 && company.spread.size() < PersonCompany::kMostColumns;) {  // ascending
+    const double variance = eigen.eigenvalues()(i);
+    if (variance <= noise) {
+      break;
+    }
+    const Eigen::VectorXcd column = std::sqrt(variance) * eigen.eigenvectors().col(i);
+    company.spread.emplace_back(column.data(), column.data() + n);
+  }
+  return company;
+}
+
 double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
-                                        const Observed& observed) const {
+                                        const Observed& observed,
+                                        const PersonCompany& company) const {
   const auto d = static_cast<double>(dimension());
+  std::optional<AccompaniedGaussian> with;
+  std::vector<Value> mean(gaussian.mean.begin(), gaussian.mean.end());
+  double mean_power = gaussian.mean_power;
+  double log_determinant = gaussian.log_determinant;
+  if (!company.empty()) {
+    with.emplace(gaussian, company);
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] += with->shift()[i];
+    }
+    const auto reduced = with->reduced(mean);
+    mean_power = inner_product(mean, reduced).real();
+    mean = reduced;
+    log_determinant += with->log_determinant();
+  }
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& y : observed.y) {
     const auto u = whiten(gaussian, y);
-    Value along;
-    for (std::size_t i = 0; i < u.size(); ++i) {
-      along += std::conj(Value(gaussian.mean[i])) * u[i];
-    }
-    best = std::max(best, profile(std::max(power_of(u), kLeastPower), std::abs(along), d));
+    const double power = with ? with->power(u) : power_of(u);
+    best =
+        std::max(best, profile(std::max(power, kLeastPower), std::abs(inner_product(mean, u)), d));
   }
-  return best - gaussian.mean_power - gaussian.log_determinant;
+  return best - mean_power - log_determinant;
 }
 
 // A burst as the model of a square sees it, at every delay.
@@ -328,6 +348,12 @@ struct PersonLikelihood::CloseLook {
   std::array<double, kDelays> power{};                      // |W y|^2
   std::array<Value, kDelays> along_empty{};                 // x0^H Sigma^-1 y
   std::array<std::vector<std::complex<float>>, kDelays> v;  // Sigma^-1 y
+  double log_determinant = 0.0;                             // of Sigma
+  // With company |W mu|^2 is more by shift + 2 Re(turn^H z) - sum |base_i + reduce_i z|^2, of dH z.
+  double shift = 0.0;
+  std::vector<std::complex<float>> turn;
+  std::vector<Value> base;
+  std::vector<std::vector<std::complex<float>>> reduce;
 
   double along(std::size_t delay, const std::complex<float>* z) const {
     float re = 0.0F;
@@ -339,18 +365,57 @@ struct PersonLikelihood::CloseLook {
     }
     return std::abs(along_empty[delay] + Value(static_cast<double>(re), static_cast<double>(im)));
   }
+  double mean_power(double alone, const std::complex<float>* z) const {
+    double result = alone + shift;
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+      result += 2.0 * (std::conj(Value(turn[i])) * Value(z[i])).real();
+    }
+    for (std::size_t r = 0; r < reduce.size(); ++r) {
+      float re = 0.0F;
+      float im = 0.0F;
+      for (std::size_t i = 0; i < turn.size(); ++i) {
+        const std::complex<float> a = reduce[r][i];
+        re += a.real() * z[i].real() - a.imag() * z[i].imag();
+        im += a.real() * z[i].imag() + a.imag() * z[i].real();
+      }
+      result -= std::norm(base[r] + Value(static_cast<double>(re), static_cast<double>(im)));
+    }
+    return std::max(result, 0.0);
+  }
 };
 
 PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
-                                                   const Observed& observed) const {
+                                                   const Observed& observed,
+                                                   const PersonCompany& company) const {
   CloseLook result;
+  result.log_determinant = place.close.log_determinant;
+  std::vector<Value> mean = empty_;
+  std::optional<AccompaniedGaussian> with;
+  if (!company.empty()) {
+    with.emplace(place.close, company);
+    result.log_determinant += with->log_determinant();
+    const auto turn = unwhiten(place.close, with->shift());
+    result.turn.assign(turn.begin(), turn.end());
+    result.shift = power_of(with->shift()) + 2.0 * inner_product(turn, empty_).real();
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] += company.added[i];
+    }
+    for (const auto& row : with->reduction()) {
+      Value base;
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        base += row[i] * mean[i];
+      }
+      result.base.push_back(base);
+      result.reduce.emplace_back(row.begin(), row.end());
+    }
+  }
   for (std::size_t t = 0; t < kDelays; ++t) {
     const auto u = whiten(place.close, observed.y[t]);
-    const auto v = unwhiten(place.close, u);
-    result.power[t] = std::max(power_of(u), kLeastPower);
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      result.along_empty[t] += std::conj(empty_[i]) * v[i];
-    }
+    const auto reduced = with ? with->reduced(u) : u;
+    const auto v = unwhiten(place.close, reduced);
+    const double power = with ? with->power(u) : power_of(u);
+    result.power[t] = std::max(power, kLeastPower);
+    result.along_empty[t] = inner_product(mean, v);
     result.v[t].assign(v.begin(), v.end());
   }
   return result;
@@ -358,24 +423,21 @@ PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
 
 void PersonLikelihood::log_likelihood(const PersonPlace& place,
                                       const Observed& observed,
+                                      const PersonCompany& company,
                                       std::span<double> out) const {
   RAYLOC_CHECK(out.size() == place.mean_power.size());
   const std::size_t size = dimension();
   const auto d = static_cast<double>(size);
-  const CloseLook close = look(place, observed);
+  const CloseLook close = look(place, observed, company);
   for (std::size_t p = 0; p < out.size(); ++p) {
+    const std::complex<float>* z = place.sample.data() + p * size;
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t t = 0; t < kDelays; ++t) {
-      best = std::max(best,
-                      profile(close.power[t], close.along(t, place.sample.data() + p * size), d));
+      best = std::max(best, profile(close.power[t], close.along(t, z), d));
     }
-    out[p] = best - static_cast<double>(place.mean_power[p]) - place.close.log_determinant;
+    out[p] = best - close.mean_power(static_cast<double>(place.mean_power[p]), z) -
+             close.log_determinant;
   }
-}
-
-std::vector<Value> PersonLikelihood::whitened(const WhitenedGaussian& gaussian,
-                                              std::span<const Value> x) {
-  return whiten(gaussian, x);
 }
 
 double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample) const {
@@ -386,19 +448,20 @@ double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample
   return power;
 }
 
-double PersonLikelihood::misfit(const PersonPlace& place,
-                                std::size_t sample,
-                                const Observed& observed) const {
-  const std::size_t size = dimension();
-  const auto d = static_cast<double>(size);
-  const CloseLook close = look(place, observed);
+double PersonLikelihood::misfit(const PersonStand& stand,
+                                const Observed& observed,
+                                const PersonCompany& company) const {
+  const auto d = static_cast<double>(dimension());
+  const CloseLook close = look(*stand.place, observed, company);
+  const std::complex<float>* z = stand.place->sample.data() + stand.sample * dimension();
+  const double mean_power =
+      close.mean_power(static_cast<double>(stand.place->mean_power[stand.sample]), z);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < kDelays; ++t) {
     const double a = close.power[t];
-    const double b = close.along(t, place.sample.data() + sample * size);
+    const double b = close.along(t, z);
     const double r = best_gain(a, b, d);
-    least = std::min(least,
-                     (a * r * r - 2.0 * b * r + static_cast<double>(place.mean_power[sample])) / d);
+    least = std::min(least, (a * r * r - 2.0 * b * r + mean_power) / d);
   }
   return least;
 }

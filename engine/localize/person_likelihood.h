@@ -24,8 +24,10 @@
 
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
+#include "engine/localize/person_company.h"
 #include "engine/localize/person_reference.h"
 #include "engine/localize/person_scattering.h"
+#include "engine/localize/whitened_gaussian.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc {
@@ -51,20 +53,18 @@ struct ScatteredPatch {
   double power = 0.0;                          // sum |z_p|^2
 };
 
-// A Gaussian about a mean: inverse Cholesky factor W of its covariance, and what belongs to it.
-struct WhitenedGaussian {
-  std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;      // W mu
-  double mean_power = 0.0;                    // |W mu|^2
-  double log_determinant = 0.0;               // of Sigma
-};
-
 // A square with the errors of a model.
 struct PersonPlace {
   WhitenedGaussian whole;
   WhitenedGaussian close;                   // without the spread of the samples; no mean
   std::vector<std::complex<float>> sample;  // a dH
   std::vector<float> mean_power;            // |W mu|^2 of each sample
+};
+
+// One of the sample places of a square.
+struct PersonStand {
+  const PersonPlace* place = nullptr;
+  std::size_t sample = 0;
 };
 
 class PersonLikelihood {
@@ -99,26 +99,33 @@ class PersonLikelihood {
   // The room changed in a way that nothing is known of, by this share of its power.
   WhitenedGaussian changed(double share, const PersonModel& model) const;
 
+  // People at these places, for the likelihood of one more.
+  PersonCompany company(std::span<const PersonStand> people, const PersonModel& model) const;
+
   // Log-likelihoods, maximised over gain, phase and delay; up to a constant of the measurement.
-  double log_likelihood(const WhitenedGaussian& gaussian, const Observed& observed) const;
+  double log_likelihood(const WhitenedGaussian& gaussian,
+                        const Observed& observed,
+                        const PersonCompany& company = {}) const;
   // Of every sample place. REQUIRES: out.size() == place.mean_power.size().
   void log_likelihood(const PersonPlace& place,
                       const Observed& observed,
+                      const PersonCompany& company,
                       std::span<double> out) const;
-  // W x of any vector of coordinates, with the covariance of a square.
-  static std::vector<std::complex<double>> whitened(const WhitenedGaussian& gaussian,
-                                                    std::span<const std::complex<double>> x);
   std::span<const std::complex<double>> empty() const { return empty_; }
 
   // Of what a person at a sample place adds; 1: as much as the empty room.
   double echo_power(const PersonPlace& place, std::size_t sample) const;
 
   // What a sample place leaves unexplained, in units of what its model expects to: about 1.
-  double misfit(const PersonPlace& place, std::size_t sample, const Observed& observed) const;
+  double misfit(const PersonStand& stand,
+                const Observed& observed,
+                const PersonCompany& company = {}) const;
 
  private:
   struct CloseLook;
-  CloseLook look(const PersonPlace& place, const Observed& observed) const;
+  CloseLook look(const PersonPlace& place,
+                 const Observed& observed,
+                 const PersonCompany& company) const;
   WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
                              std::span<const std::complex<double>> mean,
                              const PersonModel& model) const;

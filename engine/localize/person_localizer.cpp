@@ -1,16 +1,13 @@
 #include "engine/localize/person_localizer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
 
 #include "engine/base/check.h"
-#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/localize/hearing.h"
 #include "engine/localize/posterior.h"
@@ -23,18 +20,14 @@ namespace {
 constexpr double kCloseMargin = 25.0;
 constexpr std::size_t kMostClose = 600;
 constexpr double kNowhere = -1e4;
-// Sample places are at most this far apart, in wavelengths.
-constexpr double kSampleStep = 0.125;
-// Squares along each side for which the rays are traced together.
-constexpr std::size_t kBlock = 2;
+// What is about a place [m].
+constexpr double kAbout = 0.3;
 // Probability that what an access point hears has changed as no person changes it.
 constexpr double kStrange = 0.02;
 // A body this near to the transmitter [m] is strong in all directions ...
 constexpr double kBesideTransmitter = 0.6;
 // ... which is seen from this share of the empty room's power on, in the second strongest array.
 constexpr double kStrongEcho = 0.05;
-// Shares of the power that such a change is tried with.
-constexpr std::array<double, 8> kChanges = {0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 
 // log mean exp of `values`.
 double log_mean_exp(std::span<const double> values) {
@@ -50,18 +43,10 @@ double log_sum(double a, double b) {
   return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
 }
 
-// One access point and its part of the map.
-struct Station {
-  PersonLikelihood likelihood;
-  PersonScattering scattering;
-  std::vector<PersonPlace> cells;  // empty where nobody can stand
-  WhitenedGaussian nobody;
-  std::vector<WhitenedGaussian> changed;
-};
-
 // What one array says of every square as a whole.
 struct ArrayMap {
   const PersonHearing::Array* array;
+  PersonCompany company;
   std::vector<double> whole;  // log-likelihood of every cell
   double floor = 0.0;         // of a change that no person makes, by its odds
   double nobody = 0.0;
@@ -78,122 +63,42 @@ class PersonLocalizer::Impl {
  public:
   Impl(std::shared_ptr<const RoomModel> room,
        PersonReference reference,
-       const PersonLocalizerOptions& options)
+       const PersonLocalizerOptions& options,
+       PersonSquares squares)
       : room_(std::move(room)),
         reference_(std::move(reference)),
         options_(options),
-        standing_(
-            make_standing_room(*room_, reference_.person.body, reference_.area, options_.cell)) {}
+        squares_(std::move(squares)),
+        places_(squares_.samples * squares_.samples) {}
 
-  Expected<void> build();
   PersonHearing hear(std::span<const CsiFrame> frames) const;
-  PersonMap map(const PersonHearing& hearing, double temper) const;
-  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+  PersonMap map(const PersonHearing& hearing, double temper, const PersonContext& context) const;
+  LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
-  const StandingRoom& standing_room() const { return standing_; }
+  const PersonSquares& squares() const { return squares_; }
   const RoomModel& room() const { return *room_; }
   const PersonReference& reference() const { return reference_; }
   const PersonLocalizerOptions& options() const { return options_; }
 
  private:
-  Expected<Station> make_station(const PersonLink& link) const;
-  void build_block(std::size_t block_x, std::size_t block_y);
-  ArrayMap whole_map(const PersonHearing::Array& array) const;
+  std::vector<std::size_t> clear_cells(const PersonContext& context) const;
+  ArrayMap whole_map(const PersonHearing::Array& array,
+                     std::span<const std::size_t> cells,
+                     std::span<const PersonSample> others) const;
   std::vector<double> close_map(const std::vector<ArrayMap>& arrays,
                                 std::span<const std::size_t> cells) const;
-  double judge(const std::vector<ArrayMap>& arrays,
-               std::size_t cell,
-               std::size_t sample,
-               PersonMap& map) const;
-
-  bool is_transmitter_doubtful(const std::vector<ArrayMap>& arrays,
-                               std::size_t cell,
-                               std::size_t sample) const;
+  void choose_places(std::span<const std::size_t> cells,
+                     std::span<const double> samples,
+                     PersonMap& map) const;
+  double judge(const std::vector<ArrayMap>& arrays, const PersonSample& best, PersonMap& map) const;
+  bool is_transmitter_doubtful(const std::vector<ArrayMap>& arrays, const PersonSample& best) const;
 
   std::shared_ptr<const RoomModel> room_;
   PersonReference reference_;
   PersonLocalizerOptions options_;
-  StandingRoom standing_;
-  std::size_t samples_ = 0;  // along the side of a square
-  std::vector<Station> stations_;
+  PersonSquares squares_;
+  std::size_t places_;  // sample places of a cell
 };
-
-Expected<Station> PersonLocalizer::Impl::make_station(const PersonLink& link) const {
-  if (auto valid = check_link(*room_, link); !valid) {
-    return tl::make_unexpected(std::move(valid.error()));
-  }
-  const RoomAccessPoint& ap = room_->access_points[link.access_point];
-  auto scattering = PersonScattering::create(
-      *room_, link.access_point, reference_.transmitter, reference_.person.body, options_.depth);
-  if (!scattering) {
-    return tl::make_unexpected(scattering.error());
-  }
-  PersonLikelihood likelihood(room_->grid,
-                              ap.cores.size(),
-                              link,
-                              norm(ap.array.pose.position - reference_.transmitter.position));
-  Station station{std::move(likelihood), *std::move(scattering), {}, {}, {}};
-  station.cells.resize(standing_.grid.size());
-  station.nobody = station.likelihood.nobody(reference_.person);
-  for (const double share : kChanges) {
-    station.changed.push_back(station.likelihood.changed(share, reference_.person));
-  }
-  return station;
-}
-
-// The rays are traced once, in the middle of a block of squares.
-void PersonLocalizer::Impl::build_block(std::size_t block_x, std::size_t block_y) {
-  const RoomGrid& grid = standing_.grid;
-  std::vector<std::size_t> cells;
-  for (std::size_t x = block_x; x < std::min(block_x + kBlock, grid.count_x); ++x) {
-    for (std::size_t y = block_y; y < std::min(block_y + kBlock, grid.count_y); ++y) {
-      if (standing_.free[x * grid.count_y + y] != 0) {
-        cells.push_back(x * grid.count_y + y);
-      }
-    }
-  }
-  Vec3d middle;
-  for (const std::size_t cell : cells) {
-    middle = middle + (1.0 / static_cast<double>(cells.size())) * grid.centre(cell);
-  }
-  for (Station& station : stations_) {
-    if (cells.empty()) {
-      return;
-    }
-    const auto rays = station.scattering.at({middle.x, middle.y});
-    const auto number = static_cast<std::size_t>(&station - stations_.data());
-    for (const std::size_t cell : cells) {
-      if (!rays) {  // a device is where the body would be
-        standing_.free[cell] = 0;
-        continue;
-      }
-      const Vec3d offset = grid.centre(cell) - middle;
-      const PatchPlan plan{offset.x, offset.y, std::max(grid.step_x, grid.step_y), samples_};
-      station.cells[cell] = station.likelihood.place(
-          station.likelihood.patch(*rays, plan), reference_.links[number].scale, reference_.person);
-    }
-  }
-}
-
-Expected<void> PersonLocalizer::Impl::build() {
-  for (const PersonLink& link : reference_.links) {
-    auto station = make_station(link);
-    if (!station) {
-      return tl::make_unexpected(station.error());
-    }
-    stations_.push_back(*std::move(station));
-  }
-  const RoomGrid& grid = standing_.grid;
-  const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
-  samples_ = static_cast<std::size_t>(
-      std::ceil(std::max(grid.step_x, grid.step_y) / (kSampleStep * wavelength)));
-  const std::size_t blocks_x = (grid.count_x + kBlock - 1) / kBlock;
-  const std::size_t blocks_y = (grid.count_y + kBlock - 1) / kBlock;
-  parallel_for(blocks_x * blocks_y, 1, [&](std::size_t block) {
-    build_block(block / blocks_y * kBlock, block % blocks_y * kBlock);
-  });
-  return {};
-}
 
 PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) const {
   PersonHearing hearing;
@@ -204,8 +109,8 @@ PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) cons
     return hearing;
   }
   HearingTally tally;
-  for (std::size_t number = 0; number < stations_.size(); ++number) {
-    const Station& station = stations_[number];
+  for (std::size_t number = 0; number < squares_.stations.size(); ++number) {
+    const PersonStation& station = squares_.stations[number];
     const std::size_t access_point = reference_.links[number].access_point;
     auto burst = rayloc::hear(*room_, access_point, frames, options_.burst, estimate.warnings);
     if (!burst) {
@@ -231,21 +136,50 @@ PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) cons
   return hearing;
 }
 
-ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array) const {
-  const Station& station = stations_[array.link];
+// Where somebody can stand beside the others.
+std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
+  const RoomGrid& grid = squares_.standing.grid;
+  const TargetBody& body = reference_.person.body;
+  const double apart = 2.0 * std::max(body.semi_axes[0], body.semi_axes[1]);
+  std::vector<std::size_t> cells;
+  for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+    const Vec3d centre = grid.centre(cell);
+    const auto off = [&](const PersonSample& sample) {
+      return norm(centre - squares_.place_of(sample));
+    };
+    if (squares_.standing.free[cell] != 0 && (!context.about || off(*context.about) < kAbout) &&
+        std::none_of(context.others.begin(), context.others.end(), [&](const PersonSample& other) {
+          return off(other) < apart;
+        })) {
+      cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array,
+                                          std::span<const std::size_t> cells,
+                                          std::span<const PersonSample> others) const {
+  const PersonStation& station = squares_.stations[array.link];
+  std::vector<PersonStand> people;
+  for (const PersonSample& other : others) {
+    people.push_back({&station.cells[other.cell], other.sample});
+  }
+  ArrayMap map{&array,
+               station.likelihood.company(people, reference_.person),
+               {},
+               -std::numeric_limits<double>::infinity(),
+               0.0};
   const auto likelihood = [&](const WhitenedGaussian& gaussian) {
-    return station.likelihood.log_likelihood(gaussian, array.observed);
+    return station.likelihood.log_likelihood(gaussian, array.observed, map.company);
   };
-  ArrayMap map{&array, {}, -std::numeric_limits<double>::infinity(), 0.0};
   for (const WhitenedGaussian& changed : station.changed) {
     map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
   }
   map.nobody = likelihood(station.nobody);
-  map.whole.resize(standing_.grid.size());
-  parallel_for(map.whole.size(), 32, [&](std::size_t cell) {
-    if (standing_.free[cell] != 0) {
-      map.whole[cell] = likelihood(station.cells[cell].whole);
-    }
+  map.whole.resize(squares_.standing.grid.size());
+  parallel_for(cells.size(), 32, [&](std::size_t n) {
+    map.whole[cells[n]] = likelihood(station.cells[cells[n]].whole);
   });
   return map;
 }
@@ -253,15 +187,15 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array) con
 // [cell][sample place], against nobody, all arrays together.
 std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>& arrays,
                                                      std::span<const std::size_t> cells) const {
-  const std::size_t places = samples_ * samples_;
-  std::vector<double> samples(cells.size() * places);
+  std::vector<double> samples(cells.size() * places_);
   parallel_for(cells.size(), 8, [&](std::size_t n) {
-    const std::span<double> sum(samples.data() + n * places, places);
-    std::vector<double> one(places);
+    const std::span<double> sum(samples.data() + n * places_, places_);
+    std::vector<double> one(places_);
     for (const ArrayMap& map : arrays) {
-      const Station& station = stations_[map.array->link];
-      station.likelihood.log_likelihood(station.cells[cells[n]], map.array->observed, one);
-      for (std::size_t p = 0; p < places; ++p) {
+      const PersonStation& station = squares_.stations[map.array->link];
+      station.likelihood.log_likelihood(
+          station.cells[cells[n]], map.array->observed, map.company, one);
+      for (std::size_t p = 0; p < places_; ++p) {
         sum[p] += map.against_nobody(one[p]);
       }
     }
@@ -269,27 +203,55 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
   return samples;
 }
 
+// The best sample place of every cell, where no better one is near.
+void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
+                                          std::span<const double> samples,
+                                          PersonMap& map) const {
+  std::vector<std::pair<double, PersonSample>> best;
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    const auto of_cell = samples.subspan(n * places_, places_);
+    const auto top = std::max_element(of_cell.begin(), of_cell.end());
+    best.push_back({*top, {cells[n], static_cast<std::size_t>(top - of_cell.begin())}});
+  }
+  std::stable_sort(
+      best.begin(), best.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [value, sample] : best) {
+    const Vec3d here = squares_.place_of(sample);
+    const bool is_apart =
+        std::none_of(map.places.begin(), map.places.end(), [&](const PersonSample& better) {
+          return norm(here - squares_.place_of(better)) < PersonMap::kApart;
+        });
+    if (is_apart) {
+      map.places.push_back(sample);
+    }
+    if (map.places.size() == PersonMap::kPlaces) {
+      break;
+    }
+  }
+}
+
 // How badly the best place explains the arrays, 1 as expected; notes those that it does not.
 double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
-                                    std::size_t cell,
-                                    std::size_t sample,
+                                    const PersonSample& best,
                                     PersonMap& map) const {
   double most = 1.0;
   double explained = 0.0;
-  std::vector<double> one(samples_ * samples_);
+  std::vector<double> one(places_);
   for (const ArrayMap& of : arrays) {
-    const Station& station = stations_[of.array->link];
-    const PersonPlace& place = station.cells[cell];
-    station.likelihood.log_likelihood(place, of.array->observed, one);
-    if (one[sample] < of.floor) {
+    const PersonStation& station = squares_.stations[of.array->link];
+    const PersonPlace& place = station.cells[best.cell];
+    station.likelihood.log_likelihood(place, of.array->observed, of.company, one);
+    map.best_log_likelihood += of.array->weight * log_sum(one[best.sample], of.floor);
+    if (one[best.sample] < of.floor) {
       map.warnings.push_back(
           "access point " + room_->access_points[reference_.links[of.array->link].access_point].id +
           ": what it hears has changed as one person does not change it");
       continue;
     }
     explained += 1.0;
-    most = std::max(
-        most, of.array->weight * station.likelihood.misfit(place, sample, of.array->observed));
+    most = std::max(most,
+                    of.array->weight * station.likelihood.misfit(
+                                           {&place, best.sample}, of.array->observed, of.company));
   }
   map.is_explained = explained > 0.0;
   // Where one access point hears what nobody explains, the others are believed less as well.
@@ -299,35 +261,38 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
 // One body stands in one direct way; a transmitter that was moved or covered changes all, and what
 // stands right beside it explains that best, for its echoes are strong and not known well.
 bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>& arrays,
-                                                    std::size_t cell,
-                                                    std::size_t sample) const {
-  const Vec3d off = standing_.grid.centre(cell) - reference_.transmitter.position;
+                                                    const PersonSample& best) const {
+  const Vec3d off = squares_.standing.grid.centre(best.cell) - reference_.transmitter.position;
   if (std::hypot(off.x, off.y) > kBesideTransmitter) {
     return false;
   }
   const auto strong = std::count_if(arrays.begin(), arrays.end(), [&](const ArrayMap& of) {
-    const Station& station = stations_[of.array->link];
-    return station.likelihood.echo_power(station.cells[cell], sample) > kStrongEcho;
+    const PersonStation& station = squares_.stations[of.array->link];
+    return station.likelihood.echo_power(station.cells[best.cell], best.sample) > kStrongEcho;
   });
   return strong > 1;
 }
 
-PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing, double temper) const {
+PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
+                                     double temper,
+                                     const PersonContext& context) const {
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
-  total.assign(standing_.grid.size(), kNowhere);
+  total.assign(squares_.standing.grid.size(), kNowhere);
+  std::vector<std::size_t> order = clear_cells(context);
+  if (order.empty()) {  // they stand in all there is
+    map.is_explained = false;
+    map.somebody = kNowhere;
+    return map;
+  }
   std::vector<ArrayMap> arrays;
   for (const PersonHearing::Array& array : hearing.arrays) {
-    arrays.push_back(whole_map(array));
+    arrays.push_back(whole_map(array, order, context.others));
   }
-  std::vector<std::size_t> order;
-  for (std::size_t cell = 0; cell < total.size(); ++cell) {
-    if (standing_.free[cell] != 0) {
-      total[cell] = 0.0;
-      for (const ArrayMap& one : arrays) {
-        total[cell] += one.against_nobody(one.whole[cell]);
-      }
-      order.push_back(cell);
+  for (const std::size_t cell : order) {
+    total[cell] = 0.0;
+    for (const ArrayMap& one : arrays) {
+      total[cell] += one.against_nobody(one.whole[cell]);
     }
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -338,19 +303,17 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing, double temper
   while (close < std::min(order.size(), kMostClose) && total[order[close]] >= least) {
     ++close;
   }
-  const std::size_t places = samples_ * samples_;
   auto samples = close_map(arrays, {order.data(), close});
-  const auto best =
-      static_cast<std::size_t>(std::max_element(samples.begin(), samples.end()) - samples.begin());
+  choose_places({order.data(), close}, samples, map);
   // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
-  const double exponent = temper / judge(arrays, order[best / places], best % places, map);
-  map.is_transmitter_doubtful =
-      is_transmitter_doubtful(arrays, order[best / places], best % places);
+  map.misfit = judge(arrays, map.places.front(), map);
+  const double exponent = temper / map.misfit;
+  map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
   for (double& value : samples) {
     value *= exponent;
   }
   for (std::size_t n = 0; n < order.size(); ++n) {
-    total[order[n]] = n < close ? log_mean_exp({samples.data() + n * places, places})
+    total[order[n]] = n < close ? log_mean_exp({samples.data() + n * places_, places_})
                                 : exponent * total[order[n]];
   }
   std::vector<double> standing;
@@ -362,34 +325,28 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing, double temper
   return map;
 }
 
-LocationEstimate PersonLocalizer::Impl::locate(std::span<const CsiFrame> frames,
-                                               double temper) const {
-  PersonHearing hearing = hear(frames);
-  LocationEstimate& estimate = hearing.estimate;
-  if (hearing.arrays.empty()) {
-    return std::move(estimate);
-  }
-  const PersonMap found = map(hearing, temper);
-  estimate.warnings.insert(estimate.warnings.end(), found.warnings.begin(), found.warnings.end());
-  if (!found.is_explained) {
+LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
+                                                  const PersonMap& map) const {
+  estimate.warnings.insert(estimate.warnings.end(), map.warnings.begin(), map.warnings.end());
+  if (!map.is_explained) {
     estimate.reason = "the room has changed as no single person would change it";
-    return std::move(estimate);
+    return estimate;
   }
-  if (found.is_transmitter_doubtful) {
+  if (map.is_transmitter_doubtful) {
     estimate.reason =
         "what is heard has changed as by somebody right beside the transmitter; it may have been "
         "moved or covered";
-    return std::move(estimate);
+    return estimate;
   }
-  if (found.somebody < kSomebody) {
+  if (map.somebody < kSomebody) {
     estimate.reason = "nobody seen: the room is as it was when it was empty";
-    return std::move(estimate);
+    return estimate;
   }
-  summarise_posterior(standing_.grid,
-                      found.log_likelihood,
+  summarise_posterior(squares_.standing.grid,
+                      map.log_likelihood,
                       {1.0, options_.accuracy_confidence, options_.max_hypotheses, kPersonOutlier},
                       estimate);
-  return std::move(estimate);
+  return estimate;
 }
 
 Expected<PersonLocalizer> PersonLocalizer::create(std::shared_ptr<const RoomModel> room,
@@ -404,11 +361,12 @@ Expected<PersonLocalizer> PersonLocalizer::create(std::shared_ptr<const RoomMode
   if (reference.links.empty()) {
     return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
   }
-  auto impl = std::make_unique<Impl>(std::move(room), std::move(reference), options);
-  if (auto built = impl->build(); !built) {
-    return tl::make_unexpected(built.error());
+  auto squares = make_person_squares(*room, reference, options.cell, options.depth);
+  if (!squares) {
+    return tl::make_unexpected(std::move(squares.error()));
   }
-  return PersonLocalizer(std::move(impl));
+  return PersonLocalizer(
+      std::make_unique<Impl>(std::move(room), std::move(reference), options, *std::move(squares)));
 }
 
 PersonLocalizer::PersonLocalizer(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
@@ -417,19 +375,29 @@ PersonLocalizer::PersonLocalizer(PersonLocalizer&&) noexcept = default;
 PersonLocalizer& PersonLocalizer::operator=(PersonLocalizer&&) noexcept = default;
 
 LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames) const {
-  return impl_->locate(frames, impl_->reference().person.temper);
+  return locate(frames, reference().person.temper);
 }
 LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames, double temper) const {
-  return impl_->locate(frames, temper);
+  PersonHearing hearing = hear(frames);
+  if (hearing.arrays.empty()) {
+    return std::move(hearing.estimate);
+  }
+  const PersonMap found = map(hearing, temper);
+  return summarise(std::move(hearing.estimate), found);
 }
 PersonHearing PersonLocalizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear(frames);
 }
-PersonMap PersonLocalizer::map(const PersonHearing& hearing, double temper) const {
+PersonMap PersonLocalizer::map(const PersonHearing& hearing,
+                               double temper,
+                               const PersonContext& context) const {
   RAYLOC_CHECK(!hearing.arrays.empty());
-  return impl_->map(hearing, temper);
+  return impl_->map(hearing, temper, context);
 }
-const StandingRoom& PersonLocalizer::standing_room() const { return impl_->standing_room(); }
+LocationEstimate PersonLocalizer::summarise(LocationEstimate estimate, const PersonMap& map) const {
+  return impl_->summarise(std::move(estimate), map);
+}
+const StandingRoom& PersonLocalizer::standing_room() const { return impl_->squares().standing; }
 const RoomModel& PersonLocalizer::room() const { return impl_->room(); }
 const PersonReference& PersonLocalizer::reference() const { return impl_->reference(); }
 const PersonLocalizerOptions& PersonLocalizer::options() const { return impl_->options(); }

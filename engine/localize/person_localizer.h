@@ -12,6 +12,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "engine/localize/person_likelihood.h"
 #include "engine/localize/person_reference.h"
 #include "engine/localize/person_scattering.h"
+#include "engine/localize/person_squares.h"
 #include "engine/localize/room_model.h"
 #include "engine/localize/standing_room.h"
 #include "engine/observe/burst.h"
@@ -46,6 +48,14 @@ struct PersonHearing {
   LocationEstimate estimate;  // times, counts and warnings, no position
 };
 
+// What a map is asked for beyond one person anywhere.
+struct PersonContext {
+  // People at these places: one more is looked for, who stands clear of them, against nobody but
+  // them.
+  std::span<const PersonSample> others{};
+  std::optional<PersonSample> about{};  // only within 0.3 m of it
+};
+
 // What a burst says of a person's place.
 struct PersonMap {
   // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand.
@@ -56,6 +66,14 @@ struct PersonMap {
   // The best place is right beside the transmitter, and several access points hear what would be
   // strong echoes from there: a transmitter that was moved or covered looks the same.
   bool is_transmitter_doubtful = false;
+  // The best sample places, at least PersonMap::kApart from one another, the best first; how likely
+  // that is, over all arrays, up to a constant of the measurement; and what it leaves unexplained,
+  // in units of what the model expects to: about 1.
+  static constexpr double kApart = 0.3;      // [m]
+  static constexpr std::size_t kPlaces = 4;  // at most
+  std::vector<PersonSample> places;
+  double best_log_likelihood = 0.0;
+  double misfit = 1.0;
 };
 
 class PersonLocalizer {
@@ -76,7 +94,11 @@ class PersonLocalizer {
 
   PersonHearing hear(std::span<const CsiFrame> frames) const;
   // REQUIRES: hearing.arrays is not empty.
-  PersonMap map(const PersonHearing& hearing, double temper) const;
+  PersonMap map(const PersonHearing& hearing,
+                double temper,
+                const PersonContext& context = {}) const;
+  // The estimate of hear() with what a map says: a fix, or why there is none.
+  LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
   const StandingRoom& standing_room() const;
   const RoomModel& room() const;

@@ -33,6 +33,10 @@ struct PersonModel {
   double diffuse = 0.1;            // d: scattered power that is not traced, share of the traced
   double noise = 5e-4;             // n: share of the power that nothing explains
   double temper = 0.35;            // exponent of the likelihood
+  // Difference of log-likelihoods that a second person must make to be believed: what is wrong with
+  // the model of one is explained by another to some extent. Unknown without known places, and
+  // then no second person is looked for.
+  std::optional<double> second_person;
 };
 
 // One access point that hears the fixed transmitter.

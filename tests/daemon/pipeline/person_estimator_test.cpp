@@ -327,7 +327,7 @@ TEST_F(PeopleOfTwoTransmitters, AreLocatedByThePapersMethodToo) {
   EXPECT_EQ(papers.locations.size(), snapshots(papers).size());
   EXPECT_TRUE(papers.events.empty());
   for (const v1::Location& location : papers.locations) {
-    EXPECT_EQ(location.method(), "paper");
+    EXPECT_EQ(location.quality().method(), "paper");
     EXPECT_EQ(location.target().kind(), v1::TARGET_KIND_PERSON);
     EXPECT_TRUE(location.has_position());
     EXPECT_FALSE(location.has_accuracy_m());

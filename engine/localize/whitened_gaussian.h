@@ -1,0 +1,33 @@
+// WhitenedGaussian: a complex Gaussian about a mean, kept as what whitens it.
+//
+// Triangles are lower ones, by rows: n (n + 1) / 2 values.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace rayloc {
+
+// Inverse Cholesky factor W of the covariance Sigma, Sigma^-1 = W^H W, and what belongs to it.
+struct WhitenedGaussian {
+  std::vector<std::complex<float>> whitener;  // W, a triangle
+  std::vector<std::complex<float>> mean;      // W mu; empty: of no mean
+  double mean_power = 0.0;                    // |W mu|^2
+  double log_determinant = 0.0;               // of Sigma
+};
+
+// W y
+std::vector<std::complex<double>> whiten(const WhitenedGaussian& gaussian,
+                                         std::span<const std::complex<double>> y);
+// W^H u
+std::vector<std::complex<double>> unwhiten(const WhitenedGaussian& gaussian,
+                                           std::span<const std::complex<double>> u);
+
+// a^H b
+std::complex<double> inner_product(std::span<const std::complex<double>> a,
+                                   std::span<const std::complex<double>> b);
+// |x|^2
+double power_of(std::span<const std::complex<double>> x);
+
+}  // namespace rayloc

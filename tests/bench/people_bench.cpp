@@ -1,0 +1,285 @@
+// Two people at once, on recordings of one:
+//
+//   people_bench SITE POINTS.csv [AP=]FILE...
+//
+// SITE: of `rayloc reference`. What a person adds to the empty room is the same whoever else is
+// there, but for waves that meet both: of every pair of spots the recording of two is made from
+// those of one. Prints how often a second person is seen where there is one and where there are
+// two, and how far the two that are found are from where they stood. --verbose: a line a case.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "daemon/cli/capture_argument.h"
+#include "daemon/cli/fixed_frames.h"
+#include "daemon/site/points_csv.h"
+#include "daemon/site/reference_file.h"
+#include "daemon/site/room_model.h"
+#include "engine/localize/hearing.h"
+#include "engine/localize/people.h"
+#include "engine/observe/alignment.h"
+
+namespace rayloc::bench {
+namespace {
+
+using Frames = std::vector<CsiFrame>;
+using Value = std::complex<double>;
+
+struct Spot {
+  Vec3d position;
+  Frames frames;
+};
+
+// What was heard of a spot, aligned to the empty room; nothing when too little was.
+std::vector<Value> aligned(const RoomModel& room, const PersonLink& link, const Frames& frames) {
+  std::vector<std::string> warnings;
+  auto burst = hear(room, link.access_point, frames, {}, warnings);
+  if (!burst) {
+    return {};
+  }
+  const Aligner aligner(room.grid);
+  aligner.apply(aligner.align(link.empty, burst->h), burst->h);
+  return std::move(burst->h);
+}
+
+// Those of `one`, with what `other` adds to the empty room. Empty when either was not heard.
+Frames together(const RoomModel& room,
+                const PersonReference& reference,
+                const Spot& one,
+                const Spot& other) {
+  Frames frames = one.frames;
+  for (const PersonLink& link : reference.links) {
+    const auto first = aligned(room, link, one.frames);
+    const auto second = aligned(room, link, other.frames);
+    if (first.empty() || second.empty()) {
+      return {};
+    }
+    const auto& cores = room.access_points[link.access_point].cores;
+    for (CsiFrame& frame : frames) {
+      if (frame.access_point != static_cast<int>(link.access_point)) {
+        continue;
+      }
+      for (std::size_t m = 0; m < cores.size(); ++m) {
+        const auto core = std::find(frame.cores.begin(), frame.cores.end(), cores[m]);
+        if (core == frame.cores.end()) {
+          continue;
+        }
+        const auto row = frame.csi.row(static_cast<std::size_t>(core - frame.cores.begin()), 0);
+        for (std::size_t k = 0; k < room.grid.size(); ++k) {
+          const auto tone =
+              std::find(frame.tone_index.begin(), frame.tone_index.end(), room.grid.tone_index[k]);
+          const std::size_t at = m * room.grid.size() + k;
+          if (tone != frame.tone_index.end()) {
+            row[static_cast<std::size_t>(tone - frame.tone_index.begin())] *=
+                std::complex<float>(1.0 + (second[at] - link.empty[at]) / first[at]);
+          }
+        }
+      }
+    }
+  }
+  return frames;
+}
+
+double distance(const Vec3d& a, const Vec3d& b) { return std::hypot(a.x - b.x, a.y - b.y); }
+
+void report(const char* what, std::vector<double> values) {
+  if (values.empty()) {
+    return;
+  }
+  std::sort(values.begin(), values.end());
+  const auto at = [&](double q) {
+    return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
+  };
+  const auto near = std::count_if(values.begin(), values.end(), [](double x) { return x < 0.5; });
+  std::printf("%s: n %zu, median %.3f, 90 %% %.3f, below 0.5: %.0f %%\n",
+              what,
+              values.size(),
+              at(0.5),
+              at(0.9),
+              100.0 * static_cast<double>(near) / static_cast<double>(values.size()));
+}
+
+// Of the two that were found, matched as they fit best: the nearer first.
+std::pair<double, double> errors(const Vec3d& p, const Vec3d& q, const Vec3d& a, const Vec3d& b) {
+  const auto sorted = [](double x, double y) { return std::minmax({x, y}); };
+  const auto straight = sorted(distance(p, a), distance(q, b));
+  const auto crossed = sorted(distance(p, b), distance(q, a));
+  return straight.first + straight.second < crossed.first + crossed.second ? straight : crossed;
+}
+
+class Study {
+ public:
+  Study(const PersonLocalizer& localizer, bool verbose)
+      : localizer_(localizer), verbose_(verbose) {}
+
+  // Where people stand, and what is said of them.
+  void add(const char* name, const std::vector<Vec3d>& truth, const Frames& frames);
+  void print(const char* name) const;
+
+ private:
+  const PersonLocalizer& localizer_;
+  bool verbose_;
+  int cases_ = 0;
+  int two_seen_ = 0;
+  int two_placed_ = 0;
+  int regions_ = 0;
+  int regions_held_ = 0;  // of 95 %, which hold the one that is nearest
+  double seconds_ = 0.0;
+  std::vector<double> nearer_;
+  std::vector<double> farther_;
+};
+
+void Study::add(const char* name, const std::vector<Vec3d>& truth, const Frames& frames) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto found = locate_people(localizer_, frames);
+  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  ++cases_;
+  two_seen_ += found.size() > 1 ? 1 : 0;
+  std::vector<Vec3d> places;
+  for (const LocationEstimate& one : found) {
+    if (!one.position) {
+      continue;
+    }
+    places.push_back(*one.position);
+    double nearest = distance(*one.position, truth.front());
+    for (const Vec3d& person : truth) {
+      nearest = std::min(nearest, distance(*one.position, person));
+    }
+    ++regions_;
+    regions_held_ += nearest <= one.accuracy_m ? 1 : 0;
+  }
+  if (truth.size() == 2 && places.size() == 2) {
+    const auto [near, far] = errors(places[0], places[1], truth[0], truth[1]);
+    ++two_placed_;
+    nearer_.push_back(near);
+    farther_.push_back(far);
+  }
+  if (verbose_) {
+    const PersonHearing hearing = localizer_.hear(frames);
+    const double temper = localizer_.reference().person.temper;
+    const PersonMap alone = localizer_.map(hearing, temper);
+    const auto pair = best_pair(localizer_, hearing, temper, alone);
+    std::printf("%s: %zu found, misfit of one %.2f, gain of two %.1f",
+                name,
+                found.size(),
+                alone.misfit,
+                pair ? pair->gain : 0.0);
+    if (truth.size() == 2 && places.size() == 2) {
+      std::printf(", errors %.3f %.3f", nearer_.back(), farther_.back());
+    }
+    std::puts("");
+  }
+}
+
+void Study::print(const char* name) const {
+  std::printf(
+      "%s: %d cases, two seen in %d and placed in %d, %d of %d regions of 95 %% hold one, "
+      "%.0f ms each\n",
+      name,
+      cases_,
+      two_seen_,
+      two_placed_,
+      regions_held_,
+      regions_,
+      1e3 * seconds_ / std::max(1, cases_));
+  report("  nearer of the two [m]", nearer_);
+  report("  farther of the two [m]", farther_);
+  std::fflush(stdout);
+}
+
+void run(const PersonLocalizer& localizer, const std::vector<Spot>& spots, bool verbose) {
+  Study alone(localizer, verbose);
+  for (const Spot& spot : spots) {
+    alone.add("one", {spot.position}, spot.frames);
+  }
+  alone.print("one person");
+  constexpr std::size_t kApart = 17;  // in the file, of the spots that make a pair
+  constexpr double kLeastDistance = 0.5;
+  Study two(localizer, verbose);
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const Spot& one = spots[i];
+    const Spot& other = spots[(i + kApart) % spots.size()];
+    if (distance(one.position, other.position) < kLeastDistance) {
+      continue;
+    }
+    const Frames frames = together(localizer.room(), localizer.reference(), one, other);
+    if (!frames.empty()) {
+      two.add("two", {one.position, other.position}, frames);
+    }
+  }
+  two.print("two people");
+}
+
+int run(const std::vector<std::string>& arguments, bool verbose) {
+  if (arguments.size() < 3) {
+    std::fputs("people_bench [--verbose] SITE POINTS.csv [AP=]FILE...\n", stderr);
+    return 64;
+  }
+  const auto fail = [](const Error& error) {
+    std::fprintf(stderr, "people_bench: %s\n", error.message.c_str());
+    return 65;
+  };
+  const auto site = load_site(arguments[0]);
+  if (!site) {
+    return fail(site.error());
+  }
+  auto room = load_room_model(*site);
+  if (!room) {
+    return fail(room.error());
+  }
+  const auto references = load_references(*site, *room);
+  if (!references) {
+    return fail(references.error());
+  }
+  std::vector<std::string> ids;
+  for (const RoomAccessPoint& ap : room->access_points) {
+    ids.push_back(ap.id);
+  }
+  const auto captures = cli::resolve_captures({arguments.begin() + 2, arguments.end()}, ids);
+  if (!captures) {
+    return fail(captures.error());
+  }
+  const auto frames = cli::read_fixed_frames(*site, *captures);
+  if (!frames) {
+    return fail(frames.error());
+  }
+  const auto points = load_points_csv(arguments[1]);
+  if (!points) {
+    return fail(points.error());
+  }
+  const PersonReference& reference = references->front();
+  std::vector<Spot> spots;
+  for (const SurveyPoint& point : *points) {
+    Spot spot{point.position, {}};
+    for (const CsiFrame& frame : frames->at(reference.mac)) {
+      if (frame.time >= point.t_start && frame.time <= point.t_end) {
+        spot.frames.push_back(frame);
+      }
+    }
+    if (!spot.frames.empty()) {
+      spots.push_back(std::move(spot));
+    }
+  }
+  const auto shared = std::make_shared<const RoomModel>(*std::move(room));
+  const auto localizer = PersonLocalizer::create(shared, reference, {});
+  if (!localizer) {
+    return fail(localizer.error());
+  }
+  run(*localizer, spots, verbose);
+  return 0;
+}
+
+}  // namespace
+}  // namespace rayloc::bench
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool verbose = !arguments.empty() && arguments[0] == "--verbose";
+  if (verbose) {
+    arguments.erase(arguments.begin());
+  }
+  return rayloc::bench::run(arguments, verbose);
+}

@@ -1,0 +1,115 @@
+#include "engine/localize/person_company.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+constexpr std::size_t kSize = 7;
+constexpr Index kRows = static_cast<Index>(kSize);
+
+std::vector<Value> random_vector(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  std::vector<Value> result(kSize);
+  for (Value& value : result) {
+    const double real = normal(random);
+    value = {real, normal(random)};
+  }
+  return result;
+}
+
+Eigen::VectorXcd as_eigen(const std::vector<Value>& x) {
+  return Eigen::Map<const Eigen::VectorXcd>(x.data(), static_cast<Index>(x.size()));
+}
+
+// A Gaussian, company, and the covariance of both together, written out.
+struct Accompanied {
+  WhitenedGaussian gaussian;
+  PersonCompany company;
+  Eigen::MatrixXcd sigma;
+  double log_determinant = 0.0;  // of the Gaussian alone
+};
+
+Accompanied make(std::size_t columns, std::mt19937& random) {
+  Accompanied made;
+  Eigen::MatrixXcd root(kRows, kRows);
+  for (Index i = 0; i < kRows; ++i) {
+    root.col(i) = as_eigen(random_vector(random));
+  }
+  made.sigma = root * root.adjoint() + Eigen::MatrixXcd::Identity(kRows, kRows);
+  const Eigen::LLT<Eigen::MatrixXcd> cholesky(made.sigma);
+  const Eigen::MatrixXcd whitener =
+      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(kRows, kRows));
+  for (Index i = 0; i < kRows; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      made.gaussian.whitener.emplace_back(whitener(i, j));
+    }
+    made.log_determinant -= 2.0 * std::log(whitener(i, i).real());
+  }
+  made.company.added = random_vector(random);
+  for (std::size_t c = 0; c < columns; ++c) {
+    made.company.spread.push_back(random_vector(random));
+    const Eigen::VectorXcd s = as_eigen(made.company.spread.back());
+    made.sigma += s * s.adjoint();
+  }
+  return made;
+}
+
+// The whitener is kept in single precision.
+constexpr double kClose = 1e-5;
+
+class PersonCompanyTest : public testing::TestWithParam<std::size_t> {};
+
+TEST_P(PersonCompanyTest, IsTheGaussianOfBothTogether) {
+  std::mt19937 random(1);
+  const Accompanied made = make(GetParam(), random);
+  const AccompaniedGaussian with(made.gaussian, made.company);
+  const Eigen::LLT<Eigen::MatrixXcd> together(made.sigma);
+
+  double log_determinant = 0.0;
+  const Eigen::MatrixXcd lower = together.matrixL();
+  for (Index i = 0; i < kRows; ++i) {
+    log_determinant += 2.0 * std::log(lower(i, i).real());
+  }
+  EXPECT_NEAR(made.log_determinant + with.log_determinant(), log_determinant, kClose);
+
+  for (int i = 0; i < 5; ++i) {
+    const auto x = random_vector(random);
+    const auto y = random_vector(random);
+    const auto u = whiten(made.gaussian, x);
+    const Eigen::VectorXcd inverse = together.solve(as_eigen(y));
+    const Value expected = as_eigen(x).dot(inverse);
+    const Value found = inner_product(u, with.reduced(whiten(made.gaussian, y)));
+    EXPECT_NEAR(std::abs(found - expected), 0.0, kClose * (1.0 + std::abs(expected)));
+
+    const double power = as_eigen(x).dot(together.solve(as_eigen(x))).real();
+    EXPECT_NEAR(with.power(u), power, kClose * (1.0 + power));
+    double by_reduction = power_of(u);
+    for (const auto& row : with.reduction()) {
+      Value along;
+      for (std::size_t k = 0; k < kSize; ++k) {
+        along += row[k] * x[k];
+      }
+      by_reduction -= std::norm(along);
+    }
+    EXPECT_NEAR(by_reduction, power, kClose * (1.0 + power));
+  }
+  const auto shift = whiten(made.gaussian, made.company.added);
+  for (std::size_t k = 0; k < kSize; ++k) {
+    EXPECT_EQ(with.shift()[k], shift[k]);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Columns,
+                         PersonCompanyTest,
+                         testing::Values(0U, 1U, 3U, PersonCompany::kMostColumns));
+
+}  // namespace
+}  // namespace rayloc
