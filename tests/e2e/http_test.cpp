@@ -174,6 +174,12 @@ TEST(Http, HostileClientsCostNothing) {
   EXPECT_THAT(http_get(daemon.http_port(), "/../../../etc/passwd"), StartsWith("HTTP/1.1 404 "));
   EXPECT_THAT(http_get(daemon.http_port(), "/healthz", "X: " + std::string(50'000, 'x') + "\r\n"),
               StartsWith("HTTP/1.1 431 "));
+  for (const char* const length : {"100000000", "99999999999999999999"}) {
+    const testing::HttpClient large(daemon.http_port());
+    large.send("POST /api/v1/record/snapshot HTTP/1.1\r\nContent-Length: " + std::string(length) +
+               "\r\n\r\nx");
+    EXPECT_THAT(large.receive(), StartsWith("HTTP/1.1 413 ")) << length;
+  }
   ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
   // The last datagrams may still be in the socket.
   EXPECT_TRUE(eventually(kPatience, [&] {

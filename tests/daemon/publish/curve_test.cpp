@@ -1,9 +1,5 @@
 // Who gets in: CURVE over real sockets, and everything that is no handshake.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <deque>
@@ -25,6 +21,7 @@
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/support/eventually.h"
+#include "tests/support/hostile_client.h"
 
 namespace rayloc {
 namespace {
@@ -170,83 +167,14 @@ TEST(Curve, TheListMayChangeMeanwhile) {
   EXPECT_FALSE(again->receive(std::chrono::milliseconds(50)));
 }
 
-// A TCP connection to "tcp://127.0.0.1:PORT" that says what it likes.
-class RawClient {
- public:
-  RawClient(const std::string& endpoint, const std::string& bytes)
-      : fd_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port =
-        htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
-    if (::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
-      (void)::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    }
-  }
-  RawClient(RawClient&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-  RawClient(const RawClient&) = delete;
-  RawClient& operator=(const RawClient&) = delete;
-  RawClient& operator=(RawClient&&) = delete;
-  ~RawClient() {
-    if (fd_ >= 0) {
-      ::close(fd_);
-    }
-  }
-
- private:
-  int fd_;
-};
-
-std::string random_bytes(std::mt19937& random, std::size_t most) {
-  std::string bytes(random() % (most + 1), '\0');
-  for (char& byte : bytes) {
-    byte = static_cast<char>(random());
-  }
-  return bytes;
-}
-
-// The greeting of ZMTP 3 (RFC 23) and commands of CURVE and NULL with what is random in them,
-// whole, cut off, or with bytes changed.
-std::string hostile_bytes(std::mt19937& random) {
-  if (random() % 4 == 0) {
-    return random_bytes(random, 300);
-  }
-  static const std::vector<std::string> kMechanisms = {"CURVE", "NULL", "PLAIN", "GSSAPI", "????"};
-  std::string bytes = std::string("\xff\0\0\0\0\0\0\0\x01\x7f\x03", 11) +
-                      static_cast<char>(random() % 3) + kMechanisms[random() % kMechanisms.size()];
-  bytes.resize(32, '\0');
-  bytes += static_cast<char>(random() % 2);
-  bytes.resize(64, '\0');
-  static const std::vector<std::string> kNames = {
-      "HELLO", "INITIATE", "READY", "MESSAGE", "ERROR", "PING", "SUBSCRIBE", "x"};
-  for (std::size_t commands = random() % 4; commands > 0; --commands) {
-    const std::string& name = kNames[random() % kNames.size()];
-    std::string body = std::string(1, static_cast<char>(name.size())) + name;
-    body += name == "HELLO" ? std::string("\x01\0", 2) + std::string(72, '\0') : "";
-    body += random_bytes(random, 250);
-    body.resize(name == "HELLO" && random() % 2 == 0 ? 200 : body.size() % 256, '\x55');
-    bytes += static_cast<char>(random() % 8 == 0 ? random() : 4U);
-    bytes +=
-        random() % 8 == 0 ? std::string(8, '\xff') : std::string(1, static_cast<char>(body.size()));
-    bytes += body;
-  }
-  if (random() % 3 == 0) {
-    bytes.resize(random() % (bytes.size() + 1));
-  }
-  for (std::size_t changes = random() % 4; changes > 0 && !bytes.empty(); --changes) {
-    bytes[random() % bytes.size()] = static_cast<char>(random());
-  }
-  return bytes;
-}
-
 void expect_to_survive(const GuardedDaemon& daemon, const std::optional<CurveClientKeys>& keys) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  std::deque<RawClient> open;  // some stay, saying nothing more
+  std::deque<HostileClient> open;  // some stay, saying nothing more
   for (int i = 0; i < 400; ++i) {
-    open.emplace_back(i % 2 == 0 ? daemon.endpoint() : daemon.snapshot(), hostile_bytes(random));
+    open.emplace_back(i % 2 == 0 ? daemon.endpoint() : daemon.snapshot(),
+                      hostile_handshake(random));
     if (open.size() > 50) {
       open.pop_front();
     }
