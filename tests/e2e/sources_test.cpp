@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -80,9 +81,21 @@ std::vector<std::string> frames_of(const std::filesystem::path& folder, const st
   return masked;
 }
 
-std::vector<std::string> sorted(std::vector<std::string> texts) {
-  std::sort(texts.begin(), texts.end());
-  return texts;
+// What `some` has and `others` has not, whatever the order.
+std::vector<std::string> only_in(std::vector<std::string> some, std::vector<std::string> others) {
+  std::sort(some.begin(), some.end());
+  std::sort(others.begin(), others.end());
+  std::vector<std::string> only;
+  std::set_difference(
+      some.begin(), some.end(), others.begin(), others.end(), std::back_inserter(only));
+  return only;
+}
+
+// Calibrated, so that what is published has positions.
+const std::filesystem::path& site() {
+  static const TemporaryFolder kFolder;
+  static const std::filesystem::path kSite = calibrated_site(kFolder.path());
+  return kSite;
 }
 
 class Sources : public ::testing::Test {
@@ -94,7 +107,7 @@ class Sources : public ::testing::Test {
   }
 
   LiveDaemonOptions options(const std::string& source) const {
-    return {.site = bundled(""),
+    return {.site = site(),
             .access_points = {"ap2"},
             .more_configuration =
                 "[record]\ndirectory = \"" + (folder_.path() / "rec").string() + "\"\n",
@@ -111,8 +124,12 @@ class Sources : public ::testing::Test {
 
   // Waits for everything, ends the daemon, and compares.
   void expect_everything(LiveDaemon& daemon) {
+    // All but the last burst, whose end is that of the daemon: what takes longer than the time it
+    // has for stopping is not published.
     EXPECT_TRUE(eventually(kPatience, [&] {
-      return number(counters(daemon).at("received")) >= kDatagrams;
+      const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();
+      return number(heartbeat.at("sources").at(0).at("counters").at("received")) >= kDatagrams &&
+             number(heartbeat.at("estimation").at("bursts_in_flight")) <= 1;
     })) << daemon.errors();
     ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
     const nlohmann::json last = counters(daemon);
@@ -123,18 +140,22 @@ class Sources : public ::testing::Test {
     const std::string recorded = the_recording();
     EXPECT_EQ(frames_of(folder_.path(), recorded), expected_);
     Process replay(
-        folder_.path(), "replay", "rayloc", {"replay", bundled("").string(), "ap2=" + recorded});
+        folder_.path(), "replay", "rayloc", {"replay", site().string(), "ap2=" + recorded});
     ASSERT_EQ(replay.wait(kPatience), 0) << replay.errors();
     std::vector<std::string> published;
+    std::size_t positions = 0;
     for (const nlohmann::json& location : daemon.bodies("location")) {
       published.push_back(location.dump());
+      positions += location.contains("position") ? 1U : 0U;
     }
     std::vector<std::string> replayed;
     for (const std::string& line : read_lines(replay.out())) {
       replayed.push_back(nlohmann::json::parse(line).dump());
     }
-    EXPECT_GT(published.size(), 1U);
-    EXPECT_EQ(sorted(replayed), sorted(published));
+    EXPECT_GT(positions, 1U) << published.size() << " locations";
+    EXPECT_THAT(only_in(published, replayed), ::testing::IsEmpty());
+    EXPECT_THAT(only_in(replayed, published), ::testing::IsEmpty())
+        << daemon.bodies("heartbeat").back().dump();
   }
 
   std::string the_recording() const {
