@@ -18,6 +18,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
+#include "tests/e2e/unit_filters.h"
 
 namespace rayloc::e2e {
 namespace {
@@ -194,6 +195,16 @@ int bound_socket(int type, std::uint16_t port) {
   return fd;
 }
 
+// An empty network namespace, where not even loopback is up, and the unit's filters.
+std::vector<std::string> without_network(const std::filesystem::path& folder) {
+  EXPECT_THAT(unit_text("drop-ins/socket-activation.conf"),
+              HasSubstr("RestrictAddressFamilies=\nRestrictAddressFamilies=AF_UNIX\n"));
+  std::vector<std::string> wrapper = {"unshare", "--net"};
+  const std::vector<std::string> unit = filters(folder, allowed_calls("raylocd.service"), "1");
+  wrapper.insert(wrapper.end(), unit.begin(), unit.end());
+  return wrapper;
+}
+
 TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
   if (std::system("unshare --net true 2>/dev/null") != 0) {
     GTEST_SKIP() << "no right to make a network namespace here";
@@ -201,28 +212,29 @@ TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
   const TemporaryFolder folder;
   NotifySocket manager(folder.path());
   const std::uint16_t udp = free_port(SOCK_DGRAM);
-  const std::uint16_t publish = free_port(SOCK_STREAM);
-  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(publish);
   const int udp_socket = bound_socket(SOCK_DGRAM, udp);
-  const int publish_socket = bound_socket(SOCK_STREAM, publish);
-  const std::uint16_t http = free_port(SOCK_STREAM);
-  const int http_socket = bound_socket(SOCK_STREAM, http);
+  std::vector<std::pair<std::string, int>> sockets = {{"source-ap2", udp_socket}};
+  const auto stream = [&](const char* name) {
+    const std::uint16_t port = free_port(SOCK_STREAM);
+    sockets.emplace_back(name, bound_socket(SOCK_STREAM, port));
+    return port;
+  };
+  const std::string endpoint = "tcp://127.0.0.1:" + std::to_string(stream("publish"));
+  const std::string snapshot = "tcp://127.0.0.1:" + std::to_string(stream("snapshot"));
+  const std::uint16_t http = stream("http");
   const std::filesystem::path config = folder.path() / "raylocd.toml";
   std::ofstream(config) << "[site]\ndirectory = \"" << bundled("").string()
                         << "\"\n[[source]]\naccess_point = \"ap2\"\nkind = \"udp\"\n[publish]\n"
-                        << "endpoint = \"" << endpoint << "\"\nsnapshot = \"ipc://"
-                        << (folder.path() / "snapshot").string() << "\"\n";
-  // An empty network namespace: not even loopback is up.
-  Process daemon(
-      folder.path(),
-      "raylocd",
-      "raylocd",
-      {"--config", config.string()},
-      {.environment = {manager.variable()},
-       .sockets = {{"source-ap2", udp_socket}, {"publish", publish_socket}, {"http", http_socket}},
-       .wrapper = {"unshare", "--net"}});
-  close(publish_socket);
-  close(http_socket);
+                        << "endpoint = \"" << endpoint << "\"\nsnapshot = \"" << snapshot << "\"\n";
+  Process daemon(folder.path(),
+                 "raylocd",
+                 "raylocd",
+                 {"--config", config.string()},
+                 {.environment = {manager.variable()},
+                  .sockets = sockets,
+                  .wrapper = without_network(folder.path())});
+  // What arrives while it starts waits at the port of the access point, as at systemd's.
+  std::for_each(sockets.begin() + 1, sockets.end(), [](const auto& s) { close(s.second); });
   ASSERT_TRUE(manager.wait_for("READY=1", kPatience)) << daemon.errors();
   EXPECT_EQ(testing::http_body(testing::http_get(http, "/healthz")), "ok\n");
   Process sender(folder.path(),
@@ -236,10 +248,9 @@ TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
                   "1000",
                   "--duration",
                   "1"});
-  Process subscriber(folder.path(),
-                     "sub",
-                     "rayloc",
-                     {"sub", "v1/source/", "--endpoint", endpoint, "--json", "--count", "3"});
+  std::vector<std::string> join = {"sub", "v1/source/", "--json", "--count", "3"};
+  join.insert(join.end(), {"--endpoint", endpoint, "--snapshot", snapshot});
+  Process subscriber(folder.path(), "sub", "rayloc", join);
   EXPECT_EQ(subscriber.wait(kPatience), 0) << subscriber.errors() << daemon.errors();
   EXPECT_EQ(sender.wait(kPatience), 0) << sender.errors();
   EXPECT_THAT(read_text(subscriber.out()), HasSubstr("SOURCE_STATUS_RECEIVING"));

@@ -19,6 +19,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/e2e/live_daemon.h"
+#include "tests/e2e/unit_filters.h"
 
 namespace rayloc::e2e {
 namespace {
@@ -179,10 +180,14 @@ TEST_F(Sources, UdpPort) {
   expect_everything(daemon);
 }
 
+// Under the filters of system calls of the unit with the drop-in for live capture.
 TEST_F(Sources, LiveInterface) {
-  LiveDaemon daemon(
-      folder_.path(),
-      options("kind = \"interface\"\ninterface = \"lo\"\nfilter = \"udp dst port PORT\""));
+  ASSERT_THAT(unit_text("drop-ins/live-capture.conf"),
+              ::testing::HasSubstr("\nRestrictAddressFamilies=AF_PACKET AF_NETLINK\n"));
+  LiveDaemonOptions live =
+      options("kind = \"interface\"\ninterface = \"lo\"\nfilter = \"udp dst port PORT\"");
+  live.setting.wrapper = filters(folder_.path(), allowed_calls("raylocd.service"), "1,2,10,17,16");
+  LiveDaemon daemon(folder_.path(), live);
   const BoundPort port(daemon.address(0));
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   send_recording(daemon);
@@ -195,11 +200,8 @@ TEST_F(Sources, SocketOfRaylocCapture) {
   LiveDaemon daemon(folder_.path(), options("kind = \"unix\"\npath = \"" + path + "\""));
   const BoundPort port(daemon.address(0));
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  const std::string calls = (folder_.path() / "calls").string();
-  const std::string unit = RAYLOC_TEST_DATA "/../../deploy/units/rayloc-capture@.service";
-  ASSERT_EQ(std::system((RAYLOC_TEST_DATA "/../e2e/allowed_calls " + unit + " >" + calls).c_str()),
-            0);
-  ASSERT_THAT(read_text(unit),
+  const char* const unit = "rayloc-capture@.service";
+  ASSERT_THAT(unit_text(unit),
               ::testing::HasSubstr("RestrictAddressFamilies=AF_UNIX AF_PACKET AF_NETLINK\n"));
   const std::string address = daemon.address(0);
   Process helper(folder_.path(),
@@ -211,7 +213,7 @@ TEST_F(Sources, SocketOfRaylocCapture) {
                   "udp dst port " + address.substr(address.find(':') + 1),
                   "--to",
                   path},
-                 {.wrapper = {RAYLOC_BIN "/seccomp_launcher", calls, "1,17,16"}});
+                 {.wrapper = filters(folder_.path(), allowed_calls(unit), "1,17,16")});
   ASSERT_TRUE(eventually(kPatience, [&] {
     return helper.errors().find(" to " + path) != std::string::npos || !helper.running();
   }));
