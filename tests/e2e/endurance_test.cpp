@@ -1,6 +1,7 @@
 // What must hold for a long time, in its short form; tests/soak/run runs the long one.
-// RAYLOC_JOINS: late subscribers. RAYLOC_MEMORY_SECONDS: how long memory is watched;
-// RAYLOC_MEMORY_RATE: datagrams a second meanwhile.
+// RAYLOC_JOINS: late subscribers; RAYLOC_JOINS_RATE: datagrams a second meanwhile.
+// RAYLOC_MEMORY_SECONDS: how long memory is watched; RAYLOC_MEMORY_RATE: datagrams a second
+// meanwhile.
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -64,7 +65,7 @@ TEST(Endurance, LateSubscribersGetEverySequenceOnce) {
       folder.path(),
       {.site = bundled(""), .access_points = {"ap2"}, .more_configuration = "heartbeat_s = 0.1\n"});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  Process sender(folder.path(), "send", "rayloc", load(daemon, 3000));
+  Process sender(folder.path(), "send", "rayloc", load(daemon, stated("RAYLOC_JOINS_RATE", 3000)));
   ASSERT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("location").empty(); }));
   const int joins = stated("RAYLOC_JOINS", 50);
   for (int join = 0; join < joins; ++join) {

@@ -103,7 +103,8 @@ std::optional<int> send_for_a_second(const std::filesystem::path& folder, const 
 std::uint64_t number(const nlohmann::json& value);
 
 // Calibrates the gains of the bundled site into `folder`/calibrated, and returns that. Throws when
-// `rayloc calibrate` fails.
+// `rayloc calibrate` fails. RAYLOC_CALIBRATED_SITE: where that has been done before, for programs
+// that take minutes for it.
 std::filesystem::path calibrated_site(const std::filesystem::path& folder);
 
 // A recording of the bundled site: "device_los", "calibration".
