@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include "engine/base/constants.h"
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/point_uses.h"
 #include "engine/calibrate/stated_parameter.h"
 #include "engine/calibrate/stated_widths.h"
 #include "engine/calibrate/surface_scan.h"
@@ -20,15 +20,13 @@ namespace {
 
 using Kind = Unknown::Kind;
 
-constexpr double kDecidingShare = 0.15;  // of the points that are not held out
-constexpr double kTolerance = 0.01;      // by which a round may lessen the correlation
-constexpr std::size_t kLeastPoints = 4;
+constexpr double kTolerance = 0.01;  // by which a round may lessen the correlation
+constexpr double kLeastStep = 0.2;   // of what the least squares say
+constexpr int kPasses = 3;           // of a round whose steps had to be shortened
 // Of the surfaces whose other half-wave cycles are tried.
 constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
 constexpr std::size_t kMostTried = 8;
 constexpr int kTrialIterations = 5;
-
-enum class Use : std::uint8_t { kFit, kDecide, kHeldOut };
 
 class JointCalibration {
  public:
@@ -42,8 +40,8 @@ class JointCalibration {
         observer_(observer),
         unknowns_(room, options.priors),
         plain_(room.grid),
-        model_(plain_) {
-    draw_uses();
+        model_(plain_),
+        use_(draw_uses(points, options.seed)) {
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t a = 0; a < points[p].h.size(); ++a) {
         if (!points[p].h[a].empty()) {
@@ -55,17 +53,15 @@ class JointCalibration {
     state_.survey.resize(points.size());
   }
 
-  Expected<void> check() const;
+  Expected<void> check() const { return check_uses(original_, points_, use_); }
   Expected<RoomCalibration> run();
 
  private:
-  void draw_uses();
   Expected<void> retrace();
   void measure();
   void weigh(const JointRound& round);
   std::vector<char> released(const JointRound& round) const;
   JointOptions joint_options(const JointRound& round, std::span<const char> released) const;
-  std::vector<JointSample> fitted() const;
   JointContext context(std::span<const JointSample> samples) const {
     return {model_, unknowns_, samples, traced_at_};
   }
@@ -74,18 +70,24 @@ class JointCalibration {
   std::vector<ChainGains> gains() const;
   void set_gains(std::span<const ChainGains> gains);
   double correlation(std::size_t sample, const ModelPoint& at) const;
-  double median_correlation(Use use, std::span<const Vec3d> survey) const;
-  double decided(const JointRound& round) const;
-  bool solve(const JointRound& round, bool with_deciding, const char* stage);
+  double median_correlation(std::span<const Use> uses, std::span<const Vec3d> survey) const;
+  double met(const JointRound& round, std::span<const Use> uses) const;
+  bool solve(const JointRound& round, std::span<const Use> uses, const char* stage);
   bool settle(const JointRound& round);
+  bool search(const JointRound& round, bool cycles);
+  Expected<double> go_from(const JointState& before,
+                           double met_before,
+                           const JointRound& round,
+                           std::span<const Use> uses);
   Expected<bool> run_round(std::size_t index);
+  Expected<void> go_back_to(const JointCheckpoint& reached);
   void checkpoint(JointCheckpoint& reached) const;
-  void finish(const JointRound& round);
+  Expected<double> finish(const JointRound& round);
   bool tell(const char* stage, double loss);
   bool go_on();
   void fold_chains();
   std::vector<Vec3d> placed(const JointRound& round, std::span<const JointSample> samples) const;
-  std::vector<JointSample> used(Use use) const;
+  std::vector<JointSample> used(std::span<const Use> uses) const;
   std::vector<RoomParameter> parameters(const JointRound& round);
 
   RoomModel original_;  // its chain gains are improved
@@ -109,39 +111,6 @@ class JointCalibration {
   double share_ = 0.0;
   bool stopped_ = false;
 };
-
-void JointCalibration::draw_uses() {
-  std::mt19937_64 random(options_.seed);
-  use_.reserve(points_.size());
-  for (const CalibrationPoint& point : points_) {
-    const double drawn = static_cast<double>(random() >> 11) * 0x1p-53;
-    use_.push_back(point.held_out           ? Use::kHeldOut
-                   : drawn < kDecidingShare ? Use::kDecide
-                                            : Use::kFit);
-  }
-}
-
-Expected<void> JointCalibration::check() const {
-  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
-    std::size_t heard = 0;
-    std::size_t usable = 0;
-    for (const SampleSite& site : sites_) {
-      if (site.access_point == a) {
-        ++heard;
-        usable += use_[site.point] == Use::kFit ? 1U : 0U;
-      }
-    }
-    if (heard > 0 && usable < kLeastPoints) {
-      return bad_input("access point " + original_.access_points[a].id + ": " +
-                       std::to_string(usable) + " calibration points can be fitted, at least " +
-                       std::to_string(kLeastPoints) + " are needed");
-    }
-  }
-  if (sites_.empty()) {
-    return bad_input("no access point heard the device at any of the points");
-  }
-  return {};
-}
 
 Expected<void> JointCalibration::retrace() {
   auto room = changed_room(original_, unknowns_, state_.values);
@@ -219,12 +188,13 @@ double JointCalibration::correlation(std::size_t sample, const ModelPoint& at) c
 }
 
 // `survey`: error of each point; empty: none.
-double JointCalibration::median_correlation(Use use, std::span<const Vec3d> survey) const {
+double JointCalibration::median_correlation(std::span<const Use> uses,
+                                            std::span<const Vec3d> survey) const {
   const std::vector<double> changed = change();
   std::vector<double> each(sites_.size(), -1.0);
   parallel_for(sites_.size(), 1, [&](std::size_t i) {
     const std::size_t point = sites_[i].point;
-    if (use_[point] == use) {
+    if (std::find(uses.begin(), uses.end(), use_[point]) != uses.end()) {
       each[i] = correlation(i, {changed, survey.empty() ? Vec3d{} : survey[point]});
     }
   });
@@ -232,32 +202,25 @@ double JointCalibration::median_correlation(Use use, std::span<const Vec3d> surv
   return each.empty() ? 0.0 : median(std::move(each));
 }
 
-// How well the points are met that decide. Where survey errors are fitted these points have theirs,
-// too: at places that are millimetres off, a room nearer to the truth need not be met better.
-double JointCalibration::decided(const JointRound& round) const {
-  return median_correlation(
-      Use::kDecide, round.survey ? placed(round, used(Use::kDecide)) : std::vector<Vec3d>());
+// How well points are met. Where survey errors are fitted these points have theirs, too: at places
+// that are millimetres off, a room nearer to the truth need not be met better.
+double JointCalibration::met(const JointRound& round, std::span<const Use> uses) const {
+  return median_correlation(uses, round.survey ? placed(round, used(uses)) : std::vector<Vec3d>());
 }
 
 std::vector<char> JointCalibration::released(const JointRound& round) const {
   return rayloc::released(round, unknowns_, surface_power(traced_, *room_.scene));
 }
 
-std::vector<JointSample> JointCalibration::used(Use use) const {
+std::vector<JointSample> JointCalibration::used(std::span<const Use> uses) const {
   std::vector<JointSample> samples;
-  for (std::size_t i = 0; i < sites_.size(); ++i) {
-    if (use_[sites_[i].point] == use) {
-      samples.push_back({&traced_[i], &measured_[i]});
+  for (const Use use : uses) {
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+      if (use_[sites_[i].point] == use) {
+        samples.push_back({&traced_[i], &measured_[i]});
+      }
     }
   }
-  return samples;
-}
-
-// All but those held out.
-std::vector<JointSample> JointCalibration::fitted() const {
-  std::vector<JointSample> samples = used(Use::kFit);
-  const std::vector<JointSample> deciding = used(Use::kDecide);
-  samples.insert(samples.end(), deciding.begin(), deciding.end());
   return samples;
 }
 
@@ -274,9 +237,11 @@ bool JointCalibration::go_on() {
   return !stopped_;
 }
 
-bool JointCalibration::solve(const JointRound& round, bool with_deciding, const char* stage) {
+bool JointCalibration::solve(const JointRound& round,
+                             std::span<const Use> uses,
+                             const char* stage) {
   const std::vector<char> free = released(round);
-  const auto samples = with_deciding ? fitted() : used(Use::kFit);
+  const auto samples = used(uses);
   const JointProblem problem(context(samples));
   problem.solve(joint_options(round, free), state_, [&](double unexplained) {
     share_ += 1.0 / static_cast<double>(kJointRounds * (options_.iterations + 3));
@@ -289,7 +254,7 @@ bool JointCalibration::solve(const JointRound& round, bool with_deciding, const 
 // again.
 bool JointCalibration::settle(const JointRound& round) {
   const std::vector<char> free = released(round);
-  const auto samples = used(Use::kFit);
+  const auto samples = used(kFitted);
   const auto strongest =
       strongest_surfaces(surface_power(traced_, *room_.scene), kTriedShare, kMostTried);
   WaveCycleSearch search{
@@ -297,7 +262,7 @@ bool JointCalibration::settle(const JointRound& round) {
   search.options.iterations = kTrialIterations;
   const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
   other_cycles_ = cycles.others;
-  return !stopped_ && (!cycles.moved || solve(round, false, "fit"));
+  return !stopped_ && (!cycles.moved || solve(round, kFitted, "fit"));
 }
 
 JointOptions JointCalibration::joint_options(const JointRound& round,
@@ -336,39 +301,77 @@ void JointCalibration::fold_chains() {
   }
 }
 
-Expected<bool> JointCalibration::run_round(std::size_t index) {
-  const JointRound& round = joint_round(index);
-  share_ = static_cast<double>(index) / static_cast<double>(kJointRounds);
-  const JointState before = state_;
-  const std::vector<ChainGains> gains_before = gains();
-  const std::vector<WaveCycle> cycles_before = other_cycles_;
-  const double decided_before = decided(round);
+// Strongest-first scans of surfaces, then everything at once.
+bool JointCalibration::search(const JointRound& round, bool cycles) {
   weigh(round);
-  const auto samples = used(Use::kFit);
+  const auto samples = used(kFitted);
   scan_surfaces(context(samples),
                 surface_power(traced_, *room_.scene),
                 {round.floor, round.scan_range},
                 state_);
-  if (!tell("scan", mean_unexplained(context(samples), state_)) || !solve(round, false, "fit") ||
-      (round.cycles && !settle(round))) {
-    state_ = before;  // the last good one
-    return false;
-  }
-  fold_chains();
-  if (auto traced = retrace(); !traced) {
-    return tl::make_unexpected(std::move(traced.error()));
-  }
-  if (decided(round) < decided_before - kTolerance) {
-    state_ = before;
-    other_cycles_ = cycles_before;
-    set_gains(gains_before);
+  return tell("scan", mean_unexplained(context(samples), state_)) && solve(round, kFitted, "fit") &&
+         (!cycles || settle(round));
+}
+
+// Goes towards what was solved as far as the room, traced anew, bears it out, and returns the share
+// of the way; 0: back at `before`. The least squares know the room by its derivatives alone: a
+// reflection near its null, or a surface that comes to lie behind another, is elsewhere than they
+// say.
+Expected<double> JointCalibration::go_from(const JointState& before,
+                                           double met_before,
+                                           const JointRound& round,
+                                           std::span<const Use> uses) {
+  const JointState solved = state_;
+  for (double share = 1.0; share > kLeastStep; share *= 0.5) {
+    state_ = between(before, solved, share);
     if (auto traced = retrace(); !traced) {
       return tl::make_unexpected(std::move(traced.error()));
     }
-    return false;
+    if (met(round, uses) >= met_before - kTolerance) {
+      fold_chains();
+      return retrace().map([&] { return share; });
+    }
   }
-  heldout_ = median_correlation(Use::kHeldOut, {});
-  return true;
+  state_ = before;
+  return retrace().map([] { return 0.0; });
+}
+
+// Whether it moved. A step that had to be shortened is one on the way: from where it led the
+// derivatives are others.
+Expected<bool> JointCalibration::run_round(std::size_t index) {
+  const JointRound& round = joint_round(index);
+  share_ = static_cast<double>(index) / static_cast<double>(kJointRounds);
+  const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_};
+  bool has_moved = false;
+  double share = 0.0;
+  for (int pass = 0; pass < kPasses && share < 1.0; ++pass) {
+    const JointState before = state_;
+    const double met_before = met(round, kDeciding);
+    if (!search(round, round.cycles && pass == 0)) {
+      return go_back_to(at_first).map([] { return false; });  // the last good state
+    }
+    const auto gone = go_from(before, met_before, round, kDeciding);
+    if (!gone) {
+      return tl::make_unexpected(gone.error());
+    }
+    share = *gone;
+    has_moved = has_moved || share > 0.0;
+    if (share == 0.0) {
+      break;
+    }
+  }
+  if (!has_moved) {
+    other_cycles_ = at_first.other_cycles;
+  }
+  heldout_ = median_correlation(kHeldOut, {});
+  return has_moved;
+}
+
+Expected<void> JointCalibration::go_back_to(const JointCheckpoint& reached) {
+  state_ = reached.state;
+  set_gains(reached.gains);
+  other_cycles_ = reached.other_cycles;
+  return retrace();
 }
 
 // Where the points really were, as errors of their survey, the room held.
@@ -383,7 +386,7 @@ std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
 
 std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round) {
   const std::vector<char> free = released(round);
-  const auto samples = fitted();
+  const auto samples = used(kAllButHeldOut);
   const JointContext about = context(samples);
   const std::vector<double> sigma = stated_widths(
       about,
@@ -414,17 +417,18 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
 
 // With the points that decided, too. Nobody is left to say whether another cycle is better, so
 // none is tried.
-void JointCalibration::finish(const JointRound& round) {
+Expected<double> JointCalibration::finish(const JointRound& round) {
   if (stopped_) {
-    return;
+    return 0.0;
   }
   const JointState before = state_;
+  const double met_before = met(round, kAllButHeldOut);
   weigh(round);
-  if (solve(round, true, "all points")) {
-    fold_chains();
-  } else {
+  if (!solve(round, kAllButHeldOut, "all points")) {
     state_ = before;
+    return 0.0;
   }
+  return go_from(before, met_before, round, kAllButHeldOut);
 }
 
 Expected<RoomCalibration> JointCalibration::run() {
@@ -437,15 +441,12 @@ Expected<RoomCalibration> JointCalibration::run() {
     result.points.push_back(
         {sites_[i].point, sites_[i].access_point, correlation(i, {at_first, {}}), 0.0, 0.0});
   }
-  heldout_ = median_correlation(Use::kHeldOut, {});
+  heldout_ = median_correlation(kHeldOut, {});
   JointCheckpoint reached;
   if (options_.resume != nullptr) {
     reached = *options_.resume;
-    state_ = reached.state;
-    set_gains(reached.gains);
-    other_cycles_ = reached.other_cycles;
-    if (auto traced = retrace(); !traced) {
-      return tl::make_unexpected(std::move(traced.error()));
+    if (auto back = go_back_to(reached); !back) {
+      return tl::make_unexpected(std::move(back.error()));
     }
   }
   while (reached.rounds < kJointRounds && !stopped_) {
@@ -460,9 +461,8 @@ Expected<RoomCalibration> JointCalibration::run() {
     }
   }
   const JointRound& last = joint_round(static_cast<std::size_t>(reached.last_kept));
-  finish(last);
-  if (auto traced = retrace(); !traced) {
-    return tl::make_unexpected(std::move(traced.error()));
+  if (auto finished = finish(last); !finished) {
+    return tl::make_unexpected(std::move(finished.error()));
   }
   const std::vector<double> at_last = change();
   parallel_for(sites_.size(), 1, [&](std::size_t i) {

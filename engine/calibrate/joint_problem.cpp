@@ -247,6 +247,17 @@ void assemble(const JointContext& context,
 
 }  // namespace
 
+JointState between(const JointState& from, const JointState& to, double share) {
+  JointState result = to;
+  for (std::size_t i = 0; i < to.values.size(); ++i) {
+    result.values[i] = std::lerp(from.values[i], to.values[i], share);
+  }
+  for (std::size_t i = 0; i < to.survey.size(); ++i) {
+    result.survey[i] = from.survey[i] + share * (to.survey[i] - from.survey[i]);
+  }
+  return result;
+}
+
 std::vector<double> JointContext::change(std::span<const double> values) const {
   std::vector<double> result(values.begin(), values.end());
   for (std::size_t i = 0; i < result.size(); ++i) {

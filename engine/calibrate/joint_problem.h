@@ -40,6 +40,8 @@ struct JointState {
   std::vector<double> values;  // of each unknown, against the original room
   std::vector<Vec3d> survey;   // [m], error of each point
 };
+// A share of the way from one to the other.
+JointState between(const JointState& from, const JointState& to, double share);
 
 struct JointOptions {
   double floor = 0.05;

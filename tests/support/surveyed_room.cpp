@@ -85,12 +85,18 @@ const std::map<std::string, double>& permittivity_factors() {
   return kFactors;
 }
 
-std::shared_ptr<const Scene> with_other_materials(const Scene& scene, double error) {
+// `plasterboard`: its thickness [m]; 0: that of the table.
+std::shared_ptr<const Scene> with_other_materials(const Scene& scene,
+                                                  double error,
+                                                  double plasterboard) {
   Scene::Input input{scene.objects(), scene.materials(), scene.carrier_hz()};
   for (RadioMaterial& material : input.materials) {
     if (const auto factor = permittivity_factors().find(material.name);
         factor != permittivity_factors().end()) {
       material.relative_permittivity *= std::pow(factor->second, error);
+    }
+    if (material.name == "plasterboard" && plasterboard > 0.0) {
+      material.thickness = plasterboard;
     }
   }
   return std::make_shared<const Scene>(Scene::create(std::move(input)).value());
@@ -237,7 +243,7 @@ SurveyedRoom make_surveyed_room(const SurveyedRoomOptions& options) {
   };
   SurveyedRoom room;
   room.plan.name = "surveyed";
-  room.plan.scene = scene({});
+  room.plan.scene = with_other_materials(*scene({}), 0.0, options.plasterboard);
   room.plan.bounds_min = {-kHalfX, -kHalfY, 0.0};
   room.plan.bounds_max = {kHalfX, kHalfY, kTop};
   room.plan.grid = make_grid(options.tones);
@@ -252,7 +258,7 @@ SurveyedRoom make_surveyed_room(const SurveyedRoomOptions& options) {
   }
   room.built = room.plan;
   const Shell off = scaled(kBuilt, options.error);
-  room.built.scene = with_other_materials(*scene(off), options.error);
+  room.built.scene = with_other_materials(*scene(off), options.error, options.plasterboard);
   for (std::size_t i = 0; i < room.built.access_points.size(); ++i) {
     RoomAccessPoint& ap = room.built.access_points[i];
     ap.array.pose.position = ap.array.pose.position + options.error * kArrayErrors.at(i).position;

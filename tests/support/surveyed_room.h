@@ -24,6 +24,7 @@ struct SurveyedRoomOptions {
   double error = 1.0;     // scale of everything in which plan and building differ; 0: nothing
   double survey = 0.005;  // [m], standard deviation of each axis
   double snr_db = 35.0;
+  double plasterboard = 0.0;  // [m], how thick it is; 0: as in the table
   unsigned seed = 1;
   TraceOptions trace{.max_depth = 3};
 };

@@ -1,0 +1,33 @@
+// What each calibration point is for.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/calibrate/room_calibration.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+enum class Use : std::uint8_t {
+  kFit,
+  kDecide,   // kept from the fit: says whether what it found is better
+  kHeldOut,  // only looked at
+};
+inline constexpr std::array kFitted{Use::kFit};
+inline constexpr std::array kDeciding{Use::kDecide};
+inline constexpr std::array kAllButHeldOut{Use::kFit, Use::kDecide};
+inline constexpr std::array kHeldOut{Use::kHeldOut};
+
+// Of each point; those that decide are drawn.
+std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64_t seed);
+
+// An error that names the access point that heard too few points to be fitted.
+Expected<void> check_uses(const RoomModel& room,
+                          std::span<const CalibrationPoint> points,
+                          std::span<const Use> uses);
+
+}  // namespace rayloc
