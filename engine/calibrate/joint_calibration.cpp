@@ -100,9 +100,9 @@ class JointCalibration {
   std::vector<Use> use_;  // of each point
   std::vector<SampleSite> sites_;
   JointState state_;
-  RoomModel room_;  // as traced
   std::vector<double> traced_at_;
   std::vector<TracedSample> traced_;
+  std::vector<double> power_;  // surface_power()
   std::vector<MeasuredSample> measured_;
   std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
   std::vector<WaveCycle> other_cycles_;
@@ -121,8 +121,8 @@ Expected<void> JointCalibration::retrace() {
   if (!traced) {
     return tl::make_unexpected(std::move(traced.error()));
   }
-  room_ = *std::move(room);
   traced_ = *std::move(traced);
+  power_ = surface_power(traced_, *room->scene);
   traced_at_ = state_.values;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const Kind kind = unknowns_[i].kind;
@@ -209,7 +209,7 @@ double JointCalibration::met(const JointRound& round, std::span<const Use> uses)
 }
 
 std::vector<char> JointCalibration::released(const JointRound& round) const {
-  return rayloc::released(round, unknowns_, surface_power(traced_, *room_.scene));
+  return rayloc::released(round, unknowns_, power_);
 }
 
 std::vector<JointSample> JointCalibration::used(std::span<const Use> uses) const {
@@ -242,8 +242,7 @@ bool JointCalibration::solve(const JointRound& round,
                              const char* stage) {
   const std::vector<char> free = released(round);
   const auto samples = used(uses);
-  const JointProblem problem(context(samples));
-  problem.solve(joint_options(round, free), state_, [&](double unexplained) {
+  JointProblem(context(samples)).solve(joint_options(round, free), state_, [&](double unexplained) {
     share_ += 1.0 / static_cast<double>(kJointRounds * (options_.iterations + 3));
     return tell(stage, unexplained);
   });
@@ -255,8 +254,7 @@ bool JointCalibration::solve(const JointRound& round,
 bool JointCalibration::settle(const JointRound& round) {
   const std::vector<char> free = released(round);
   const auto samples = used(kFitted);
-  const auto strongest =
-      strongest_surfaces(surface_power(traced_, *room_.scene), kTriedShare, kMostTried);
+  const auto strongest = strongest_surfaces(power_, kTriedShare, kMostTried);
   WaveCycleSearch search{
       strongest, half_wave(), joint_options(round, free), [&] { return go_on(); }};
   search.options.iterations = kTrialIterations;
@@ -299,16 +297,14 @@ void JointCalibration::fold_chains() {
       gains.gain[k] *= ripple.gain[k];
     }
   }
+  measure();  // no path depends on them
 }
 
 // Strongest-first scans of surfaces, then everything at once.
 bool JointCalibration::search(const JointRound& round, bool cycles) {
   weigh(round);
   const auto samples = used(kFitted);
-  scan_surfaces(context(samples),
-                surface_power(traced_, *room_.scene),
-                {round.floor, round.scan_range},
-                state_);
+  scan_surfaces(context(samples), power_, {round.floor, round.scan_range}, state_);
   return tell("scan", mean_unexplained(context(samples), state_)) && solve(round, kFitted, "fit") &&
          (!cycles || settle(round));
 }
@@ -329,7 +325,7 @@ Expected<double> JointCalibration::go_from(const JointState& before,
     }
     if (met(round, uses) >= met_before - kTolerance) {
       fold_chains();
-      return retrace().map([&] { return share; });
+      return share;
     }
   }
   state_ = before;
@@ -388,12 +384,12 @@ std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round)
   const std::vector<char> free = released(round);
   const auto samples = used(kAllButHeldOut);
   const JointContext about = context(samples);
-  const std::vector<double> sigma = stated_widths(
-      about,
-      joint_options(round, free),
-      state_,
-      other_cycles_,
-      {surface_power(traced_, *room_.scene), mean_unexplained(about, state_), half_wave()});
+  const std::vector<double> sigma =
+      stated_widths(about,
+                    joint_options(round, free),
+                    state_,
+                    other_cycles_,
+                    {power_, mean_unexplained(about, state_), half_wave()});
   std::vector<RoomParameter> result;
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const bool chain =
@@ -477,7 +473,11 @@ Expected<RoomCalibration> JointCalibration::run() {
     result.points[i].placed = correlation(i, {at_last, state_.survey[sites_[i].point]});
   });
   result.parameters = parameters(last);
-  result.room = room_;
+  auto calibrated = changed_room(original_, unknowns_, state_.values);
+  if (!calibrated) {
+    return tl::make_unexpected(std::move(calibrated.error()));
+  }
+  result.room = *std::move(calibrated);
   result.room.trace = options_.use;
   result.history = std::move(history_);
   result.interrupted = stopped_;

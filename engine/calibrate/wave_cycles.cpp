@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/parallel.h"
+
 namespace rayloc {
 namespace {
 
@@ -25,6 +27,7 @@ struct Move {
 
 struct Trial {
   JointState state;
+  double cost = 0.0;
   double excess = 0.0;  // of its cost, most of the room held
 };
 
@@ -81,6 +84,8 @@ class WaveCycleSettler {
   bool try_pairs();
   bool fit_anew();
   bool try_moves(std::span<const Move> moves, std::vector<WaveCycle>* others);
+  template <typename From>
+  std::vector<Trial> fitted(const JointOptions& options, std::size_t count, const From& from) const;
 
   const RoomUnknowns& unknowns_;
   const WaveCycleSearch& search_;
@@ -95,6 +100,20 @@ bool WaveCycleSettler::stop() {
   return stopped_;
 }
 
+// Fits from each of from(i), all at once: what Ceres does alone between two evaluations is as long
+// as what all threads do in one.
+template <typename From>
+std::vector<Trial> WaveCycleSettler::fitted(const JointOptions& options,
+                                            std::size_t count,
+                                            const From& from) const {
+  std::vector<Trial> trials(count);
+  parallel_for(count, 1, [&](std::size_t i) {
+    trials[i].state = from(i);
+    trials[i].cost = problem_.solve(options, trials[i].state, {});
+  });
+  return trials;
+}
+
 // Moves of the same surfaces; whether one was better.
 bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCycle>* others) {
   if (stopped_) {
@@ -105,25 +124,27 @@ bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCy
   options.released = free;
   // The priors that count are those of what is released.
   double cost = problem_.cost(options, state_);
-  const JointState from = state_;
+  if (stop()) {
+    return false;
+  }
+  const std::vector<Trial> trials = fitted(options, moves.size(), [&](std::size_t i) {
+    return moved(state_, unknowns_, moves[i], search_.half_wave);
+  });
   bool better = false;
-  for (const Move& move : moves) {
-    if (stop()) {
-      return better;
-    }
-    JointState trial = moved(from, unknowns_, move, search_.half_wave);
-    const double reached = problem_.solve(options, trial, {});
-    if (reached < cost - kLeastGain) {
-      state_ = std::move(trial);
-      cost = reached;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    const Trial& trial = trials[i];
+    if (trial.cost < cost - kLeastGain) {
+      state_ = trial.state;
+      cost = trial.cost;
       better = true;
       continue;
     }
     if (others != nullptr) {
-      const std::uint32_t surface = move.surfaces.front();
-      others->push_back({surface, trial.values[unknowns_.surface_offset(surface)], reached - cost});
+      const std::uint32_t surface = moves[i].surfaces.front();
+      others->push_back(
+          {surface, trial.state.values[unknowns_.surface_offset(surface)], trial.cost - cost});
     }
-    worse_.push_back({std::move(trial), reached - cost});
+    worse_.push_back({trial.state, trial.cost, trial.cost - cost});
   }
   return better;
 }
@@ -158,11 +179,15 @@ bool WaveCycleSettler::fit_anew() {
     return a.excess < b.excess;
   });
   const double cost = problem_.cost(search_.options, state_);
-  for (std::size_t i = 0; i < worse_.size() && i < kFittedAnew && !stop(); ++i) {
-    Trial& trial = worse_[i];
-    const double reached = problem_.solve(search_.options, trial.state, {});
-    if (reached < cost - kLeastGain) {
-      state_ = std::move(trial.state);
+  if (stop()) {
+    return false;
+  }
+  const std::vector<Trial> trials = fitted(search_.options,
+                                           std::min(worse_.size(), kFittedAnew),
+                                           [&](std::size_t i) { return worse_[i].state; });
+  for (const Trial& trial : trials) {
+    if (trial.cost < cost - kLeastGain) {
+      state_ = trial.state;
       return true;
     }
   }
