@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "daemon/pipeline/estimates.h"
+#include "daemon/pipeline/person_numbers.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 #include "engine/localize/people.h"
@@ -138,16 +139,18 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
     return;
   }
   Link& link = found->second;
-  std::uint64_t person = number;
-  for (const LocationEstimate& one : link.locate(burst.frames)) {
-    out.locations.push_back(location_message(one, context_of(person)));
-    person += link.number_step;
-  }
-  if (!link.tracker) {
-    return;
-  }
+  const std::vector<LocationEstimate> people = link.locate(burst.frames);
   std::vector<PersonUpdate> updates;
-  link.tracker->hear(burst.frames, updates, burst.heard_since);
+  PersonNumbers numbers{number, link.number_step, std::nullopt};
+  if (link.tracker) {
+    link.tracker->hear(burst.frames, updates, burst.heard_since);
+    numbers.first = link.tracker->number();
+    numbers.tracked = updates.empty() ? std::nullopt : updates.back().estimate.location.position;
+  }
+  const std::vector<std::uint64_t> each = numbers_of(people, numbers);
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    out.locations.push_back(location_message(people[i], context_of(each[i])));
+  }
   append(updates, out);
   publish_counters();
 }

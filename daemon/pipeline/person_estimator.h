@@ -3,10 +3,11 @@
 // estimates of the moments within it.
 //
 // Targets are called person-N. Of K fixed transmitters the i-th of site.toml has the numbers i,
-// i + K, i + 2K ...: its snapshots the first, and the second for another person in the same burst;
-// its tracks all of them in turn. So what two
-// transmitters say is never taken for one target, and no number depends on which of them saw
-// somebody first. A person whom two transmitters see is two targets.
+// i + K, i + 2K ...: its tracks in turn. A snapshot has the number of the track that its burst
+// belongs to, or of the next where there is none; of two people in one burst the one nearer to the
+// track, and the other the number after it. So what two transmitters say is never taken for one
+// target, and no number depends on which of them saw somebody first. A person whom two transmitters
+// see is two targets.
 //
 // The paper's method always sees somebody and has no tracks.
 //

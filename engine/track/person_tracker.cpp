@@ -103,9 +103,14 @@ double PersonTracker::change_of(const PersonHearing& hearing) const {
   return added > 0.0 ? std::clamp(changed / (options_.moved_change * added), 0.0, 1.0) : 1.0;
 }
 
+std::uint64_t PersonTracker::number() const {
+  return life_ ? life_->track : options_.first_number + counters_.begun * options_.number_step;
+}
+
 void PersonTracker::begin(Timestamp time) {
+  const std::uint64_t next = number();
   life_.emplace(Life{GridFilter(space_, options_.motion)});
-  life_->track = options_.first_number + counters_.begun * options_.number_step;
+  life_->track = next;
   life_->time = time;
   life_->weighed = time;
   ++counters_.begun;

@@ -95,6 +95,8 @@ class PersonTracker {
   // The track ends, for that reason: time may go back.
   void restart(const std::string& reason, std::vector<PersonUpdate>& updates);
 
+  // Of the track, or of the next one where there is none.
+  std::uint64_t number() const;
   const PersonTrackerCounters& counters() const { return counters_; }
 
  private:

@@ -283,6 +283,23 @@ TEST_F(PeopleOfTwoTransmitters, DependNeitherOnSpeedNorOnQueuesNorOnThreads) {
   EXPECT_EQ(replay(8192, nullptr).text, outcome().text);
 }
 
+// While somebody is tracked, snapshots are of the track; from when it is lost, of the next.
+TEST_F(PeopleOfTwoTransmitters, HaveTheNumbersOfTheirTracksInSnapshots) {
+  for (const std::uint64_t number : {1U, 2U}) {
+    const Timestamp lost = outcome().life(number).back().second;
+    int before = 0;
+    for (const v1::Location& location : outcome().locations) {
+      const std::uint64_t other = location.target().track();
+      if (location.kind() == v1::LOCATION_KIND_SNAPSHOT && other % 2 == number % 2) {
+        const bool is_before = from_proto(location.time()) < lost;
+        before += is_before ? 1 : 0;
+        EXPECT_EQ(other, is_before ? number : number + 2) << location.ShortDebugString();
+      }
+    }
+    EXPECT_GE(before, 5) << number;
+  }
+}
+
 TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
   std::map<std::uint64_t, std::vector<v1::Location>> by_number;
   for (const v1::Location& location : outcome().locations) {
@@ -317,7 +334,7 @@ TEST_F(PeopleOfTwoTransmitters, AreLocatedByThePapersMethodToo) {
     std::vector<std::pair<std::uint64_t, Timestamp>> bursts;
     for (const v1::Location& location : of.locations) {
       if (location.kind() == v1::LOCATION_KIND_SNAPSHOT) {
-        bursts.emplace_back(location.target().track(), from_proto(location.time()));
+        bursts.emplace_back(location.target().track() % 2, from_proto(location.time()));
       }
     }
     return bursts;
