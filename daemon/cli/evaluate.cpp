@@ -68,7 +68,8 @@ std::vector<PublishedEstimate> select(const std::vector<PublishedEstimate>& esti
   return selected;
 }
 
-// Several targets answer for one truth: a person should know.
+// Several devices answer for one truth: somebody should know. One person is as many targets as
+// tracks.
 void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
   std::set<std::string> targets;
   for (const PublishedEstimate& estimate : estimates) {
@@ -260,7 +261,9 @@ Expected<void> run_evaluate(const EvaluateArguments& arguments) {
   if (!comparison) {
     return tl::make_unexpected(std::move(comparison.error()));
   }
-  warn_of_several_targets(comparison->estimates);
+  if (arguments.kind == "device") {
+    warn_of_several_targets(comparison->estimates);
+  }
   if (auto added = add_controls(arguments, *comparison); !added) {
     return added;
   }

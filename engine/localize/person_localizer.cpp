@@ -28,6 +28,8 @@ constexpr double kStrange = 0.02;
 constexpr double kBesideTransmitter = 0.6;
 // ... which is seen from this share of the empty room's power on, in the second strongest array.
 constexpr double kStrongEcho = 0.05;
+// Probability that it is the transmitter that has changed, where what is heard cannot tell.
+constexpr double kDoubt = 0.5;
 
 // log mean exp of `values`.
 double log_mean_exp(std::span<const double> values) {
@@ -333,10 +335,9 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
     return estimate;
   }
   if (map.is_transmitter_doubtful) {
-    estimate.reason =
+    estimate.warnings.emplace_back(
         "what is heard has changed as by somebody right beside the transmitter; it may have been "
-        "moved or covered";
-    return estimate;
+        "moved or covered");
   }
   if (map.somebody < kSomebody) {
     estimate.reason = "nobody seen: the room is as it was when it was empty";
@@ -344,8 +345,12 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
   }
   summarise_posterior(squares_.standing.grid,
                       map.log_likelihood,
-                      {1.0, options_.accuracy_confidence, options_.max_hypotheses, kPersonOutlier},
+                      {1.0,
+                       options_.accuracy_confidence,
+                       options_.max_hypotheses,
+                       map.is_transmitter_doubtful ? kDoubt : kPersonOutlier},
                       estimate);
+  estimate.ambiguous = estimate.ambiguous || map.is_transmitter_doubtful;
   return estimate;
 }
 

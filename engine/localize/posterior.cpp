@@ -153,11 +153,12 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
 }
 
 // The radius about `centre` that holds `confidence` of the mass, widened by what a cell hides.
-double radius_of(const Masses& masses, const Vec3d& centre, double confidence) {
+double radius_of(const Masses& masses, const Vec3d& centre, double confidence, double anywhere) {
+  const double of_each = anywhere / static_cast<double>(masses.mass.size());
   std::vector<std::pair<double, double>> by_distance;  // distance, mass
   double variance = masses.least_sigma * masses.least_sigma;
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {
-    const double mass = masses.mass[i];
+    const double mass = (1.0 - anywhere) * masses.mass[i] + of_each;
     if (mass > 1e-12) {
       by_distance.emplace_back(horizontal_distance(masses.position(i), centre), mass);
       const CellMoments& m = masses.moments(i);
@@ -177,6 +178,15 @@ double radius_of(const Masses& masses, const Vec3d& centre, double confidence) {
   // Radius of a circular Gaussian at that confidence.
   const double hidden = std::sqrt(-2.0 * std::log(1.0 - confidence) * variance);
   return std::hypot(radius, hidden);
+}
+
+// Of what is left over little is as if the map said so much less; of more than the radius may miss,
+// the rest is anywhere.
+double accuracy_of(const Masses& masses, const Vec3d& position, const PosteriorOptions& options) {
+  const double of_map = options.accuracy_confidence / (1.0 - options.outlier);
+  return of_map <= kMostConfidence
+             ? radius_of(masses, position, of_map, 0.0)
+             : radius_of(masses, position, options.accuracy_confidence, options.outlier);
 }
 
 double effective_cells(const std::vector<double>& mass) {
@@ -257,10 +267,7 @@ void summarise_posterior(const RoomGrid& grid,
   estimate.position = position;
   estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
   estimate.accuracy_confidence = options.accuracy_confidence;
-  estimate.accuracy_m =
-      radius_of(masses,
-                position,
-                std::min(options.accuracy_confidence / (1.0 - options.outlier), kMostConfidence));
+  estimate.accuracy_m = accuracy_of(masses, position, options);
   add_hypotheses(masses, options, estimate);
   estimate.ambiguous =
       estimate.hypotheses.size() > 1 &&
