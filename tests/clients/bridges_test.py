@@ -82,6 +82,16 @@ def test_home_assistant_sees_a_device_and_who_is_alive(tmp_path: Path) -> None:
             assert home.hears("rayloc/status", "offline")
 
 
+def test_who_was_located_before_a_crash_of_raylocd_is_away_after_it(tmp_path: Path) -> None:
+    with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
+        with Bridge(daemon, broker):
+            assert eventually(lambda: '"place": "home"' in home.last.get(STATE, "")), home.last
+            assert daemon.stop(signal.SIGKILL) == -signal.SIGKILL  # it says nothing of its tracks
+            daemon.hear_nobody()
+            daemon.start()
+            assert eventually(lambda: '"place": "not_home"' in home.last[STATE])
+
+
 def test_what_it_announced_is_kept_for_a_home_assistant_that_comes_late(tmp_path: Path) -> None:
     with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Bridge(daemon, broker):
         with Listener(broker) as early:

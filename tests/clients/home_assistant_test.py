@@ -44,6 +44,12 @@ def located(
     return Message(f"v1/location/my%20office/{name}/", envelope)
 
 
+def heartbeat(epoch: int = 1, restarted: bool = False) -> Message:
+    envelope = Envelope(epoch=epoch, sequence=1)
+    envelope.heartbeat.epoch = epoch
+    return Message("v1/heartbeat/my%20office/", envelope, restarted=restarted)
+
+
 def lost(person: int = 0) -> Message:
     envelope = Envelope(epoch=1, sequence=2)
     envelope.track.state = TRACK_STATE_LOST
@@ -129,6 +135,48 @@ def test_a_lost_device_is_away_at_once_and_a_lost_person_is_taken_back() -> None
     gone = subject.on_message(lost(person=3), 0.3)
     assert gone == [Publication(p.topic, "", False) for p in configurations]
     assert subject.on_message(lost(person=3), 0.4) == []
+
+
+def test_a_raylocd_that_was_started_again_has_lost_every_track() -> None:
+    subject = HomeAssistant(Setting())
+    subject.on_message(located(), 0.0)
+    announced = subject.on_message(located(person=3), 0.0)
+    configurations = [p for p in announced if p.topic.endswith("/config")]
+    assert subject.on_message(heartbeat(), 0.1) == []
+
+    ended = subject.on_message(heartbeat(epoch=2, restarted=True), 0.2)
+    (state,) = states(ended)
+    assert (state["place"], state["x"], state["accuracy_m"]) == ("not_home", None, None)
+    assert [p for p in ended if p.topic.endswith("/config")] == [
+        Publication(p.topic, "", False) for p in configurations
+    ]
+    assert [s["place"] for s in states(subject.announce())] == ["not_home"]
+    assert not any("person" in p.topic for p in subject.announce())
+
+
+def test_who_is_located_at_a_new_start_is_told_of_anew() -> None:
+    subject = HomeAssistant(Setting())
+    first = subject.on_message(located(person=1), 0.0)
+    message = located(person=1)
+    again = subject.on_message(Message(message.topic, message.envelope, restarted=True), 0.1)
+    # The number is the same, the person need not be: taken back first, announced afterwards.
+    assert [p.payload for p in again[:4]] == [""] * 4
+    assert again[4:] == first
+
+
+def test_who_is_silent_is_away_though_nobody_said_so() -> None:
+    subject = HomeAssistant(Setting(silent=60.0, forget=600.0))
+    subject.on_message(located(), 0.0)
+    announced = subject.on_message(located(person=3), 0.0)
+    subject.on_time(0.1, stale=False)
+    assert subject.on_time(59.0, stale=False) == []
+    told = subject.on_time(61.0, stale=False)
+    assert [s["place"] for s in states(told)] == ["not_home"]
+    gone = [p.topic for p in told if not p.payload]
+    assert gone == [p.topic for p in announced if p.topic.endswith("/config")]
+    assert subject.on_time(62.0, stale=False) == []  # once
+    (back,) = states(subject.on_message(located(), 70.0))
+    assert back["place"] == "home"
 
 
 def test_a_device_that_is_not_heard_for_long_is_forgotten() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import socket
 import subprocess
 import time
 from pathlib import Path
@@ -27,6 +28,13 @@ def eventually(condition: Callable[[], bool], patience: float = PATIENCE) -> boo
             return False
         time.sleep(0.02)
     return True
+
+
+def free_port() -> int:
+    """Of UDP, on this machine."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def blocks(readme: str, language: str) -> list[str]:
@@ -89,6 +97,14 @@ class Daemon:
             f'[site]\ndirectory = "{site}"\n{sources}[http]\nenabled = false\n'
             f'[publish]\nendpoint = "{self.endpoint}"\nsnapshot = "{self.snapshot}"\n'
         )
+
+    def hear_nobody(self) -> None:
+        """From the next start on: a port to which nobody sends takes the place of the recordings."""
+        before, sources = self.configuration.read_text().split("[[source]]", 1)
+        after = sources[sources.index("[http]") :]
+        silent = f'kind = "udp"\naccess_point = "{ACCESS_POINTS[0]}"\n'
+        silent += f'listen = "127.0.0.1:{free_port()}"\n'
+        self.configuration.write_text(f"{before}[[source]]\n{silent}{after}")
 
     def start(self) -> None:
         with self.log.open("ab") as log:

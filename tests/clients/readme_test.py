@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 from pathlib import Path
 
-from processes import BIN, PATIENCE, PROGRAMS, SITE, Daemon, blocks, eventually
+from processes import BIN, PATIENCE, PROGRAMS, SITE, Daemon, blocks, eventually, free_port
 
 import rayloc
 
@@ -56,12 +55,6 @@ def run(script: str, folder: Path) -> str:
     output, words = process.communicate(timeout=10 * PATIENCE)
     assert process.returncode == 0, words
     return output
-
-
-def free_port() -> int:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def test_the_readme_makes_a_room_of_a_few_lines(tmp_path: Path) -> None:

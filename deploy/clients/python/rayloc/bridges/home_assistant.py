@@ -3,6 +3,8 @@
 Each target becomes a device with a tracker, whose state is the zone it is probably in, else "home"
 while it is located and "not_home" afterwards, and sensors for x, y and accuracy in the site's own
 metres. Only the tracker's estimates (FILTERED) are told, each target at most once per `interval`.
+A track has ended when raylocd says so, when raylocd was started again (one that was killed could not
+say so), and when nothing was heard of it for `silent`: what said so was lost on the way.
 
 Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state),
 BASE/SITE/status (raylocd), BASE/status (this bridge).
@@ -38,6 +40,7 @@ class Setting:
     prefix: str = "homeassistant"
     base: str = "rayloc"
     interval: float = 1.0  # [s] between two states of one target
+    silent: float = 60.0  # [s]; raylocd gives a track up after 5 s and speaks of it until then
     forget: float = 86_400.0  # [s] after which a device that is not heard is taken back
 
 
@@ -51,6 +54,7 @@ class _Known:
     label: str
     is_person: bool
     heard_at: float
+    has_track: bool = True
     told_at: float = float("-inf")
     state: dict[str, object] = field(default_factory=dict)
     waits: bool = False  # `state` is newer than what was told
@@ -117,6 +121,9 @@ class HomeAssistant:
     def on_message(self, message: Message, now: float) -> list[Publication]:
         self._sites.setdefault(f"{self._setting.base}/{message.topic.split('/')[2]}/status", "")
         out: list[Publication] = []
+        if message.restarted:
+            for before in list(self._known.values()):
+                out += self._on_lost(before, now)
         location = message.location
         if location is not None and location.kind == LOCATION_KIND_FILTERED:
             out += self._on_location(message, location, now)
@@ -134,8 +141,11 @@ class HomeAssistant:
         out = [Publication(topic, status, True) for topic in changed]
         for known in list(self._known.values()):
             out += self._tell(known, now)
-            if now - known.heard_at > self._setting.forget:
+            unheard = now - known.heard_at
+            if unheard > self._setting.forget:
                 out += self._take_back(known)
+            elif unheard > self._setting.silent:
+                out += self._on_lost(known, now)
         return out
 
     def announce(self) -> list[Publication]:
@@ -168,6 +178,7 @@ class HomeAssistant:
             self._known[topic] = known
             out += self._configure(known)
         known.heard_at = now
+        known.has_track = True
         known.state = state_of(location)
         known.waits = True
         return out + self._tell(known, now)
@@ -175,6 +186,9 @@ class HomeAssistant:
     def _on_lost(self, known: _Known, now: float) -> list[Publication]:
         if known.is_person:  # its number is never used again
             return self._take_back(known)
+        if not known.has_track:
+            return []
+        known.has_track = False
         known.state = {**known.state, "place": "not_home", "x": None, "y": None, "accuracy_m": None}
         known.waits, known.told_at = True, float("-inf")
         return self._tell(known, now)
