@@ -96,15 +96,13 @@ std::map<std::string, HttpRoute> http_routes(HttpApi shared) {
   routes["/api/v1/targets"] = {[api] { return targets(*api->last); }};
   routes["/api/v1/record/snapshot"] = {[api] { return api->snapshot(); }, false, nullptr, "POST"};
   routes["/api/v1/config"] = {[api] { return HttpReply{200, "application/json", api->config()}; }};
-  if (api->channel) {
-    routes["/api/v1/map"] = {[api] { return HttpReply{200, "application/json", api->map}; }};
-    routes["/api/v1/calibration"] = {[api] {
-      return HttpReply{200, "application/json", api->calibration};
-    }};
-    routes["/api/v1/channel"] = {[api] {
-      return HttpReply{200, "application/json", api->channel()};
-    }};
-  }
+  routes["/api/v1/map"] = {[api] { return HttpReply{200, "application/json", api->map}; }};
+  routes["/api/v1/calibration"] = {[api] {
+    return HttpReply{200, "application/json", api->calibration};
+  }};
+  routes["/api/v1/channel"] = {[api] {
+    return HttpReply{200, "application/json", api->channel()};
+  }};
   if (api->playback) {
     routes["/api/v1/playback"] = {
         .handler = [api] { return json_of(playback_message(api->playback->state())); },

@@ -40,7 +40,6 @@ struct HttpApi {
   std::shared_ptr<Playback> playback;  // null: this path does not exist
   std::shared_ptr<const LastMessages> last;
   std::shared_ptr<EventFeed> events;
-  // Of the room; without `channel`, where nothing is located, these paths do not exist.
   std::string map;                       // JSON
   std::string calibration;               // JSON
   std::function<std::string()> channel;  // JSON

@@ -130,6 +130,11 @@ Json zones_json(const Site& site) {
 
 Json unavailable(const std::string& reason) { return {{"available", false}, {"reason", reason}}; }
 
+// Names and reasons come from files that may hold any bytes.
+std::string text_of(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 Json calibration_json(const Site& site, const RoomModel& room) {
   if (!site.calibration_file) {
     return unavailable("the site is not calibrated (rayloc calibrate)");
@@ -172,12 +177,21 @@ std::string map_geometry_json(const Site& site, const RoomModel& room, bool addr
         {"altitude_m", site.georeference->altitude},
         {"rotation_deg", site.georeference->rotation * 180.0 / std::numbers::pi}};
   }
-  // Names come from files that may hold any bytes.
-  return map.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(map);
+}
+
+std::string map_without_room_json(const Site& site, const std::string& reason) {
+  Json map = {{"site", site.name}};
+  map.update(unavailable(reason));
+  return text_of(map);
 }
 
 std::string map_calibration_json(const Site& site, const RoomModel& room) {
-  return calibration_json(site, room).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return text_of(calibration_json(site, room));
+}
+
+std::string map_without_calibration_json(const std::string& reason) {
+  return text_of(unavailable(reason));
 }
 
 }  // namespace rayloc

@@ -71,6 +71,11 @@ Expected<void> Service::open_http(PassedSockets& sockets) {
     const auto text =
         std::make_shared<BackgroundText>([channel] { return channel->json(); }, "[]\n");
     api.channel = [text] { return text->ask(); };
+  } else {
+    const std::string reason = "nothing is located here ([engine] method is \"none\")";
+    api.map = map_without_room_json(setup_.site, reason);
+    api.calibration = map_without_calibration_json(reason);
+    api.channel = [] { return std::string("[]\n"); };
   }
   Expected<std::unique_ptr<HttpServer>> opened =
       HttpServer::open(options, http_routes(std::move(api)));

@@ -2,9 +2,10 @@
 """The live map in a real browser: raylocd as a process, recorded datagrams over UDP, headless
 Chromium, and the pixels that it shows.
 
-    map_test.py BIN_DIR OUT_DIR [--picture FILE.png]
+    map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
+PART: live, recording, no-room; all of them unless told.
 """
 
 import argparse
@@ -34,6 +35,7 @@ ACCESS_POINTS = ["ap1", "ap2", "ap3"]
 DEVICE = "02:52:4c:00:00:01"
 CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
 SHOWN = f"{CELLS}.length > 0"
+EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
 STALE = f"{CELLS}[1].textContent.includes('stale since')"
 PATIENCE = 60.0
 PIXELS = 3.0
@@ -68,9 +70,9 @@ def free_port(kind, used=set()):
 
 class Daemon:
     """raylocd on ports that stay the same when it is started again. `recording`: it plays those of
-    this name instead of listening."""
+    this name instead of listening. `extra`: sections of its configuration."""
 
-    def __init__(self, folder, binaries, site, recording=None):
+    def __init__(self, folder, binaries, site, recording=None, extra=""):
         self.folder, self.binaries, self.process = folder, binaries, None
         self.http = free_port(socket.SOCK_STREAM)
         self.udp = [free_port(socket.SOCK_DGRAM) for _ in ACCESS_POINTS]
@@ -83,7 +85,7 @@ class Daemon:
             file.write(f'[site]\ndirectory = "{site}"\n{sources}'
                        f'[http]\nlisten = "127.0.0.1:{self.http}"\n[publish]\n'
                        f'endpoint = "tcp://127.0.0.1:{free_port(socket.SOCK_STREAM)}"\n'
-                       f'snapshot = "ipc://{folder}/snapshot"\n')
+                       f'snapshot = "ipc://{folder}/snapshot"\n{extra}')
         self.url = f"http://127.0.0.1:{self.http}/"
 
     def start(self):
@@ -296,6 +298,21 @@ class MapTest:
         page.wait("document.querySelectorAll('#residuals circle').length === 0")
         page.ask("document.querySelectorAll('details').forEach(d => { d.open = false; })")
 
+    def plan_comes_late(self):
+        """The tables do without the floor plan, which comes as soon as raylocd answers."""
+        page = self.browser.page(1280, 800)
+        page.call("Network.setBlockedURLs", urls=["*/api/v1/map"])
+        page.go(self.daemon.url)
+        self.pages.append(page)
+        page.wait("document.querySelectorAll('#source-rows tr').length === 3")
+        page.wait(f"{EMPTY}.startsWith('The floor plan is not known')")
+        assert page.ask("getComputedStyle(document.querySelector('#markers')).display") == "none"
+        page.call("Network.setBlockedURLs", urls=[])
+        page.wait("document.querySelectorAll('#plan polygon').length > 5")
+        page.wait("!document.querySelector('#empty').checkVisibility()")
+        assert not silent_errors(page), page.errors
+        self.close(page)
+
     def survive_restart(self, page):
         page.ask("window.sameDocument = true")
         self.daemon.stop()
@@ -384,6 +401,7 @@ class MapTest:
         self.check(page)
         self.survive_restart(page)
         self.close(page)
+        self.plan_comes_late()
         self.small_and_large()
         for one in list(self.pages):
             self.close(one)
@@ -491,6 +509,21 @@ class PlaybackTest(MapTest):
         self.close(phone)
 
 
+class NoRoomTest(MapTest):
+    """Where nothing is located, what is received is shown nevertheless."""
+
+    def run(self):
+        page = self.browser.page(1280, 800)
+        page.go(self.daemon.url)
+        with Sending(self.recording, 0, self.daemon):
+            page.wait("document.querySelectorAll('#source-rows td.good').length === 3")
+            page.wait(f"({EMPTY}).includes('method')")
+            page.wait("document.querySelector('#site').textContent !== ''")
+            self.artefact(page, "no-room")
+        self.check(page)
+        page.close()
+
+
 def assert_counted(daemon):
     """However it was moved, every datagram that was received is accounted for."""
     for source in json.loads(daemon.get("api/v1/sources")[1]):
@@ -521,32 +554,43 @@ def calibrate(folder, binaries):
     return site
 
 
+# What is tested, and the raylocd that it looks at.
+PARTS = {
+    "live": (MapTest, Daemon),
+    "recording": (PlaybackTest, lambda folder, binaries, site:
+                  Daemon(folder, binaries, with_zone(site), "device_los")),
+    "no-room": (NoRoomTest, lambda folder, binaries, site:
+                Daemon(folder, binaries, site, extra='[engine]\nmethod = "none"\n')),
+}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("binaries")
     parser.add_argument("out")
     parser.add_argument("--picture")
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS), metavar="PART")
     arguments = parser.parse_args()
     os.makedirs(arguments.out, exist_ok=True)
     folder = tempfile.mkdtemp(prefix="rayloc-map.")
+    daemon = None
     site = calibrate(folder, arguments.binaries)
-    daemon = Daemon(folder, arguments.binaries, site)
     try:
         with Browser(folder) as browser:
-            daemon.start()
-            MapTest(folder, arguments.out, daemon, browser, Recording(), arguments.picture).run()
-            daemon.stop()
-            daemon = Daemon(folder, arguments.binaries, with_zone(site), "device_los")
-            daemon.start()
-            PlaybackTest(folder, arguments.out, daemon, browser, Recording(), None).run()
-            daemon.stop()
+            for part in arguments.only:
+                test, make = PARTS[part]
+                daemon = make(folder, arguments.binaries, site)
+                daemon.start()
+                test(folder, arguments.out, daemon, browser, Recording(), arguments.picture).run()
+                daemon.stop()
     except BaseException:
         for log in ("raylocd.log", "chromium.log"):
-            with open(os.path.join(folder, log), encoding="utf-8", errors="replace") as file:
+            with open(os.path.join(folder, log), "a+", encoding="utf-8", errors="replace") as file:
+                file.seek(0)
                 print(f"---- {log}\n{file.read()[-4000:]}", file=sys.stderr)
         raise
     finally:
-        if daemon.process:
+        if daemon and daemon.process:
             daemon.process.kill()
             daemon.process.wait()
         shutil.rmtree(folder, ignore_errors=True)

@@ -1,4 +1,5 @@
 // The live map: what raylocd publishes (/events) on the floor plan of its site (/api/v1/map).
+import {ask} from './ask.js';
 import {byId, setText} from './draw.js';
 import {Feed} from './feed.js';
 import {Model} from './model.js';
@@ -12,6 +13,8 @@ import {View} from './view.js';
 
 const ANNOUNCE_MS = 1500;
 const DRAW_MS = 250;  // at least so often: ages grow without a message
+const AGAIN_MS = 5000;
+const PLAN_MS = 60_000;  // the plan of a large scene comes slowly over a slow line
 
 const announcements = [];
 const model = new Model((text) => announcements.push(text));
@@ -24,27 +27,38 @@ let mapOf = null;  // the epoch that the plan was fetched for
 let stirred = true;
 let drawn = 0;
 
+// Asks until it is answered; the tables do without the plan.
 async function fetchPlan(epoch) {
   mapOf = epoch;
-  const answer = await fetch('/api/v1/map');
-  if (!answer.ok) throw new Error(`/api/v1/map: ${answer.status}`);
-  const map = await answer.json();
-  const moved = !plan || JSON.stringify(plan.map.bounds) !== JSON.stringify(map.bounds);
-  plan = new Plan(map);
+  try {
+    const [map, report] = await Promise.all([ask('/api/v1/map', {}, PLAN_MS), ask('/api/v1/calibration')]);
+    if (mapOf === epoch) showPlan(map, report);
+  } catch (error) {
+    if (mapOf !== epoch) return;  // another start of raylocd is asked by now
+    if (!plan) setText(byId('empty'), `The floor plan is not known: ${error.message}. Trying again.`);
+    setTimeout(() => { if (mapOf === epoch) fetchPlan(epoch); }, AGAIN_MS);
+  }
+}
+
+function showPlan(map, report) {
   setText(byId('site'), map.site);
   document.title = `${map.site}: RayLoc live map`;
-  byId('empty').hidden = true;
-  if (moved) view.show(map.bounds);
-  await showCalibration(plan);
+  if (map.available === false) {
+    plan = null;
+    setText(byId('empty'), `There is no floor plan: ${map.reason}.`);
+  } else {
+    const moved = !plan || JSON.stringify(plan.map.bounds) !== JSON.stringify(map.bounds);
+    plan = new Plan(map);
+    if (moved) view.show(map.bounds);
+  }
+  showCalibration(report, plan);
   stirred = true;
 }
 
 function told(kind) {
   return (body) => {
     model[kind](body);
-    if (kind === 'snapshot' && mapOf !== body.epoch) {
-      fetchPlan(body.epoch).catch(() => { mapOf = null; });
-    }
+    if (kind === 'snapshot' && mapOf !== body.epoch) fetchPlan(body.epoch);
     stirred = true;
   };
 }
@@ -63,17 +77,26 @@ function connection(state) {
 function draw(time) {
   requestAnimationFrame(draw);
   const elapsed = time - drawn;
-  if (!plan || (!stirred && !timeline.running && elapsed < DRAW_MS)) return;
+  if (!stirred && !timeline.running && elapsed < DRAW_MS) return;
   playback.show();
   drawn = time;
   stirred = false;
   const moment = model.held ?? timeline.step(elapsed);
-  plan.place(view);
-  plan.showSources(model.sources);
+  showRoom();
   targets.show(model.at(moment), view);
   showSources(model.sources);
   showDaemon(model.heartbeat);
   showEvents(model.events);
+}
+
+// Without a plan nothing has a place on the drawing.
+function showRoom() {
+  byId('map').classList.toggle('planless', !plan);
+  byId('empty').hidden = Boolean(plan);
+  byId('scale').hidden = !plan;
+  if (!plan) return;
+  plan.place(view);
+  plan.showSources(model.sources);
   showScale();
 }
 

@@ -1,16 +1,11 @@
 // The panels that are asked for: what the calibration found, and the channel.
+import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
 
-async function ask(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error(`${path}: ${answer.status}`);
-  return answer.json();
-}
-
-export async function showCalibration(plan) {
+// report: as in /api/v1/calibration.
+export function showCalibration(report, plan) {
   const panel = byId('calibration');
   const checkbox = byId('show-residuals');
-  const report = await ask('/api/v1/calibration');
   checkbox.disabled = !report.available || !report.fits;
   panel.dataset.available = report.available;
   if (!report.available) {

@@ -91,6 +91,13 @@ TEST_F(MapGeometryTest, HoldsZonesAndWhereTheSiteIsOnEarth) {
   EXPECT_NEAR(map.at("georeference").at("rotation_deg").get<double>(), 90.0, 1e-9);
 }
 
+TEST_F(MapGeometryTest, SaysWhyThereIsNone) {
+  EXPECT_EQ(json::parse(map_without_room_json(site_, "so \xff")),
+            json({{"site", "meeting_room"}, {"available", false}, {"reason", "so \xef\xbf\xbd"}}));
+  EXPECT_EQ(json::parse(map_without_calibration_json("so")),
+            json({{"available", false}, {"reason", "so"}}));
+}
+
 TEST_F(MapGeometryTest, TellsTheCalibrationOnlyWhenTheReportIsOfTheOneInUse) {
   EXPECT_THAT(map_calibration_json(site_, room_), HasSubstr("not calibrated"));
   const std::filesystem::path folder =
