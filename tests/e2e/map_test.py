@@ -17,6 +17,7 @@ import math
 import os
 import re
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -35,6 +36,7 @@ ACCESS_POINTS = ["ap1", "ap2", "ap3"]
 DEVICE = "02:52:4c:00:00:01"
 CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
 SHOWN = f"{CELLS}.length > 0"
+CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
 STALE = f"{CELLS}[1].textContent.includes('stale since')"
 PATIENCE = 60.0
@@ -313,12 +315,37 @@ class MapTest:
         assert not silent_errors(page), page.errors
         self.close(page)
 
+    def survive_silence(self, page):
+        """A raylocd that hangs: nothing that was said is shown as if it still held."""
+        receiving = ("document.querySelectorAll('#source-rows td.good').length === 3 && "
+                     "document.querySelectorAll('#fixed .receiving').length === 3")
+        with Sending(self.recording, 1, self.daemon):
+            page.wait(receiving)
+            self.daemon.process.send_signal(signal.SIGSTOP)
+            try:
+                page.wait(f"/^No word from raylocd for [0-9]+ s$/.test({CONNECTION})")
+                page.wait("[...document.querySelectorAll('#source-rows tr')].every((row) => "
+                          "row.children[1].textContent === 'not known' && "
+                          "row.children[2].textContent === '')")
+                assert page.ask("document.querySelector('#fixed .receiving')") is None
+                # The connection is open as before; that nobody is there can only be found out anew.
+                streams = page.requests.count(self.daemon.url + "events")
+                page.wait(f"{CONNECTION}.startsWith('Connection lost')")
+                eventually("asked anew", lambda: page.ask("true") and
+                           page.requests.count(self.daemon.url + "events") > streams)
+            finally:
+                self.daemon.process.send_signal(signal.SIGCONT)
+            page.wait(f"{CONNECTION} === 'Connected'")
+            page.wait(receiving)
+        page.wait(STALE)
+        self.check(page)
+
     def survive_restart(self, page):
         page.ask("window.sameDocument = true")
         self.daemon.stop()
-        page.wait("document.querySelector('#connection').textContent.startsWith('Connection lost')")
+        page.wait(f"{CONNECTION}.startsWith('Connection lost')")
         self.daemon.start()
-        page.wait("document.querySelector('#connection').textContent === 'Connected'")
+        page.wait(f"{CONNECTION} === 'Connected'")
         with Sending(self.recording, 2, self.daemon):
             page.wait(SHOWN)
             eventually("the device is located", self.daemon.position)
@@ -362,7 +389,7 @@ class MapTest:
         for page in pages[1:]:
             self.close(page)
         # A place is free, and the one that was refused takes it by itself.
-        seventeenth.wait("document.querySelector('#connection').textContent === 'Connected'")
+        seventeenth.wait(f"{CONNECTION} === 'Connected'")
         self.close(seventeenth)
         # All of them saw the same.
         assert_shown(pages[0], self.daemon, STALE_COLOUR, "the first of 16 viewers")
@@ -371,7 +398,7 @@ class MapTest:
     def open_refused(self):
         page = self.browser.page(640, 480)
         page.go(self.daemon.url)
-        page.wait("document.querySelector('#connection').textContent.startsWith('No stream')")
+        page.wait(f"{CONNECTION}.startsWith('No stream')")
         self.pages.append(page)
         return page
 
@@ -399,6 +426,7 @@ class MapTest:
             accessibility.check_contrast(page, theme)
             self.artefact(page, f"1920-{theme}")
         self.check(page)
+        self.survive_silence(page)
         self.survive_restart(page)
         self.close(page)
         self.plan_comes_late()

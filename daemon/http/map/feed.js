@@ -10,8 +10,19 @@ export class Feed {
     this.open();
   }
 
+  // A connection that was lost without a word, as when a machine slept or went out of reach, looks
+  // like one on which nothing is said.
+  reopen() {
+    this.source.close();
+    clearTimeout(this.again);
+    this.told.state('lost');
+    this.open();
+  }
+
   open() {
+    this.opened = performance.now();
     const source = new EventSource(this.url);
+    this.source = source;
     source.addEventListener('open', () => this.told.state('open'));
     for (const kind of ['snapshot', 'update']) {
       source.addEventListener(kind, (event) => this.told[kind](JSON.parse(event.data)));
@@ -20,7 +31,7 @@ export class Feed {
       if (source.readyState === EventSource.CLOSED) {
         this.told.state('refused');
         source.close();
-        setTimeout(() => this.open(), AGAIN_MS);
+        this.again = setTimeout(() => this.open(), AGAIN_MS);
       } else {
         this.told.state('lost');
       }

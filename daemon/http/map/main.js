@@ -14,6 +14,7 @@ import {View} from './view.js';
 const ANNOUNCE_MS = 1500;
 const DRAW_MS = 250;  // at least so often: ages grow without a message
 const AGAIN_MS = 5000;
+const REOPEN_MS = 10_000;  // of silence
 const PLAN_MS = 60_000;  // the plan of a large scene comes slowly over a slow line
 
 const announcements = [];
@@ -26,6 +27,7 @@ let plan = null;
 let mapOf = null;  // the epoch that the plan was fetched for
 let stirred = true;
 let drawn = 0;
+let link = null;  // 'open', 'lost' or 'refused', from the first answer on
 
 // Asks until it is answered; the tables do without the plan.
 async function fetchPlan(epoch) {
@@ -64,27 +66,40 @@ function told(kind) {
 }
 
 function connection(state) {
-  const text = {
+  link = state;
+  showConnection();
+}
+
+function showConnection() {
+  if (!link) return;
+  const {quiet} = model;
+  byId('connection').classList.toggle('lost', quiet || link !== 'open');
+  setText(byId('connection-text'), quiet && link === 'open' ? 'No word from raylocd' : {
     open: 'Connected',
     lost: 'Connection lost: trying again',
     refused: 'No stream: too many viewers, or raylocd is starting; trying again',
-  }[state];
-  const element = byId('connection');
-  element.classList.toggle('lost', state !== 'open');
-  setText(element, text);
+  }[link]);
+  // Read out once and not each second: it is no part of what is live.
+  setText(byId('connection-age'), quiet ? ` for ${Math.round(model.silence / 1000)} s` : '');
+}
+
+function watchFeed() {
+  const since = performance.now() - Math.max(feed.opened, model.heard ?? 0);
+  if (since > Math.max(REOPEN_MS, model.patience)) feed.reopen();
 }
 
 function draw(time) {
   requestAnimationFrame(draw);
   const elapsed = time - drawn;
   if (!stirred && !timeline.running && elapsed < DRAW_MS) return;
+  showConnection();
   playback.show();
   drawn = time;
   stirred = false;
   const moment = model.held ?? timeline.step(elapsed);
   showRoom();
   targets.show(model.at(moment), view);
-  showSources(model.sources);
+  showSources(model);
   showDaemon(model.heartbeat);
   showEvents(model.events);
 }
@@ -96,7 +111,7 @@ function showRoom() {
   byId('scale').hidden = !plan;
   if (!plan) return;
   plan.place(view);
-  plan.showSources(model.sources);
+  plan.showSources(model);
   showScale();
 }
 
@@ -144,5 +159,6 @@ document.addEventListener('click', () => { stirred = true; });
 showTheme();
 watchChannel(targets);
 setInterval(announce, ANNOUNCE_MS);
-new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});
+setInterval(watchFeed, 1000);
+const feed = new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});
 requestAnimationFrame(draw);

@@ -8,6 +8,9 @@ const FORGET_MS = 10 * 60_000;  // a target not heard of for so long leaves the 
 const PREFER_FILTERED_MS = 1000;
 const SLACK_MS = 700;           // of the way here, before an estimate counts as stale
 const EVENTS = 100;
+const BEAT_MS = 1000;           // between heartbeats, before two have come
+const QUIET_MS = 3000;          // without a word: it is not known any more what raylocd does
+const QUIET_BEATS = 2.5;        // or for so many heartbeats, where these are rarer
 
 export const seconds = (duration) => (duration ? parseFloat(duration) : 0);
 
@@ -24,6 +27,8 @@ export class Model {
   clear() {
     this.epoch = null;
     this.offset = null;
+    this.heard = null;  // when the last word came, by performance.now()
+    this.beatMs = BEAT_MS;
     this.targets = new Map();
     this.sources = new Map();
     this.events = [];
@@ -38,6 +43,26 @@ export class Model {
     return this.offset === null ? Date.now() : performance.now() + this.offset;
   }
 
+  // How long nothing has come [ms], and whether that is so long that what was said is out of date.
+  get silence() {
+    return this.heard === null ? 0 : performance.now() - this.heard;
+  }
+
+  get patience() {
+    return Math.max(QUIET_MS, QUIET_BEATS * this.beatMs);
+  }
+
+  get quiet() {
+    return this.silence > this.patience;
+  }
+
+  // What an access point does, as far as it is known by now.
+  status(id) {
+    if (this.quiet) return 'not known';
+    const source = this.sources.get(id);
+    return source ? statusText(source.state.status) : 'no source';
+  }
+
   snapshot(body) {
     if (body.epoch !== this.epoch) {
       const restarted = this.epoch !== null;
@@ -49,7 +74,8 @@ export class Model {
   }
 
   update(body) {
-    this.offset = Date.parse(body.now) - performance.now();
+    this.heard = performance.now();
+    this.offset = Date.parse(body.now) - this.heard;
     for (const message of body.messages) {
       const sent = Date.parse(message.sent);
       if (message.location) this.location(message.location, sent);
@@ -63,6 +89,7 @@ export class Model {
   }
 
   beat(heartbeat, sent) {
+    if (this.heartbeat && sent > this.heartbeat.sent) this.beatMs = sent - this.heartbeat.sent;
     this.heartbeat = {...heartbeat, sent};
     if (heartbeat.playback) this.play(heartbeat.playback, sent);
   }
@@ -104,6 +131,7 @@ export class Model {
     // After a reconnection the two kinds of estimates may come out of order.
     let at = target.past.length;
     while (at > 0 && target.past[at - 1].sent > sent) --at;
+    if (at > 0 && target.past[at - 1].location.event_id === location.event_id) return;  // told again
     target.past.splice(at, 0, entry);
     if (target.past.length > PAST) target.past.shift();
     this.first = this.first === null ? sent : Math.min(this.first, sent);

@@ -1,7 +1,6 @@
 // What does not move: walls and furniture, zones, access points, fixed transmitters, and how well
 // the surveyed points of the calibration fit.
 import {byId, number, setText, svg} from './draw.js';
-import {statusText} from './model.js';
 
 const points = (list) => list.map(([x, y]) => `${x},${y}`).join(' ');
 
@@ -52,11 +51,10 @@ export class Plan {
     }
   }
 
-  showSources(sources) {
+  showSources(model) {
     for (const one of this.fixed) {
       if (!one.id) continue;
-      const source = sources.get(one.id);
-      const status = source ? statusText(source.state.status) : 'no source';
+      const status = model.status(one.id);
       const bad = ['stalled', 'failed', 'no source'].includes(status);
       one.group.setAttribute('class', `access-point ${status === 'receiving' ? 'receiving' : bad ? 'bad' : ''}`);
       one.cross.setAttribute('visibility', bad ? 'visible' : 'hidden');

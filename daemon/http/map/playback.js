@@ -79,7 +79,9 @@ export class Playback {
     const wanted = this.asked?.position ?? this.sent?.position;
     if (wanted !== undefined) return wanted;
     const {playing, position, speed, at, length} = this.model.playback;
-    const since = playing && speed ? (speed * (this.model.now() - at)) / 1000 : 0;
+    // It may have been paused since the last word.
+    const until = this.model.now() - (this.model.quiet ? this.model.silence : 0);
+    const since = playing && speed ? (speed * (until - at)) / 1000 : 0;
     return Math.min(length, Math.max(0, position + since));
   }
 
@@ -93,7 +95,8 @@ export class Playback {
     const position = this.dragging ? Number(this.slider.value) : this.position();
     if (!this.dragging) this.slider.value = position;
     const state = playback.ended ? ', at the end' : playback.playing ? '' : ', paused';
-    const text = `${minutes(position)} of ${minutes(playback.length)}${state}`;
+    const known = this.model.quiet ? ', last known' : '';
+    const text = `${minutes(position)} of ${minutes(playback.length)}${state}${known}`;
     setText(byId('playback-text'), text);
     this.slider.setAttribute('aria-valuetext', text);
     setText(byId('playback-play'), playback.playing ? 'Pause' : 'Play');

@@ -1,6 +1,6 @@
 // The tables of access points and of events, and what the daemon says of itself.
 import {byId, clock, html, number, setText} from './draw.js';
-import {seconds, statusText} from './model.js';
+import {seconds} from './model.js';
 
 const rows = new Map();
 
@@ -23,7 +23,8 @@ function losses({state, lost}) {
   return `${lost} (${named.join(', ')})`;
 }
 
-export function showSources(sources) {
+export function showSources(model) {
+  const {sources} = model;
   for (const [id, {row}] of rows) {
     if (!sources.has(id)) {
       row.remove();
@@ -32,11 +33,11 @@ export function showSources(sources) {
   }
   for (const [id, source] of sources) {
     const {cells} = rowOf(id);
-    const status = statusText(source.state.status);
+    const status = model.status(id);
     const silent = status === 'stalled' ? ` for ${number(seconds(source.state.age), 0)} s` : '';
     setText(cells[0], status === 'stalled' ? `silent${silent}` : status);
     cells[0].className = status === 'receiving' ? 'good' : ['stalled', 'failed'].includes(status) ? 'bad' : 'warn';
-    setText(cells[1], source.rate === null ? '' : number(source.rate, source.rate < 10 ? 1 : 0));
+    setText(cells[1], source.rate === null || model.quiet ? '' : number(source.rate, source.rate < 10 ? 1 : 0));
     setText(cells[2], losses(source));
   }
 }
