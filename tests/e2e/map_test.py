@@ -522,9 +522,32 @@ class PlaybackTest(MapTest):
         assert again["state"] == "PLAYBACK_STATE_PLAYING" and int(again["moves"]) == moves + 2, again
         assert_counted(self.daemon)
 
+    def controls_that_fail(self, page):
+        """Whoever looks is told, and once raylocd answers again the controls work."""
+        error = "document.querySelector('#playback-error')"
+        self.daemon.process.send_signal(signal.SIGSTOP)
+        try:
+            page.wait(f"{self.TEXT}.includes('last known')")
+            shown = page.ask(self.TEXT)
+            self.reach(page, "playback-play")
+            page.press(" ")
+            page.wait(f"{error}.checkVisibility() && {error}.textContent.includes('no answer within')")
+            assert page.ask(self.TEXT) == shown, "the position of nobody knows what went on"
+            self.artefact(page, "recording-not-controlled")
+        finally:
+            self.daemon.process.send_signal(signal.SIGCONT)
+        page.wait(f"{CONNECTION} === 'Connected' && !{self.TEXT}.includes('last known')")
+        # The question that was given up may have been answered since.
+        button = "document.querySelector('#playback-play').textContent"
+        playing = self.state()["state"] == "PLAYBACK_STATE_PLAYING"
+        page.wait(f"{button} === '{'Pause' if playing else 'Play'}'")
+        page.press(" ")
+        page.wait(f"{button} === '{'Play' if playing else 'Pause'}' && !{error}.checkVisibility()")
+
     def run(self):
         page = self.open(1280, 800)
         self.control(page)
+        self.controls_that_fail(page)
         self.artefact(page, "recording")
         accessibility.check_tree(page, buttons=6)
         accessibility.check_contrast(page, "dark")

@@ -1,4 +1,5 @@
 // The controls of the recordings that raylocd plays, where it does: they act for everybody who looks.
+import {ask} from './ask.js';
 import {byId, html, number, setText} from './draw.js';
 
 const STEP = 5;  // [s], of the arrow keys
@@ -62,12 +63,11 @@ export class Playback {
       this.sent = this.asked;
       this.asked = null;
       try {
-        const answer = await fetch(`/api/v1/playback?${question}`, {method: 'POST', headers: {'X-RayLoc-Control': '1'}});
-        const body = await answer.json();
-        if (!answer.ok) throw new Error(body.error);
-        this.model.play(body, this.model.now());
+        const state = await ask(`/api/v1/playback?${question}`, {method: 'POST', headers: {'X-RayLoc-Control': '1'}});
+        this.model.play(state, this.model.now());
+        setText(byId('playback-error'), '');
       } catch (error) {
-        this.model.told(`The recording could not be controlled: ${error.message}`);
+        setText(byId('playback-error'), `The recording was not controlled: ${error.message}.`);
       }
     }
     this.sent = null;
