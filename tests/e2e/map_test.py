@@ -36,6 +36,7 @@ ACCESS_POINTS = ["ap1", "ap2", "ap3"]
 DEVICE = "02:52:4c:00:00:01"
 CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
 SHOWN = f"{CELLS}.length > 0"
+DOTS = "document.querySelectorAll('#residuals circle').length > 0"
 CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
 STALE = f"{CELLS}[1].textContent.includes('stale since')"
@@ -341,7 +342,8 @@ class MapTest:
         self.check(page)
 
     def survive_restart(self, page):
-        page.ask("window.sameDocument = true")
+        page.ask("window.sameDocument = true; document.querySelector('#show-residuals').click()")
+        page.wait(DOTS)
         self.daemon.stop()
         page.wait(f"{CONNECTION}.startsWith('Connection lost')")
         self.daemon.start()
@@ -352,9 +354,21 @@ class MapTest:
         page.wait(STALE)
         assert_shown(page, self.daemon, STALE_COLOUR, "after a restart")
         assert page.ask("window.sameDocument"), "the page was loaded again"
+        self.dots_follow(page)
         # A chart of errors starts anew: that the server was away is in the console.
         assert not silent_errors(page), page.errors
         page.errors.clear()
+
+    def dots_follow(self, page):
+        """What is shown of the calibration is of this start of raylocd, and stays in its place."""
+        place = "document.querySelector('#residuals circle').getAttribute('cx')"
+        before = page.ask(place)
+        page.ask("document.querySelector('#zoom-in').click()")
+        page.wait(f"{place} !== '{before}'")
+        page.ask("document.querySelector('#fit').click()")
+        page.wait(f"{place} === '{before}'")
+        page.ask("document.querySelector('#show-residuals').click()")
+        page.wait(f"!({DOTS})")
 
     def small_and_large(self):
         for width, height, phone in ((390, 844, True), (768, 1024, True), (3840, 2160, False)):

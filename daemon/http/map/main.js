@@ -3,7 +3,7 @@ import {ask} from './ask.js';
 import {byId, setText} from './draw.js';
 import {Feed} from './feed.js';
 import {Model} from './model.js';
-import {showCalibration, watchChannel} from './panels.js';
+import {showCalibration, showFits, watchChannel} from './panels.js';
 import {Plan} from './plan.js';
 import {Playback} from './playback.js';
 import {showDaemon, showEvents, showSources} from './sources.js';
@@ -53,7 +53,8 @@ function showPlan(map, report) {
     plan = new Plan(map);
     if (moved) view.show(map.bounds);
   }
-  showCalibration(report, plan);
+  showCalibration(report);
+  if (plan) showFits(plan);
   stirred = true;
 }
 
@@ -148,7 +149,10 @@ systemDark.addEventListener('change', showTheme);
 byId('zoom-in').addEventListener('click', () => view.zoom(1.25));
 byId('zoom-out').addEventListener('click', () => view.zoom(0.8));
 byId('fit').addEventListener('click', () => view.fit());
-byId('show-residuals').addEventListener('change', () => { stirred = true; });
+byId('show-residuals').addEventListener('change', () => {
+  if (plan) showFits(plan);
+  stirred = true;
+});
 document.addEventListener('keydown', (event) => {
   if (event.key === 'Escape') targets.selected = null;
   stirred = true;

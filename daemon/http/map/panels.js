@@ -2,26 +2,30 @@
 import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
 
+let fits = [];  // of the calibration shown: how well each surveyed point is explained
+
 // report: as in /api/v1/calibration.
-export function showCalibration(report, plan) {
-  const panel = byId('calibration');
-  const checkbox = byId('show-residuals');
-  checkbox.disabled = !report.available || !report.fits;
-  panel.dataset.available = report.available;
-  if (!report.available) {
-    setText(byId('calibration-text'), `Nothing to show: ${report.reason}.`);
-    return;
-  }
-  const parts = Object.entries(report.heldout || {}).filter(([, fit]) => fit.after !== null).map(([ap, fit]) =>
-    `${ap} ${fit.before === null ? '' : `${number(100 * fit.before, 0)} → `}${number(100 * fit.after, 0)} %`);
-  setText(byId('calibration-text'), `Method ${report.method}, ${report.points} points. Power explained at the `
-    + `points held out, median: ${parts.join(', ') || 'not known'}.`);
+export function showCalibration(report) {
+  fits = (report.available && report.fits) || [];
+  byId('show-residuals').disabled = fits.length === 0;
+  setText(byId('calibration-text'), report.available ? summary(report) : `Nothing to show: ${report.reason}.`);
   byId('moved-rows').replaceChildren(...(report.moved || []).slice(0, 12).map((one) => html('tr', {}, [
     html('th', {scope: 'row'}, [one.name]),
     html('td', {}, [`${Number(one.by.toPrecision(3))} ${one.unit}`]),
     html('td', {}, [one.prior_sigmas === null ? '' : `${number(one.prior_sigmas, 1)} σ`]),
   ])));
-  checkbox.addEventListener('change', () => plan.showResiduals(checkbox.checked ? report.fits : []));
+}
+
+function summary(report) {
+  const parts = Object.entries(report.heldout || {}).filter(([, fit]) => fit.after !== null).map(([ap, fit]) =>
+    `${ap} ${fit.before === null ? '' : `${number(100 * fit.before, 0)} → `}${number(100 * fit.after, 0)} %`);
+  return `Method ${report.method}, ${report.points} points. Power explained at the points held out, median: `
+    + `${parts.join(', ') || 'not known'}.`;
+}
+
+// On the map, where that is wanted.
+export function showFits(plan) {
+  plan.showResiduals(byId('show-residuals').checked ? fits : []);
 }
 
 const CHANNEL_MS = 1000;
