@@ -504,6 +504,7 @@ class PlaybackTest(MapTest):
         assert paused["state"] == "PLAYBACK_STATE_PAUSED", paused
         page.ask("window.beats = 0; new EventSource('/events').addEventListener('update', (event) =>"
                  " { window.beats += event.data.includes('heartbeat'); })")
+        page.ask("document.querySelector('#event-rows li').stays = true")
         stops = [n for n in range(1, 20) if self.spot_at(5 * n)]
         assert len(stops) >= 2, stops
         for steps in (stops[-1], stops[0]):
@@ -512,6 +513,8 @@ class PlaybackTest(MapTest):
         page.wait("document.querySelector('#event-rows').textContent.includes('entered corner')")
         page.wait(f"{CELLS}[4].textContent === 'corner'")
         assert page.ask("document.querySelector('#zones text').textContent") == "corner"
+        assert page.ask("[...document.querySelectorAll('#event-rows li')].filter((item) => item.stays)"
+                        ".length") == 1, "the list of events is written anew"
         page.wait("window.beats > 2")  # it stands still, and nothing grows old
         stands = self.state()
         assert stands["position"] == self.state()["position"], stands

@@ -55,11 +55,23 @@ export function showDaemon(heartbeat) {
   setText(byId('daemon'), `raylocd ${heartbeat.software_version}, ${fixes} fixes since ${clock(Date.parse(heartbeat.started))}`);
 }
 
-let shownEvents = '';
+const items = new Map();  // of the list, by event
+
+// Only what is new is written: what stands there is not read again, and keeps its selection.
 export function showEvents(events) {
-  const signature = events.map(({sent, text}) => `${sent}${text}`).join('\n');
-  if (signature === shownEvents) return;
-  shownEvents = signature;
-  byId('event-rows').replaceChildren(...events.map(({sent, text}) =>
-    html('li', {}, [html('span', {class: 'quiet'}, [`${clock(sent)} `]), text])));
+  const list = byId('event-rows');
+  const kept = new Set(events);
+  for (const [event, item] of items) {
+    if (!kept.has(event)) {
+      item.remove();
+      items.delete(event);
+    }
+  }
+  events.forEach((event, i) => {
+    if (!items.has(event)) {
+      items.set(event, html('li', {}, [html('span', {class: 'quiet'}, [`${clock(event.sent)} `]), event.text]));
+    }
+    const item = items.get(event);
+    if (list.children[i] !== item) list.insertBefore(item, list.children[i] ?? null);
+  });
 }
