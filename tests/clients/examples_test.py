@@ -84,6 +84,7 @@ def test_the_command_of_the_clients_readme_shows_the_device(
 def test_every_command_of_the_clients_readme_is_run_by_some_test() -> None:
     known = (
         "examples/subscribe.py",
+        "-m venv",  # package_test.py
         "rayloc.bridges.mqtt",
         "rayloc.bridges.ros2",
         "--format geojson",

@@ -1,4 +1,5 @@
-"""The package as a whole: its types, its version, and that pip makes the same of it as CMake."""
+"""The package as a whole: its types, its version, that pip makes the same of it as CMake, and that it
+is there where the READMEs say that it is installed. (The Debian package: tests/package/debian.)"""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from processes import blocks
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "deploy/clients/python"
@@ -58,14 +60,40 @@ def test_mypy_would_find_a_wrong_type(mypy: list[str], tmp_path: Path) -> None:
     assert "Found 1 error" in done.stdout
 
 
-def test_pip_and_cmake_make_the_same_package(tmp_path: Path) -> None:
+def test_pip_as_the_readme_has_it_makes_the_same_package_as_cmake(tmp_path: Path) -> None:
     copy = tmp_path / "deploy/clients/python"  # setuptools writes beside its sources
     copy.parent.mkdir(parents=True)
     run("cp", "-r", SOURCES, copy)
     run("cp", "-r", ROOT / "proto", tmp_path / "proto")
-    out = tmp_path / "out"
-    run("env", "-C", copy, sys.executable, "setup.py", "-q", "build", "--build-lib", out)
-    assert contents(out / "rayloc") == contents(STAGED / "rayloc")
+    (commands,) = [each for each in blocks("deploy/clients/README.md", "sh") if "pip" in each]
+    # What it needs is Debian's, wherever the tests run.
+    run("env", "-C", tmp_path, "bash", "-euc", commands, PIP_NO_INDEX="1")
+    installed = imported_from(tmp_path / "VENV/bin/python", tmp_path)
+    assert installed.is_relative_to(tmp_path / "VENV")
+    assert contents(installed) == contents(STAGED / "rayloc")
+
+
+def test_cmake_installs_it_where_the_readme_says(tmp_path: Path) -> None:
+    readme = (ROOT / "deploy/clients/README.md").read_text()
+    (words,) = re.findall(r"`(cmake --install BUILD [^`]*)`", readme)
+    command = words.replace("BUILD", os.environ["RAYLOC_BUILD"]).replace("PREFIX", str(tmp_path))
+    (folder,) = re.findall(r"the Python package into `([^`]*)`", readme)
+    run(*command.split())
+    installed = imported_from(Path(sys.executable), tmp_path, PYTHONPATH=str(tmp_path / folder))
+    assert installed == tmp_path / folder / "rayloc"
+    assert contents(installed) == contents(STAGED / "rayloc")
+
+
+def imported_from(python: Path, folder: Path, **variables: str) -> Path:
+    """Where that Python, run in that folder, has the whole package from."""
+    modules = ", ".join(
+        ".".join(file.relative_to(STAGED).with_suffix("").parts)
+        for file in sorted(STAGED.glob("rayloc/**/*.py"))
+        if file.name != "__init__.py"
+    )
+    environment = {"PYTHONPATH": "", **variables}
+    script = f"import {modules}; print(rayloc.__file__)"
+    return Path(run("env", "-C", folder, python, "-c", script, **environment).strip()).parent
 
 
 def contents(folder: Path) -> dict[str, bytes]:
