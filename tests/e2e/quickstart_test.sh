@@ -1,20 +1,42 @@
 #!/usr/bin/env bash
 # deploy/quickstart with the programs of this build and without a terminal: one JSON line for each
-# spot on standard output, the comparison with the truth on standard error, status 0, nothing left
-# running, and nothing written outside build/.
+# spot on standard output, the live map at the address that it states, the comparison with the truth
+# on standard error, status 0, nothing left running, and nothing written outside build/.
 #   quickstart_test.sh BIN_DIR
 set -euo pipefail
 bin=$(cd "$1" && pwd)
 cd "$(dirname "$0")/../.."
 work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+quickstart=
+trap '[ -z "$quickstart" ] || kill "$quickstart" 2>/dev/null || true; wait; rm -rf "$work"' EXIT
 
 changes() { git status --porcelain; }
 before=$(changes)
 status=0
 RAYLOC_BIN_DIR=$bin RAYLOC_QUICKSTART_DIR=$bin/../quickstart-run deploy/quickstart \
-  >"$work/out" 2>"$work/err" </dev/null || status=$?
+  >"$work/out" 2>"$work/err" </dev/null &
+quickstart=$!
+# While it runs, a browser finds the page and the plan of the room where it says.
+map=
+until [ -n "$map" ] || ! kill -0 "$quickstart" 2>/dev/null; do
+  sleep 0.1
+  map=$(sed -nE 's|.*live map: (http://[0-9.:]+/)$|\1|p' "$work/err")
+done
+fetch() { # fetch PATH
+  /usr/bin/python3 -c 'import sys, urllib.request as web; print(web.urlopen(sys.argv[1]).read().decode())' \
+    "$map$1"
+}
+shown=1
+if [ -n "$map" ]; then
+  { fetch '' | grep -q '<title>RayLoc live map</title>'; } || shown=
+  { fetch api/v1/map | grep -q '"ap3"'; } || shown=
+else
+  shown=
+fi
+wait "$quickstart" || status=$?
+quickstart=
 cat "$work/err"
+[ -n "$shown" ] || { echo "FAILED: no live map at the address that is stated: ${map:-none}"; exit 1; }
 [ $status = 0 ] || { echo "FAILED: status $status"; exit 1; }
 
 spots=$(($(wc -l <tests/data/sites/meeting_room/device_los.csv) - 1))
