@@ -36,6 +36,8 @@ ACCESS_POINTS = ["ap1", "ap2", "ap3"]
 DEVICE = "02:52:4c:00:00:01"
 CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
 SHOWN = f"{CELLS}.length > 0"
+TIME_SHOWN = "document.querySelector('#time-shown').textContent"
+EVENTS = "document.querySelector('#event-rows').textContent"
 DOTS = "document.querySelectorAll('#residuals circle').length > 0"
 CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
@@ -344,10 +346,16 @@ class MapTest:
     def survive_restart(self, page):
         page.ask("window.sameDocument = true; document.querySelector('#show-residuals').click()")
         page.wait(DOTS)
+        # Whoever looks at the past has to notice, too.
+        page.ask("document.querySelector('#play').click()")
+        page.wait(f"{TIME_SHOWN}.includes('ago')")
         self.daemon.stop()
         page.wait(f"{CONNECTION}.startsWith('Connection lost')")
         self.daemon.start()
         page.wait(f"{CONNECTION} === 'Connected'")
+        page.wait(f"{TIME_SHOWN} === 'live'")
+        page.wait(f"{EVENTS}.includes('raylocd was started again')")
+        assert "confirmed" in page.ask(EVENTS), "what happened before is forgotten"
         with Sending(self.recording, 2, self.daemon):
             page.wait(SHOWN)
             eventually("the device is located", self.daemon.position)

@@ -18,7 +18,8 @@ const REOPEN_MS = 10_000;  // of silence
 const PLAN_MS = 60_000;  // the plan of a large scene comes slowly over a slow line
 
 const announcements = [];
-const model = new Model((text) => announcements.push(text));
+// Nothing is left of a past under review when raylocd is started again.
+const model = new Model((text) => announcements.push(text), () => timeline.present());
 const targets = new Targets();
 const timeline = new Timeline(model);
 const playback = new Playback(model);

@@ -19,8 +19,11 @@ export function targetName(target) {
 }
 
 export class Model {
-  constructor(told) {
-    this.told = told;  // (text): something that a person should know
+  // told(text): something that a person should know. restarted(): what was known is void.
+  constructor(told, restarted) {
+    this.told = told;
+    this.restarted = restarted;
+    this.events = [];
     this.clear();
   }
 
@@ -31,7 +34,6 @@ export class Model {
     this.beatMs = BEAT_MS;
     this.targets = new Map();
     this.sources = new Map();
-    this.events = [];
     this.heartbeat = null;
     this.playback = null;
     this.colours = 0;
@@ -64,13 +66,16 @@ export class Model {
   }
 
   snapshot(body) {
+    const restarted = this.epoch !== null && body.epoch !== this.epoch;
     if (body.epoch !== this.epoch) {
-      const restarted = this.epoch !== null;
       this.clear();
       this.epoch = body.epoch;
-      if (restarted) this.told('raylocd was started again');
     }
     this.update(body);
+    if (restarted) {
+      this.event('raylocd was started again', Date.parse(body.now));
+      this.restarted();
+    }
   }
 
   update(body) {
