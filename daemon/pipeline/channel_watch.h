@@ -20,7 +20,7 @@ namespace rayloc {
 class ChannelWatch {
  public:
   struct Sight {
-    std::string target;                          // address
+    std::string target;                          // as topics name it: never an address hashed
     Timestamp time;                              // of the last frame
     Vec3d position;                              // [m]
     std::vector<CsiFrame> frames;                // some of the burst

@@ -190,7 +190,7 @@ void DeviceEstimator::show_channel(const Burst& burst,
   }
   constexpr std::size_t kMostFrames = 24;  // over all access points: what a burst says is in them
   const auto count = static_cast<std::ptrdiff_t>(std::min(burst.frames.size(), kMostFrames));
-  channels_.add({to_string(burst.transmitter),
+  channels_.add({target_component(location.target()),
                  burst.last,
                  {location.position().x(), location.position().y(), location.position().z()},
                  {burst.frames.begin(), burst.frames.begin() + count},

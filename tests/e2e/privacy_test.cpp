@@ -139,6 +139,29 @@ TEST(Privacy, ItIsEverywhereOtherwise) {
                                        "topics"}));
 }
 
+// The channel behind a fix, which takes a calibrated site.
+TEST(Privacy, TheChannelIsOfTheHashWhenItIsHashed) {
+  const TemporaryFolder calibrated;
+  const std::filesystem::path site = calibrated_site(calibrated.path());
+  for (const bool hashed : {true, false}) {
+    const TemporaryFolder folder;
+    LiveDaemon daemon(folder.path(),
+                      {.site = site,
+                       .access_points = {"ap2"},
+                       .more_configuration = hashed ? "[privacy]\ntarget_id = \"hmac\"\n" : ""});
+    ASSERT_TRUE(daemon.ready()) << daemon.errors();
+    http_get(daemon.http_port(), "/api/v1/channel");  // from now on channels are kept for it
+    EXPECT_EQ(send_for_a_second(folder.path(), daemon), 0);
+    std::string channel;
+    EXPECT_TRUE(eventually(kPatience, [&] {  // it is made beside, once it has been asked for
+      channel = http_get(daemon.http_port(), "/api/v1/channel");
+      return channel.find("\"target\"") != std::string::npos;
+    })) << daemon.errors();
+    EXPECT_EQ(places_of_the_address({{"channel", channel}}).empty(), hashed) << channel;
+    EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  }
+}
+
 TEST(Privacy, AReplayWithTheKeyGivesTheVeryHashes) {
   const TemporaryFolder folder;
   const std::filesystem::path key = folder.path() / "privacy.key";
