@@ -1,7 +1,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "daemon/site/toml_reader.h"
 
@@ -14,14 +17,41 @@ bool has_wildcard(std::string_view pattern) {
   return pattern.find_first_of("*?[") != std::string_view::npos;
 }
 
-std::vector<fs::path> matches(const fs::path& pattern) {
-  glob_t found{};
+// glob() hands its errors to a function without a context.
+thread_local std::vector<std::string> unreadable_folders;
+
+int note_unreadable(const char* folder, int error) {
+  if (error != ENOENT && error != ENOTDIR) {
+    unreadable_folders.push_back(std::string(folder) + ": " + std::strerror(error));
+  }
+  return 0;
+}
+
+struct Matches {
   std::vector<fs::path> files;
-  if (glob(pattern.c_str(), 0, nullptr, &found) == 0) {
-    files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
+  std::vector<std::string>
+      unreadable;  // folders whose files cannot be listed, each with the reason
+};
+
+Matches matches(const fs::path& pattern) {
+  glob_t found{};
+  Matches result;
+  unreadable_folders.clear();
+  if (glob(pattern.c_str(), 0, note_unreadable, &found) == 0) {
+    result.files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   }
   globfree(&found);
-  return files;
+  result.unreadable = std::exchange(unreadable_folders, {});
+  return result;
+}
+
+// Why a file that is named without wildcards was not found.
+std::string reason_of_absence(const fs::path& file) {
+  std::error_code failed;
+  if (!fs::exists(file, failed) && failed) {
+    return "cannot be read: " + failed.message();
+  }
+  return "is not there; paths are taken from the folder of this file";
 }
 
 // The path as toml++ keeps it is that of the stated text; two ways to write it are one file.
@@ -36,12 +66,15 @@ void TomlDocument::include(std::string_view key) {
   const TomlTable top = root();
   const TomlPosition named_at = top.position(key);
   for (const std::string& pattern : top.strings(key)) {
-    const std::vector<fs::path> files = matches(file_.parent_path() / pattern);
-    if (files.empty() && !has_wildcard(pattern)) {
-      error(named_at,
-            "'" + pattern + "' is not there; paths are taken from the folder of this file");
+    const fs::path whole = file_.parent_path() / pattern;
+    const Matches found = matches(whole);
+    if (found.files.empty() && !has_wildcard(pattern)) {
+      error(named_at, "'" + pattern + "' " + reason_of_absence(whole));
     }
-    for (const fs::path& file : files) {
+    for (const std::string& folder : found.unreadable) {
+      error(named_at, "'" + pattern + "': cannot list " + folder);
+    }
+    for (const fs::path& file : found.files) {
       if (is_same_file(file, file_)) {
         error(named_at, "'" + pattern + "' names this very file");
       } else {

@@ -94,6 +94,16 @@ TEST_F(ConfigFiles, ANamedFileMustExistAPatternNeedNot) {
               HasSubstr("d.toml:1:11: 'include' is"));
 }
 
+// Links that go round: what even root cannot read.
+TEST_F(ConfigFiles, WhatCannotBeReadIsNotTakenForNothing) {
+  const std::string rest = "\n[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"udp\"\n";
+  fs::create_symlink("round", folder_ / "round");
+  EXPECT_EQ(errors(write("a.toml", "include = \"round/*.toml\"" + rest)),
+            "a.toml:1:11: 'round/*.toml': cannot list round: Too many levels of symbolic links");
+  EXPECT_EQ(errors(write("b.toml", "include = \"round/b.toml\"" + rest)),
+            "b.toml:1:11: 'round/b.toml' cannot be read: Too many levels of symbolic links");
+}
+
 TEST_F(ConfigFiles, ChangesAreSortedByWhatTheyTake) {
   const std::string source = "[[source]]\naccess_point = \"a\"\nkind = \"udp\"\n";
   const std::string site = "[site]\ndirectory = \"/s\"\n";
