@@ -596,8 +596,14 @@ class NoRoomTest(MapTest):
             page.wait(f"({EMPTY}).includes('method')")
             page.wait("document.querySelector('#site').textContent !== ''")
             self.artefact(page, "no-room")
+        self.check_modules(page)
         self.check(page)
         page.close()
+
+    def check_modules(self, page):
+        with open(os.path.join(ROOT, "tests/e2e/map_modules_test.js"), encoding="utf-8") as file:
+            for name in page.ask(file.read()):
+                print(name)
 
 
 def assert_counted(daemon):

@@ -100,6 +100,7 @@ function draw(time) {
   stirred = false;
   const moment = model.held ?? timeline.step(elapsed);
   showRoom();
+  setText(byId('no-targets'), model.absence());
   targets.show(model.at(moment), view);
   showSources(model);
   showDaemon(model.heartbeat);

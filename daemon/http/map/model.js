@@ -2,10 +2,14 @@
 // for a moment: the present, or one under review.
 //
 // All times are of the daemon's clock [ms]; `now()` follows it from the last message on.
-const PAST = 6000;              // estimates kept of a target: ten minutes of ten a second
+const PAST_MS = 10 * 60_000;    // for review
+const PAST = 30_000;            // estimates kept, of all targets together
+const GHOSTS = 8;               // hypotheses kept of each
 const TRAIL_MS = 20_000;
 const FORGET_MS = 10 * 60_000;  // a target not heard of for so long leaves the map
+const FORGET_LOST_MS = 60_000;  // a person whose track was lost: its number does not come again
 const PREFER_FILTERED_MS = 1000;
+const FRESH_MS = 5000;          // what is older is no news
 const SLACK_MS = 700;           // of the way here, before an estimate counts as stale
 const EVENTS = 100;
 const BEAT_MS = 1000;           // between heartbeats, before two have come
@@ -39,6 +43,7 @@ export class Model {
     this.colours = 0;
     this.first = null;
     this.latest = null;
+    this.nobody = null;
   }
 
   now() {
@@ -120,26 +125,37 @@ export class Model {
     return playback && !playback.playing && !playback.ended ? this.latest : null;
   }
 
+  // An empty room, too, is told each second, as a person who is not there.
+  absence() {
+    const {nobody} = this;
+    return nobody && this.now() - nobody.sent < FRESH_MS ? `Nobody is located: ${nobody.reason}.`
+      : 'No target has been located yet.';
+  }
+
   location(location, sent) {
+    if (!location.position && isPerson(location.target)) {
+      this.nobody = {reason: location.quality.no_fix_reason, sent};
+      return;
+    }
     const key = `${location.target.mac || location.target.hashed_mac || `person-${location.target.track}`}`;
     let target = this.targets.get(key);
     if (!target) {
       target = {key, name: targetName(location.target), colour: this.colours++ % 8, past: [], filtered: -Infinity};
       this.targets.set(key, target);
-      this.told(`${target.name} appeared`);
+      if (this.now() - sent < FRESH_MS) this.told(`${target.name} appeared`);
     }
     target.last = sent;
     if (location.kind === 'LOCATION_KIND_FILTERED') target.filtered = Math.max(target.filtered, sent);
     else if (sent - target.filtered < PREFER_FILTERED_MS) return;
-    const until = sent + 1000 * seconds(location.valid_for) + SLACK_MS;
-    const entry = {sent, until, location};
+    // A recording that is played slowly says less often where it is.
+    const pace = Math.min(1, this.playback?.speed || 1);
+    const until = sent + (1000 * seconds(location.valid_for)) / pace;
+    const entry = {sent, until, location: drawn(location)};
     // After a reconnection the two kinds of estimates may come out of order.
     let at = target.past.length;
     while (at > 0 && target.past[at - 1].sent > sent) --at;
     if (at > 0 && target.past[at - 1].location.event_id === location.event_id) return;  // told again
     target.past.splice(at, 0, entry);
-    if (target.past.length > PAST) target.past.shift();
-    this.first = this.first === null ? sent : Math.min(this.first, sent);
     this.latest = Math.max(this.latest ?? sent, sent);
   }
 
@@ -166,12 +182,21 @@ export class Model {
     this.events.push({text, sent});
     this.events.sort((a, b) => b.sent - a.sent);
     this.events.length = Math.min(this.events.length, EVENTS);
-    if (this.now() - sent < 5000) this.told(text);
+    if (this.now() - sent < FRESH_MS) this.told(text);
   }
 
   forget() {
+    const now = this.held ?? this.now();
     for (const [key, target] of this.targets) {
-      if (this.now() - target.last > FORGET_MS) this.targets.delete(key);
+      if (now - target.last > (isGone(target) ? FORGET_LOST_MS : FORGET_MS)) this.targets.delete(key);
+    }
+    const share = Math.max(1, Math.floor(PAST / this.targets.size));
+    this.first = null;
+    for (const {past} of this.targets.values()) {
+      // The last one before stays: it says where the target was when that time began.
+      const old = Math.max(latest(past, now - PAST_MS), past.length - share);
+      if (old > 0) past.splice(0, old);
+      if (past.length > 0) this.first = Math.min(this.first ?? now, Math.max(past[0].sent, now - PAST_MS));
     }
   }
 
@@ -194,9 +219,28 @@ export class Model {
   }
 }
 
+const isLost = (location) => location.track_state === 'TRACK_STATE_LOST';
+const isPerson = (target) => !target.mac && !target.hashed_mac;
+
+function isGone({past}) {
+  const last = past.at(-1);
+  return Boolean(last) && isPerson(last.location.target) && isLost(last.location);
+}
+
+// What is shown of an estimate: thousands are kept.
+function drawn(location) {
+  const {event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones, quality} = location;
+  const {warnings, ambiguous, no_fix_reason} = quality;
+  return {
+    event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones,
+    quality: {warnings, ambiguous, no_fix_reason},
+    hypotheses: (location.hypotheses || []).slice(0, GHOSTS),
+  };
+}
+
 function staleSince({location, sent, until}, time) {
-  if (location.track_state === 'TRACK_STATE_LOST') return sent;
-  return time > until ? sent + 1000 * seconds(location.valid_for) : null;
+  if (isLost(location)) return sent;
+  return time > until + SLACK_MS ? until : null;
 }
 
 function latest(past, time) {

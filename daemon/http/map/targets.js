@@ -2,7 +2,6 @@
 import {byId, clock, ellipse, html, number, setText, svg} from './draw.js';
 import {trackStateText} from './model.js';
 
-const GHOSTS = 8;
 const LEAST_WEIGHT = 0.01;
 const CLOSE_PX = 12;  // what is nearer to the mark would only hide it
 
@@ -126,7 +125,7 @@ function ghosts({hypotheses, position}, view) {
   const apart = (one) => !position
     || view.scale * Math.hypot(one.position.x - position.x, one.position.y - position.y) > CLOSE_PX;
   const others = (hypotheses || []).filter((one) => one.weight >= LEAST_WEIGHT && apart(one));
-  return others.slice(0, GHOSTS).map((one) => {
+  return others.map((one) => {
     const opacity = 0.25 + 0.75 * one.weight;
     const [cx, cy] = view.toPixel(one.position.x, one.position.y);
     const title = svg('title', {}, [`${number(100 * one.weight, 0)} %`]);

@@ -1,0 +1,107 @@
+// The modules of the map, each by itself, in a page of a raylocd that publishes nothing (map_test.py).
+// Evaluates to the names of the checks; the first that fails is thrown.
+(async () => {
+  const {Model} = await import('/map/model.js');
+
+  const same = (found, wanted, what) => {
+    if (JSON.stringify(found) !== JSON.stringify(wanted)) {
+      throw new Error(`${what}: ${JSON.stringify(found)}, not ${JSON.stringify(wanted)}`);
+    }
+  };
+  const NOW = Date.parse('2030-01-01T12:00:00Z');
+  const HOUR = 3_600_000;
+
+  // As raylocd writes them.
+  const location = (sent, change = {}) => ({sent: new Date(sent).toISOString(), location: {
+    event_id: `${sent}`, kind: 'LOCATION_KIND_FILTERED', track_state: 'TRACK_STATE_CONFIRMED',
+    target: {mac: '02:00:00:00:00:01', track: '1'}, valid_for: '0.450s', quality: {},
+    position: {x: 1, y: 2, z: 1}, position_covariance: [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0], ...change}});
+  const person = (track, change = {}) => ({target: {track}, event_id: `p${track}`, ...change});
+  const playing = (sent, speed) => ({sent: new Date(sent).toISOString(), heartbeat: {playback: {
+    state: 'PLAYBACK_STATE_PLAYING', begin: '2020-01-01T00:00:00Z', end: '2020-01-01T00:01:00Z',
+    position: '2020-01-01T00:00:10Z', speed}}});
+
+  const begin = (messages) => {
+    const said = [];
+    const model = new Model((text) => said.push(text), () => {});
+    const tell = (now, list) => model.update({now: new Date(now).toISOString(), messages: list});
+    model.snapshot({now: new Date(NOW).toISOString(), epoch: '1', messages});
+    return {model, said, tell};
+  };
+
+  const checks = {
+    'a device that was lost long ago is no news'() {
+      const {model, said} = begin([location(NOW - 5 * HOUR), location(NOW - 1000, person('7'))]);
+      same(said, ['person 7 appeared'], 'announced');
+      same(model.at(NOW).map(({target}) => target.name), ['person 7'], 'shown');
+      same(model.first, NOW - 1000, 'what can be reviewed begins');
+    },
+
+    'what can be reviewed moves on'() {
+      const {model, tell} = begin([location(NOW)]);
+      for (let at = NOW + 60_000; at <= NOW + 2 * HOUR; at += 60_000) tell(at, [location(at)]);
+      const [{past}] = model.targets.values();
+      // And where it was at that time: one before.
+      same(past.length <= 12, true, `${past.length} estimates in ten minutes of one a minute`);
+      same(Math.round((NOW + 2 * HOUR - model.first) / 60_000), 10, 'minutes that can be reviewed');
+      same(model.at(model.first).length, 1, 'targets at its beginning');
+    },
+
+    'what many targets did takes bounded memory'() {
+      const {model, tell} = begin([]);
+      for (let step = 0; step < 200; ++step) {
+        const at = NOW + 100 * step;
+        tell(at, Array.from({length: 300}, (_, i) => location(at, {
+          target: {mac: `m${i}`}, hypotheses: Array.from({length: 40}, () => ({weight: 0.025}))})));
+      }
+      const kept = [...model.targets.values()].map(({past}) => past);
+      same(kept.length, 300, 'targets');
+      same(kept.reduce((sum, past) => sum + past.length, 0) <= 30_000, true, 'estimates are bounded');
+      same(kept.every((past) => past.at(-1).sent === NOW + 19_900), true, 'the newest are kept');
+      same(kept[0].at(-1).location.hypotheses.length, 8, 'hypotheses');
+    },
+
+    'a person whose track was lost goes before a device'() {
+      const lost = {track_state: 'TRACK_STATE_LOST'};
+      const {model, tell} = begin([location(NOW, lost), location(NOW, person('7', lost))]);
+      tell(NOW + 59_000, []);
+      same(model.at(NOW + 59_000).length, 2, 'targets before a minute');
+      tell(NOW + 61_000, []);
+      same(model.at(NOW + 61_000).map(({target}) => target.key), ['02:00:00:00:00:01'], 'targets after it');
+    },
+
+    'nobody in the room is nobody on the map'() {
+      const empty = {kind: 'LOCATION_KIND_SNAPSHOT', track_state: undefined, position: undefined,
+        quality: {no_fix_reason: 'nobody seen'}};
+      const {model, said, tell} = begin([location(NOW, person('7', empty))]);
+      same([model.at(NOW).length, said], [0, []], 'shown and announced');
+      same(model.absence(), 'Nobody is located: nobody seen.', 'said');
+      tell(NOW + 6000, []);
+      same(model.absence(), 'No target has been located yet.', 'said when that is old');
+    },
+
+    'a recording played slowly does not make its devices stale'() {
+      const stale = (speed) => {
+        const {model} = begin([playing(NOW - 2000, speed), location(NOW - 1200)]);
+        return model.at(NOW)[0].stale;
+      };
+      same(stale(0.25), null, 'at a quarter of the pace');
+      same(stale(1), NOW - 1200 + 450, 'at its pace');
+      same(stale(undefined), NOW - 1200 + 450, 'as fast as it goes');
+    },
+
+    'what is told again after a reconnection counts once'() {
+      const {model, tell} = begin([location(NOW)]);
+      tell(NOW + 100, [location(NOW), location(NOW + 100)]);
+      same([...model.targets.values()][0].past.map(({sent}) => sent), [NOW, NOW + 100], 'estimates');
+    },
+  };
+  for (const [name, check] of Object.entries(checks)) {
+    try {
+      await check();
+    } catch (error) {
+      throw new Error(`${name}: ${error.stack}`);
+    }
+  }
+  return Object.keys(checks);
+})()
