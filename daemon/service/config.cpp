@@ -435,6 +435,7 @@ Expected<DaemonSetup> load_daemon_setup(const fs::path& file) {
   if (!site_errors.empty()) {
     return make_error(ErrorKind::kConfiguration, site_errors);
   }
+  setup.values = ConfigValues::of(reading);
   setup.config = std::move(reading.config);
   return setup;
 }

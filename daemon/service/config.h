@@ -129,14 +129,6 @@ struct DaemonConfig {
 // other's way.
 Expected<DaemonConfig> load_config(const std::filesystem::path& file);
 
-// A configuration and the site that it names, checked against each other: every source is resolved
-// to an access point, and no access point has two. An Error lists what is wrong in both files.
-struct DaemonSetup {
-  DaemonConfig config;
-  Site site;
-};
-Expected<DaemonSetup> load_daemon_setup(const std::filesystem::path& file);
-
 // The same of a text; `file` is for messages and for relative paths. `include` is not followed.
 Expected<DaemonConfig> parse_config(std::string_view text, const std::filesystem::path& file);
 
@@ -149,10 +141,13 @@ struct ConfigChanges {
   std::vector<std::string> applicable;     // while the daemon runs
   std::vector<std::string> needs_restart;  // by a restart only
 };
+
+struct ConfigReading;  // config_reader.h
+
 // What holds with a file, key by key; kept to be compared with the same file later.
 class ConfigValues {
  public:
-  static Expected<ConfigValues> read(const std::filesystem::path& file);
+  static ConfigValues of(const ConfigReading& reading);
   ConfigChanges changes_to(const ConfigValues& newer) const;
   // Takes the values of the keys that a reload applies.
   void adopt_applicable(const ConfigValues& newer);
@@ -166,5 +161,14 @@ class ConfigValues {
   };
   std::map<std::string, Entry> values_;
 };
+
+// A configuration and the site that it names, checked against each other: every source is resolved
+// to an access point, and no access point has two. An Error lists what is wrong in both files.
+struct DaemonSetup {
+  DaemonConfig config;
+  ConfigValues values;  // that `config` was made of
+  Site site;
+};
+Expected<DaemonSetup> load_daemon_setup(const std::filesystem::path& file);
 
 }  // namespace rayloc

@@ -6,15 +6,7 @@
 
 namespace rayloc {
 
-Expected<ConfigValues> ConfigValues::read(const std::filesystem::path& file) {
-  const auto document = read_files(file);
-  if (!document) {
-    return tl::make_unexpected(document.error());
-  }
-  const ConfigReading reading = read_config(**document);
-  if (const Expected<void> result = (*document)->finish(); !result) {
-    return tl::make_unexpected(result.error());
-  }
+ConfigValues ConfigValues::of(const ConfigReading& reading) {
   ConfigValues values;
   int sources = 0;
   for (const ConfigSection& section : reading.sections) {

@@ -46,11 +46,11 @@ Expected<void> serve(const std::string& file) {
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
-  Expected<ConfigValues> values = ConfigValues::read(file);
   Expected<PassedSockets> sockets = PassedSockets::take();
-  if (!values || !sockets) {
-    return tl::make_unexpected(values ? sockets.error() : values.error());
+  if (!sockets) {
+    return tl::make_unexpected(sockets.error());
   }
+  Reloader reloader(*setup);
   set_up_log(setup->config.log);
   spdlog::info("raylocd {}: preparing the room of site '{}'", RAYLOC_VERSION, setup->site.name);
   Expected<std::unique_ptr<Service>> opened = Service::open(
@@ -71,8 +71,7 @@ Expected<void> serve(const std::string& file) {
   }
   spdlog::info("ready: publishing at {}", service.endpoint());
   manager.ready();
-  const std::string reason =
-      RunLoop(service, manager, Reloader(file, std::move(*values))).run(signals);
+  const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);
   manager.stopping();
   spdlog::info("stopping: {}", reason);
   // A second signal ends the daemon at once; one that asks for a snapshot comes too late.

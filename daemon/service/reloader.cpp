@@ -8,12 +8,12 @@ Expected<Reloader::Reload> Reloader::reload() {
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
-  const Expected<ConfigValues> now = ConfigValues::read(file_);
-  if (!now) {
-    return tl::make_unexpected(now.error());
+  const InputFiles now = InputFiles::of(*setup);
+  Reload reload{std::move(setup->config), values_.changes_to(setup->values)};
+  for (const std::string& file : inputs_.changes_to(now)) {
+    reload.changes.needs_restart.push_back("the content of " + file);
   }
-  Reload reload{std::move(setup->config), values_.changes_to(*now)};
-  values_.adopt_applicable(*now);
+  values_.adopt_applicable(setup->values);
   return reload;
 }
 

@@ -1,9 +1,9 @@
 // Reloader: reads the configuration again (SIGHUP) and says what of it can be applied.
 //
 // Everything is validated first, the site and its access points included; when anything is wrong
-// nothing changes. Keys that a reload applies are marked in config_schema.cpp; changes of others
-// are named and wait for a restart, and are named again at each reload until then. Thread safety:
-// one thread.
+// nothing changes. Keys that a reload applies are marked in config_schema.cpp; changes of others,
+// and of the files that are read at the start (input_files.h), are named and wait for a restart,
+// and are named again at each reload until then. Thread safety: one thread.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +11,15 @@
 #include <utility>
 
 #include "daemon/service/config.h"
+#include "daemon/service/input_files.h"
 
 namespace rayloc {
 
 class Reloader {
  public:
-  // `values`: what the daemon was started with.
-  Reloader(std::filesystem::path file, ConfigValues values)
-      : file_(std::move(file)), values_(std::move(values)) {}
+  // `setup`: what the daemon is started with; what its files hold now is taken for what it reads.
+  explicit Reloader(const DaemonSetup& setup)
+      : file_(setup.config.file), values_(setup.values), inputs_(InputFiles::of(setup)) {}
 
   struct Reload {
     DaemonConfig config;    // as the files are now
@@ -33,6 +34,7 @@ class Reloader {
  private:
   std::filesystem::path file_;
   ConfigValues values_;
+  InputFiles inputs_;
 };
 
 }  // namespace rayloc

@@ -97,6 +97,7 @@ struct Site {
   std::string name;
   std::filesystem::path directory;
   std::filesystem::path scene_file;
+  std::vector<std::filesystem::path> files;  // site.toml, and every file that it names
   Vec3d bounds_min;  // [m]; from [bounds], else from the scene when it is loaded
   Vec3d bounds_max;
   bool has_bounds = false;

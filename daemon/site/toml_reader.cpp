@@ -209,7 +209,7 @@ std::optional<std::filesystem::path> TomlTable::path(std::string_view key) const
   const TomlPosition at = position(key);
   const std::filesystem::path stated_in =
       at.included_file ? std::filesystem::path(*at.included_file) : document_->file();
-  return stated_in.parent_path() / *value;
+  return document_->named_paths_.emplace_back(stated_in.parent_path() / *value);
 }
 
 bool TomlTable::read_numbers(const toml::node& node,

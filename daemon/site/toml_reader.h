@@ -149,6 +149,8 @@ class TomlDocument {
   // Stands for the table [name] where the document has none.
   TomlTable empty_table(const std::string& name) { return {*this, empty_, "[" + name + "]"}; }
   const std::filesystem::path& file() const { return file_; }
+  // Those that keys were asked for and name, in this order: TomlTable::path().
+  const std::vector<std::filesystem::path>& named_paths() const { return named_paths_; }
 
   void error(TomlPosition position, std::string message);
 
@@ -180,6 +182,7 @@ class TomlDocument {
   std::map<const toml::table*, Asked> asked_;
   std::vector<Note> notes_;
   std::vector<std::string> broken_files_;  // why included files are not TOML, one each
+  std::vector<std::filesystem::path> named_paths_;
 };
 
 // The shortest text that reads back as the number: "0.2", "5190000000".

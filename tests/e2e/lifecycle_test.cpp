@@ -181,6 +181,34 @@ TEST(LifeCycle, AReloadAppliesWhatItMayNamesTheRestAndRefusesABrokenFile) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
+TEST(LifeCycle, AReloadNamesTheFilesThatOnlyARestartReads) {
+  const TemporaryFolder folder;
+  const std::filesystem::path site = folder.path() / "site";
+  std::filesystem::copy(bundled(""), site, std::filesystem::copy_options::recursive);
+  NotifySocket manager(folder.path());
+  LiveDaemonOptions options = one_access_point({manager.variable()}, "");
+  options.site = site;
+  LiveDaemon daemon(folder.path(), options);
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  int reloads = 0;
+  const auto reload = [&] {
+    daemon.signal(SIGHUP);
+    EXPECT_TRUE(manager.wait_for("READY=1", kPatience, ++reloads + 1));
+    return daemon.log();
+  };
+  for (const char* const name : {"site.toml", "meshes/table.ply"}) {
+    const std::string as_it_was = read_text(site / name);
+    std::ofstream(site / name) << as_it_was;
+    EXPECT_THAT(reload(), ::testing::Not(HasSubstr(name))) << "written again";
+    std::ofstream(site / name, std::ios::app) << "\n";
+    EXPECT_THAT(reload(),
+                HasSubstr("refused, these need a restart: the content of " +
+                          (site / name).string() + "\n"));
+    std::ofstream(site / name) << as_it_was;
+  }
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
 // A listening socket on loopback, as a .socket unit would have bound it.
 int bound_socket(int type, std::uint16_t port) {
   const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);

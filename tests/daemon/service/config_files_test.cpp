@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/service/config_reader.h"
 #include "daemon/service/config_schema.h"
 
 namespace rayloc {
@@ -108,9 +109,9 @@ TEST_F(ConfigFiles, ChangesAreSortedByWhatTheyTake) {
   const std::string source = "[[source]]\naccess_point = \"a\"\nkind = \"udp\"\n";
   const std::string site = "[site]\ndirectory = \"/s\"\n";
   const auto values = [&](const std::string& text) {
-    const Expected<ConfigValues> read = ConfigValues::read(write("raylocd.toml", text));
-    EXPECT_TRUE(read) << read.error().message;
-    return *read;
+    const auto document = TomlDocument::parse(text, "raylocd.toml");
+    EXPECT_TRUE(document) << document.error().message;
+    return ConfigValues::of(read_config(**document));
   };
   const ConfigValues first = values(site + source);
   EXPECT_THAT(first.changes_to(first).applicable, IsEmpty());

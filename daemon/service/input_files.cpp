@@ -1,0 +1,79 @@
+#include "daemon/service/input_files.h"
+
+#include <algorithm>
+
+#include "daemon/site/site_copy.h"
+#include "engine/base/content_hash.h"
+#include "engine/scene/load_scene.h"
+
+namespace rayloc {
+namespace {
+
+// Empty for what cannot be read: it differs from what can.
+std::string hash_of(const Expected<std::string>& content) {
+  if (!content) {
+    return "";
+  }
+  ContentHash hash;
+  hash.add(*content);
+  return hash.text();
+}
+
+}  // namespace
+
+InputFiles InputFiles::of(const DaemonSetup& setup) {
+  InputFiles files;
+  for (const std::filesystem::path& file : setup.site.files) {
+    files.add(file);
+  }
+  files.add_scene(setup.site);
+  const DaemonConfig& config = setup.config;
+  for (const auto& secret :
+       {config.curve.secret_file, config.http.token_file, config.privacy.key_file}) {
+    if (!secret.empty()) {
+      files.add(secret);
+    }
+  }
+  return files;
+}
+
+void InputFiles::add(const std::filesystem::path& file) {
+  hash_[file.string()] = hash_of(read_file(file));
+}
+
+// The meshes that the scene names. Whether it is a scene is for those to say who load it.
+void InputFiles::add_scene(const Site& site) {
+  const Expected<std::string> xml = read_file(site.scene_file);
+  if (!xml) {
+    return;
+  }
+  SceneOptions options;
+  options.carrier_hz = site.carrier.grid.centre_hz;
+  const std::filesystem::path folder = site.scene_file.parent_path();
+  static_cast<void>(
+      parse_scene(*xml, site.scene_file.string(), options, [&](const std::string& name) {
+        const std::filesystem::path mesh = folder / name;
+        Expected<std::string> content = read_file(mesh);
+        hash_[mesh.string()] = hash_of(content);
+        return content;
+      }));
+}
+
+std::vector<std::string> InputFiles::changes_to(const InputFiles& newer) const {
+  std::vector<std::string> changed;
+  for (const auto& [file, hash] : hash_) {
+    const auto now = newer.hash_.find(file);
+    if (now == newer.hash_.end() || now->second != hash) {
+      changed.push_back(file);
+    }
+  }
+  for (const auto& [file, hash] : newer.hash_) {
+    if (hash_.count(file) == 0) {
+      changed.push_back(file);
+    }
+  }
+  std::sort(changed.begin(), changed.end());
+  return changed;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,30 @@
+// InputFiles: what the files that a configuration names held at some instant: the site with its
+// scene, calibration, reference and tables of antennas, and the secrets. Two of them tell which
+// files have changed since, which a daemon reads at its start only.
+//
+// By hashes of the contents: a file written again as it was is no change. Thread safety: a value.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "daemon/service/config.h"
+
+namespace rayloc {
+
+class InputFiles {
+ public:
+  static InputFiles of(const DaemonSetup& setup);
+
+  // The paths of those whose contents differ, came or went; sorted.
+  std::vector<std::string> changes_to(const InputFiles& newer) const;
+
+ private:
+  void add(const std::filesystem::path& file);
+  void add_scene(const Site& site);
+
+  std::map<std::string, std::string> hash_;  // by path
+};
+
+}  // namespace rayloc
