@@ -39,8 +39,13 @@ bool write_all(int fd, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-RingSnapshots::RingSnapshots(std::vector<Source> sources, Options options)
-    : sources_(std::move(sources)), options_(std::move(options)), thread_([this] { run(); }) {}
+RingSnapshots::RingSnapshots(std::vector<Source> sources,
+                             std::filesystem::path folder,
+                             const Limits& limits)
+    : sources_(std::move(sources)),
+      folder_(std::move(folder)),
+      limits_(limits),
+      thread_([this] { run(); }) {}
 
 RingSnapshots::~RingSnapshots() {
   {
@@ -63,7 +68,7 @@ Expected<std::vector<std::string>> RingSnapshots::request() {
     auto pieces = source.ring->contents();
     if (!pieces.empty()) {
       const std::string name = source.access_point + "-snapshot";
-      paths.push_back(free_recording_name(options_.folder, name, now).string());
+      paths.push_back(free_recording_name(folder_, name, now).string());
       files.push_back({paths.back(), std::move(pieces)});
     }
   }
@@ -73,6 +78,11 @@ Expected<std::vector<std::string>> RingSnapshots::request() {
   waiting_ = std::move(files);
   wake_.notify_one();
   return paths;
+}
+
+void RingSnapshots::set_limits(const Limits& limits) {
+  const std::lock_guard lock(mutex_);
+  limits_ = limits;
 }
 
 void RingSnapshots::run() {
@@ -91,9 +101,12 @@ void RingSnapshots::run() {
 }
 
 void RingSnapshots::write(const File& file) {
-  const Expected<std::uint64_t> datagrams = write_file(file);
-  remove_oldest_recordings(options_.folder, options_.max_total_bytes);
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  const Limits limits = limits_;
+  lock.unlock();
+  const Expected<std::uint64_t> datagrams = write_file(file, limits.min_free_bytes);
+  remove_oldest_recordings(folder_, limits.max_total_bytes);
+  lock.lock();
   (datagrams ? counters_.files : counters_.failed) += 1;
   news_.push_back("snapshot: " + (datagrams
                                       ? file.path + ": " + std::to_string(*datagrams) + " datagrams"
@@ -101,16 +114,17 @@ void RingSnapshots::write(const File& file) {
 }
 
 // How many datagrams it holds.
-Expected<std::uint64_t> RingSnapshots::write_file(const File& file) const {
+Expected<std::uint64_t> RingSnapshots::write_file(const File& file,
+                                                  std::uint64_t min_free_bytes) const {
   std::uint64_t bytes = 0;
   for (const auto& piece : file.pieces) {
     bytes += piece->bytes();
   }
-  if (const Expected<void> made = make_recording_folder(options_.folder); !made) {
+  if (const Expected<void> made = make_recording_folder(folder_); !made) {
     return tl::make_unexpected(made.error());
   }
-  const std::uint64_t free = free_disk_bytes(options_.folder);
-  if (free < options_.min_free_bytes || free - options_.min_free_bytes < bytes) {
+  const std::uint64_t free = free_disk_bytes(folder_);
+  if (free < min_free_bytes || free - min_free_bytes < bytes) {
     return cannot_write(file.path, "less than min_free_mb would be left");
   }
   const std::string part = file.path + kPartSuffix;

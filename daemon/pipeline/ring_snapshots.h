@@ -31,13 +31,12 @@ class RingSnapshots {
     std::string access_point;
     DatagramRing* ring = nullptr;  // outlives this
   };
-  struct Options {
-    std::filesystem::path folder;
-    std::uint64_t max_total_bytes = 0;  // of the recordings in it
+  struct Limits {
+    std::uint64_t max_total_bytes = 0;  // of the recordings in the folder
     std::uint64_t min_free_bytes = 0;   // of its disk, that a snapshot leaves
   };
 
-  RingSnapshots(std::vector<Source> sources, Options options);
+  RingSnapshots(std::vector<Source> sources, std::filesystem::path folder, const Limits& limits);
   // Ends what is being written first.
   ~RingSnapshots();
   RingSnapshots(const RingSnapshots&) = delete;
@@ -46,6 +45,9 @@ class RingSnapshots {
   // Takes what the rings hold now, and begins to write it; the paths that the files will have.
   // kUnavailable while another is being written, and when the rings are empty.
   Expected<std::vector<std::string>> request();
+
+  // Hold from the next file on.
+  void set_limits(const Limits& limits);
 
   RingSnapshotCounters counters() const;
   // What was written and what could not be, since the last call; a line each, for the log.
@@ -58,12 +60,13 @@ class RingSnapshots {
   };
   void run();
   void write(const File& file);
-  Expected<std::uint64_t> write_file(const File& file) const;
+  Expected<std::uint64_t> write_file(const File& file, std::uint64_t min_free_bytes) const;
 
   const std::vector<Source> sources_;
-  const Options options_;
+  const std::filesystem::path folder_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
+  Limits limits_;                  // guarded by mutex_
   std::vector<File> waiting_;      // guarded by mutex_
   bool writing_ = false;           // guarded by mutex_
   bool ending_ = false;            // guarded by mutex_

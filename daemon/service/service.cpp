@@ -33,6 +33,10 @@ RecordingLimits recording_limits(const RecordConfig& config) {
           .min_free_bytes = config.min_free_bytes};
 }
 
+RingSnapshots::Limits snapshot_limits(const RecordConfig& config) {
+  return {.max_total_bytes = config.max_total_bytes, .min_free_bytes = config.min_free_bytes};
+}
+
 // Empty when nobody has said where.
 std::filesystem::path snapshot_folder(const RecordConfig& config) {
   const char* const state = std::getenv("STATE_DIRECTORY");  // systemd.exec(5)
@@ -260,9 +264,7 @@ void Service::open_snapshots() {
   const RecordConfig& config = setup_.config.record;
   if (!sources.empty()) {
     snapshots_of_rings_ = std::make_unique<RingSnapshots>(
-        std::move(sources),
-        RingSnapshots::Options{
-            snapshot_folder(config), config.max_total_bytes, config.min_free_bytes});
+        std::move(sources), snapshot_folder(config), snapshot_limits(config));
   }
 }
 
@@ -308,6 +310,9 @@ void Service::apply(const DaemonConfig& config) {
   publisher_->set_heartbeat(config.publish.heartbeat);
   for (const auto& recorder : recorders_) {
     recorder->set_limits(recording_limits(config.record));
+  }
+  if (snapshots_of_rings_) {
+    snapshots_of_rings_->set_limits(snapshot_limits(config.record));
   }
   guard_->allow(config.curve.allow);
 }

@@ -85,8 +85,8 @@ class RingSnapshotsTest : public ::testing::Test {
  protected:
   RingSnapshotsTest() { std::filesystem::remove_all(folder_); }
   void TearDown() override { std::filesystem::remove_all(folder_); }
-  RingSnapshots::Options options() const { return {folder_, std::uint64_t{1} << 30U, 0}; }
 
+  const RingSnapshots::Limits limits_{std::uint64_t{1} << 30U, 0};
   const std::filesystem::path folder_ =
       std::filesystem::temp_directory_path() / ("ring_snapshots." + std::to_string(getpid()));
 };
@@ -94,7 +94,7 @@ class RingSnapshotsTest : public ::testing::Test {
 TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
   DatagramRing heard(std::chrono::seconds(30), std::size_t{1} << 30U);
   DatagramRing silent(std::chrono::seconds(30), std::size_t{1} << 30U);
-  RingSnapshots snapshots({{"ap1", &heard}, {"ap2", &silent}}, options());
+  RingSnapshots snapshots({{"ap1", &heard}, {"ap2", &silent}}, folder_, limits_);
   EXPECT_THAT(snapshots.request().error().message, HasSubstr("no source was heard"));
   tap(heard, 1, 1000, std::chrono::milliseconds(1));
   const auto files = snapshots.request();
@@ -114,20 +114,37 @@ TEST_F(RingSnapshotsTest, WritesAFileForEachSourceThatWasHeard) {
 TEST_F(RingSnapshotsTest, SaysWhyNothingIsWritten) {
   DatagramRing ring(std::chrono::seconds(30), std::size_t{1} << 30U);
   tap(ring, 1, 10, std::chrono::milliseconds(1));
-  RingSnapshots::Options full = options();
-  full.min_free_bytes = std::uint64_t{1} << 60U;
-  RingSnapshots snapshots({{"ap1", &ring}}, full);
+  RingSnapshots snapshots(
+      {{"ap1", &ring}}, folder_, {limits_.max_total_bytes, std::uint64_t{1} << 60U});
   ASSERT_TRUE(snapshots.request());
   ASSERT_TRUE(eventually(kPatience, [&] { return snapshots.counters().failed == 1; }));
   EXPECT_THAT(snapshots.news().at(0), HasSubstr("less than min_free_mb would be left"));
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
 }
 
+// What a reload says holds, and not what was said at the start.
+TEST_F(RingSnapshotsTest, KeepsToTheLimitsSetLast) {
+  DatagramRing ring(std::chrono::seconds(30), std::size_t{1} << 30U);
+  tap(ring, 1, 10, std::chrono::milliseconds(1));
+  RingSnapshots snapshots(
+      {{"ap1", &ring}}, folder_, {limits_.max_total_bytes, std::uint64_t{1} << 60U});
+  snapshots.set_limits(limits_);
+  const auto kept = snapshots.request();
+  ASSERT_TRUE(kept);
+  ASSERT_TRUE(eventually(kPatience, [&] { return snapshots.counters().files == 1; }));
+  EXPECT_TRUE(std::filesystem::exists(kept->front()));
+  snapshots.set_limits({1, 0});
+  const auto next = snapshots.request();
+  ASSERT_TRUE(next) << next.error().message;
+  ASSERT_TRUE(eventually(kPatience, [&] { return snapshots.counters().files == 2; }));
+  EXPECT_FALSE(std::filesystem::exists(kept->front())) << "one byte in total";
+}
+
 // The rings go on while their contents are written; run under TSan.
 TEST_F(RingSnapshotsTest, DisturbsNoReceiver) {
   DatagramRing ring(std::chrono::seconds(1), std::size_t{4} << 20U);
   tap(ring, 0, 100, std::chrono::microseconds(100));
-  RingSnapshots snapshots({{"ap1", &ring}}, options());
+  RingSnapshots snapshots({{"ap1", &ring}}, folder_, limits_);
   std::atomic<bool> ending = false;
   std::thread receiver([&] {
     for (int i = 1; !ending; ++i) {
