@@ -28,6 +28,15 @@ void LimitedLog::flush(Time now) {
   }
 }
 
+void LimitedLog::finish() {
+  const std::lock_guard lock(mutex_);
+  for (auto& [name, site] : sites_) {
+    if (site.held_back > 0) {
+      write(site, site.said);
+    }
+  }
+}
+
 void LimitedLog::write(Site& site, Time now) {
   LogEvent event = site.latest;
   event.fields.push_back({"times", std::to_string(site.held_back)});

@@ -33,6 +33,8 @@ class LimitedLog {
            Time now = std::chrono::steady_clock::now());
   // Says what was held back and is due, even when nothing follows; to be called now and then.
   void flush(Time now = std::chrono::steady_clock::now());
+  // Says all that was held back, due or not: what is said when nothing will follow.
+  void finish();
 
  private:
   struct Site {

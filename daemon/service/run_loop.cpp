@@ -59,6 +59,7 @@ std::string RunLoop::run(const sigset_t& signals) {
     } else if (signal == SIGUSR1) {
       snapshot("SIGUSR1");
     } else if (signal > 0) {
+      log_.finish();
       return signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
     tick();
@@ -67,11 +68,12 @@ std::string RunLoop::run(const sigset_t& signals) {
 
 void RunLoop::tick() {
   for (const std::string& error : service_.new_errors()) {
-    spdlog::error("{}", error);
+    log_.say(error, {LogLevel::kError, error, {}});
   }
   for (const std::string& error : service_.ended_errors()) {
-    spdlog::warn("no longer: {}", error);
+    log_.say("no longer: " + error, {LogLevel::kWarning, "no longer: " + error, {}});
   }
+  log_.flush();
   for (const std::string& warning : service_.new_warnings()) {
     spdlog::warn("{}", warning);
   }

@@ -12,6 +12,7 @@
 #include <csignal>
 #include <string>
 
+#include "daemon/service/limited_log.h"
 #include "daemon/service/reloader.h"
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
@@ -42,6 +43,7 @@ class RunLoop {
   std::chrono::milliseconds period_;  // between two ticks
   std::chrono::steady_clock::time_point next_status_{};
   bool stuck_ = false;
+  LimitedLog log_{log_event};  // of errors: some come and go with every second
 };
 
 }  // namespace rayloc

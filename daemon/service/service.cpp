@@ -359,6 +359,8 @@ void Service::stop(const std::string& reason, std::chrono::milliseconds patience
   }
   snapshots_of_rings_.reset();
   publisher_->finish(reason);
+  log_losses();  // of the last instant
+  limited_log_->finish();
 }
 
 std::vector<std::string> Service::source_descriptions() const {

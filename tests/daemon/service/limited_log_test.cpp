@@ -43,6 +43,17 @@ TEST(LimitedLog, SaysTheFirstAtOnceAndThenTheCountOncePerPeriod) {
   EXPECT_EQ(written.lines.back(), "late times=1");
 }
 
+TEST(LimitedLog, AtTheEndNothingIsHeldBack) {
+  Written written;
+  LimitedLog log(written.write(), 30s);
+  log.say("a", {LogLevel::kInfo, "a"}, 1, kStart);
+  log.say("a", {LogLevel::kInfo, "again"}, 3, kStart + 1s);
+  log.finish();
+  EXPECT_THAT(written.lines, ElementsAre("a", "again times=3"));
+  log.finish();
+  EXPECT_EQ(written.lines.size(), 2U);
+}
+
 TEST(LimitedLog, SitesDoNotSilenceOneAnother) {
   Written written;
   LimitedLog log(written.write(), 30s);
