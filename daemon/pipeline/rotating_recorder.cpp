@@ -88,6 +88,10 @@ void RotatingRecorder::name_finished(const std::string& part) {
     unlink(part.c_str());
   } else if (std::rename(part.c_str(), path.c_str()) == 0) {
     ++counters_.files;
+    name_error_.clear();
+  } else {
+    name_error_ = part + ": cannot be renamed: " + std::strerror(errno) +
+                  "; it gets its name when raylocd is started again";
   }
   sync_folder_of(path);
 }
@@ -175,7 +179,7 @@ void RotatingRecorder::write(std::span<const Datagram> batch) {
   const Expected<void> written = append(batch);
   if (written) {
     counters_.written += batch.size();
-    counters_.error = rotate_error_;
+    counters_.error = rotate_error_.empty() ? name_error_ : rotate_error_;
   } else {
     counters_.error = written.error().message;
     lose(batch, "write_failed");

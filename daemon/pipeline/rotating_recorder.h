@@ -54,7 +54,7 @@ struct RotatingRecorderCounters {
   std::uint64_t gaps = 0;     // marked in the files
   std::uint64_t stops = 0;    // times that there was too little room
   bool stopped = false;       // now
-  std::string error;          // why nothing is recorded now; empty when all is well
+  std::string error;          // of the disk, as it is now; empty when all is well
 };
 
 class RotatingRecorder {
@@ -108,6 +108,7 @@ class RotatingRecorder {
   Steady tidied_;                         // the folder
   Steady rotate_next_{};                  // not before: the last attempt failed
   std::string rotate_error_;              // of it
+  std::string name_error_;                // why the file before has not got its name
   std::uint64_t synced_bytes_ = 0;        // of the file, as of tidied_
   RotatingRecorderCounters counters_;
 };

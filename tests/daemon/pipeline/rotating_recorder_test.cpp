@@ -122,6 +122,19 @@ TEST_F(RotatingRecorderTest, RotatesBySizeAndByAge) {
   EXPECT_EQ(recorder->counters().bytes, 3U * 24 + 5 * (16 + 42 + 1000));
 }
 
+TEST_F(RotatingRecorderTest, SaysWhenAFileCannotGetItsName) {
+  auto recorder = open({.rotate_bytes = 2500});
+  write(*recorder, 3);
+  fs::create_directory(folder_ / "ap1-20251121T140509Z.pcap");  // somebody's
+  passed_ += std::chrono::seconds(1);
+  write(*recorder, 1);  // into the second
+  EXPECT_THAT(recorder->counters().error,
+              HasSubstr("ap1-20251121T140509Z.pcap.part: cannot be renamed: Is a directory"));
+  EXPECT_EQ(recorder->counters().files, 0U);
+  EXPECT_EQ(recorder->counters().lost, 0U);
+  EXPECT_THAT(read("ap1-20251121T140509Z.pcap.part").times, ElementsAre(0, 1, 2));
+}
+
 TEST_F(RotatingRecorderTest, KeepsTheTotalByRemovingTheOldest) {
   auto recorder = open({.rotate_bytes = 5000, .max_total_bytes = 20'000});
   for (int i = 0; i < 100; ++i) {
