@@ -1,6 +1,8 @@
 #include "daemon/service/log.h"
 
+#include <sys/stat.h>
 #include <sys/uio.h>
+#include <unistd.h>
 
 #include <cctype>
 #include <cstdio>
@@ -35,8 +37,19 @@ spdlog::level::level_enum spdlog_level(LogLevel level) {
   return spdlog::level::info;
 }
 
-// systemd.exec(5): set where standard output or standard error is connected to the journal.
-bool to_journal() { return std::getenv("JOURNAL_STREAM") != nullptr; }
+// systemd.exec(5): $JOURNAL_STREAM is the device and inode of the stream to the journal. A program
+// that hands it on and connects standard error to something else wants the log there.
+bool is_journal_stream(int fd) {
+  const char* const stream = std::getenv("JOURNAL_STREAM");
+  struct stat status {};
+  return stream != nullptr && fstat(fd, &status) == 0 &&
+         stream == std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
+}
+
+bool to_journal() {
+  static const bool connected = is_journal_stream(STDERR_FILENO);
+  return connected;
+}
 
 // As syslog(3) counts them.
 const char* priority(LogLevel level) {

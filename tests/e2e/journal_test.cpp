@@ -39,15 +39,16 @@ TEST(Journal, HasTheFiguresOfALossAsFields) {
   const TemporaryFolder folder;
   // The journal's native protocol is of lines NAME=value, as sd_notify's.
   NotifySocket journal(folder.path());
-  const std::string mount = "mount -t tmpfs none /run && mkdir -p /run/systemd/journal && ln -s " +
-                            (folder.path() / "notify").string() +
-                            R"( /run/systemd/journal/socket && exec "$0" "$@")";
+  const std::string mount =
+      "mount -t tmpfs none /run && mkdir -p /run/systemd/journal && ln -s " +
+      (folder.path() / "notify").string() +
+      R"( /run/systemd/journal/socket && export JOURNAL_STREAM=$(stat -L -c %d:%i )"
+      R"(/proc/self/fd/2) && exec "$0" "$@")";
   LiveDaemon daemon(folder.path(),
                     {.site = bundled(""),
                      .access_points = {"ap2"},
                      .more_configuration = "[engine]\nmethod = \"none\"\n",
-                     .setting = {.environment = {"JOURNAL_STREAM=1:1"},
-                                 .wrapper = {"unshare", "--mount", "sh", "-c", mount}}});
+                     .setting = {.wrapper = {"unshare", "--mount", "sh", "-c", mount}}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   send_garbage(daemon.address(0), 1000);
   ASSERT_TRUE(journal.wait_for("RAYLOC_SOURCE=ap2", kPatience)) << daemon.errors();
@@ -56,6 +57,19 @@ TEST(Journal, HasTheFiguresOfALossAsFields) {
                             "RAYLOC_LOSS=rejected_too_short",
                             "SYSLOG_IDENTIFIER=raylocd",
                             "PRIORITY=4"}));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// A unit's script that starts raylocd with its standard error elsewhere wants to read it there.
+TEST(Journal, IsNotWrittenToWhenStandardErrorIsAnotherFile) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n",
+                     .setting = {.environment = {"JOURNAL_STREAM=1:1"}}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  EXPECT_THAT(daemon.log(), ::testing::HasSubstr("ready: publishing at"));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
