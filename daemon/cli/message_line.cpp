@@ -63,15 +63,20 @@ std::string describe(const v1::Location& location) {
 std::string describe(const v1::Heartbeat& heartbeat) {
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
+  std::uint64_t frames_lost = 0;
   for (const v1::SourceReport& source : heartbeat.sources()) {
     received += source.counters().received();
     lost += source.counters().kernel_drops() + source.counters().ring_dropped();
+    frames_lost += source.counters().frames_dropped();
   }
-  return fmt::format("heartbeat  {} datagrams received, {} dropped, {} fixes, {} subscriptions",
-                     received,
-                     lost,
-                     heartbeat.estimation().fixes(),
-                     heartbeat.publisher().subscriptions());
+  return fmt::format(
+      "heartbeat  {} datagrams received, {} dropped, {} frames dropped, {} fixes, "
+      "{} subscriptions",
+      received,
+      lost,
+      frames_lost,
+      heartbeat.estimation().fixes(),
+      heartbeat.publisher().subscriptions());
 }
 
 std::string describe(const v1::SourceState& source) {

@@ -104,6 +104,27 @@ TEST(Sub, FollowsADaemonThatIsRestarted) {
             "06:13:20.000  location   a snapshot: 1.50, 0.00, 0.00 m, 0 frames of 0 access points");
 }
 
+TEST(Sub, SaysWhatADaemonLost) {
+  Publisher publisher = publisher_on_loopback();
+  const RaylocProcess process(
+      {"sub", "v1/heartbeat/", "--endpoint", publisher.endpoint(), "--count", "1"});
+  wait_for_subscriptions(publisher, 1);
+  v1::Heartbeat heartbeat;
+  for (int i = 0; i < 2; ++i) {
+    v1::SourceCounters& counters = *heartbeat.add_sources()->mutable_counters();
+    counters.set_received(100);
+    counters.set_kernel_drops(3);
+    counters.set_frames_dropped(7);
+  }
+  publisher.publish(heartbeat, kNow);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_EQ(
+      finished.out,
+      "06:13:20.000  heartbeat  200 datagrams received, 6 dropped, 14 frames dropped, 0 fixes, "
+      "1 subscriptions\n");
+}
+
 TEST(Sub, PrintsGeojsonByTheGeoreferenceOfTheHeartbeat) {
   Publisher publisher = publisher_on_loopback();
   const RaylocProcess process(
