@@ -3,6 +3,8 @@
 //
 // Looks, never changes anything. A line per finding: ok, warning or problem, with what to do. The
 // exit status is 69 when there is a problem.
+#include <unistd.h>
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -67,16 +69,31 @@ void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& 
   }
 }
 
-Expected<void> run(const std::string& file, const HttpOptions& options) {
-  const Expected<HttpQuery> query = query_of(options);
-  if (!query) {
-    return tl::make_unexpected(query.error());
+// Asks where the file says that the daemon answers, with the token that it asks for, unless the
+// options say otherwise. An unreadable token is a finding of check_machine(), no reason to end.
+Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
+  if (options.address.empty()) {
+    const bool everywhere = config.host == "0.0.0.0";
+    options.address =
+        (everywhere ? std::string("127.0.0.1") : config.host) + ":" + std::to_string(config.port);
   }
+  if (options.token_file.empty() && access(config.token_file.c_str(), R_OK) == 0) {
+    options.token_file = config.token_file.string();
+  }
+  return query_of(options);
+}
+
+Expected<void> run(const std::string& file, const HttpOptions& options) {
   const Expected<DaemonSetup> setup = load_daemon_setup(file);
   if (!setup) {
     return report_file_error({ErrorKind::kConfiguration, setup.error().message});
   }
-  const bool running = http_get(*query, "/healthz").has_value();
+  const Expected<HttpQuery> query = query_of(options, setup->config.http);
+  if (!query) {
+    return tl::make_unexpected(query.error());
+  }
+  const bool asked = setup->config.http.enabled || !options.address.empty();
+  const bool running = asked && http_get(*query, "/healthz").has_value();
   std::vector<Finding> findings = check_machine(setup->config, running);
   if (running) {
     ask_daemon(*query, setup->site, findings);
@@ -96,7 +113,14 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
 RunVerb declare(CLI::App& app) {
   const auto file = std::make_shared<std::string>("/etc/raylocd/raylocd.toml");
   app.add_option("FILE", *file, "raylocd.toml")->capture_default_str();
-  const auto options = add_http_options(app);
+  const auto options = add_http_options(app, "");
+  app.get_option("--http")->description(
+      "HOST:PORT of raylocd's HTTP, where it is not what [http] of "
+      "FILE says");
+  app.get_option("--token-file")
+      ->description(
+          "File with the token, where it is not [http] token_file "
+          "of FILE");
   return [file, options] { return run(*file, *options); };
 }
 

@@ -12,12 +12,13 @@
 namespace rayloc::cli {
 
 struct HttpOptions {
-  std::string address = "127.0.0.1:8480";
+  std::string address;
   std::string token_file;
 };
 
-// Adds --http and --token-file.
-std::shared_ptr<HttpOptions> add_http_options(CLI::App& app);
+// Adds --http and --token-file. `address` holds where nobody says another.
+std::shared_ptr<HttpOptions> add_http_options(CLI::App& app,
+                                              const std::string& address = "127.0.0.1:8480");
 
 // kUsage when the token file cannot be read.
 Expected<HttpQuery> query_of(const HttpOptions& options);

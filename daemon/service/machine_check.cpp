@@ -1,8 +1,7 @@
 #include "daemon/service/machine_check.h"
 
-#include <arpa/inet.h>
 #include <net/if.h>
-#include <netinet/in.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -10,12 +9,12 @@
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <system_error>
 
 #include "daemon/publish/curve_keys.h"
-#include "daemon/service/endpoint.h"
 #include "daemon/service/readiness.h"
 
 namespace rayloc {
@@ -59,12 +58,11 @@ fs::path existing(fs::path folder) {
   return folder.empty() ? fs::path(".") : folder;
 }
 
-Finding check_disk(const RecordConfig& record) {
-  const fs::path& directory = record.directory;
+Finding check_disk(const std::string& what_for, const fs::path& directory, std::uint64_t min_free) {
   const fs::path folder = existing(directory);
   std::error_code failed;
   const fs::space_info space = fs::space(folder, failed);
-  const std::string name = "recordings in " + directory.string();
+  const std::string name = what_for + " in " + directory.string();
   if (failed) {
     return {Kind::kProblem, name + ": " + failed.message(), "name another folder in [record]"};
   }
@@ -72,40 +70,66 @@ Finding check_disk(const RecordConfig& record) {
   if (access(folder.c_str(), W_OK) != 0) {
     return {Kind::kWarning, name + ": " + std::strerror(errno), "raylocd's user must write there"};
   }
-  if (space.available < record.min_free_bytes) {
+  if (space.available < min_free) {
     return {Kind::kProblem,
-            what + ", less than min_free_mb: nothing is recorded",
+            what + ", less than min_free_mb: nothing is written",
             "make room, or lower min_free_mb in [record]"};
   }
   return space.available < kFewBytes ? Finding{Kind::kWarning, what, "make room"}
                                      : Finding{Kind::kOk, what, ""};
 }
 
-// Null when the port can be had, else why not.
-std::optional<std::string> refusal(int type, const std::string& host, std::uint16_t port) {
-  const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  inet_pton(AF_INET, host.c_str(), &address.sin_addr);
+// Null when the port can be had, else why not. `host`: an address or a name of this machine.
+std::optional<std::string> refusal(int type, const std::string& host, const std::string& port) {
+  addrinfo hints{};
+  hints.ai_socktype = type;
+  addrinfo* found = nullptr;
+  const bool bracketed = !host.empty() && host.front() == '[';
+  const std::string bare = bracketed ? host.substr(1, host.size() - 2) : host;
+  if (const int failed = getaddrinfo(bare.c_str(), port.c_str(), &hints, &found); failed != 0) {
+    return gai_strerror(failed);
+  }
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> address(found, freeaddrinfo);
+  const int fd = socket(address->ai_family, type | SOCK_CLOEXEC, 0);
+  if (fd < 0) {
+    return std::strerror(errno);
+  }
   if (type == SOCK_STREAM) {
     const int yes = 1;
     setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   }
-  const bool bound = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  const bool bound = bind(fd, address->ai_addr, address->ai_addrlen) == 0;
   const int error = errno;
   close(fd);
   return bound ? std::nullopt : std::optional<std::string>(std::strerror(error));
 }
 
-Finding check_port(
-    const std::string& name, const std::string& host, std::uint16_t port, int type, bool running) {
-  const std::string what = name + " " + host + ":" + std::to_string(port);
-  const std::optional<std::string> why = refusal(type, host, port);
+// `address`: HOST:PORT.
+Finding check_port(const std::string& name, const std::string& address, int type, bool running) {
+  const std::string what = name + " " + address;
+  const std::size_t colon = address.rfind(':');
+  const std::optional<std::string> why =
+      refusal(type, address.substr(0, colon), address.substr(colon + 1));
   if (!why || running) {
     return {Kind::kOk, what + (why ? " is in use, raylocd runs" : " is free"), ""};
   }
   return {Kind::kProblem, what + ": " + *why, "see who has it: ss -lnup, ss -lntp"};
+}
+
+std::string address_text(const std::string& host, std::uint16_t port) {
+  return host + ":" + std::to_string(port);
+}
+
+// Secrets are the user's that raylocd runs as; who asks may be another.
+Finding check_secret(const std::string& key, const fs::path& file) {
+  const std::string what = key + " " + file.string();
+  if (access(file.c_str(), R_OK) == 0) {
+    return {Kind::kOk, what + " can be read", ""};
+  }
+  const int error = errno;
+  return {error == EACCES ? Kind::kWarning : Kind::kProblem,
+          what + ": " + std::strerror(error),
+          error == EACCES ? "raylocd's user must read it" : "write it, or name another file"};
 }
 
 Finding check_interface(const SourceConfig& source) {
@@ -138,8 +162,7 @@ Finding check_source(const SourceConfig& source, bool running) {
   switch (source.kind) {
     case SourceKind::kUdp:
       return check_port("source " + source.access_point + ": UDP",
-                        source.listen_host,
-                        source.listen_port,
+                        address_text(source.listen_host, source.listen_port),
                         SOCK_DGRAM,
                         running);
     case SourceKind::kInterface:
@@ -156,18 +179,23 @@ Finding check_source(const SourceConfig& source, bool running) {
           there ? "" : "name a recording that can be read"};
 }
 
-// The TCP port of a ZeroMQ endpoint with a numeric address.
+// The TCP port of a ZeroMQ endpoint.
 void check_endpoint(const std::string& name,
                     const std::string& endpoint,
                     bool running,
                     std::vector<Finding>& findings) {
   constexpr std::string_view kTcp = "tcp://";
-  if (endpoint.rfind(kTcp, 0) != 0) {
-    return;
+  constexpr std::string_view kAnyPort = ":*";
+  std::string address = endpoint;
+  if (endpoint.rfind(kTcp, 0) != 0 || endpoint.size() <= kTcp.size() + kAnyPort.size() ||
+      endpoint.compare(endpoint.size() - kAnyPort.size(), kAnyPort.size(), kAnyPort) == 0) {
+    return;  // a path, or whatever port is free
   }
-  if (const auto address = parse_listen(std::string_view(endpoint).substr(kTcp.size()))) {
-    findings.push_back(check_port(name, address->host, address->port, SOCK_STREAM, running));
+  address.erase(0, kTcp.size());
+  if (address.front() == '*') {
+    address.replace(0, 1, "0.0.0.0");
   }
+  findings.push_back(check_port(name, address, SOCK_STREAM, running));
 }
 
 Finding check_curve(const CurveConfig& curve) {
@@ -183,8 +211,12 @@ Finding check_curve(const CurveConfig& curve) {
 
 std::vector<Finding> check_machine(const DaemonConfig& config, bool running) {
   std::vector<Finding> findings = {check_receive_buffer(), check_clock()};
-  if (!config.record.directory.empty()) {
-    findings.push_back(check_disk(config.record));
+  const RecordConfig& record = config.record;
+  if (!record.directory.empty()) {
+    findings.push_back(check_disk("recordings", record.directory, record.min_free_bytes));
+  }
+  if (!record.snapshot_directory.empty() && record.snapshot_directory != record.directory) {
+    findings.push_back(check_disk("snapshots", record.snapshot_directory, record.min_free_bytes));
   }
   for (const SourceConfig& source : config.sources) {
     findings.push_back(check_source(source, running));
@@ -194,9 +226,15 @@ std::vector<Finding> check_machine(const DaemonConfig& config, bool running) {
   if (config.curve.enabled) {
     findings.push_back(check_curve(config.curve));
   }
+  if (config.privacy.target_id == TargetId::kHmac && !config.privacy.key_file.empty()) {
+    findings.push_back(check_secret("[privacy] key_file", config.privacy.key_file));
+  }
   if (config.http.enabled) {
     findings.push_back(
-        check_port("HTTP", config.http.host, config.http.port, SOCK_STREAM, running));
+        check_port("HTTP", address_text(config.http.host, config.http.port), SOCK_STREAM, running));
+    if (!config.http.token_file.empty()) {
+      findings.push_back(check_secret("[http] token_file", config.http.token_file));
+    }
   }
   return findings;
 }

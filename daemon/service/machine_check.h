@@ -15,9 +15,9 @@ struct Finding {
   std::string advice;  // what to do; empty when all is well
 };
 
-// Receive buffers, clock, disk, capabilities, interfaces and ports, in this order. `running`: the
-// daemon runs, so its ports are taken as they should be. Changes nothing; ports are bound for an
-// instant.
+// Receive buffers, clock, disk, capabilities, interfaces, ports and secrets. `running`:
+// the daemon runs, so its ports are taken as they should be. Changes nothing; ports are bound for
+// an instant.
 std::vector<Finding> check_machine(const DaemonConfig& config, bool running);
 
 }  // namespace rayloc

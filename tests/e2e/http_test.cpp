@@ -121,7 +121,9 @@ TEST(Http, TheVerbsAskAndReport) {
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   int runs = 0;
   const auto rayloc = [&](std::vector<std::string> words, int status) {
-    words.insert(words.end(), {"--http", address});
+    if (words.front() != "doctor") {  // which asks where the configuration says
+      words.insert(words.end(), {"--http", address});
+    }
     Process process(folder.path(), "verb" + std::to_string(++runs), "rayloc", words);
     EXPECT_EQ(process.wait(kPatience), status) << process.errors();
     return read_text(process.out()) + process.errors();
@@ -158,8 +160,28 @@ TEST(Http, TheVerbsAskAndReport) {
   LiveDaemon other(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
   ASSERT_TRUE(other.ready()) << other.errors();
   EXPECT_THAT(
-      rayloc({"doctor", other.configuration().string()}, 69),
+      rayloc({"doctor", other.configuration().string(), "--http", address}, 69),
       HasSubstr("problem  source ap2: UDP " + other.address(0) + ": Address already in use"));
+}
+
+TEST(Http, TheDoctorAsksWhereTheConfigurationSaysAndWithItsToken) {
+  const TemporaryFolder folder;
+  const std::filesystem::path token = folder.path() / "token";
+  std::ofstream(token) << "0123456789abcdef\n";
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[record]\nsnapshot_directory = \"" +
+                                           folder.path().string() + "\"\nmin_free_mb = 1\n",
+                     .http_configuration = "token_file = \"" + token.string() + "\"\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  Process doctor(folder.path(), "doctor", "rayloc", {"doctor", daemon.configuration().string()});
+  EXPECT_EQ(doctor.wait(kPatience), 69);
+  const std::string findings = read_text(doctor.out());
+  EXPECT_THAT(findings, HasSubstr("problem  source ap2: nothing has come yet"));
+  EXPECT_THAT(findings, HasSubstr("ok       [http] token_file " + token.string() + " can be read"));
+  EXPECT_THAT(findings, HasSubstr("snapshots in " + folder.path().string() + ": "));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
 TEST(Http, HostileClientsCostNothing) {

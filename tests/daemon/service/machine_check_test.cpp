@@ -1,0 +1,91 @@
+// What `rayloc doctor` finds of ports and secrets; the rest depends on the machine.
+#include "daemon/service/machine_check.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+using ::testing::HasSubstr;
+using Kind = Finding::Kind;
+
+// The one finding that speaks of `what`.
+Finding finding_of(const DaemonConfig& config, const std::string& what) {
+  const std::vector<Finding> findings = check_machine(config, false);
+  const auto found = std::find_if(findings.begin(), findings.end(), [&](const Finding& finding) {
+    return finding.what.find(what) != std::string::npos;
+  });
+  return found != findings.end() ? *found : Finding{Kind::kProblem, "nothing", ""};
+}
+
+// A listening socket of the loopback interface.
+class Listener {
+ public:
+  Listener() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    if (bind(fd_, reinterpret_cast<const sockaddr*>(&address), size) == 0 && listen(fd_, 1) == 0 &&
+        getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size) == 0) {
+      port_ = std::to_string(ntohs(address.sin_port));
+    }
+  }
+  ~Listener() { close(fd_); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  const std::string& port() const { return port_; }
+
+ private:
+  int fd_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  std::string port_;
+};
+
+TEST(MachineCheck, AnEndpointMayNameItsAddressOrTheLoopbackByName) {
+  const Listener somebody;
+  ASSERT_FALSE(somebody.port().empty());
+  for (const char* const host : {"127.0.0.1", "localhost", "*"}) {
+    DaemonConfig config;
+    config.publish.endpoint = "tcp://" + std::string(host) + ":" + somebody.port();
+    const Finding finding = finding_of(config, "publishing");
+    EXPECT_EQ(finding.kind, Kind::kProblem) << host;
+    EXPECT_THAT(finding.what, HasSubstr("Address already in use")) << host;
+  }
+  DaemonConfig any;
+  any.publish.endpoint = "tcp://127.0.0.1:*";
+  EXPECT_EQ(finding_of(any, "publishing").what, "nothing") << "a free one is taken";
+}
+
+TEST(MachineCheck, SecretsMustBeThere) {
+  const std::filesystem::path key =
+      std::filesystem::temp_directory_path() / ("machine_check." + std::to_string(getpid()));
+  DaemonConfig config;
+  config.privacy.target_id = TargetId::kHmac;
+  config.privacy.key_file = key;
+  config.http.enabled = true;
+  config.http.host = "127.0.0.1";
+  config.http.token_file = key;
+  for (const char* const name : {"[privacy] key_file", "[http] token_file"}) {
+    const Finding missing = finding_of(config, name);
+    EXPECT_EQ(missing.kind, Kind::kProblem) << name;
+    EXPECT_THAT(missing.what, HasSubstr("No such file or directory")) << name;
+  }
+  std::ofstream(key) << "secret";
+  for (const char* const name : {"[privacy] key_file", "[http] token_file"}) {
+    EXPECT_EQ(finding_of(config, name).kind, Kind::kOk) << name;
+  }
+  std::filesystem::remove(key);
+}
+
+}  // namespace
+}  // namespace rayloc
