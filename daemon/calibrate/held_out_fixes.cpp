@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -14,6 +15,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kLeastFixes = 10;
+constexpr double kSameHeight = 0.05;  // [m]
 // Tried from the first on, until the score has fallen twice.
 constexpr std::array kExponents = {
     2.0, 1.6, 1.3, 1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
@@ -48,6 +50,15 @@ double log_score(std::span<const LocationEstimate> estimates,
   return score / static_cast<double>(spots.size());
 }
 
+// A fix assumes the height: elsewhere its error is no sign of how sure it may be.
+std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double height) {
+  std::vector<HeldOutSpot> there;
+  std::copy_if(spots.begin(), spots.end(), std::back_inserter(there), [&](const auto& spot) {
+    return std::abs(spot.position.z - height) <= kSameHeight;
+  });
+  return there;
+}
+
 HeldOutFixes fixes_with(const Localizer& localizer,
                         std::span<const HeldOutSpot> spots,
                         double temper,
@@ -74,6 +85,7 @@ HeldOutFixes fixes_with(const Localizer& localizer,
     errors.push_back(error);
   }
   const double stated = room.least_sigma * room.least_sigma;
+  result.least_sigma = room.least_sigma;
   result.log_score = -std::numeric_limits<double>::infinity();
   for (const double sigma : sigmas) {
     const double score =
@@ -90,8 +102,9 @@ HeldOutFixes fixes_with(const Localizer& localizer,
 }  // namespace
 
 Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
-                                                     std::span<const HeldOutSpot> spots,
+                                                     std::span<const HeldOutSpot> all,
                                                      double survey_sigma) {
+  const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
   const double usual = room->temper;
   const std::array usual_sigma{room->least_sigma};
   const auto localizer = Localizer::create(std::move(room), {});

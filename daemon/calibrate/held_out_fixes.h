@@ -23,9 +23,11 @@ struct HeldOutSpot {
 // the probabilities stated for the spots. It punishes regions that are too narrow and regions that
 // are too wide alike, so that those of 50 % come out right as well as those of 95 %. Spots are
 // compared by where they were surveyed, with `survey_sigma` [m] on each axis, which is no error of
-// the fix. With few spots nothing can be said, and only the room's are tried.
+// the fix. Those at other heights than the one that is assumed of devices do not count, although
+// they tell a calibration about the room. With few spots nothing can be said, and only the room's
+// are tried.
 Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomModel> room,
-                                                     std::span<const HeldOutSpot> spots,
+                                                     std::span<const HeldOutSpot> all,
                                                      double survey_sigma);
 
 }  // namespace rayloc

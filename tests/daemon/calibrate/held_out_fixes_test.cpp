@@ -69,6 +69,24 @@ TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
   EXPECT_LE(fit(0.02, 0.02).least_sigma, 0.01);
 }
 
+// A survey at two heights tells more of the room; a fix assumes one of them.
+TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
+  std::vector<HeldOutSpot> spots;
+  for (std::size_t i = 0; i < recorded().places.size(); ++i) {
+    spots.push_back({recorded().places[i], recorded().frames[i]});
+    // Fixes of these frames are right, and they would be a metre off this spot.
+    spots.push_back({recorded().places[i] + Vec3d{1.0, 0.0, 0.4}, recorded().frames[i]});
+  }
+  const HeldOutFixes fixes = fit_certainty_of(recorded().room, spots, 0.0).value().back();
+  EXPECT_EQ(fixes.points, static_cast<std::size_t>(kSpots));
+  EXPECT_LT(fixes.median_error_m, 0.01);
+  EXPECT_LE(fixes.least_sigma, 0.007);
+  const std::vector<HeldOutSpot> elsewhere{spots[1], spots[3]};
+  const HeldOutFixes none = fit_certainty_of(recorded().room, elsewhere, 0.0).value().back();
+  EXPECT_EQ(none.points, 0U);
+  EXPECT_EQ(none.least_sigma, recorded().room->least_sigma);
+}
+
 TEST(HeldOutFixes, FewSpotsTellNothing) {
   const HeldOutSpot alone{recorded().places.front(), recorded().frames.front()};
   const auto fixes = fit_certainty_of(recorded().room, std::vector(3, alone), 0.005);
