@@ -37,10 +37,14 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def blocks(readme: str, language: str) -> list[str]:
-    """The blocks of code of that language in a file of the checkout."""
+def all_blocks(readme: str) -> list[tuple[str, str]]:
+    """The blocks of code in a file of the checkout, each with its language; "" where none is said."""
     text = (ROOT / readme).read_text()
-    return re.findall(rf"^ *```{language}\n(.*?)^ *```$", text, re.M | re.S)
+    return re.findall(r"^ *```(\w*)\n(.*?)^ *```$", text, re.M | re.S)
+
+
+def blocks(readme: str, language: str) -> list[str]:
+    return [text for said, text in all_blocks(readme) if said == language]
 
 
 class BurstPublisher:

@@ -2,10 +2,23 @@
 
 from __future__ import annotations
 
+import json
+import re
 import subprocess
 from pathlib import Path
 
-from processes import BIN, PATIENCE, PROGRAMS, SITE, Daemon, blocks, eventually, free_port
+from processes import (
+    BIN,
+    PATIENCE,
+    PROGRAMS,
+    ROOT,
+    SITE,
+    Daemon,
+    all_blocks,
+    blocks,
+    eventually,
+    free_port,
+)
 
 import rayloc
 
@@ -32,6 +45,21 @@ offset = [0, 0, 0]
 """
 
 
+# Every block of the README by what only it contains, and who runs it. tests/run runs them all.
+RUN_BY = {
+    "deploy/quickstart": "tests/e2e/quickstart_test.sh",
+    "rayloc scene room": "test_the_readme_makes_a_room_of_a_few_lines",
+    "rayloc scene check": "test_the_readme_makes_a_room_of_a_few_lines",
+    "--plan --out": "test_the_readme_goes_from_a_plan_of_points_to_their_frames",
+    "rayloc survey": "test_the_readme_goes_from_a_plan_of_points_to_their_frames",
+    "rayloc calibrate SITE --capture": "test_the_readme_goes_from_a_survey_to_locations",
+    "rayloc evaluate": "test_the_readme_goes_from_a_survey_to_locations",
+    "import rayloc": "tests/clients/examples_test.py",
+    "[[zone]]": "test_the_zones_of_the_readme_have_events_and_places_on_the_earth",
+}
+ACCESS_POINTS = ("ap1", "ap2", "ap3")
+
+
 def block_with(text: str) -> str:
     (block,) = [each for each in blocks("README.md", "") if text in each]
     return block.strip()
@@ -55,6 +83,15 @@ def run(script: str, folder: Path) -> str:
     output, words = process.communicate(timeout=10 * PATIENCE)
     assert process.returncode == 0, words
     return output
+
+
+def test_every_block_of_the_readme_is_run_by_some_test() -> None:
+    found = all_blocks("README.md")
+    for _, block in found:
+        assert len([name for name in RUN_BY if name in block]) == 1, block
+    assert len(found) == len(RUN_BY)
+    for runner in RUN_BY.values():
+        assert runner in globals() or (ROOT / runner).is_file(), runner
 
 
 def test_the_readme_makes_a_room_of_a_few_lines(tmp_path: Path) -> None:
@@ -122,3 +159,58 @@ def test_the_readme_goes_from_a_survey_to_locations(tmp_path: Path) -> None:
         assert live.split()[0] == daemon.configuration.name
         with rayloc.Subscriber(daemon.endpoint) as messages:
             assert messages.receive(PATIENCE) is not None
+
+
+def inline(beginning: str) -> str:
+    """The command within a sentence of the README."""
+    command: str
+    (command,) = re.findall(rf"`({re.escape(beginning)}[^`]*)`", (ROOT / "README.md").read_text())
+    return command
+
+
+def test_the_zones_of_the_readme_have_events_and_places_on_the_earth(tmp_path: Path) -> None:
+    (block,) = blocks("README.md", "toml")
+    zone, georeference = block.split("[georeference]")
+    site = tmp_path / "SITE"
+    captures = " ".join(f"{ap}={SITE}/calibration-{ap}.pcap.gz" for ap in ACCESS_POINTS)
+    points = f"--points {SITE}/calibration.csv"
+    run(f"rayloc calibrate {SITE} --gains-only --capture {captures} {points} --out SITE", tmp_path)
+    unzoned = (site / "site.toml").read_text()
+
+    def with_text(text: str) -> None:
+        (site / "site.toml").write_text(f"{unzoned}\n{text}")
+
+    files = " ".join(f"{ap}={SITE}/device_los-{ap}.pcap.gz" for ap in ACCESS_POINTS)
+    replay = inline("rayloc replay SITE FILE --zone-events").replace("FILE", files)
+
+    def events() -> bytes:
+        run(f"{replay} --out locations.jsonl", tmp_path)
+        return (tmp_path / "zones.jsonl").read_bytes()
+
+    with_text(block)
+    first = events()
+    kinds = {json.loads(line)["kind"] for line in first.splitlines()}
+    assert kinds >= {"ZONE_EVENT_KIND_ENTERED", "ZONE_EVENT_KIND_LEFT"}
+    assert events() == first  # the same each time
+    # What may be left out is stated with its default: these change nothing, others would.
+    may_be_left_out = re.findall(r"^(?:enter|leave|dwell)_.*\n", zone, re.M)
+    assert len(may_be_left_out) == 5
+    short = zone
+    for line in may_be_left_out:
+        short = short.replace(line, "")
+    with_text(short)
+    assert events() == first
+    with_text(short + "enter_after_s = 0.0\n")
+    assert events() != first
+
+    with_text(block)
+    run(inline("rayloc scene show SITE"), tmp_path)
+    assert ">desk</text>" in (tmp_path / "room.svg").read_text()
+    with Daemon(tmp_path, site) as daemon:
+        assert "warning" not in run(f"rayloc check-config {daemon.configuration} 2>&1", tmp_path)
+        sub = f"rayloc sub --endpoint {daemon.endpoint} --format geojson --count 1"
+        longitude, latitude, altitude = json.loads(run(sub, tmp_path))["geometry"]["coordinates"]
+    stated = {key: float(value) for key, value in re.findall(r"(\w+) = ([\d.]+)", georeference)}
+    assert abs(latitude - stated["latitude"]) < 1e-4  # 11 m: the room
+    assert abs(longitude - stated["longitude"]) < 1e-4
+    assert 0.0 < altitude - stated["altitude_m"] < 2.7
