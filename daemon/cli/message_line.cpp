@@ -57,7 +57,11 @@ std::string describe(const v1::Location& location) {
   text += fmt::format(", {} frames of {} access points",
                       location.quality().frames(),
                       location.quality().access_points());
-  return text + (location.quality().ambiguous() ? ", ambiguous" : "");
+  text += location.quality().ambiguous() ? ", ambiguous" : "";
+  for (const std::string& warning : location.quality().warnings()) {
+    text += "; warning: " + warning;
+  }
+  return text;
 }
 
 std::string describe(const v1::Heartbeat& heartbeat) {

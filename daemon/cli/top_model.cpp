@@ -26,6 +26,7 @@ void TopModel::add(const std::string& topic, const v1::Envelope& envelope, Clock
     epoch_ = envelope.epoch();
     targets_.clear();
     zones_.clear();
+    sources_.clear();
     heartbeat_.reset();
     previous_.reset();
     goodbye_.reset();
@@ -42,6 +43,9 @@ void TopModel::add(const std::string& topic, const v1::Envelope& envelope, Clock
       break;
     case v1::Envelope::kZone:
       zones_[envelope.zone().zone()] = envelope.zone();
+      break;
+    case v1::Envelope::kSource:
+      sources_[envelope.source().access_point()] = envelope.source();
       break;
     case v1::Envelope::kHeartbeat:
       add_heartbeat(envelope.heartbeat(), now);

@@ -49,6 +49,9 @@ class TopModel {
   const std::map<std::string, v1::ZoneEvent>& zones() const {
     return zones_;
   }  // last event of each
+  const std::map<std::string, v1::SourceState>& sources() const {
+    return sources_;
+  }  // last message of each; the heartbeat's counters are newer
   const std::optional<v1::Heartbeat>& heartbeat() const { return heartbeat_; }
   const std::optional<v1::Goodbye>& goodbye() const { return goodbye_; }  // until it is heard again
   std::uint64_t heartbeats() const { return heartbeats_; }
@@ -73,6 +76,7 @@ class TopModel {
   std::uint64_t epoch_ = 0;
   std::map<std::string, Target> targets_;
   std::map<std::string, v1::ZoneEvent> zones_;
+  std::map<std::string, v1::SourceState> sources_;
   std::optional<v1::Heartbeat> heartbeat_;
   std::optional<v1::Heartbeat> previous_;  // of the same start of the daemon
   std::optional<v1::Goodbye> goodbye_;

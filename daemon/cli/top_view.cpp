@@ -131,6 +131,32 @@ void add_targets(const TopModel& model, Now now, std::size_t width, Lines& lines
   append(table, width, lines);
 }
 
+// What a person should know of the places shown, and why a source brings nothing.
+void add_reasons(const TopModel& model, Lines& lines) {
+  Lines reasons;
+  for (const auto& [component, target] : model.targets()) {
+    const v1::Location& location = TopModel::shown(target).last;
+    const std::string name =
+        location.target().name().empty() ? component : location.target().name();
+    for (const std::string& warning : location.quality().warnings()) {
+      reasons.push_back("warning: " + name + ": " + warning);
+    }
+    if (location.quality().ambiguous()) {
+      reasons.push_back("warning: " + name + ": another place is nearly as likely");
+    }
+  }
+  for (const auto& [access_point, source] : model.sources()) {
+    const std::string status = short_name(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_");
+    if (!source.detail().empty()) {
+      reasons.push_back(access_point + " " + status + ": " + source.detail());
+    }
+  }
+  if (!reasons.empty()) {
+    lines.emplace_back();
+    lines.insert(lines.end(), reasons.begin(), reasons.end());
+  }
+}
+
 void add_zones(const TopModel& model, std::size_t width, Lines& lines) {
   TextTable table({"zone", ">inside", "who"});
   for (const auto& [name, event] : model.zones()) {
@@ -226,6 +252,9 @@ std::vector<std::string> top_lines(const TopModel& model, Now now, std::size_t w
   add_zones(model, width, tables);
   if (model.heartbeat()) {
     add_sources(model, width, tables);
+  }
+  add_reasons(model, counters);
+  if (model.heartbeat()) {
     add_counters(*model.heartbeat(), counters);
   }
   Lines lines;

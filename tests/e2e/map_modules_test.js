@@ -3,6 +3,9 @@
 (async () => {
   const {Model} = await import('/map/model.js');
 
+  const {Targets} = await import('/map/targets.js');
+  const {showSources} = await import('/map/sources.js');
+
   const same = (found, wanted, what) => {
     if (JSON.stringify(found) !== JSON.stringify(wanted)) {
       throw new Error(`${what}: ${JSON.stringify(found)}, not ${JSON.stringify(wanted)}`);
@@ -88,6 +91,33 @@
       same(stale(0.25), null, 'at a quarter of the pace');
       same(stale(1), NOW - 1200 + 450, 'at its pace');
       same(stale(undefined), NOW - 1200 + 450, 'as fast as it goes');
+    },
+
+    'what is to be doubted is said in the list and at the mark'() {
+      const key = '02:00:00:00:00:01';
+      const targets = new Targets();
+      const text = (selector) => document.querySelector(`${selector}[data-target="${key}"]`).textContent;
+      const show = (change) => {
+        const {model} = begin([location(NOW, change)]);
+        targets.show(model.at(NOW), {scale: 100, toPixel: (x, y) => [100 * x, 100 * y]});
+        return [text('.target'), text('tr').replace('confirmed1.00, 2.00', '')];
+      };
+      same(show({}), [key, key], 'of one that is sure');
+      same(show({quality: {warnings: ['beside the transmitter'], ambiguous: true}}),
+        [`beside the transmitter; another place is nearly as likely${key}, doubtful`,
+          `${key}beside the transmitter; another place is nearly as likely`], 'of one that is not');
+      same(show({position: undefined, quality: {warnings: ['beside the transmitter'], no_fix_reason: 'moved'}}),
+        [`${key}: no fix`, `${key}no fixmoved`], 'of one without a place');
+      targets.show([], null);
+    },
+
+    'why a source failed is said'() {
+      const {model} = begin([{sent: new Date(NOW).toISOString(), source: {
+        access_point: 'ap9', status: 'SOURCE_STATUS_FAILED', detail: 'torn file', counters: {
+          frames_complete: '0', frames_partial: '0', kernel_drops: '0', ring_dropped: '0', late: '0', frames_dropped: '0'}}}]);
+      showSources(model);
+      // The page itself takes the row away again: it knows no such source.
+      same(document.querySelector('tr[data-source=ap9] td').textContent, 'failed: torn file', 'state');
     },
 
     'what is told again after a reconnection counts once'() {

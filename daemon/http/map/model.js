@@ -134,7 +134,7 @@ export class Model {
 
   location(location, sent) {
     if (!location.position && isPerson(location.target)) {
-      this.nobody = {reason: location.quality.no_fix_reason, sent};
+      this.nobody = {reason: location.quality?.no_fix_reason || 'no reason is given', sent};
       return;
     }
     const key = `${location.target.mac || location.target.hashed_mac || `person-${location.target.track}`}`;
@@ -230,7 +230,7 @@ function isGone({past}) {
 // What is shown of an estimate: thousands are kept.
 function drawn(location) {
   const {event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones, quality} = location;
-  const {warnings, ambiguous, no_fix_reason} = quality;
+  const {warnings, ambiguous, no_fix_reason} = quality || {};
   return {
     event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones,
     quality: {warnings, ambiguous, no_fix_reason},

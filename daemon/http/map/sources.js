@@ -35,7 +35,8 @@ export function showSources(model) {
     const {cells} = rowOf(id);
     const status = model.status(id);
     const silent = status === 'stalled' ? ` for ${number(seconds(source.state.age), 0)} s` : '';
-    setText(cells[0], status === 'stalled' ? `silent${silent}` : status);
+    const why = source.state.detail && !model.quiet ? `: ${source.state.detail}` : '';
+    setText(cells[0], (status === 'stalled' ? `silent${silent}` : status) + why);
     cells[0].className = status === 'receiving' ? 'good' : ['stalled', 'failed'].includes(status) ? 'bad' : 'warn';
     setText(cells[1], source.rate === null || model.quiet ? '' : number(source.rate, source.rate < 10 ? 1 : 0));
     setText(cells[2], losses(source));

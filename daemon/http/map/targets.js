@@ -43,13 +43,14 @@ export class Targets {
     const ghosts = svg('g');
     const dot = svg('circle', {class: 'dot', r: 8});
     const text = svg('text', {x: 13, y: 5});
-    const marker = svg('g', {}, [dot, text]);
+    const title = svg('title');
+    const marker = svg('g', {}, [title, dot, text]);
     marker.addEventListener('click', () => this.select(target.key));
     byId('trails').append(trail);
     byId('regions').append(regions);
     byId('ghosts').append(ghosts);
     byId('markers').append(marker);
-    return {trail, regions, ghosts, marker, text, parts: [trail, regions, ghosts, marker]};
+    return {trail, regions, ghosts, marker, text, title, parts: [trail, regions, ghosts, marker]};
   }
 
   draw({target, location, stale, trail}, view) {
@@ -63,6 +64,7 @@ export class Targets {
     one.marker.setAttribute('data-target', target.key);
     if (at) one.marker.setAttribute('transform', `translate(${view.toPixel(at.x, at.y).join(' ')})`);
     setText(one.text, label(target, location, stale));
+    setText(one.title, doubts(location).join('; '));
     one.trail.setAttribute('class', `trail ${classes}`);
     one.trail.setAttribute('points', trail.map((p) => view.toPixel(p.x, p.y).join()).join(' '));
     one.regions.setAttribute('class', classes);
@@ -73,12 +75,13 @@ export class Targets {
 
   write({target, location, stale}) {
     if (!this.rows.has(target.key)) this.rows.set(target.key, this.makeRow(target));
-    const {button, cells} = this.rows.get(target.key);
+    const {button, cells, warnings} = this.rows.get(target.key);
     button.setAttribute('aria-pressed', String(this.selected === target.key));
     const p = location.position;
     const state = stale ? `stale since ${clock(stale)}` : p ? trackStateText(location.track_state) || 'snapshot' : 'no fix';
     setText(cells[0], state);
     cells[0].className = stale || !p ? 'warn' : 'good';
+    setText(warnings, doubts(location).join('; '));
     setText(cells[1], p ? `${number(p.x)}, ${number(p.y)}` : location.quality.no_fix_reason || '');
     setText(cells[2], location.accuracy_m === undefined ? ''
       : `${number(location.accuracy_m)} m (${number(100 * location.accuracy_confidence, 0)} %)`);
@@ -92,15 +95,23 @@ export class Targets {
     const button = html('button', {type: 'button', 'aria-pressed': 'false'}, [swatch, target.name]);
     button.addEventListener('click', () => this.select(target.key));
     const cells = [0, 1, 2, 3].map(() => html('td'));
-    const row = html('tr', {'data-target': target.key}, [html('th', {scope: 'row'}, [button]), ...cells]);
+    const warnings = html('p', {class: 'warn'});
+    const row = html('tr', {'data-target': target.key}, [html('th', {scope: 'row'}, [button, warnings]), ...cells]);
     byId('target-rows').append(row);
-    return {row, button, cells};
+    return {row, button, cells, warnings};
   }
 }
 
 function label(target, location, stale) {
   if (stale) return `${target.name}, stale since ${clock(stale)}`;
-  return location.position ? target.name : `${target.name}: no fix`;
+  if (!location.position) return `${target.name}: no fix`;
+  return doubts(location).length > 0 ? `${target.name}, doubtful` : target.name;
+}
+
+// What a person should know of where it is said to be.
+function doubts({position, quality}) {
+  if (!position) return [];
+  return [...(quality.warnings || []), ...(quality.ambiguous ? ['another place is nearly as likely'] : [])];
 }
 
 function drawnEllipse(position, covariance, probability, view, attributes) {

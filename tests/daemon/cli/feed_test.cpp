@@ -86,6 +86,20 @@ TEST(FeedWriter, SaysWhatAZoneEventIs) {
   EXPECT_FALSE(writer.next());
 }
 
+TEST(FeedWriter, SaysWhatToDoubt) {
+  v1::Envelope doubtful = location();
+  v1::Quality& quality = *doubtful.mutable_location()->mutable_quality();
+  quality.set_ambiguous(true);
+  quality.add_warnings("beside the transmitter");
+  quality.add_warnings("ap1 is covered");
+  FeedWriter writer(FeedFormat::kText);
+  writer.add(doubtful);
+  const std::string text = writer.next().value_or("");
+  EXPECT_TRUE(
+      text.ends_with(", ambiguous; warning: beside the transmitter; warning: ap1 is covered"))
+      << text;
+}
+
 TEST(FeedWriter, HoldsGeojsonUntilTheHeartbeatSaysWhereTheSiteIs) {
   FeedWriter writer(FeedFormat::kGeojson);
   writer.add(location());

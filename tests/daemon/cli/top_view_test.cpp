@@ -197,6 +197,31 @@ TEST(TopView, FitsIntoEightyColumns) {
   EXPECT_NE(text_of(model, kStart).find("the phone of the kitchen"), std::string::npos);
 }
 
+TEST(TopView, TellsWhatToDoubtAndWhy) {
+  TopModel model;
+  v1::Envelope doubtful = location(1, 100, kFiltered);
+  v1::Quality& quality = *doubtful.mutable_location()->mutable_quality();
+  quality.add_warnings("right beside the transmitter");
+  quality.set_ambiguous(true);
+  model.add("t", doubtful, kStart);
+  const auto source = [](int sequence, const std::string& rest) {
+    return parsed("epoch: 1 sequence: " + std::to_string(sequence) +
+                  " source { access_point: 'ap1' " + rest + " }");
+  };
+  model.add(
+      "s", source(1, "status: SOURCE_STATUS_FAILED detail: 'no such interface: mon0'"), kStart);
+  EXPECT_NE(text_of(model, kStart)
+                .find("\nwarning: person-4: right beside the transmitter\n"
+                      "warning: person-4: another place is nearly as likely\n"
+                      "ap1 failed: no such interface: mon0\n"),
+            std::string::npos)
+      << text_of(model, kStart);
+  model.add("t", location(2, 101, kFiltered), kStart);
+  model.add("s", source(2, "status: SOURCE_STATUS_RECEIVING"), kStart);
+  EXPECT_EQ(text_of(model, kStart).find("warning"), std::string::npos) << text_of(model, kStart);
+  EXPECT_EQ(text_of(model, kStart).find("ap1"), std::string::npos) << text_of(model, kStart);
+}
+
 TEST(TopView, SaysSoWhenNothingHasComeYet) {
   EXPECT_EQ(text_of(TopModel(), kStart), "no heartbeat yet\n");
 }
