@@ -1,4 +1,8 @@
-"""Through real sockets: the daemon's own publisher at 10,000 messages a second, and a seeded gap."""
+"""Through real sockets: the daemon's own publisher at 10,000 messages a second, and a seeded gap.
+
+Asserted is that everything sent arrives, once and in order. At which rate it was sent and received
+says more of who else uses the machine, so it is printed and left to the reader: on an idle one both
+are the 10,000 a second that were asked for."""
 
 from __future__ import annotations
 
@@ -61,9 +65,10 @@ def test_ten_thousand_messages_a_second_without_loss(capsys: pytest.CaptureFixtu
             seconds = time.monotonic() - begin
             assert messages.lost == messages.malformed == 0
         sent, sending = publisher.stop()
+        assert sent == MESSAGES
         expect_all(received, sent)
     with capsys.disabled():
-        print(f"\nSubscriber: {sent} sent in {sending:.2f} s, {sent / seconds:.0f}/s received")
+        print(f"\nSubscriber: {sent} sent at {sent / sending:.0f}/s, received at {sent / seconds:.0f}/s")
 
 
 def test_asyncio_takes_ten_thousand_a_second_and_lets_others_run(
@@ -94,10 +99,11 @@ def test_asyncio_takes_ten_thousand_a_second_and_lets_others_run(
     with BurstPublisher(MESSAGES, RATE, SUBSCRIPTIONS) as publisher:
         received, turns, seconds = asyncio.run(receive(publisher.endpoint))
         sent, sending = publisher.stop()
+        assert sent == MESSAGES
         expect_all(received, sent)
         assert turns > 10
     with capsys.disabled():
-        print(f"\nAsyncSubscriber: {sent} sent in {sending:.2f} s, {sent / seconds:.0f}/s received")
+        print(f"\nAsyncSubscriber: {sent} sent at {sent / sending:.0f}/s, received at {sent / seconds:.0f}/s")
 
 
 def test_who_joins_under_load_gets_every_sequence_once() -> None:
