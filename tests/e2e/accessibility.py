@@ -95,36 +95,60 @@ def check_by_keyboard(page, target):
     for _ in range(60):
         page.press("Tab")
         name, seen = page.ask(FOCUS)
-        if name in reached or not name:
+        if not name:  # past the last one
             break
+        assert name not in reached, f"the focus comes back to {name}: {reached}"
         assert seen, f"no visible focus at {name}"
         reached.append(name)
         use(page, name, target)
     wanted = ["Skip to the list of targets", "theme", "map", "zoom-in", "zoom-out", "fit", "play",
-              "scrubber", "speed", target, "event-list"]
+              "scrubber", "speed", "live", target, "event-list", CHANNEL, CALIBRATION,
+              "show-residuals", "Legend"]
     missing = [name for name in wanted if name not in reached]
     assert not missing, f"not reached by Tab: {missing} (reached: {reached})"
 
 
+CHANNEL, CALIBRATION = "Channel: measured and simulated", "Calibration"
+TIME_SHOWN = "document.querySelector('#time-shown').textContent"
+DOTS = "document.querySelectorAll('#residuals circle').length"
+
+
 def use(page, name, target):
     """What a key does there, where it is one of the things to try."""
-    transform = "document.querySelector('#plan').getAttribute('transform')"
     if name == "map":
-        fitting = page.wait(transform)
-        for key in ("ArrowLeft", "+", "ArrowUp", "-"):
-            before = page.ask(transform)
-            page.press(key)
-            page.wait(f"{transform} !== '{before}'")
-        page.press("0")
-        page.wait(f"{transform} === '{fitting}'")
+        use_map(page)
     elif name == target:
         chosen = f"document.querySelector('tr[data-target=\"{target}\"] button').ariaPressed"
         page.press("Enter")
         page.wait(f"{chosen} === 'true'")
         page.press("Escape")
         page.wait(f"{chosen} === 'false'")
+    elif name == "theme":
+        before = page.ask("document.querySelector('#theme').textContent")
+        page.press("Enter")
+        page.wait(f"document.querySelector('#theme').textContent !== '{before}'")
     elif name == "scrubber":
-        page.press("ArrowLeft")
-        page.wait("document.querySelector('#time-shown').textContent.includes('ago')")
-        page.ask("document.querySelector('#live').click()")
-        page.wait("document.querySelector('#time-shown').textContent === 'live'")
+        page.press("ArrowLeft")  # only then there is a way back to tab to
+        page.wait(f"{TIME_SHOWN}.includes('ago')")
+    elif name == "live":
+        page.press("Enter")
+        page.wait(f"{TIME_SHOWN} === 'live'")
+    elif name in (CHANNEL, CALIBRATION, "Legend"):
+        page.press("Enter")
+        page.wait("document.activeElement.parentElement.open")
+    elif name == "show-residuals":
+        page.press(" ")
+        page.wait(f"{DOTS} > 0")
+        page.press(" ")
+        page.wait(f"{DOTS} === 0")
+
+
+def use_map(page):
+    transform = "document.querySelector('#plan').getAttribute('transform')"
+    fitting = page.wait(transform)
+    for key in ("ArrowLeft", "+", "ArrowUp", "-"):
+        before = page.ask(transform)
+        page.press(key)
+        page.wait(f"{transform} !== '{before}'")
+    page.press("0")
+    page.wait(f"{transform} === '{fitting}'")
