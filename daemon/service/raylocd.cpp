@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <exception>
 #include <future>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -16,6 +17,7 @@
 #include "daemon/service/run_loop.h"
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
+#include "daemon/service/start_watch.h"
 
 namespace rayloc {
 namespace {
@@ -52,6 +54,7 @@ Expected<void> serve(const std::string& file) {
   }
   Reloader reloader(*setup);
   set_up_log(setup->config.log);
+  auto watch = std::make_unique<StartWatch>(manager);
   spdlog::info("raylocd {}: preparing the room of site '{}'", RAYLOC_VERSION, setup->site.name);
   Expected<std::unique_ptr<Service>> opened = Service::open(
       std::move(*setup), *sockets, [](const std::string& line) { spdlog::info("{}", line); });
@@ -69,6 +72,7 @@ Expected<void> serve(const std::string& file) {
   if (const std::string http = service.http_address(); !http.empty()) {
     spdlog::info("answering at http://{}/", http);
   }
+  watch.reset();
   spdlog::info("ready: publishing at {}", service.endpoint());
   manager.ready();
   const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);

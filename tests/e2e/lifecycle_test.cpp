@@ -2,6 +2,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -82,6 +83,27 @@ TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
   EXPECT_EQ(manager.lines().back(), "STOPPING=1");
   EXPECT_EQ(manager.count("READY=1"), 1);
   EXPECT_EQ(manager.count("WATCHDOG=1"), 0) << "nobody asked to be fed";
+}
+
+TEST(LifeCycle, ASignalEndsItWhileItIsStillStarting) {
+  for (const int signal : {SIGTERM, SIGINT}) {
+    const TemporaryFolder folder;
+    NotifySocket manager(folder.path());
+    // A recording that nobody writes: opening it waits for ever, as tracing a large room seems to.
+    const std::string pipe = (folder.path() / "pipe.pcap").string();
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    LiveDaemonOptions options = one_access_point({manager.variable()});
+    options.source = "kind = \"pcap\"\nfile = \"" + pipe + "\"";
+    LiveDaemon daemon(folder.path(), options);
+    ASSERT_TRUE(eventually(kPatience, [&] {
+      return daemon.log().find("preparing the room") != std::string::npos;
+    })) << daemon.errors();
+    daemon.signal(signal);
+    EXPECT_EQ(daemon.wait(kPatience), 0) << daemon.errors();
+    EXPECT_THAT(daemon.log(), HasSubstr("before the daemon was ready"));
+    EXPECT_TRUE(manager.wait_for("STOPPING=1", kPatience));
+    EXPECT_EQ(manager.count("READY=1"), 0);
+  }
 }
 
 TEST(LifeCycle, NamesTheStageThatIsStuckAndStarvesTheWatchdog) {

@@ -1,0 +1,35 @@
+// StartWatch: ends the process at once, with status 0, when SIGTERM or SIGINT comes while the
+// daemon is being opened: reading a calibrated site and tracing its room take seconds to minutes,
+// in which nobody waits for signals. Nothing has been received by then, so nothing is lost.
+//
+//   const sigset_t signals = block_daemon_signals();
+//   auto watch = std::make_unique<StartWatch>(manager);
+//   ... open ...
+//   watch.reset();  // from here on RunLoop hears signals; one that came in between waits for it
+#pragma once
+
+#include <thread>
+
+#include "capture/file_descriptor.h"
+#include "daemon/service/service_manager.h"
+
+namespace rayloc {
+
+class StartWatch {
+ public:
+  // REQUIRES: the signals are blocked, the log is set up; `manager` outlives the watch.
+  explicit StartWatch(const ServiceManager& manager);
+  ~StartWatch();
+  StartWatch(const StartWatch&) = delete;
+  StartWatch& operator=(const StartWatch&) = delete;
+
+ private:
+  void watch() const;
+
+  const ServiceManager& manager_;
+  const FileDescriptor signals_;
+  const FileDescriptor over_;
+  std::thread thread_;
+};
+
+}  // namespace rayloc
