@@ -1,7 +1,8 @@
 // DatagramSource: where datagrams come from. One access point = one source, because every access
 // point sends from 10.10.10.10: only the port, interface or file they arrive on tells them apart.
 //
-// Implementations: UdpSource (udp_source.h), PcapFileSource and PcapLiveSource (pcap_source.h).
+// Implementations: UdpSource (udp_source.h), PcapFileSource (pcap_source.h), PcapLiveSource
+// (pcap_live_source.h), UnixSource (unix_source.h), and ReopeningSource around a live one.
 // Thread safety: one thread reads; counters() may be called from another.
 #pragma once
 
@@ -27,6 +28,8 @@ struct SourceCounters {
   // Of a recording: datagrams that its marks of gaps ("gap_mark" below, recording_gap.h) say were
   // received and not recorded, as far as known. Not part of `received`.
   std::uint64_t unrecorded = 0;
+  // Times that a live source could not be read any more (ReopeningSource).
+  std::uint64_t failures = 0;
   // By reason: "not_udp", "wrong_port", "ip_fragment", "truncated_capture", "length_mismatch",
   // "oversized", "interface_not_allowed", "sender_not_allowed", ...
   std::map<std::string, std::uint64_t> rejected;
@@ -59,6 +62,10 @@ class DatagramSource {
 
   // For messages and logs: "udp 0.0.0.0:5500", "recording.pcap", "interface eth7".
   virtual std::string description() const = 0;
+
+  // Why it cannot be read now, although it has not ended; empty while it can. For the thread that
+  // reads.
+  virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace rayloc

@@ -71,8 +71,7 @@ bool SourceWorker::step(DatagramBatch& batch, std::vector<CsiFrame>& frames, Dur
   const Expected<void> read = source_->read(batch, timeout);
   if (!read) {
     batch.datagrams.clear();
-    const std::lock_guard lock(mutex_);
-    report_.error = read.error().message;
+    failure_ = read.error().message;
     return false;
   }
   if (batch.moved) {
@@ -120,11 +119,13 @@ void SourceWorker::show(std::span<const CsiFrame> frames) {
 void SourceWorker::publish_report(const DatagramBatch& batch) {
   SourceCounters source = source_->counters();
   CsiReceiverCounters receiver = receiver_.counters();
+  std::string error = failure_.empty() ? source_->trouble() : failure_;
   const std::lock_guard lock(mutex_);
   report_.source = std::move(source);
   report_.receiver = std::move(receiver);
   report_.frames = census_;
   report_.ended = batch.rests;
+  report_.error = std::move(error);
   if (!batch.datagrams.empty()) {
     report_.last_datagram = batch.datagrams.back().time;
     report_.last_arrival = std::chrono::steady_clock::now();

@@ -48,7 +48,9 @@ struct SourceReport {
   Timestamp last_datagram{};                             // event time; the epoch when none came
   std::chrono::steady_clock::time_point last_arrival{};  // of it: nobody can set this clock
   bool ended = false;  // for good, or until a recording that is played goes on elsewhere
-  std::string error;   // why it ended before its time, empty otherwise
+  // Why it ended before its time, or, of a source that goes on, why nothing can be read now; empty
+  // otherwise.
+  std::string error;
 };
 
 class SourceWorker {
@@ -90,6 +92,7 @@ class SourceWorker {
   FrameTap* const frame_tap_;
   const std::string access_point_;
   FrameCensus census_;
+  std::string failure_;  // why the source ended before its time
   StageProgress progress_;
   std::atomic<bool> stopping_ = false;
   mutable std::mutex mutex_;

@@ -28,6 +28,8 @@ void LossWatch::look_at(const v1::SourceReport& source) {
   compare({"ring_dropped", "datagrams dropped", name}, counters.ring_dropped());
   compare({"frames_dropped", "frames dropped: estimates take longer than frames to come", name},
           counters.frames_dropped());
+  compare({"failures", "it could not be read any more, and is opened again", name},
+          counters.failures());
   for (const auto& [reason, count] : counters.rejected()) {
     compare({"rejected_" + reason, "datagrams rejected: " + reason, name}, count);
   }

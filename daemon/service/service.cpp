@@ -403,7 +403,9 @@ std::vector<std::string> Service::new_errors() {
   std::vector<std::string> errors;
   for (const SourceReport& report : pipeline_->source_reports()) {
     if (!report.error.empty()) {
-      errors.push_back("source " + report.access_point + " has ended: " + report.error);
+      errors.push_back("source " + report.access_point +
+                       (report.ended ? " has ended: " : " cannot be read, it is opened again: ") +
+                       report.error);
     }
   }
   for (const auto& recorder : recorders_) {

@@ -1,12 +1,18 @@
 #include "daemon/service/source_factory.h"
 
+#include <fcntl.h>
+
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
+#include "capture/file_descriptor.h"
 #include "capture/pcap_live_source.h"
 #include "capture/pcap_source.h"
+#include "capture/reopening_source.h"
 #include "capture/udp_source.h"
 #include "capture/unix_source.h"
 #include "daemon/pipeline/playback_source.h"
@@ -53,14 +59,13 @@ Error placed(const SourceConfig& source, Error error) {
   return error;
 }
 
-Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& source,
-                                                         std::optional<int> passed_socket,
-                                                         const RecordingClock& clock) {
+// `passed_socket`: to be taken over; -1 for none.
+Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source, int passed_socket) {
   switch (source.kind) {
     case SourceKind::kUdp: {
       UdpSourceOptions options;
       options.address = listen_address(source);
-      options.adopted_fd = passed_socket.value_or(-1);
+      options.adopted_fd = passed_socket;
       options.interface = source.only_interface;
       for (const std::string& text : source.allow) {
         const auto range = AddressRange::parse(text);
@@ -80,13 +85,35 @@ Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& sou
     case SourceKind::kUnix: {
       UnixSourceOptions options;
       options.path = source.path.string();
-      options.adopted_fd = passed_socket.value_or(-1);
+      options.adopted_fd = passed_socket;
       return as_datagram_source(UnixSource::open(options));
     }
     case SourceKind::kPcap:
-      return open_recording(source, clock);
+      break;
   }
   return make_error(ErrorKind::kInternal, "a kind of source that does not exist");
+}
+
+Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& source,
+                                                         std::optional<int> passed_socket,
+                                                         const RecordingClock& clock) {
+  if (!is_live(source)) {
+    return open_recording(source, clock);
+  }
+  if (!passed_socket) {
+    return as_datagram_source(ReopeningSource::open([source] { return open_live(source, -1); }));
+  }
+  // systemd passes a socket once: what a source closes is a copy.
+  const auto passed = std::make_shared<const FileDescriptor>(*passed_socket);
+  return as_datagram_source(
+      ReopeningSource::open([source, passed]() -> Expected<std::unique_ptr<DatagramSource>> {
+        const int copy = fcntl(passed->get(), F_DUPFD_CLOEXEC, 0);
+        if (copy < 0) {
+          return make_error(ErrorKind::kUnavailable,
+                            std::string("the socket of systemd: ") + std::strerror(errno));
+        }
+        return open_live(source, copy);
+      }));
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ v1::SourceCounters source_counters(const SourceReport& report, const MailboxCoun
   counters.set_late(report.receiver.late);
   counters.set_bytes(report.source.bytes);
   counters.set_clock_steps(report.source.clock_steps);
+  counters.set_failures(report.source.failures);
   counters.set_frames_complete(report.receiver.frames - report.receiver.partial);
   counters.set_frames_partial(report.receiver.partial);
   counters.set_frames_dropped(mailbox.dropped);

@@ -1,7 +1,9 @@
-// What must not hurt a running raylocd: its clock being set, a source that falls silent, datagrams
-// from where none may come, a second daemon on its ports, subscribers by the hundred.
+// What must not hurt a running raylocd: its clock being set, a source that falls silent, an
+// interface that is taken away, datagrams from where none may come, a second daemon on its ports,
+// subscribers by the hundred.
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -110,6 +112,82 @@ TEST(Faults, AClockThatIsSetMakesNoAgeWrong) {
   EXPECT_TRUE(status_is("SOURCE_STATUS_RECEIVING"));
   EXPECT_EQ(json_at(daemon, "/readyz").at("reasons"), nlohmann::json::array());
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// An interface whose datagrams nobody answers.
+const char* const kMakeInterface =
+    "ip link add eth7 type veth peer name eth8 && ip link set eth8 up && ip link set eth7 up && "
+    "ip addr add 10.9.8.1/24 dev eth7 && "
+    "ip neigh add 10.9.8.2 lladdr 02:00:00:00:00:02 dev eth7 nud permanent";
+
+std::string shell(const std::string& commands) { return "sh -c '" + commands + "'"; }
+
+// On that interface, without any port, since the daemon's network is its own.
+std::string capturing_configuration(const std::string& endpoint, const std::string& snapshot) {
+  return "[site]\ndirectory = \"" + bundled("").string() +
+         "\"\n[[source]]\naccess_point = \"ap2\"\nkind = \"interface\"\ninterface = \"eth7\"\n"
+         "[engine]\nmethod = \"none\"\n[http]\nenabled = false\n[publish]\nendpoint = \"" +
+         endpoint + "\"\nsnapshot = \"" + snapshot + "\"\n";
+}
+
+TEST(Faults, AnInterfaceThatWentAwayIsCapturedAgainWhenItComesBack) {
+  if (std::system(("unshare --net " + shell(kMakeInterface) + " 2>/dev/null").c_str()) != 0) {
+    GTEST_SKIP() << "no right to make a network namespace here";
+  }
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + (folder.path() / "publish").string();
+  const std::string snapshot = "ipc://" + (folder.path() / "snapshot").string();
+  const std::filesystem::path config = folder.path() / "raylocd.toml";
+  std::ofstream(config) << capturing_configuration(endpoint, snapshot);
+  Process daemon(folder.path(),
+                 "raylocd",
+                 "raylocd",
+                 {"--config", config.string()},
+                 {.wrapper = {"unshare",
+                              "--net",
+                              "/bin/sh",
+                              "-c",
+                              std::string(kMakeInterface) + R"( && exec "$0" "$@")"}});
+  const auto logs = [&](const std::string& text) {
+    return eventually(kPatience, [&] { return daemon.errors().find(text) != std::string::npos; });
+  };
+  ASSERT_TRUE(logs("ready: publishing")) << daemon.errors();
+  Process subscriber(
+      folder.path(),
+      "sub",
+      "rayloc",
+      {"sub", "v1/source/", "--json", "--endpoint", endpoint, "--snapshot", snapshot});
+  const auto inside = [&](const std::string& command) {
+    return std::system(
+        ("nsenter --net=/proc/" + std::to_string(daemon.pid()) + "/ns/net " + command).c_str());
+  };
+  // The latest state that the subscriber has heard of.
+  const auto state = [&] {
+    nlohmann::json last = nlohmann::json::object();
+    for (const std::string& line : read_lines(subscriber.out())) {
+      const nlohmann::json envelope = nlohmann::json::parse(line, nullptr, false);
+      last = envelope.is_object() ? envelope.value("source", last) : last;
+    }
+    return last;
+  };
+  const auto becomes = [&](const std::string& status) {
+    return eventually(kPatience, [&] { return state().value("status", "") == status; });
+  };
+  ASSERT_TRUE(becomes("SOURCE_STATUS_WAITING")) << subscriber.errors();
+  ASSERT_EQ(inside("ip link del eth7"), 0);
+  ASSERT_TRUE(becomes("SOURCE_STATUS_FAILED")) << daemon.errors();
+  EXPECT_THAT(state().at("detail").get<std::string>(), HasSubstr("interface eth7: "));
+  EXPECT_TRUE(logs("source ap2 cannot be read, it is opened again: interface eth7: "));
+  ASSERT_EQ(inside(shell(kMakeInterface)), 0);
+  ASSERT_TRUE(becomes("SOURCE_STATUS_WAITING")) << daemon.errors();
+  EXPECT_TRUE(logs("no longer: source ap2 cannot be read"));
+  EXPECT_EQ(number(state().at("counters").at("failures")), 1U);
+  EXPECT_EQ(inside(RAYLOC_BIN "/rayloc send '" + bundled_recording("calibration", "ap2") +
+                   "' --to 10.9.8.2:5500 --rate 1000 --duration 1 >/dev/null 2>&1"),
+            0);
+  EXPECT_TRUE(becomes("SOURCE_STATUS_RECEIVING")) << state().dump() << daemon.errors();
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(kPatience), 0) << daemon.errors();
 }
 
 TEST(Faults, ASecondDaemonOnAPortSaysSoAndTheFirstGoesOn) {
