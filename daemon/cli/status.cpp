@@ -68,7 +68,7 @@ void print_state(const Json& ready, const Json& status) {
       "{} times one was slow\n",
       count_of(estimation, "fixes"),
       count_of(estimation, "no_fixes"),
-      count_of(status.at("tracker"), "tracks"),
+      count_of(status.value("tracker", Json::object()), "tracks"),
       count_of(publisher, "published"),
       count_of(publisher, "subscriptions"),
       count_of(publisher, "slow_episodes"));

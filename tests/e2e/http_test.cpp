@@ -212,5 +212,19 @@ TEST(Http, HostileClientsCostNothing) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
+TEST(Http, TheStateOfADaemonThatLocatesNothingIsShown) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
+  Process status(folder.path(), "status", "rayloc", {"status", "--http", address});
+  EXPECT_EQ(status.wait(kPatience), 0) << status.errors();
+  EXPECT_THAT(read_text(status.out()), HasSubstr("0 fixes, 0 without a position, 0 tracks"));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
 }  // namespace
 }  // namespace rayloc::e2e
