@@ -58,6 +58,9 @@ void print_state(const Json& ready, const Json& status) {
   for (const Json& warning : ready.at("warnings")) {
     fmt::print("  warning: {}\n", warning.get<std::string>());
   }
+  if (ready.value("clock", "") == "unknown") {
+    fmt::print("  clock: unknown to raylocd whether it is synchronised; timedatectl tells\n");
+  }
   for (const Json& source : status.at("sources")) {
     print_source(source);
   }

@@ -41,12 +41,17 @@ Finding check_receive_buffer() {
 }
 
 Finding check_clock() {
-  if (clock_is_synchronized()) {
-    return {Kind::kOk, "the clock is synchronised", ""};
+  switch (clock_state()) {
+    case ClockState::kSynchronized:
+      return {Kind::kOk, "the clock is synchronised", ""};
+    case ClockState::kNotSynchronized:
+      return {Kind::kWarning,
+              "the clock is not synchronised: times of locations are off",
+              "run chrony or systemd-timesyncd"};
+    case ClockState::kUnknown:
+      break;
   }
-  return {Kind::kWarning,
-          "the clock is not synchronised: times of locations are off",
-          "run chrony or systemd-timesyncd"};
+  return {Kind::kWarning, "whether the clock is synchronised is unknown", "timedatectl tells"};
 }
 
 // The folder, or the nearest one above it that exists.

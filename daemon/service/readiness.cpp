@@ -1,6 +1,7 @@
 #include "daemon/service/readiness.h"
 
 #include <sys/timex.h>
+#include <unistd.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -31,10 +32,31 @@ std::string source_trouble(const v1::SourceState& state) {
   }
 }
 
+const char* word(ClockState clock) {
+  switch (clock) {
+    case ClockState::kSynchronized:
+      return "synchronised";
+    case ClockState::kNotSynchronized:
+      return "not synchronised";
+    case ClockState::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+// Nothing where asking is denied.
+std::optional<bool> synchronized_by_kernel() {
+  timex clock{};
+  const int state = adjtimex(&clock);
+  return state < 0 ? std::nullopt
+                   : std::optional<bool>(state != TIME_ERROR && (clock.status & STA_UNSYNC) == 0);
+}
+
 }  // namespace
 
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
   Readiness result;
+  result.clock = health.clock;
   for (const v1::SourceState& source : status.sources) {
     if (std::string trouble = source_trouble(source); !trouble.empty()) {
       result.reasons.push_back(std::move(trouble));
@@ -49,7 +71,7 @@ Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
   if (health.reload_failed) {
     result.warnings.emplace_back("the last reload failed: the configuration is wrong");
   }
-  if (!health.clock_synchronized) {
+  if (health.clock == ClockState::kNotSynchronized) {
     result.warnings.emplace_back("the clock of this machine is not synchronised: times are off");
   }
   for (const std::string& warning : status.heartbeat.calibration_warnings()) {
@@ -61,14 +83,22 @@ Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
 std::string to_json(const Readiness& readiness) {
   const nlohmann::ordered_json json = {{"ready", readiness.ready()},
                                        {"reasons", readiness.reasons},
-                                       {"warnings", readiness.warnings}};
+                                       {"warnings", readiness.warnings},
+                                       {"clock", word(readiness.clock)}};
   // Names of devices and files may be no UTF-8.
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-bool clock_is_synchronized() {
-  timex clock{};
-  return adjtimex(&clock) != TIME_ERROR && (clock.status & STA_UNSYNC) == 0;
+ClockState clock_state() {
+  constexpr const char* kMark = "/run/systemd/timesync/synchronized";
+  return clock_state(synchronized_by_kernel(), access(kMark, F_OK) == 0);
+}
+
+ClockState clock_state(std::optional<bool> kernel_says, bool marked) {
+  if (kernel_says) {
+    return *kernel_says ? ClockState::kSynchronized : ClockState::kNotSynchronized;
+  }
+  return marked ? ClockState::kSynchronized : ClockState::kUnknown;
 }
 
 }  // namespace rayloc

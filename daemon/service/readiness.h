@@ -2,6 +2,7 @@
 // status` and `rayloc wait-ready` say.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,13 @@
 
 namespace rayloc {
 
+// Whether somebody (chrony, timesyncd) keeps this machine's clock right.
+enum class ClockState { kSynchronized, kNotSynchronized, kUnknown };
+
 struct Readiness {
   std::vector<std::string> reasons;   // against being ready; empty: ready
   std::vector<std::string> warnings;  // worth a look, but positions are right
+  ClockState clock = ClockState::kUnknown;
   bool ready() const { return reasons.empty(); }
 };
 
@@ -20,16 +25,20 @@ struct ServiceHealth {
   std::vector<std::string> stuck_stages;
   std::vector<std::string> recording_errors;
   bool reload_failed = false;
-  bool clock_synchronized = true;
+  ClockState clock = ClockState::kUnknown;
 };
 
 // Sources that are silent, have failed or count wrongly; and what `health` says.
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health);
 
-// {"ready":false,"reasons":["source ap1: ..."],"warnings":[]}
+// {"ready":false,"reasons":["source ap1: ..."],"warnings":[],"clock":"unknown"}
+// The clock is "synchronised", "not synchronised" or "unknown".
 std::string to_json(const Readiness& readiness);
 
-// By adjtimex(2): somebody (chrony, timesyncd) keeps this machine's clock right.
-bool clock_is_synchronized();
+// By what the kernel says (adjtimex(2)), which a service with ProtectClock= is not told; then by
+// the mark that systemd-timesyncd leaves. Others leave none: without it nothing is known.
+ClockState clock_state();
+// `kernel_says`: that it is synchronised; nothing where it does not answer.
+ClockState clock_state(std::optional<bool> kernel_says, bool marked);
 
 }  // namespace rayloc

@@ -118,7 +118,7 @@ void Service::note_stuck(std::vector<std::string> stages) {
 
 ServiceHealth Service::health() const {
   ServiceHealth health;
-  health.clock_synchronized = clock_is_synchronized();
+  health.clock = clock_state();
   for (const auto& recorder : recorders_) {
     if (std::string error = recorder->counters().files.error; !error.empty()) {
       health.recording_errors.push_back(std::move(error));

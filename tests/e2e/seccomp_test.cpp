@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/unit_filters.h"
 
@@ -49,7 +50,31 @@ TEST_F(Seccomp, TheDaemonWorksUnderTheFiltersOfItsUnit) {
   expect_works_with(calls, "1,2,10");
 }
 
-// The test above is worth something only if a missing call shows.
+// The kernel's answer is denied there, so it must not be taken for one.
+TEST_F(Seccomp, TheStateOfTheClockIsUnknownWhereItCannotBeAsked) {
+  const TemporaryFolder folder;
+  const std::set<std::string> calls = allowed_calls(kUnit);
+  ASSERT_EQ(calls.count("adjtimex") + calls.count("clock_adjtime"), 0U);
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n",
+                     .setting = {.wrapper = filters(folder.path(), calls, "1,2,10")}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  const nlohmann::json ready =
+      nlohmann::json::parse(testing::http_body(testing::http_get(daemon.http_port(), "/readyz")));
+  const bool marked = std::filesystem::exists("/run/systemd/timesync/synchronized");
+  EXPECT_EQ(ready.at("clock"), marked ? "synchronised" : "unknown");
+  EXPECT_EQ(ready.at("warnings"), nlohmann::json::array());
+  Process status(folder.path(),
+                 "status",
+                 "rayloc",
+                 {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+  EXPECT_EQ(status.wait(std::chrono::seconds(60)), 0) << status.errors();
+  EXPECT_EQ(read_text(status.out()).find("clock: unknown") == std::string::npos, marked);
+}
+
+// The first test is worth something only if a missing call shows.
 TEST_F(Seccomp, ACallThatIsMissingShows) {
   std::set<std::string> calls = allowed_calls(kUnit);
   calls.erase("recvmmsg");
