@@ -11,6 +11,7 @@
 
 #include "daemon/pipeline/recording_folder.h"
 #include "daemon/service/curve_access.h"
+#include "daemon/service/passed_socket_check.h"
 #include "daemon/service/privacy.h"
 #include "daemon/site/path_grid_files.h"
 
@@ -87,6 +88,9 @@ Expected<std::unique_ptr<Service>> Service::open(
   const DaemonConfig& config = service->setup_.config;
   service->status_.started = system_now();
 
+  if (const Expected<void> good = check_passed_sockets(sockets, config); !good) {
+    return tl::make_unexpected(good.error());
+  }
   if (const Expected<void> opened = service->open_estimators(path_grids(config.cache, log));
       !opened) {
     return tl::make_unexpected(opened.error());
@@ -233,8 +237,10 @@ Expected<void> Service::open_sources(PassedSockets& sockets,
   recording_clock_ = std::move(*clock);
   status_.playback = recording_clock_.playback;
   for (const SourceConfig& source : setup_.config.sources) {
-    Expected<SourceWorker::Input> input = open_source(
-        source, setup_.site, sockets.take("source-" + source.access_point), recording_clock_);
+    const std::optional<int> passed =
+        takes_socket(source) ? sockets.take("source-" + source.access_point) : std::nullopt;
+    Expected<SourceWorker::Input> input =
+        open_source(source, setup_.site, passed, recording_clock_);
     if (!input) {
       return tl::make_unexpected(input.error());
     }

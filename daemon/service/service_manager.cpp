@@ -72,13 +72,14 @@ Expected<PassedSockets> PassedSockets::take() {
   return passed;
 }
 
-std::optional<int> PassedSockets::take(const std::string& name) {
+std::optional<int> PassedSockets::find(const std::string& name) const {
   const auto found = sockets_.find(name);
-  if (found == sockets_.end()) {
-    return std::nullopt;
-  }
-  const int fd = found->second;
-  sockets_.erase(found);
+  return found == sockets_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<int> PassedSockets::take(const std::string& name) {
+  const std::optional<int> fd = find(name);
+  sockets_.erase(name);
   return fd;
 }
 

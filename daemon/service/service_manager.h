@@ -41,6 +41,7 @@ class PassedSockets {
   static Expected<PassedSockets> take();
 
   // The descriptor, nothing when there is none of that name.
+  std::optional<int> find(const std::string& name) const;
   std::optional<int> take(const std::string& name);
   // Names that nobody took: for the log.
   std::string unused() const;

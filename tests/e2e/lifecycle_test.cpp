@@ -231,18 +231,48 @@ TEST(LifeCycle, AReloadNamesTheFilesThatOnlyARestartReads) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
-// A listening socket on loopback, as a .socket unit would have bound it.
-int bound_socket(int type, std::uint16_t port) {
+// A listening socket, as a .socket unit would have bound it.
+int bound_socket(int type, std::uint16_t port, in_addr_t host = INADDR_LOOPBACK) {
   const int fd = socket(AF_INET, type | SOCK_CLOEXEC, 0);
   const int yes = 1;
   setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(port);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  address.sin_addr.s_addr = htonl(host);
   EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
   EXPECT_TRUE(type == SOCK_DGRAM || listen(fd, 16) == 0);
   return fd;
+}
+
+// What systemd binds obeys the rule of what the configuration says.
+TEST(LifeCycle, RefusesPassedSocketsThatOthersReachAndNobodyGuards) {
+  for (const std::string name : {"publish", "snapshot", "http"}) {
+    const TemporaryFolder folder;
+    const int fd = bound_socket(SOCK_STREAM, free_port(SOCK_STREAM), INADDR_ANY);
+    LiveDaemonOptions options = one_access_point({});
+    options.setting.sockets = {{name, fd}};
+    LiveDaemon daemon(folder.path(), options);
+    EXPECT_EQ(daemon.wait(kPatience), 78) << daemon.errors();
+    // The snapshot's endpoint is a path here.
+    EXPECT_THAT(daemon.log(),
+                HasSubstr("raylocd-" + name + ".socket " +
+                          (name == "snapshot"
+                               ? "passes an Internet stream socket; it must have ListenStream=/"
+                               : "listens at 0.0.0.0:")));
+    close(fd);
+  }
+  // With a token it is meant.
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "token") << "0123456789abcdef0123456789abcdef\n";
+  const int http = bound_socket(SOCK_STREAM, free_port(SOCK_STREAM), INADDR_ANY);
+  LiveDaemonOptions options = one_access_point({});
+  options.http_configuration = "token_file = \"" + (folder.path() / "token").string() + "\"\n";
+  options.setting.sockets = {{"http", http}};
+  LiveDaemon daemon(folder.path(), options);
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  close(http);
 }
 
 // An empty network namespace, where not even loopback is up, and the unit's filters.
