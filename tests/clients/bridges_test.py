@@ -21,13 +21,13 @@ TRACKER = "homeassistant/device_tracker/rayloc_meeting_5froom/02-52-4c-00-00-01_
 class Bridge:
     """The command of deploy/clients/README.md, on other ports."""
 
-    def __init__(self, daemon: Daemon, broker: Broker) -> None:
+    def __init__(self, daemon: Daemon, broker: Broker, options: str = "") -> None:
         readme = (ROOT / "deploy/clients/README.md").read_text()
         (command,) = re.findall(r"^PYTHONPATH=.*rayloc\.bridges\.mqtt.*$", readme, re.M)
         command = command.replace("build/dev/python", os.environ["RAYLOC_PYTHON"])
         command = command.replace("127.0.0.1:1883", f"127.0.0.1:{broker.port}")
         assert str(broker.port) in command
-        command += f" --endpoint {daemon.endpoint} --interval 0.2"
+        command += f" --endpoint {daemon.endpoint} --interval 0.2 {options}"
         variables, words = command.split(" ", 1)
         self.process = subprocess.Popen(
             ["bash", "-c", f"{variables} exec {words}"], stderr=subprocess.PIPE
@@ -99,6 +99,21 @@ def test_what_it_announced_is_kept_for_a_home_assistant_that_comes_late(tmp_path
         with Listener(broker) as late:
             assert eventually(lambda: TRACKER in late.last)
             assert late.hears("rayloc/status", "online")
+
+
+def test_what_an_earlier_run_announced_is_taken_back(tmp_path: Path) -> None:
+    with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
+        with Bridge(daemon, broker) as first:
+            assert eventually(lambda: TRACKER in home.last)
+            assert first.stop(signal.SIGTERM) == 0
+        daemon.stop()
+        daemon.hear_nobody()
+        daemon.start()
+        with Bridge(daemon, broker, "--forget 1"):
+            assert home.hears(TRACKER, "")
+        with Listener(broker) as late:
+            assert late.hears("rayloc/status", "offline")  # told on subscribing, as what it keeps
+            assert TRACKER not in late.last
 
 
 def test_a_broker_that_restarts_is_told_everything_again(tmp_path: Path) -> None:

@@ -187,6 +187,70 @@ def test_a_device_that_is_not_heard_for_long_is_forgotten() -> None:
     assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
 
 
+def kept_of_an_earlier_run() -> list[Publication]:
+    return [p for p in HomeAssistant(Setting()).on_message(located(), 0.0) if p.retain]
+
+
+def adopting(setting: Setting, now: float = 0.0) -> HomeAssistant:
+    """One that has heard raylocd, and what the broker has kept."""
+    subject = HomeAssistant(setting)
+    subject.on_message(heartbeat(), now)
+    for each in kept_of_an_earlier_run():
+        subject.adopt(each.topic, each.payload, now)
+    subject.on_time(now, stale=False)
+    return subject
+
+
+def test_what_an_earlier_run_announced_is_taken_back_by_the_next() -> None:
+    subject = adopting(Setting(silent=60.0, forget=600.0))
+    (state,) = states(subject.on_time(61.0, stale=False))
+    assert (state["place"], state["x"]) == ("not_home", None)
+    assert subject.on_time(599.0, stale=False) == []
+    gone = subject.on_time(601.0, stale=False)
+    assert gone == [Publication(p.topic, "", True) for p in kept_of_an_earlier_run()]
+    assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
+
+
+def test_what_an_earlier_run_announced_is_announced_anew_when_it_is_located() -> None:
+    subject = adopting(Setting(forget=600.0))
+    message = located()
+    message.envelope.location.target.name = "tag of the forklift"
+    told = subject.on_message(message, 1.0)
+    names = {json.loads(p.payload)["device"]["name"] for p in told if p.retain}
+    assert names == {"tag of the forklift"}
+    assert [s["place"] for s in states(told)] == ["home"]
+    for each in kept_of_an_earlier_run():  # the broker says it once more on the next connection
+        subject.adopt(each.topic, each.payload, 500.0)
+    assert len(subject.on_time(602.0, stale=False)) == 4  # since it was located, not since then
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        Setting(base="elsewhere", forget=1.0),
+        Setting(prefix="elsewhere", forget=1.0),
+        Setting(targets=("02:52:4c:00:00:02",), forget=1.0),
+    ],
+)
+def test_what_another_bridge_announced_is_left_alone(setting: Setting) -> None:
+    subject = adopting(setting)
+    assert subject.on_time(2.0, stale=False) == []
+
+
+def test_what_was_announced_of_other_sites_or_by_others_is_left_alone() -> None:
+    subject = HomeAssistant(Setting(forget=1.0))
+    (first, *_) = kept_of_an_earlier_run()
+    subject.adopt(first.topic, first.payload, 0.0)  # before raylocd said which site it is
+    subject.on_message(heartbeat(), 0.0)
+    subject.adopt(first.topic, first.payload.replace("my%20office", "lab"), 0.0)
+    topic = f"homeassistant/sensor/{NODE}/x/config"
+    for payload in ("", "no JSON", "[1]", '{"state_topic": 1}', '{"state_topic": "rayloc/x"}'):
+        subject.adopt(topic, payload, 0.0)
+    subject.adopt(topic, first.payload, 0.0)  # our words at a topic that is not ours
+    subject.on_time(0.0, stale=False)
+    assert subject.on_time(2.0, stale=False) == []
+
+
 def test_the_site_is_available_as_long_as_raylocd_is_heard() -> None:
     subject = HomeAssistant(Setting())
     subject.on_message(located(), 0.0)

@@ -5,6 +5,8 @@ while it is located and "not_home" afterwards, and sensors for x, y and accuracy
 metres. Only the tracker's estimates (FILTERED) are told, each target at most once per `interval`.
 A track has ended when raylocd says so, when raylocd was started again (one that was killed could not
 say so), and when nothing was heard of it for `silent`: what said so was lost on the way.
+Brokers keep what was announced of devices. What an earlier run of the bridge left there is adopted:
+announced as it is now when it is located, else taken back after `forget` as if this run had heard it.
 
 Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state),
 BASE/SITE/status (raylocd), BASE/status (this bridge).
@@ -16,6 +18,7 @@ import json
 import re
 from dataclasses import dataclass, field
 from typing import Optional
+from urllib.parse import unquote
 
 from rayloc.message import Message
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, Location
@@ -23,6 +26,7 @@ from rayloc.v1.target_pb2 import TARGET_KIND_PERSON, TRACK_STATE_LOST, Target
 
 ONLINE, OFFLINE = "online", "offline"
 IN_ZONE = 0.5  # probability from which on a target is said to be in a zone
+COMPONENTS = ("device_tracker", "sensor")  # of discovery, that are announced
 SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
 
 
@@ -42,6 +46,7 @@ class Setting:
     interval: float = 1.0  # [s] between two states of one target
     silent: float = 60.0  # [s]; raylocd gives a track up after 5 s and speaks of it until then
     forget: float = 86_400.0  # [s] after which a device that is not heard is taken back
+    targets: tuple[str, ...] = ()  # the only ones that are told of; all, if there are none
 
 
 @dataclass
@@ -55,6 +60,7 @@ class _Known:
     is_person: bool
     heard_at: float
     has_track: bool = True
+    is_adopted: bool = False  # announced by an earlier run, perhaps by another name
     told_at: float = float("-inf")
     state: dict[str, object] = field(default_factory=dict)
     waits: bool = False  # `state` is newer than what was told
@@ -148,6 +154,24 @@ class HomeAssistant:
                 out += self._on_lost(known, now)
         return out
 
+    def adopt(self, topic: str, payload: str, now: float) -> None:
+        """What the broker has kept of a discovery topic. Left alone is what others announced, or a
+        bridge of another site, base or choice of targets: they take it back themselves."""
+        try:
+            configuration = json.loads(payload)
+            state_topic = str(configuration["state_topic"])
+            label = str(configuration["device"]["name"])
+            base, site, target = state_topic.rsplit("/", 2)
+        except (ValueError, KeyError, TypeError):
+            return
+        targets = self._setting.targets
+        if f"{base}/{site}/status" not in self._sites or (targets and target not in targets):
+            return
+        node, object_id = f"rayloc_{object_id_of(unquote(site))}", object_id_of(target)
+        found = _Known(state_topic, node, object_id, label, False, now, is_adopted=True)
+        if topic in found.configurations(self._setting):
+            self._known.setdefault(state_topic, found)
+
     def announce(self) -> list[Publication]:
         """Everything anew: to a broker that was connected to, or to a Home Assistant that began."""
         out = [Publication(topic, status, True) for topic, status in self._sites.items() if status]
@@ -166,7 +190,7 @@ class HomeAssistant:
         topic = self._state_topic(message)
         known = self._known.get(topic)
         out: list[Publication] = []
-        if known is None:
+        if known is None or known.is_adopted:
             known = _Known(
                 topic,
                 node=f"rayloc_{object_id_of(message.site)}",

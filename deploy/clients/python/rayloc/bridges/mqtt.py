@@ -8,6 +8,7 @@ Needs Debian's python3-paho-mqtt. Ends with SIGTERM or SIGINT; reconnects to bot
 from __future__ import annotations
 
 import argparse
+import queue
 import sys
 import threading
 import time
@@ -16,7 +17,14 @@ from typing import Any, Iterable, Optional
 
 import paho.mqtt.client
 
-from rayloc.bridges.home_assistant import OFFLINE, ONLINE, HomeAssistant, Publication, Setting
+from rayloc.bridges.home_assistant import (
+    COMPONENTS,
+    OFFLINE,
+    ONLINE,
+    HomeAssistant,
+    Publication,
+    Setting,
+)
 from rayloc.bridges.program import add_source, check_source, subscribe, until_signalled
 
 TOPICS = ["v1/location/", "v1/track/", "v1/heartbeat/"]
@@ -24,12 +32,15 @@ LOOK = 0.2  # [s] between looks at what is due without a message
 
 
 class Broker:
-    """The MQTT side: a will, and a flag for when everything is to be announced anew."""
+    """The MQTT side: a will, a flag for when everything is to be announced anew, and what the broker
+    has kept of our announcements (topic, payload)."""
 
     def __init__(self, arguments: argparse.Namespace, setting: Setting) -> None:
         self.must_announce = threading.Event()
+        self.kept: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
         self._status = f"{setting.base}/status"
         self._birth = f"{setting.prefix}/status"
+        self._discovery = [f"{setting.prefix}/{each}/+/+/config" for each in COMPONENTS]
         self._client = paho.mqtt.client.Client(client_id=arguments.client_id)
         if arguments.username is not None:
             password = _first_line(arguments.password_file)
@@ -64,7 +75,7 @@ class Broker:
             return
         say("connected to the broker")
         client.publish(self._status, ONLINE, qos=1, retain=True)
-        client.subscribe(self._birth)
+        client.subscribe([(topic, 1) for topic in [self._birth, *self._discovery]])
         self.must_announce.set()
 
     def _on_disconnect(self, _: Any, __: Any, code: int) -> None:
@@ -72,8 +83,11 @@ class Broker:
             say("the broker is gone; trying again")
 
     def _on_message(self, _: Any, __: Any, message: paho.mqtt.client.MQTTMessage) -> None:
-        if message.payload == ONLINE.encode():
-            self.must_announce.set()
+        if message.topic == self._birth:
+            if message.payload == ONLINE.encode():
+                self.must_announce.set()
+        elif message.retain and "/rayloc_" in message.topic:  # kept, not just published
+            self.kept.put((message.topic, message.payload.decode(errors="replace")))
 
 
 def say(text: str) -> None:
@@ -85,7 +99,13 @@ def _first_line(file: Optional[Path]) -> Optional[str]:
 
 
 def run(arguments: argparse.Namespace) -> None:
-    setting = Setting(arguments.prefix, arguments.base, arguments.interval, arguments.forget)
+    setting = Setting(
+        prefix=arguments.prefix,
+        base=arguments.base,
+        interval=arguments.interval,
+        forget=arguments.forget,
+        targets=tuple(arguments.target),
+    )
     bridge = HomeAssistant(setting)
     stopping = until_signalled()
     with subscribe(arguments, TOPICS) as messages:
@@ -101,6 +121,8 @@ def run(arguments: argparse.Namespace) -> None:
                 for gap in message.gaps:
                     say(f"lost {gap.lost} messages of {gap.topic}")
                 broker.publish(bridge.on_message(message, now))
+                while not broker.kept.empty():  # the message before says of which site we are
+                    bridge.adopt(*broker.kept.get(), now)
             if now - looked >= LOOK:
                 looked = now
                 broker.publish(bridge.on_time(now, messages.stale))
