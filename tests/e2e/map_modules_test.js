@@ -120,6 +120,26 @@
       same(document.querySelector('tr[data-source=ap9] td').textContent, 'failed: torn file', 'state');
     },
 
+    'who is in a zone is what its last event said, at each time'() {
+      const device = {mac: '02:00:00:00:00:01', track: '1'};
+      const zone = (sent, kind, change) => ({sent: new Date(sent).toISOString(),
+        zone: {event_id: `${kind}${sent}`, kind: `ZONE_EVENT_KIND_${kind}`, zone: 'desk', target: device, ...change}});
+      const {model, tell} = begin([
+        // Hardly inside any more, and not yet said to have left.
+        location(NOW - 5000, {zones: [{zone: 'desk', probability: 0.4}]}),
+        zone(NOW - 4000, 'ENTERED', {inside: [device, {track: '7'}]}),
+        zone(NOW - 1000, 'DWELLED', {dwell: '3s', inside: [device]})]);
+      same(model.at(NOW)[0].zones, ['desk'], 'inside');
+      same(model.inside(NOW - 2000).get('desk').size, 2, 'inside, then');
+      const left = zone(NOW + 100, 'LEFT', {dwell: '4.100s', reason: 'it was seen outside'});
+      tell(NOW + 200, [left, location(NOW + 150, {zones: [{zone: 'desk', probability: 0.6}]}), left]);
+      same(model.at(NOW + 200)[0].zones, [], 'inside, after it left');
+      same(model.at(NOW)[0].zones, ['desk'], 'inside, in review');
+      const name = device.mac;
+      same(model.events.map(({text}) => text), [`${name} left desk after 4.1 s (it was seen outside)`,
+        `${name} has been in desk for 3.0 s`, `${name} entered desk`], 'events');
+    },
+
     'what is told again after a reconnection counts once'() {
       const {model, tell} = begin([location(NOW)]);
       tell(NOW + 100, [location(NOW), location(NOW + 100)]);

@@ -38,6 +38,7 @@ CELLS = f"document.querySelector('tr[data-target=\"{DEVICE}\"]').children"
 SHOWN = f"{CELLS}.length > 0"
 TIME_SHOWN = "document.querySelector('#time-shown').textContent"
 EVENTS = "document.querySelector('#event-rows').textContent"
+ZONE = "document.querySelector('#zones text').textContent"
 DOTS = "document.querySelectorAll('#residuals circle').length > 0"
 CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
@@ -520,7 +521,7 @@ class PlaybackTest(MapTest):
         # The zone is around the place that it is at now.
         page.wait("document.querySelector('#event-rows').textContent.includes('entered corner')")
         page.wait(f"{CELLS}[4].textContent === 'corner'")
-        assert page.ask("document.querySelector('#zones text').textContent") == "corner"
+        page.wait(f"{ZONE} === 'corner (1)'")
         assert page.ask("[...document.querySelectorAll('#event-rows li')].filter((item) => item.stays)"
                         ".length") == 1, "the list of events is written anew"
         page.wait("window.beats > 2")  # it stands still, and nothing grows old
@@ -539,6 +540,8 @@ class PlaybackTest(MapTest):
         self.reach(page, "playback-position")
         page.press("End")
         page.wait(f"{self.TEXT}.includes('at the end')")
+        page.wait(f"{EVENTS}.includes('left corner after')")
+        page.wait(f"{ZONE} === 'corner' && {CELLS}[4].textContent === ''")
         assert self.state()["state"] == "PLAYBACK_STATE_ENDED"
         self.reach(page, "playback-play")
         page.press("Enter")

@@ -99,7 +99,7 @@ function draw(time) {
   drawn = time;
   stirred = false;
   const moment = model.held ?? timeline.step(elapsed);
-  showRoom();
+  showRoom(moment);
   setText(byId('no-targets'), model.absence());
   targets.show(model.at(moment), view);
   showSources(model);
@@ -108,13 +108,14 @@ function draw(time) {
 }
 
 // Without a plan nothing has a place on the drawing.
-function showRoom() {
+function showRoom(moment) {
   byId('map').classList.toggle('planless', !plan);
   byId('empty').hidden = Boolean(plan);
   byId('scale').hidden = !plan;
   if (!plan) return;
   plan.place(view);
   plan.showSources(model);
+  plan.showZones(model.inside(moment));
   showScale();
 }
 

@@ -12,11 +12,14 @@ const PREFER_FILTERED_MS = 1000;
 const FRESH_MS = 5000;          // what is older is no news
 const SLACK_MS = 700;           // of the way here, before an estimate counts as stale
 const EVENTS = 100;
+const ZONE_EVENTS = 1000;       // kept of a zone, for review
 const BEAT_MS = 1000;           // between heartbeats, before two have come
 const QUIET_MS = 3000;          // without a word: it is not known any more what raylocd does
 const QUIET_BEATS = 2.5;        // or for so many heartbeats, where these are rarer
 
 export const seconds = (duration) => (duration ? parseFloat(duration) : 0);
+
+const keyOf = (target) => target.mac || target.hashed_mac || `person-${target.track}`;
 
 export function targetName(target) {
   return target.name || target.mac || target.hashed_mac || `person ${target.track ?? ''}`.trim();
@@ -38,6 +41,7 @@ export class Model {
     this.beatMs = BEAT_MS;
     this.targets = new Map();
     this.sources = new Map();
+    this.zones = new Map();  // their events, by name
     this.heartbeat = null;
     this.playback = null;
     this.colours = 0;
@@ -92,7 +96,7 @@ export class Model {
       else if (message.source) this.source(message.source, sent);
       else if (message.heartbeat) this.beat(message.heartbeat, sent);
       else if (message.track) this.event(trackText(message.track), sent);
-      else if (message.zone) this.event(zoneText(message.zone), sent);
+      else if (message.zone) this.zone(message.zone, sent);
       else if (message.goodbye) this.event(`raylocd stops: ${message.goodbye.reason}`, sent);
     }
     this.forget();
@@ -137,7 +141,7 @@ export class Model {
       this.nobody = {reason: location.quality?.no_fix_reason || 'no reason is given', sent};
       return;
     }
-    const key = `${location.target.mac || location.target.hashed_mac || `person-${location.target.track}`}`;
+    const key = keyOf(location.target);
     let target = this.targets.get(key);
     if (!target) {
       target = {key, name: targetName(location.target), colour: this.colours++ % 8, past: [], filtered: -Infinity};
@@ -150,13 +154,23 @@ export class Model {
     // A recording that is played slowly says less often where it is.
     const pace = Math.min(1, this.playback?.speed || 1);
     const until = sent + (1000 * seconds(location.valid_for)) / pace;
-    const entry = {sent, until, location: drawn(location)};
-    // After a reconnection the two kinds of estimates may come out of order.
-    let at = target.past.length;
-    while (at > 0 && target.past[at - 1].sent > sent) --at;
-    if (at > 0 && target.past[at - 1].location.event_id === location.event_id) return;  // told again
-    target.past.splice(at, 0, entry);
+    const entry = {id: location.event_id, sent, until, location: drawn(location)};
+    insert(target.past, entry);
     this.latest = Math.max(this.latest ?? sent, sent);
+  }
+
+  zone(event, sent) {
+    this.event(zoneText(event), sent);
+    if (!this.zones.has(event.zone)) this.zones.set(event.zone, []);
+    const past = this.zones.get(event.zone);
+    insert(past, {id: event.event_id, sent, inside: new Set((event.inside || []).map(keyOf))});
+    if (past.length > ZONE_EVENTS) past.shift();
+    this.latest = Math.max(this.latest ?? sent, sent);
+  }
+
+  // Who was in each zone at that time, by the last event of it; a Map of Sets of keys of targets.
+  inside(time) {
+    return new Map([...this.zones].map(([name, past]) => [name, past[latest(past, time)]?.inside ?? new Set()]));
   }
 
   source(state, sent) {
@@ -200,9 +214,11 @@ export class Model {
     }
   }
 
-  // Each target as it was known at that time: its latest estimate, whether that was stale, its trail.
+  // Each target as it was known at that time: its latest estimate, whether that was stale, its trail, the
+  // zones that it was in.
   at(time) {
     const shown = [];
+    const inside = [...this.inside(time)];
     for (const target of this.targets.values()) {
       const end = latest(target.past, time);
       if (end < 0) continue;
@@ -213,7 +229,8 @@ export class Model {
         if (before.track !== location.target.track) break;  // another walk, or place of a recording
         if (position) trail.push(position);
       }
-      shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail});
+      const zones = inside.filter(([, keys]) => keys.has(target.key)).map(([name]) => name);
+      shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail, zones});
     }
     return shown;
   }
@@ -229,10 +246,10 @@ function isGone({past}) {
 
 // What is shown of an estimate: thousands are kept.
 function drawn(location) {
-  const {event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones, quality} = location;
+  const {target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, quality} = location;
   const {warnings, ambiguous, no_fix_reason} = quality || {};
   return {
-    event_id, target, track_state, position, position_covariance, accuracy_m, accuracy_confidence, zones,
+    target, track_state, position, position_covariance, accuracy_m, accuracy_confidence,
     quality: {warnings, ambiguous, no_fix_reason},
     hypotheses: (location.hypotheses || []).slice(0, GHOSTS),
   };
@@ -241,6 +258,13 @@ function drawn(location) {
 function staleSince({location, sent, until}, time) {
   if (isLost(location)) return sent;
   return time > until + SLACK_MS ? until : null;
+}
+
+// In order of time: after a reconnection they may come out of it, or be told again.
+function insert(past, entry) {
+  let at = past.length;
+  while (at > 0 && past[at - 1].sent > entry.sent) --at;
+  if (at === 0 || past[at - 1].id !== entry.id) past.splice(at, 0, entry);
 }
 
 function latest(past, time) {
@@ -264,5 +288,9 @@ function trackText(event) {
 }
 
 function zoneText(event) {
-  return `${targetName(event.target)} ${word(event.kind, 'ZONE_EVENT_KIND_')} ${event.zone}`;
+  const name = targetName(event.target);
+  const kind = word(event.kind, 'ZONE_EVENT_KIND_');
+  const stay = event.dwell ? `${seconds(event.dwell).toFixed(1)} s` : '';
+  if (kind === 'dwelled') return `${name} has been in ${event.zone} for ${stay}`;
+  return `${name} ${kind} ${event.zone}${stay ? ` after ${stay}` : ''}${event.reason ? ` (${event.reason})` : ''}`;
 }

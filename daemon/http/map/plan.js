@@ -51,6 +51,14 @@ export class Plan {
     }
   }
 
+  // inside: the targets in each zone, by its name.
+  showZones(inside) {
+    for (const {zone, name} of this.zones) {
+      const count = inside.get(zone.name)?.size;
+      setText(name, count ? `${zone.name} (${count})` : zone.name);
+    }
+  }
+
   showSources(model) {
     for (const one of this.fixed) {
       if (!one.id) continue;

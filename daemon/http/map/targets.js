@@ -73,7 +73,7 @@ export class Targets {
     one.ghosts.replaceChildren(...ghosts(location, view));
   }
 
-  write({target, location, stale}) {
+  write({target, location, stale, zones}) {
     if (!this.rows.has(target.key)) this.rows.set(target.key, this.makeRow(target));
     const {button, cells, warnings} = this.rows.get(target.key);
     button.setAttribute('aria-pressed', String(this.selected === target.key));
@@ -85,7 +85,6 @@ export class Targets {
     setText(cells[1], p ? `${number(p.x)}, ${number(p.y)}` : location.quality.no_fix_reason || '');
     setText(cells[2], location.accuracy_m === undefined ? ''
       : `${number(location.accuracy_m)} m (${number(100 * location.accuracy_confidence, 0)} %)`);
-    const zones = (location.zones || []).filter((z) => z.probability >= 0.5).map((z) => z.zone);
     setText(cells[3], zones.join(', '));
   }
 
