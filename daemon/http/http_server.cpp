@@ -86,15 +86,16 @@ class HttpServer::Impl {
     port_ = ntohs(bound.sin_port);
   }
 
-  ~Impl() {
+  ~Impl() { stop(); }
+
+  void start() {
+    thread_ = std::thread([this] { run(); });
+  }
+  void stop() {
     eventfd_write(wake_.get(), 1);
     if (thread_.joinable()) {
       thread_.join();
     }
-  }
-
-  void start() {
-    thread_ = std::thread([this] { run(); });
   }
   std::uint16_t port() const { return port_; }
   HttpCounters counters() const {
@@ -340,6 +341,7 @@ HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 HttpServer::~HttpServer() = default;
 
 void HttpServer::start() { impl_->start(); }
+void HttpServer::stop() { impl_->stop(); }
 std::uint16_t HttpServer::port() const { return impl_->port(); }
 HttpCounters HttpServer::counters() const { return impl_->counters(); }
 

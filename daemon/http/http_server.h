@@ -84,6 +84,8 @@ class HttpServer {
   ~HttpServer();
 
   void start();
+  // Answers nobody any more; the counters stay. Done by the destructor as well.
+  void stop();
   std::uint16_t port() const;
   HttpCounters counters() const;
 

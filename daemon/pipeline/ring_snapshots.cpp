@@ -47,19 +47,26 @@ RingSnapshots::RingSnapshots(std::vector<Source> sources,
       limits_(limits),
       thread_([this] { run(); }) {}
 
-RingSnapshots::~RingSnapshots() {
+RingSnapshots::~RingSnapshots() { finish(); }
+
+void RingSnapshots::finish() {
   {
     const std::lock_guard lock(mutex_);
     ending_ = true;
   }
   wake_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
 }
 
 Expected<std::vector<std::string>> RingSnapshots::request() {
   std::vector<File> files;
   const Timestamp now = system_now();
   const std::lock_guard lock(mutex_);
+  if (ending_) {
+    return make_error(ErrorKind::kUnavailable, "raylocd is stopping");
+  }
   if (writing_ || !waiting_.empty()) {
     return make_error(ErrorKind::kUnavailable, "a snapshot is being written already");
   }

@@ -4,7 +4,7 @@
 // waits for a disk, which may be what has gone wrong, and no stage has to get on for it. They are
 // recordings like others: bounded in total, repaired after a crash.
 //
-// Thread safety: any thread.
+// Thread safety: any thread, where nothing else is said.
 #pragma once
 
 #include <condition_variable>
@@ -37,7 +37,6 @@ class RingSnapshots {
   };
 
   RingSnapshots(std::vector<Source> sources, std::filesystem::path folder, const Limits& limits);
-  // Ends what is being written first.
   ~RingSnapshots();
   RingSnapshots(const RingSnapshots&) = delete;
   RingSnapshots& operator=(const RingSnapshots&) = delete;
@@ -45,6 +44,10 @@ class RingSnapshots {
   // Takes what the rings hold now, and begins to write it; the paths that the files will have.
   // kUnavailable while another is being written, and when the rings are empty.
   Expected<std::vector<std::string>> request();
+
+  // Ends what is being written, and takes no further request; done by the destructor as well. One
+  // thread.
+  void finish();
 
   // Hold from the next file on.
   void set_limits(const Limits& limits);

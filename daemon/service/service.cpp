@@ -180,6 +180,7 @@ Expected<void> Service::open_publishing(PassedSockets& sockets) {
     return tl::make_unexpected(snapshot_server.error());
   }
   snapshots_ = std::move(*snapshot_server);
+  status_.snapshots = snapshots_.get();
   PublisherStage::Options stage;
   stage.heartbeat = config.publish.heartbeat;
   stage.status = [this](Timestamp now) { return status_messages(status_, now); };
@@ -271,6 +272,7 @@ void Service::open_snapshots() {
   if (!sources.empty()) {
     snapshots_of_rings_ = std::make_unique<RingSnapshots>(
         std::move(sources), snapshot_folder(config), snapshot_limits(config));
+    status_.ring_snapshots = snapshots_of_rings_.get();
   }
 }
 
@@ -354,7 +356,9 @@ std::string Service::status_line() const {
 }
 
 void Service::stop(const std::string& reason, std::chrono::milliseconds patience) {
-  http_.reset();
+  if (http_) {
+    http_->stop();
+  }
   auto drained = std::async(std::launch::async, [this] { pipeline_->stop(); });
   if (drained.wait_for(patience) == std::future_status::timeout) {
     pipeline_->hurry();
@@ -363,7 +367,9 @@ void Service::stop(const std::string& reason, std::chrono::milliseconds patience
   for (const auto& recorder : recorders_) {
     recorder->finish();
   }
-  snapshots_of_rings_.reset();
+  if (snapshots_of_rings_) {
+    snapshots_of_rings_->finish();
+  }
   publisher_->finish(reason);
   log_losses();  // of the last instant
   limited_log_->finish();

@@ -83,6 +83,7 @@ Expected<void> Service::open_http(PassedSockets& sockets) {
     return tl::make_unexpected(opened.error());
   }
   http_ = std::move(*opened);
+  status_.http = http_.get();
   return {};
 }
 

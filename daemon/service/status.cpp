@@ -165,6 +165,37 @@ void fill_recorder(const StatusSources& sources, v1::RecorderCounters* counters)
   counters->set_repaired(sources.recordings_repaired);
 }
 
+void fill_http(const HttpCounters& http, v1::HttpCounters* counters) {
+  for (const auto& [status, count] : http.requests) {
+    (*counters->mutable_requests())[static_cast<std::uint32_t>(status)] = count;
+  }
+  counters->set_closed_slow(http.timed_out);
+  counters->set_closed_displaced(http.displaced);
+  counters->set_viewers(http.viewers);
+  counters->set_viewers_left(http.viewers_left);
+  counters->set_viewers_stuck(http.viewers_stuck);
+  counters->set_viewers_refused(http.viewers_refused);
+  counters->set_events(http.events);
+  counters->set_messages_coalesced(http.messages_coalesced);
+}
+
+void fill_servers(const StatusSources& sources, v1::Heartbeat& heartbeat) {
+  if (sources.snapshots != nullptr) {
+    const SnapshotCounters snapshots = sources.snapshots->counters();
+    heartbeat.mutable_snapshot_server()->set_answered(snapshots.answered);
+    heartbeat.mutable_snapshot_server()->set_malformed(snapshots.malformed);
+    heartbeat.mutable_snapshot_server()->set_dropped(snapshots.dropped);
+  }
+  if (sources.ring_snapshots != nullptr) {
+    const RingSnapshotCounters rings = sources.ring_snapshots->counters();
+    heartbeat.mutable_ring_snapshots()->set_written(rings.files);
+    heartbeat.mutable_ring_snapshots()->set_failed(rings.failed);
+  }
+  if (sources.http != nullptr) {
+    fill_http(sources.http->counters(), heartbeat.mutable_http());
+  }
+}
+
 v1::Georeference to_proto(const Georeference& georeference) {
   v1::Georeference message;
   message.set_latitude_deg(georeference.latitude);
@@ -246,6 +277,7 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   if (!sources.recorders.empty()) {
     fill_recorder(sources, heartbeat.mutable_recorder());
   }
+  fill_servers(sources, heartbeat);
   return messages;
 }
 

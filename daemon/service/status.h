@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/http/http_server.h"
 #include "daemon/pipeline/clock_offset.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/person_estimator.h"
@@ -13,6 +14,8 @@
 #include "daemon/pipeline/playback.h"
 #include "daemon/pipeline/publisher_stage.h"
 #include "daemon/pipeline/recorder_stage.h"
+#include "daemon/pipeline/ring_snapshots.h"
+#include "daemon/publish/snapshot_server.h"
 #include "daemon/site/site.h"
 
 namespace rayloc {
@@ -24,7 +27,10 @@ struct StatusSources {
   const DeviceEstimator* estimator = nullptr;  // none: nothing is located
   const PersonEstimator* people = nullptr;     // none: nobody is looked for
   std::vector<const RecorderStage*> recorders;
-  std::uint64_t recordings_repaired = 0;  // at the start
+  std::uint64_t recordings_repaired = 0;          // at the start
+  const SnapshotServer* snapshots = nullptr;      // of last messages
+  const RingSnapshots* ring_snapshots = nullptr;  // none: nothing is kept for them
+  const HttpServer* http = nullptr;               // none: nobody is answered
   std::shared_ptr<ClockOffset> clock;
   std::shared_ptr<const Playback> playback;  // null unless recordings are played
   std::vector<bool> live;  // by source: arrival stamps are of this machine's clock

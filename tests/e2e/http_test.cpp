@@ -77,6 +77,11 @@ TEST(Http, TellsStateMetricsAndReasons) {
            reasons.at(0).get<std::string>().rfind("source ap2: silent for", 0) == 0;
   }));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  // The last heartbeat counts those as well that ask.
+  const nlohmann::json last = daemon.bodies("heartbeat").back();
+  EXPECT_EQ(number(last.at("snapshot_server").at("answered")), 1U);
+  EXPECT_GE(number(last.at("http").at("requests").at("503")), 2U);
+  EXPECT_FALSE(last.contains("ring_snapshots")) << "nothing is kept for them here";
 }
 
 TEST(Http, NothingListensBeyondLoopbackButTheSources) {

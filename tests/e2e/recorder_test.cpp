@@ -270,6 +270,7 @@ TEST(Recorder, WritesWhatCameLatelyWhenAsked) {
     return daemon.log().find("snapshot: " + files[0] + ": 500 datagrams") != std::string::npos;
   }));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  EXPECT_EQ(number(daemon.bodies("heartbeat").back().at("ring_snapshots").at("written")), 2U);
 }
 
 }  // namespace
