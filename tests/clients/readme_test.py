@@ -94,6 +94,24 @@ def test_every_block_of_the_readme_is_run_by_some_test() -> None:
         assert runner in globals() or (ROOT / runner).is_file(), runner
 
 
+def test_the_readmes_name_the_verbs_that_there_are() -> None:
+    done = subprocess.run([str(BIN / "rayloc"), "--help"], stdout=subprocess.PIPE, text=True)
+    listed = done.stdout.split("Subcommands:")[1]
+    verbs = set(re.findall(r"^  ([a-z-]+)  ", listed, re.M))
+    front = (ROOT / "README.md").read_text()
+    table = [line for line in front.splitlines() if line.startswith("| `rayloc ")]
+    of_rows = re.findall(r"`rayloc ([a-z-]+)", "\n".join(line.split("|")[1] for line in table))
+    assert set(of_rows) == verbs
+    ours = [ROOT / "README.md"]
+    for folder in ("capture", "daemon", "deploy", "engine", "proto", "tests"):
+        found = list((ROOT / folder).glob("**/README.md"))
+        assert found, folder
+        ours += found
+    for file in ours:
+        named = re.findall(r"(?:`|^ *)rayloc ([a-z-]+)", file.read_text(), re.M)
+        assert set(named) <= verbs, file
+
+
 def test_the_readme_makes_a_room_of_a_few_lines(tmp_path: Path) -> None:
     (tmp_path / "office.toml").write_text(OFFICE)
     run(block_with("rayloc scene room"), tmp_path)
