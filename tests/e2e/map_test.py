@@ -532,7 +532,25 @@ class PlaybackTest(MapTest):
         self.reach(page, "playback-speed")
         page.press("ArrowDown")
         eventually("twice as fast", lambda: self.state().get("speed") == 2)
+        self.others_control(page)
         self.play(page)
+
+    def others_control(self, page):
+        """What others ask for is shown, where the focus is and after a drag to where it began, too."""
+        speed = "document.querySelector('#playback-speed')"
+        assert page.ask(f"document.activeElement === {speed}")
+        self.ask_for("speed=4")
+        page.wait(f"{speed}.value === '4'")
+        page.ask(f"{self.POSITION}.dispatchEvent(new Event('input'));"
+                 f"{self.POSITION}.dispatchEvent(new Event('pointerup'))")
+        self.ask_for("speed=2&position=50")
+        page.wait(f"Number({self.POSITION}.value) === 50 && {speed}.value === '2'")
+
+    def ask_for(self, change):
+        connection = http.client.HTTPConnection("127.0.0.1", self.daemon.http, timeout=PATIENCE)
+        connection.request("POST", "/api/v1/playback?" + change, headers={"X-RayLoc-Control": "1"})
+        assert connection.getresponse().status == 200
+        connection.close()
 
     def play(self, page):
         """On to the end, and from the beginning again."""

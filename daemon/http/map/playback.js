@@ -19,9 +19,17 @@ export class Playback {
     this.dragging = false;
     this.busy = false;
     this.asked = null;  // what is to be asked for next
+    this.shownSpeed = null;
     byId('playback-play').addEventListener('click', () => this.toggle());
-    this.speed.addEventListener('change', () => this.ask({speed: this.speed.value}));
+    this.speed.addEventListener('change', () => {
+      this.shownSpeed = null;  // what is chosen need not become of it
+      this.ask({speed: this.speed.value});
+    });
     this.slider.addEventListener('input', () => { this.dragging = true; });
+    // A drag that ends where it began is no change; one that is comes first.
+    for (const end of ['pointerup', 'pointercancel', 'blur']) {
+      this.slider.addEventListener(end, () => setTimeout(() => { this.dragging = false; }));
+    }
     this.slider.addEventListener('change', () => this.seek(Number(this.slider.value)));
     this.slider.addEventListener('keydown', (event) => this.press(event));
   }
@@ -103,8 +111,10 @@ export class Playback {
     this.showSpeed(playback.speed === undefined ? 'max' : String(playback.speed));
   }
 
+  // Only when it has changed: somebody may be about to choose another one.
   showSpeed(value) {
-    if (this.busy || document.activeElement === this.speed) return;
+    if (this.busy || value === this.shownSpeed) return;
+    this.shownSpeed = value;
     if (![...this.speed.options].some((one) => one.value === value)) {
       this.speed.append(html('option', {value}, [`${value}×`]));
     }
