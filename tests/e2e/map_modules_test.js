@@ -4,6 +4,7 @@
   const {Model} = await import('/map/model.js');
 
   const {Targets} = await import('/map/targets.js');
+  const {showChannel} = await import('/map/panels.js');
   const {showSources} = await import('/map/sources.js');
 
   const same = (found, wanted, what) => {
@@ -138,6 +139,22 @@
       const name = device.mac;
       same(model.events.map(({text}) => text), [`${name} left desk after 4.1 s (it was seen outside)`,
         `${name} has been in desk for 3.0 s`, `${name} entered desk`], 'events');
+    },
+
+    'a channel is shown with its age'() {
+      const channel = (time) => ({target: 'phone', time: new Date(time).toISOString(), tones: [-1, 1], access_points: [
+        {id: 'ap1', correlation: 0.8, antennas: [{measured: [1, 1], simulated: [1, 0.9]}]}]});
+      const said = () => document.querySelector('#csi-text').textContent.split(':')[0];
+      const {model} = begin([]);
+      showChannel([channel(NOW - 7000)], null, model);
+      same(said(), 'phone, heard 7 s ago', 'live');
+      showChannel([channel(NOW - HOUR)], 'laptop', model);
+      same(said(), 'Of laptop no channel is known. phone, heard 3600 s ago', 'when another one is selected');
+      showChannel([channel(Date.parse('2020-01-01T00:01:07Z'))], 'phone', begin([playing(NOW, 1)]).model);
+      same(document.querySelector('#csi-text').textContent.startsWith('phone, 1:07.0 into the recording: '), true, 'of a recording');
+      same(document.querySelectorAll('#csi-charts svg').length, 1, 'charts');
+      showChannel([], null, model);
+      same(document.querySelectorAll('#csi-charts svg').length, 0, 'charts of nothing');
     },
 
     'what is told again after a reconnection counts once'() {

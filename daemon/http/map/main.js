@@ -164,7 +164,7 @@ document.addEventListener('input', () => { stirred = true; });
 document.addEventListener('click', () => { stirred = true; });
 
 showTheme();
-watchChannel(targets);
+watchChannel(targets, model);
 setInterval(announce, ANNOUNCE_MS);
 setInterval(watchFeed, 1000);
 const feed = new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});

@@ -115,6 +115,7 @@ export class Model {
     const begin = Date.parse(playback.begin);
     this.playback = {
       at,
+      begin,
       playing: playback.state === 'PLAYBACK_STATE_PLAYING',
       ended: playback.state === 'PLAYBACK_STATE_ENDED',
       speed: playback.speed,

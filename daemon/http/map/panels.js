@@ -1,6 +1,7 @@
 // The panels that are asked for: what the calibration found, and the channel.
 import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
+import {minutes} from './playback.js';
 
 let fits = [];  // of the calibration shown: how well each surveyed point is explained
 
@@ -33,32 +34,41 @@ const WIDE = 300;
 const HIGH = 90;
 
 // While its panel is open: the channel of the selected target, else of the one heard last.
-export function watchChannel(targets) {
+export function watchChannel(targets, model) {
   const panel = byId('csi');
   let next = null;
   const look = async () => {
     clearTimeout(next);
     if (!panel.open) return;
     try {
-      showChannel(await ask('/api/v1/channel'), targets.selected);
-    } catch {
-      setText(byId('csi-text'), 'raylocd does not answer.');
+      showChannel(await ask('/api/v1/channel'), targets.selected, model);
+    } catch (error) {
+      showNoChannel(`It is not known: ${error.message}.`);
     }
     next = setTimeout(look, CHANNEL_MS);
   };
   panel.addEventListener('toggle', look);
 }
 
-function showChannel(channels, selected) {
+function showNoChannel(why) {
+  setText(byId('csi-text'), why);
+  byId('csi-charts').replaceChildren();
+}
+
+// When its burst was heard, which is never now: it is asked for, and takes long to make.
+function heardText(time, {playback, now}) {
+  if (playback) return `${minutes((time - playback.begin) / 1000)} into the recording`;
+  return `heard ${number(Math.max(0, now - time) / 1000, 0)} s ago`;
+}
+
+export function showChannel(channels, selected, model) {
   const channel = channels.find((one) => one.target === selected) || channels[0];
-  if (!channel) {
-    setText(byId('csi-text'), 'No device has been located since this panel was opened.');
-    byId('csi-charts').replaceChildren();
-    return;
-  }
+  if (!channel) return showNoChannel('No device has been located since this panel was opened.');
+  const other = selected && selected !== channel.target ? `Of ${selected} no channel is known. ` : '';
+  const heard = heardText(Date.parse(channel.time), {playback: model.playback, now: model.now()});
   const agreement = channel.access_points.map((ap) => `${ap.id} ${number(100 * ap.correlation, 0)} %`);
-  setText(byId('csi-text'), `${channel.target}: amplitude over the tones of each antenna, measured (line) and simulated `
-    + `at the estimated position (dashed). Power explained: ${agreement.join(', ')}.`);
+  setText(byId('csi-text'), `${other}${channel.target}, ${heard}: amplitude over the tones of each antenna, measured `
+    + `(line) and simulated at the estimated position (dashed). Power explained: ${agreement.join(', ')}.`);
   byId('csi-charts').replaceChildren(...channel.access_points.flatMap((ap) =>
     ap.antennas.flatMap((antenna, i) => {
       const name = `${ap.id}, antenna ${i + 1}`;

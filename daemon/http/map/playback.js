@@ -4,7 +4,7 @@ import {byId, html, number, setText} from './draw.js';
 
 const STEP = 5;  // [s], of the arrow keys
 
-function minutes(time) {
+export function minutes(time) {
   const tenths = Math.round(10 * time);
   const rest = (tenths % 600) / 10;
   return `${Math.floor(tenths / 600)}:${rest < 10 ? '0' : ''}${number(rest, 1)}`;
