@@ -14,13 +14,10 @@
 #include "capture/pcap_format.h"
 #include "capture/recording_repair.h"
 #include "daemon/pipeline/recording_folder.h"
+#include "daemon/pipeline/system_now.h"
 
 namespace rayloc {
 namespace {
-
-Timestamp system_now() {
-  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
-}
 
 tl::unexpected<Error> cannot_write(const std::string& path, const std::string& why) {
   return make_error(ErrorKind::kUnavailable, path + ": cannot be written: " + why);

@@ -11,6 +11,7 @@
 
 #include "capture/recording_repair.h"
 #include "daemon/pipeline/recording_folder.h"
+#include "daemon/pipeline/system_now.h"
 
 namespace rayloc {
 namespace {
@@ -18,10 +19,6 @@ namespace {
 constexpr std::chrono::seconds kLookInterval{1};  // at the room on the disk
 constexpr std::chrono::seconds kTidyInterval{5};  // of the folder; what a power failure may cost
 constexpr std::size_t kMaxGaps = 8;               // that wait for a file
-
-Timestamp system_now() {
-  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
-}
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "daemon/pipeline/recording_folder.h"
+#include "daemon/pipeline/system_now.h"
 #include "daemon/service/curve_access.h"
 #include "daemon/service/passed_socket_check.h"
 #include "daemon/service/privacy.h"
@@ -22,10 +23,6 @@ constexpr auto kStartPoll = std::chrono::milliseconds(1);
 constexpr std::size_t kSubjectsShown = 2048;  // on the map
 constexpr std::size_t kPlayedFrames = 512;    // that wait of a source that people move
 constexpr auto kRepeatWarning = std::chrono::minutes(10);
-
-Timestamp system_now() {
-  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
-}
 
 RecordingLimits recording_limits(const RecordConfig& config) {
   return {.rotate_bytes = config.rotate_bytes,

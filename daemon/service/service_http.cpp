@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/pipeline/system_now.h"
 #include "daemon/service/background_text.h"
 #include "daemon/service/map_channel.h"
 #include "daemon/service/map_events.h"
@@ -13,10 +14,6 @@
 
 namespace rayloc {
 namespace {
-
-Timestamp system_now() {
-  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
-}
 
 // The first line of the file.
 Expected<std::string> read_token(const std::filesystem::path& file) {

@@ -1,0 +1,12 @@
+// The machine's clock as event time: for what is named and stamped here, never for an estimate.
+#pragma once
+
+#include "engine/base/timestamp.h"
+
+namespace rayloc {
+
+inline Timestamp system_now() {
+  return std::chrono::time_point_cast<Duration>(std::chrono::system_clock::now());
+}
+
+}  // namespace rayloc
