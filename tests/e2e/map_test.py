@@ -319,6 +319,28 @@ class MapTest:
         assert not silent_errors(page), page.errors
         self.close(page)
 
+    def hidden_page(self):
+        """A page that nobody looks at leaves its place to others; a browser that keeps nothing does."""
+        page = self.browser.page(1280, 800)
+        page.call("Page.addScriptToEvaluateOnNewDocument", source="Object.defineProperty(window, "
+                  "'localStorage', {get() { throw new DOMException('denied', 'SecurityError'); }});")
+        page.go(self.daemon.url)
+        self.pages.append(page)
+        page.wait(f"{CONNECTION} === 'Connected'")
+        theme = page.ask("document.querySelector('#theme').textContent")
+        page.ask("document.querySelector('#theme').click()")
+        page.wait(f"document.querySelector('#theme').textContent !== '{theme}'")
+        viewers = "rayloc_http_viewers"
+        eventually("the only one", lambda: self.metric(viewers) == "1")
+        page.ask("Object.defineProperty(document, 'hidden', {value: true, configurable: true});"
+                 "document.dispatchEvent(new Event('visibilitychange'))")
+        eventually("it leaves", lambda: self.metric(viewers) == "0")
+        page.ask("delete document.hidden; document.dispatchEvent(new Event('visibilitychange'))")
+        eventually("it comes back", lambda: self.metric(viewers) == "1")
+        page.wait(f"{CONNECTION} === 'Connected'")
+        self.check(page)
+        self.close(page)
+
     def survive_silence(self, page):
         """A raylocd that hangs: nothing that was said is shown as if it still held."""
         receiving = ("document.querySelectorAll('#source-rows td.good').length === 3 && "
@@ -453,6 +475,7 @@ class MapTest:
         self.survive_restart(page)
         self.close(page)
         self.plan_comes_late()
+        self.hidden_page()
         self.small_and_large()
         for one in list(self.pages):
             self.close(one)

@@ -13,13 +13,19 @@ export class Feed {
   // A connection that was lost without a word, as when a machine slept or went out of reach, looks
   // like one on which nothing is said.
   reopen() {
-    this.source.close();
-    clearTimeout(this.again);
+    this.close();
     this.told.state('lost');
     this.open();
   }
 
+  close() {
+    this.source.close();
+    clearTimeout(this.again);
+    this.closed = true;
+  }
+
   open() {
+    this.closed = false;
     this.opened = performance.now();
     const source = new EventSource(this.url);
     this.source = source;

@@ -15,6 +15,7 @@ const ANNOUNCE_MS = 1500;
 const DRAW_MS = 250;  // at least so often: ages grow without a message
 const AGAIN_MS = 5000;
 const REOPEN_MS = 10_000;  // of silence
+const HIDDEN_MS = 10_000;
 const PLAN_MS = 60_000;  // the plan of a large scene comes slowly over a slow line
 
 const announcements = [];
@@ -86,6 +87,7 @@ function showConnection() {
 }
 
 function watchFeed() {
+  if (feed.closed) return;
   const since = performance.now() - Math.max(feed.opened, model.heard ?? 0);
   if (since > Math.max(REOPEN_MS, model.patience)) feed.reopen();
 }
@@ -134,7 +136,24 @@ function announce() {
 
 const THEMES = {auto: 'as the system', light: 'light', dark: 'dark'};
 const systemDark = matchMedia('(prefers-color-scheme: dark)');
-let theme = localStorage.getItem('rayloc-theme') || 'auto';
+let theme = remembered('theme') || 'auto';
+
+// Where the browser keeps nothing of a site, it throws.
+function remembered(name) {
+  try {
+    return localStorage.getItem(`rayloc-${name}`);
+  } catch {
+    return null;
+  }
+}
+
+function remember(name, value) {
+  try {
+    localStorage.setItem(`rayloc-${name}`, value);
+  } catch {
+    // Then it holds as long as the page is open.
+  }
+}
 
 function showTheme() {
   const dark = theme === 'dark' || (theme === 'auto' && systemDark.matches);
@@ -145,7 +164,7 @@ function showTheme() {
 byId('theme').addEventListener('click', () => {
   const names = Object.keys(THEMES);
   theme = names[(names.indexOf(theme) + 1) % names.length];
-  localStorage.setItem('rayloc-theme', theme);
+  remember('theme', theme);
   showTheme();
 });
 systemDark.addEventListener('change', showTheme);
@@ -169,3 +188,14 @@ setInterval(announce, ANNOUNCE_MS);
 setInterval(watchFeed, 1000);
 const feed = new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});
 requestAnimationFrame(draw);
+
+// A browser has six connections to one server, all its tabs together, and raylocd has sixteen viewers:
+// a page that nobody looks at gives its own back.
+let hiding = null;
+function noticeHiding() {
+  clearTimeout(hiding);
+  if (document.hidden) hiding = setTimeout(() => feed.close(), HIDDEN_MS);
+  else if (feed.closed) feed.open();
+}
+document.addEventListener('visibilitychange', noticeHiding);
+noticeHiding();
