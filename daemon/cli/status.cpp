@@ -47,6 +47,16 @@ void print_source(const Json& source) {
              source.value("age", "no datagram yet"));
 }
 
+// How many are followed now: people where they are looked for, with a measured empty room.
+std::string tracks_of(const Json& status) {
+  std::string text = fmt::format("{} tracks of devices",
+                                 count_of(status.value("tracker", Json::object()), "tracks"));
+  if (status.contains("person_tracker")) {
+    text += fmt::format(", {} of people", count_of(status.at("person_tracker"), "tracks"));
+  }
+  return text;
+}
+
 void print_state(const Json& ready, const Json& status) {
   fmt::print("raylocd {} since {}: {}\n",
              status.at("software_version").get<std::string>(),
@@ -67,11 +77,11 @@ void print_state(const Json& ready, const Json& status) {
   const Json& estimation = status.at("estimation");
   const Json& publisher = status.at("publisher");
   fmt::print(
-      "{} fixes, {} without a position, {} tracks; {} messages to {} subscriptions, "
+      "{} fixes, {} without a position, {}; {} messages to {} subscriptions, "
       "{} times one was slow\n",
       count_of(estimation, "fixes"),
       count_of(estimation, "no_fixes"),
-      count_of(status.value("tracker", Json::object()), "tracks"),
+      tracks_of(status),
       count_of(publisher, "published"),
       count_of(publisher, "subscriptions"),
       count_of(publisher, "slow_episodes"));

@@ -227,7 +227,8 @@ TEST(Http, TheStateOfADaemonThatLocatesNothingIsShown) {
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   Process status(folder.path(), "status", "rayloc", {"status", "--http", address});
   EXPECT_EQ(status.wait(kPatience), 0) << status.errors();
-  EXPECT_THAT(read_text(status.out()), HasSubstr("0 fixes, 0 without a position, 0 tracks"));
+  EXPECT_THAT(read_text(status.out()),
+              HasSubstr("0 fixes, 0 without a position, 0 tracks of devices; "));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 

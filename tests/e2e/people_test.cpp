@@ -4,11 +4,13 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <future>
 #include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "tests/e2e/live_daemon.h"
@@ -37,6 +39,14 @@ class People : public testing::Test {
   void run(const std::string& name, const std::vector<std::string>& arguments) const {
     Process process(folder(), name, "rayloc", arguments);
     ASSERT_EQ(process.wait(kPatience), 0) << process.errors();
+  }
+
+  // What `rayloc status` says.
+  std::string state(const LiveDaemon& daemon) const {
+    const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
+    Process process(folder(), "status", "rayloc", {"status", "--http", address});
+    EXPECT_EQ(process.wait(kPatience), 0) << process.errors();
+    return read_text(process.out());
   }
 
   // What all access points hear of the fixed transmitter; of a person at the places when `more`
@@ -118,11 +128,16 @@ TEST_F(People, AreFoundByTheDaemonAndPublished) {
 
   LiveDaemon daemon(folder(), {.site = folder() / "site"});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  EXPECT_THAT(state(daemon), testing::HasSubstr(", 0 tracks of devices, 0 of people; "));
   arguments.clear();
   for (const std::string access_point : kAccessPoints) {
     arguments.push_back(capture("people", access_point));
   }
-  ASSERT_EQ(send(folder(), "send", daemon, arguments), 0);
+  auto sent =
+      std::async(std::launch::async, [&] { return send(folder(), "send", daemon, arguments); });
+  const auto somebody = [&] { return state(daemon).find(", 0 of people; ") == std::string::npos; };
+  EXPECT_TRUE(eventually(kPatience, somebody)) << daemon.errors();
+  ASSERT_EQ(sent.get(), 0);
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 
   std::size_t snapshots = 0;
