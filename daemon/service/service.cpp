@@ -105,6 +105,9 @@ Expected<std::unique_ptr<Service>> Service::open(
     }
   }
 
+  if (const std::string missing = service->missing_reference(); !missing.empty()) {
+    log(missing);
+  }
   if (const Expected<void> opened = service->open_publishing(sockets); !opened) {
     return tl::make_unexpected(opened.error());
   }
@@ -224,6 +227,18 @@ Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grid
     estimators_.add(*people_);
   }
   return {};
+}
+
+// Why nobody who carries nothing will be found where that might be expected.
+std::string Service::missing_reference() const {
+  const bool has_fixed = std::any_of(
+      setup_.site.transmitters.begin(), setup_.site.transmitters.end(), [](const auto& one) {
+        return one.role == TransmitterRole::kFixed;
+      });
+  return has_fixed && estimator_ && !people_
+             ? "people are not looked for: there is a fixed transmitter, but no recording of the "
+               "empty room with it (rayloc reference)"
+             : "";
 }
 
 Expected<void> Service::open_sources(PassedSockets& sockets,

@@ -89,6 +89,7 @@ class Service {
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
   Expected<void> open_publishing(PassedSockets& sockets);
   Expected<void> open_estimators(std::shared_ptr<PathGridStore> path_grids);
+  std::string missing_reference() const;
   Expected<void> open_http(PassedSockets& sockets);
   ServiceHealth health() const;
   std::vector<ExtraMetric> extra_metrics() const;

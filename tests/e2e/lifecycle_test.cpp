@@ -74,6 +74,7 @@ TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
   LiveDaemon daemon(folder.path(), one_access_point({manager.variable()}));
   ASSERT_TRUE(manager.wait_for("READY=1", kPatience)) << daemon.errors();
   EXPECT_THAT(daemon.log(), HasSubstr("listening: ap2: udp " + daemon.address(0)));
+  EXPECT_THAT(daemon.log(), HasSubstr("people are not looked for"));
   ASSERT_TRUE(eventually(kPatience, [&] {
     return std::any_of(manager.lines().begin(), manager.lines().end(), [](const std::string& line) {
       return line.rfind("STATUS=0 of 1 sources heard; 0 datagrams", 0) == 0;
