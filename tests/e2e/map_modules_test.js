@@ -112,6 +112,28 @@
       targets.show([], null);
     },
 
+    'ellipses are of the likeliest place'() {
+      const targets = new Targets();
+      const drawn = (hypotheses) => {
+        // Of both places together: 2 m.
+        const {model} = begin([location(NOW, {position_covariance: [4, 0, 0, 0, 0.04, 0, 0, 0, 0], hypotheses})]);
+        targets.show(model.at(NOW), {scale: 100, toPixel: (x, y) => [100 * x, 100 * y]});
+        const [outer, inner] = document.querySelectorAll('#regions ellipse');
+        return [outer, inner].map((one) => [Math.round(one.getAttribute('rx')), one.getAttribute('transform').split(')')[0],
+          one.textContent]);
+      };
+      const place = (x, weight, sigma) => ({position: {x, y: 2, z: 1}, weight,
+        position_covariance: [sigma * sigma, 0, 0, 0, sigma * sigma, 0, 0, 0, 0]});
+      const of = ' of the likeliest place, which has 60 %';
+      same(drawn([place(1.5, 0.6, 0.1), place(5, 0.4, 0.2)]),
+        [[24, 'translate(150 200', `region of 95 %${of}`], [12, 'translate(150 200', `region of 50 %${of}`]], 'of two');
+      same(document.querySelectorAll('#ghosts circle').length, 1, 'other places');
+      for (const one of [[place(1, 1, 0.1)], undefined]) {
+        same(drawn(one), [[490, 'translate(100 200', 'region of 95 %'], [235, 'translate(100 200', 'region of 50 %']], 'of one');
+      }
+      targets.show([], null);
+    },
+
     'why a source failed is said'() {
       const {model} = begin([{sent: new Date(NOW).toISOString(), source: {
         access_point: 'ap9', status: 'SOURCE_STATUS_FAILED', detail: 'torn file', counters: {

@@ -124,17 +124,25 @@ function drawnEllipse(position, covariance, probability, view, attributes) {
   });
 }
 
-function regions({position, position_covariance: covariance}, view) {
-  if (!position || !covariance || covariance.length !== 9) return [];
-  return [[0.95, 'region outer'], [0.5, 'region']].map(([probability, name]) =>
-    drawnEllipse(position, covariance, probability, view, {class: name}));
+// Of 50 and 95 %. The covariance of all places together would say that it is between them: where there
+// are several, that of the likeliest alone.
+function regions({position, position_covariance: covariance, hypotheses}, view) {
+  const several = hypotheses.length > 1;
+  const of = several ? hypotheses[0] : {position, position_covariance: covariance};
+  if (!position || of.position_covariance?.length !== 9) return [];
+  const place = several ? ` of the likeliest place, which has ${number(100 * of.weight, 0)} %` : '';
+  return [[0.95, 'region outer'], [0.5, 'region']].map(([probability, name]) => {
+    const drawn = drawnEllipse(of.position, of.position_covariance, probability, view, {class: name});
+    drawn.append(svg('title', {}, [`region of ${100 * probability} %${place}`]));
+    return drawn;
+  });
 }
 
-// Other places where it may be: each with its own region of 50 %, the fainter the less likely.
+// Other places where it may be than the likeliest: each with its own region of 50 %, the fainter the less likely.
 function ghosts({hypotheses, position}, view) {
   const apart = (one) => !position
     || view.scale * Math.hypot(one.position.x - position.x, one.position.y - position.y) > CLOSE_PX;
-  const others = (hypotheses || []).filter((one) => one.weight >= LEAST_WEIGHT && apart(one));
+  const others = hypotheses.slice(1).filter((one) => one.weight >= LEAST_WEIGHT && apart(one));
   return others.map((one) => {
     const opacity = 0.25 + 0.75 * one.weight;
     const [cx, cy] = view.toPixel(one.position.x, one.position.y);
@@ -142,7 +150,7 @@ function ghosts({hypotheses, position}, view) {
     return svg('g', {'stroke-opacity': opacity}, [
       title,
       svg('circle', {class: 'ghost', cx, cy, r: 11}),
-      ...(one.position_covariance.length === 9
+      ...(one.position_covariance?.length === 9
         ? [drawnEllipse(one.position, one.position_covariance, 0.5, view, {class: 'ghost'})] : []),
     ]);
   });
