@@ -209,6 +209,11 @@ void DeviceEstimator::advance(Timestamp time, Estimates& out) {
 }
 
 void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
+  monitor_->restart();
+  {
+    const std::lock_guard lock(mutex_);
+    warnings_.clear();
+  }
   for (Room& room : rooms_) {
     if (room.tracker) {
       std::vector<DeviceUpdate> updates;

@@ -9,6 +9,7 @@
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_turns.h"
+#include "engine/calibrate/steady.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
@@ -41,24 +42,6 @@ bool is_worse(double unexplained, double usual, double strictness) {
          unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
 }
 
-// Says yes after kSteady windows of yes, no after as many of no.
-class Steady {
- public:
-  bool update(bool now) {
-    run_ = now == state_ ? 0 : run_ + 1;
-    if (run_ >= CalibrationMonitor::kSteady) {
-      state_ = now;
-      run_ = 0;
-    }
-    return state_;
-  }
-  bool state() const { return state_; }
-
- private:
-  bool state_ = false;
-  int run_ = 0;
-};
-
 // One transmitter, as one access point should hear it and does.
 struct Spot {
   CalibrationMonitor::Transmitter transmitter;
@@ -69,6 +52,25 @@ struct Spot {
   std::vector<CsiFrame> frames;  // of the window
   std::vector<Value> usual;      // phasor of each chain in the first windows
   bool settled = false;          // kSteady windows agreed about `usual`
+};
+
+// What the windows of an access point have told.
+struct Told {
+  Told(std::size_t chains, std::optional<double> usual_fit)
+      : usual(usual_fit), jump(chains, Steady(CalibrationMonitor::kSteady)), jump_phase(chains) {}
+  std::size_t bursts = 0;  // of the window
+  std::optional<double> usual;
+  std::vector<double> first;  // fits of the first windows, until `usual` is known
+  double fit = 0.0;           // of the last window
+  double slow = 0.0;          // mean of what is unexplained
+  bool has_slow = false;
+  Steady moved{CalibrationMonitor::kSteady};
+  std::vector<Steady> jump;  // of each chain
+  std::vector<double> jump_phase;
+  ArrayMotion motion;
+  double moved_fit = 0.0;
+  int since_scan = kRescan;  // windows
+  bool drifted = false;
 };
 
 // What an access point heard of one spot in a window, chains removed.
@@ -112,9 +114,17 @@ class CalibrationMonitor::Station {
         grid_(room.grid),
         arrays_(room, index),
         aligner_(room.grid),
-        usual_(usual),
-        jump_(ap_.cores.size()),
-        jump_phase_(ap_.cores.size()) {}
+        stated_usual_(usual),
+        told_(ap_.cores.size(), usual) {}
+
+  void restart() {
+    told_ = Told(ap_.cores.size(), stated_usual_);
+    for (const auto& spot : spots_) {
+      spot->frames.clear();
+      spot->usual.clear();
+      spot->settled = false;
+    }
+  }
 
   void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
     Spot& spot = spot_of(transmitter);
@@ -125,8 +135,8 @@ class CalibrationMonitor::Station {
         ++taken;
       }
     }
-    if (taken > 0 && !spot.rays.empty() && ++bursts_ >= kBursts) {
-      bursts_ = 0;
+    if (taken > 0 && !spot.rays.empty() && ++told_.bursts >= kBursts) {
+      told_.bursts = 0;
       evaluate(hear());
     }
     if (spot.rays.empty()) {
@@ -157,19 +167,8 @@ class CalibrationMonitor::Station {
   SpotArrays arrays_;
   Aligner aligner_;
   std::vector<std::unique_ptr<Spot>> spots_;
-  std::size_t bursts_ = 0;
-  std::optional<double> usual_;
-  std::vector<double> first_;  // fits of the first windows, until usual_ is known
-  double fit_ = 0.0;           // of the last window
-  double slow_ = 0.0;          // mean of what is unexplained
-  bool has_slow_ = false;
-  std::vector<Steady> jump_;  // of each chain
-  std::vector<double> jump_phase_;
-  Steady moved_;
-  ArrayMotion motion_;
-  double moved_fit_ = 0.0;
-  int since_scan_ = kRescan;  // windows
-  bool drifted_ = false;
+  const std::optional<double> stated_usual_;
+  Told told_;
 };
 
 Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
@@ -300,13 +299,13 @@ ArrayMotion CalibrationMonitor::Station::scan(const std::vector<HeardSpot>& hear
 // Whether a motion leaves much less than `unexplained`: the one found last, or that of a new scan.
 bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpot>& heard,
                                                       double unexplained) {
-  moved_fit_ = correlation(heard, motion_);
-  if (1.0 - moved_fit_ >= kBetter * unexplained && since_scan_ >= kRescan) {
-    since_scan_ = 0;
-    motion_ = scan(heard);
-    moved_fit_ = correlation(heard, motion_);
+  told_.moved_fit = correlation(heard, told_.motion);
+  if (1.0 - told_.moved_fit >= kBetter * unexplained && told_.since_scan >= kRescan) {
+    told_.since_scan = 0;
+    told_.motion = scan(heard);
+    told_.moved_fit = correlation(heard, told_.motion);
   }
-  return 1.0 - moved_fit_ < kBetter * unexplained;
+  return 1.0 - told_.moved_fit < kBetter * unexplained;
 }
 
 // Of turns against the calibration those that are jumps, 0 for the others: more than kJump and
@@ -370,73 +369,73 @@ void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) 
     return;
   }
   const std::vector<double> none(ap_.cores.size());
-  fit_ = correlation(heard, none);
-  if (!usual_) {
-    first_.push_back(fit_);
-    if (first_.size() >= static_cast<std::size_t>(kSteady)) {
-      usual_ = *std::max_element(first_.begin(), first_.end());
+  told_.fit = correlation(heard, none);
+  if (!told_.usual) {
+    told_.first.push_back(told_.fit);
+    if (told_.first.size() >= static_cast<std::size_t>(kSteady)) {
+      told_.usual = *std::max_element(told_.first.begin(), told_.first.end());
     }
   }
-  ++since_scan_;
-  const double usual = 1.0 - usual_.value_or(fit_);
-  const bool bad = is_worse(1.0 - fit_, usual, 1.0);
+  ++told_.since_scan;
+  const double usual = 1.0 - told_.usual.value_or(told_.fit);
+  const bool bad = is_worse(1.0 - told_.fit, usual, 1.0);
   const auto turn = jumps(heard);
-  const double by_chains = any_jump(turn) ? correlation(heard, turn) : fit_;
+  const double by_chains = any_jump(turn) ? correlation(heard, turn) : told_.fit;
   const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
-                     explained_by_motion(heard, 1.0 - std::max(by_chains, fit_));
+                     explained_by_motion(heard, 1.0 - std::max(by_chains, told_.fit));
   for (std::size_t m = 0; m < turn.size(); ++m) {
     const bool now = turn[m] != 0.0 && !moved;
-    jump_phase_[m] = now ? turn[m] : jump_phase_[m];
-    jump_[m].update(now);
+    told_.jump_phase[m] = now ? turn[m] : told_.jump_phase[m];
+    told_.jump[m].update(now);
   }
-  moved_.update(moved);
-  slow_ += has_slow_ ? kSlowness * (1.0 - fit_ - slow_) : 1.0 - fit_;
-  has_slow_ = true;
-  drifted_ = is_worse(slow_, usual, drifted_ ? 0.5 : 1.0);
+  told_.moved.update(moved);
+  told_.slow += told_.has_slow ? kSlowness * (1.0 - told_.fit - told_.slow) : 1.0 - told_.fit;
+  told_.has_slow = true;
+  told_.drifted = is_worse(told_.slow, usual, told_.drifted ? 0.5 : 1.0);
 }
 
 CalibrationWarning CalibrationMonitor::Station::warning(CalibrationProblem problem) const {
   CalibrationWarning warning;
   warning.problem = problem;
   warning.access_point = index_;
-  warning.fit = fit_;
-  warning.usual_fit = usual_.value_or(fit_);
+  warning.fit = told_.fit;
+  warning.usual_fit = told_.usual.value_or(told_.fit);
   return warning;
 }
 
 void CalibrationMonitor::Station::append_warnings(std::vector<CalibrationWarning>& out) const {
-  const std::string fits =
-      "; the room explains " + percent(fit_) + " of it, usually " + percent(usual_.value_or(fit_));
+  const std::string fits = "; the room explains " + percent(told_.fit) + " of it, usually " +
+                           percent(told_.usual.value_or(told_.fit));
   bool explained = false;
-  for (std::size_t m = 0; m < jump_.size(); ++m) {
-    if (!jump_[m].state()) {
+  for (std::size_t m = 0; m < told_.jump.size(); ++m) {
+    if (!told_.jump[m].state()) {
       continue;
     }
     CalibrationWarning one = warning(CalibrationProblem::kChainPhaseJump);
     one.core = ap_.cores[m];
-    one.phase = jump_phase_[m];
+    one.phase = told_.jump_phase[m];
     one.text = "chain_phase_jump: access point " + ap_.id + ", core " + std::to_string(one.core) +
                ": its phase has changed by " + rounded(one.phase / kDegree) + " degrees" + fits +
                "; after a power cycle run `rayloc calibrate --rechain`";
     out.push_back(std::move(one));
     explained = true;
   }
-  if (moved_.state()) {
+  if (told_.moved.state()) {
     CalibrationWarning one = warning(CalibrationProblem::kAccessPointMoved);
-    one.motion = motion_;
+    one.motion = told_.motion;
     one.text = "access_point_moved: access point " + ap_.id + ": as if shifted by " +
-               rounded(100.0 * motion_.shift.x) + " cm in x and " +
-               rounded(100.0 * motion_.shift.y) + " cm in y and turned by " +
-               rounded(motion_.yaw / kDegree) + " degrees, which explains " + percent(moved_fit_) +
-               fits + "; put it back, or calibrate anew";
+               rounded(100.0 * told_.motion.shift.x) + " cm in x and " +
+               rounded(100.0 * told_.motion.shift.y) + " cm in y and turned by " +
+               rounded(told_.motion.yaw / kDegree) + " degrees, which explains " +
+               percent(told_.moved_fit) + fits + "; put it back, or calibrate anew";
     out.push_back(std::move(one));
     explained = true;
   }
-  if (drifted_ && !explained) {
+  if (told_.drifted && !explained) {
     CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
-    one.text = "residual_drift: access point " + ap_.id + ": " + percent(slow_) +
+    one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow) +
                " of what it hears of known transmitters is unexplained, usually " +
-               percent(1.0 - usual_.value_or(fit_)) + "; has the room changed?";
+               percent(1.0 - told_.usual.value_or(told_.fit)) + "; has the room changed?";
     out.push_back(std::move(one));
   }
 }
@@ -466,6 +465,14 @@ void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const
   for (const auto& station : stations_) {
     if (station != nullptr) {
       station->observe(transmitter, frames);
+    }
+  }
+}
+
+void CalibrationMonitor::restart() {
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->restart();
     }
   }
 }

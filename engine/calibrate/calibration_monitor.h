@@ -86,6 +86,9 @@ class CalibrationMonitor {
   // those that no ray reaches are left alone.
   void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames);
 
+  // As before the first burst, for what comes next is of another time; what was stated still holds.
+  void restart();
+
   // What holds now, by access point.
   std::vector<CalibrationWarning> warnings() const;
 

@@ -218,7 +218,7 @@ class Forget : public LocationSink {
   void location(v1::Location&& /*location*/) override {}
 };
 
-// What the estimator of the daemon says after each of the recordings.
+// What the estimator of the daemon says after each of the recordings, and when they are moved then.
 std::vector<std::vector<CalibrationWarning>> warnings_of(const std::string& site_folder,
                                                          const std::vector<std::string>& files) {
   const Site site = load_site(site_folder).value();
@@ -237,6 +237,9 @@ std::vector<std::vector<CalibrationWarning>> warnings_of(const std::string& site
     pipeline.wait();
     warnings.push_back(estimator->calibration_warnings());
   }
+  Estimates ended;
+  estimator->restart("moved", ended);
+  warnings.push_back(estimator->calibration_warnings());
   return warnings;
 }
 
@@ -255,6 +258,7 @@ TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
   EXPECT_TRUE(warnings[1].empty()) << warnings[1][0].text;
   ASSERT_FALSE(warnings[2].empty());
   EXPECT_THAT(warnings[2][0].text, HasSubstr("chain_phase_jump: access point ap1, core "));
+  EXPECT_TRUE(warnings[3].empty()) << "of another time of the recording";
 }
 
 TEST_F(RechainVerb, RefusesWhatItCannotUse) {

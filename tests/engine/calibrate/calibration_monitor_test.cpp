@@ -56,6 +56,11 @@ class Stream {
     }
   }
   std::vector<CalibrationWarning> warnings() const { return monitor_.warnings(); }
+  // Everything is sent again.
+  void restart() {
+    monitor_.restart();
+    seed_ = 0;
+  }
   // States what the access points heard of the plugs in `room`.
   void know(const RoomModel& room) {
     for (const Vec3d& plug : plugs_) {
@@ -99,6 +104,25 @@ TEST(CalibrationMonitor, NamesTheChainThatJumpedAndForgetsItAfterwards) {
   EXPECT_THAT(warnings[0].text, HasSubstr("chain_phase_jump: access point a, core 3"));
   stream.send(room, 100);
   EXPECT_TRUE(stream.warnings().empty());
+}
+
+TEST(CalibrationMonitor, BeginsAnewWhenItIsMovedToAnotherTime) {
+  constexpr double kTurn = std::numbers::pi / 2.0;
+  const RoomModel room = calibrated();
+  Stream moved(room);
+  moved.send(room, 15);
+  moved.send(room, 19, kTurn);  // and a window that has begun
+  ASSERT_EQ(moved.warnings().size(), 1U);
+  moved.restart();
+  EXPECT_TRUE(moved.warnings().empty()) << "of another time";
+  Stream fresh(room);
+  for (Stream* stream : {&moved, &fresh}) {
+    stream->send(room, 15, kTurn);
+    ASSERT_EQ(stream->warnings().size(), 1U);
+  }
+  EXPECT_EQ(moved.warnings()[0].text, fresh.warnings()[0].text);
+  EXPECT_EQ(moved.warnings()[0].fit, fresh.warnings()[0].fit);
+  EXPECT_EQ(moved.warnings()[0].usual_fit, fresh.warnings()[0].usual_fit);
 }
 
 TEST(CalibrationMonitor, SeesAJumpThatWasThereBeforeItStarted) {
