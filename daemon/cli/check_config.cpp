@@ -1,6 +1,10 @@
 // `rayloc check-config FILE`: whether raylocd would start with it. Errors go to stderr, one a line,
 // as FILE:LINE:COLUMN: message; the exit status is 78 when there are any.
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -10,6 +14,7 @@
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
+#include "daemon/service/secrets.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc::cli {
@@ -41,6 +46,34 @@ Expected<std::string> check_room(const Site& site) {
   return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
 }
 
+// Root reads everything; the user that systemd makes up for raylocd.service reads nothing of
+// root's.
+void warn_of_files_of_root(const DaemonConfig& config) {
+  const auto warn = [](const std::filesystem::path& file, const char* key, const char* credential) {
+    struct stat status {};
+    if (geteuid() == 0 && !file.empty() && stat(file.c_str(), &status) == 0 && status.st_uid == 0 &&
+        (status.st_mode & S_IROTH) == 0) {
+      std::fprintf(stderr,
+                   "%s: warning: raylocd.service cannot read what is root's alone; leave %s out, "
+                   "and let systemd pass the credential %s (its drop-in)\n",
+                   file.c_str(),
+                   key,
+                   credential);
+    }
+  };
+  warn(config.http.token_file, "[http] token_file", "http.token");
+  warn(config.privacy.key_file, "[privacy] key_file", "privacy.key");
+  warn(config.curve.secret_file, "[curve] secret_file", "curve.secret");
+}
+
+Expected<void> check_secrets_of(const DaemonConfig& config) {
+  // Who has the credentials is who the service runs as.
+  if (std::getenv("CREDENTIALS_DIRECTORY") == nullptr) {
+    warn_of_files_of_root(config);
+  }
+  return check_secrets(config);
+}
+
 Expected<std::string> check(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
@@ -50,6 +83,9 @@ Expected<std::string> check(const std::filesystem::path& path) {
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
   if (!setup) {
     return tl::make_unexpected(setup.error());
+  }
+  if (const Expected<void> secrets = check_secrets_of(setup->config); !secrets) {
+    return tl::make_unexpected(secrets.error());
   }
   Expected<std::string> room = check_room(setup->site);
   if (!room) {

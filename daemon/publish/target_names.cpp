@@ -3,6 +3,8 @@
 #include <sodium.h>
 #include <sys/stat.h>
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <stdexcept>
 
@@ -83,6 +85,11 @@ Expected<std::string> TargetNames::read_key(const std::filesystem::path& file) {
                       file.string() + ": everyone on this machine may use this key; chmod 600");
   }
   std::ifstream in(file);
+  if (!in) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": the key cannot be read: " + std::strerror(errno) +
+                          "; what root keeps, systemd passes (drop-in privacy-key.conf)");
+  }
   std::string key;
   if (!std::getline(in, key) || key.size() < kShortestKey) {
     return make_error(ErrorKind::kConfiguration,

@@ -7,6 +7,7 @@
 #include "daemon/publish/curve_keys.h"
 #include "daemon/service/config_reader.h"
 #include "daemon/service/endpoint.h"
+#include "daemon/service/secrets.h"
 #include "engine/base/check.h"
 #include "engine/base/suggestion.h"
 
@@ -382,6 +383,7 @@ ConfigReading read_config(TomlDocument& document) {
       read_section(document.empty_table(std::string(section)), section, reading);
     }
   }
+  take_credentials(reading.config);
   check_sources(reading);
   check_speeds(reading);
   const PublishConfig& publish = reading.config.publish;

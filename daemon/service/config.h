@@ -69,7 +69,7 @@ struct PublishConfig {
 // [curve]: who may read what is published, encrypted on its way.
 struct CurveConfig {
   bool enabled = false;
-  std::filesystem::path secret_file;  // empty: systemd's credential "curve.secret"
+  std::filesystem::path secret_file;  // or systemd's credential "curve.secret", where there is one
   std::vector<std::string> allow;     // public keys of clients (Z85)
 };
 
@@ -77,8 +77,9 @@ struct HttpConfig {
   bool enabled = true;
   std::string host;  // numeric IPv4
   std::uint16_t port = 0;
-  std::filesystem::path token_file;  // empty: no token is asked for
-  bool insecure = false;             // beyond loopback without a token
+  // Or systemd's credential "http.token", where there is one; empty: no token is asked for.
+  std::filesystem::path token_file;
+  bool insecure = false;  // beyond loopback without a token
 };
 
 struct RecordConfig {
@@ -101,8 +102,9 @@ enum class TargetId { kMac, kHmac };
 
 struct PrivacyConfig {
   TargetId target_id = TargetId::kMac;
-  Duration rotate{};               // how long a hash names a target
-  std::filesystem::path key_file;  // empty: a random key for each period
+  Duration rotate{};  // how long a hash names a target
+  // Or systemd's credential "privacy.key", where there is one; empty: a random key for each period.
+  std::filesystem::path key_file;
 };
 
 struct CacheConfig {

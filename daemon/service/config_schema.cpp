@@ -280,14 +280,14 @@ const std::array kOptions = {
                  .preset = "\"127.0.0.1:8480\"",
                  .description = "ADDRESS:PORT of the HTTP server",
                  .store = store_http_listen},
-    ConfigOption{
-        .section = "http",
-        .key = "token_file",
-        .type = T::kFile,
-        .example = "\"/etc/raylocd/http.token\"",
-        .description =
-            "File with the token that all but health and metrics ask for; a browser as user rayloc",
-        .store = [](C& c, const V& v) { c.http.token_file = text(v); }},
+    ConfigOption{.section = "http",
+                 .key = "token_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/http.token\"",
+                 .description = "File with the token that all but health and metrics ask for; a "
+                                "browser as user rayloc; "
+                                "systemd's credential http.token when left out, where there is one",
+                 .store = [](C& c, const V& v) { c.http.token_file = text(v); }},
     ConfigOption{.section = "http",
                  .key = "insecure",
                  .type = T::kBoolean,
@@ -376,8 +376,9 @@ const std::array kOptions = {
                  .key = "key_file",
                  .type = T::kFile,
                  .example = "\"/etc/raylocd/privacy.key\"",
-                 .description = "Makes hashes that a replay can repeat; left out, keys are random, "
-                                "kept in memory only and forgotten",
+                 .description = "Makes hashes that a replay can repeat; left out, systemd's "
+                                "credential privacy.key, and without one keys are random, kept in "
+                                "memory only and forgotten",
                  .store = [](C& c, const V& v) { c.privacy.key_file = text(v); }},
 
     ConfigOption{.section = "cache",

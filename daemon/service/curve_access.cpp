@@ -1,37 +1,20 @@
 #include "daemon/service/curve_access.h"
 
-#include <cstdlib>
 #include <utility>
 
 namespace rayloc {
-namespace {
-
-// systemd.exec(5), LoadCredential=.
-Expected<std::filesystem::path> secret_file(const CurveConfig& config) {
-  if (!config.secret_file.empty()) {
-    return config.secret_file;
-  }
-  const char* const credentials = std::getenv("CREDENTIALS_DIRECTORY");
-  if (credentials == nullptr) {
-    return make_error(ErrorKind::kConfiguration,
-                      "[curve] is enabled, but there is no secret key: set secret_file, or let "
-                      "systemd pass the credential curve.secret (drop-in curve.conf)");
-  }
-  return std::filesystem::path(credentials) / "curve.secret";
-}
-
-}  // namespace
 
 Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& config,
                                                              std::shared_ptr<LimitedLog> log) {
   if (!config.enabled) {
     return std::make_shared<ConnectionGuard>(ConnectionGuard::Options{});
   }
-  const Expected<std::filesystem::path> file = secret_file(config);
-  if (!file) {
-    return tl::make_unexpected(file.error());
+  if (config.secret_file.empty()) {
+    return make_error(ErrorKind::kConfiguration,
+                      "[curve] is enabled, but there is no secret key: set secret_file, or let "
+                      "systemd pass the credential curve.secret (drop-in curve.conf)");
   }
-  Expected<CurveKeyPair> keys = read_curve_secret(*file);
+  Expected<CurveKeyPair> keys = read_curve_secret(config.secret_file);
   if (!keys) {
     return tl::make_unexpected(keys.error());
   }

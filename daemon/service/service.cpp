@@ -14,6 +14,7 @@
 #include "daemon/service/curve_access.h"
 #include "daemon/service/passed_socket_check.h"
 #include "daemon/service/privacy.h"
+#include "daemon/service/secrets.h"
 #include "daemon/site/path_grid_files.h"
 
 namespace rayloc {
@@ -85,8 +86,11 @@ Expected<std::unique_ptr<Service>> Service::open(
   const DaemonConfig& config = service->setup_.config;
   service->status_.started = system_now();
 
-  if (const Expected<void> good = check_passed_sockets(sockets, config); !good) {
-    return tl::make_unexpected(good.error());
+  for (const Expected<void>& good :
+       {check_secrets(config), check_passed_sockets(sockets, config)}) {
+    if (!good) {
+      return tl::make_unexpected(good.error());
+    }
   }
   if (const Expected<void> opened = service->open_estimators(path_grids(config.cache, log));
       !opened) {

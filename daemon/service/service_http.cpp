@@ -1,5 +1,4 @@
 // The part of Service that answers over HTTP.
-#include <fstream>
 #include <string>
 #include <utility>
 
@@ -10,37 +9,18 @@
 #include "daemon/service/map_channel.h"
 #include "daemon/service/map_events.h"
 #include "daemon/service/map_geometry.h"
+#include "daemon/service/secrets.h"
 #include "daemon/service/service.h"
 
 namespace rayloc {
-namespace {
-
-// The first line of the file.
-Expected<std::string> read_token(const std::filesystem::path& file) {
-  if (file.empty()) {
-    return std::string();
-  }
-  constexpr std::size_t kShortest = 16;
-  std::ifstream in(file);
-  std::string token;
-  if (!std::getline(in, token) || token.size() < kShortest) {
-    return make_error(ErrorKind::kConfiguration,
-                      file.string() +
-                          ": no token: its first line must have 16 characters or more; "
-                          "write one with: openssl rand -hex 32 >" +
-                          file.string());
-  }
-  return token;
-}
-
-}  // namespace
 
 Expected<void> Service::open_http(PassedSockets& sockets) {
   const HttpConfig& config = setup_.config.http;
   if (!config.enabled) {
     return {};
   }
-  const Expected<std::string> token = read_token(config.token_file);
+  const Expected<std::string> token =
+      config.token_file.empty() ? std::string() : read_http_token(config.token_file);
   if (!token) {
     return tl::make_unexpected(token.error());
   }

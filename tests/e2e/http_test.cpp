@@ -232,5 +232,23 @@ TEST(Http, TheStateOfADaemonThatLocatesNothingIsShown) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
+TEST(Http, ATokenThatSystemdPassesIsAskedFor) {
+  const TemporaryFolder folder;
+  const std::string token = "0123456789abcdef0123456789abcdef";
+  std::ofstream(folder.path() / "http.token") << token << "\n";
+  LiveDaemon daemon(
+      folder.path(),
+      {.site = bundled(""),
+       .access_points = {"ap2"},
+       .more_configuration = "[engine]\nmethod = \"none\"\n",
+       .setting = {.environment = {"CREDENTIALS_DIRECTORY=" + folder.path().string()}}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  EXPECT_THAT(http_get(daemon.http_port(), "/api/v1/status"), StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(
+      http_get(daemon.http_port(), "/api/v1/status", "Authorization: Bearer " + token + "\r\n"),
+      StartsWith("HTTP/1.1 200 "));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
 }  // namespace
 }  // namespace rayloc::e2e

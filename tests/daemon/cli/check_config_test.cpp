@@ -88,6 +88,40 @@ TEST_F(CheckConfig, EveryErrorIsALineAndTheStatusIs78) {
                         "you mean 'level'?\n"));
 }
 
+TEST_F(CheckConfig, SecretsAreReadAsRaylocdReadsThem) {
+  const std::string everywhere = std::string(kSource) + "[http]\nlisten = \"0.0.0.0:8480\"\n";
+  const std::string token = (folder_ / "http.token").string();
+  const Outcome missing = rayloc(
+      "check-config " + config(kSite.string(), everywhere + "token_file = \"" + token + "\"\n"));
+  EXPECT_EQ(missing.status, 78);
+  EXPECT_THAT(missing.output, HasSubstr(token + ": the token cannot be read: No such file"));
+
+  // The service's own view, once the token is there.
+  write("http.token", "0123456789abcdef\n");
+  ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1), 0);
+  const Outcome passed = rayloc("check-config " + config(kSite.string(), everywhere));
+  EXPECT_EQ(passed.status, 0) << passed.output;
+  ASSERT_EQ(unsetenv("CREDENTIALS_DIRECTORY"), 0);
+  EXPECT_THAT(rayloc("check-config " + config(kSite.string(), everywhere)).output,
+              HasSubstr("set token_file"));
+}
+
+TEST_F(CheckConfig, RootIsToldWhatItsServiceCannotRead) {
+  const std::string key = write("privacy.key", std::string(32, 'k') + "\n");
+  fs::permissions(key, fs::perms::owner_read | fs::perms::owner_write);
+  const Outcome outcome =
+      rayloc("check-config --quiet " +
+             config(kSite.string(),
+                    std::string(kSource) + "[privacy]\ntarget_id = \"hmac\"\nkey_file = \"" + key +
+                        "\"\n"));
+  EXPECT_EQ(outcome.status, 0) << outcome.output;
+  const bool root = geteuid() == 0;
+  EXPECT_EQ(
+      outcome.output.find("and let systemd pass the credential privacy.key") != std::string::npos,
+      root)
+      << outcome.output;
+}
+
 TEST_F(CheckConfig, SceneIsReadAsRaylocdReadsIt) {
   fs::copy(kSite / "site.toml", folder_ / "site.toml");
   const std::string scene = write("scene.xml", "<scene version=\"2.1.0\"><shape></scene>");
