@@ -5,7 +5,7 @@ Chromium, and the pixels that it shows.
     map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
-PART: live, recording, no-room; all of them unless told.
+PART: live, recording, walk, no-room; all of them unless told.
 """
 
 import argparse
@@ -270,14 +270,6 @@ class MapTest:
                 self.artefact(page, f"spot-{spot}-live")
                 if spot == 1:
                     self.look_at_panels(page)
-                if self.picture and spot == 1:
-                    page.resize(1280, 760)
-                    page.wait("document.querySelector('#map').clientWidth < 1000")
-                    page.wait(f"parseFloat(document.querySelector('tr[data-target=\"{DEVICE}\"]')"
-                              ".children[3].textContent) < 0.3")
-                    assert_shown(page, self.daemon, LIVE_COLOUR, "picture")
-                    page.screenshot(self.picture)
-                    page.resize(1920, 1080)
             page.wait(STALE)
             position = assert_shown(page, self.daemon, STALE_COLOUR, f"spot {spot}, stale")
             assert before is None or math.dist(position, before) > 0.5, "it did not move"
@@ -629,6 +621,31 @@ class PlaybackTest(MapTest):
         self.close(phone)
 
 
+class WalkTest(PlaybackTest):
+    """A walk through a zone; the picture of the README is of it."""
+
+    def run(self):
+        page = self.open(1280, 760)
+        trail = "document.querySelector('#trails polyline')"
+        self.ask_for("position=0&speed=0.5&state=playing")
+        page.wait(f"{CELLS}[4].textContent === 'corner' && {trail}.getBBox().width > 250")
+        page.wait("document.querySelectorAll('#source-rows td.good').length === 3")
+        self.artefact(page, "walk")
+        self.ask_for("state=paused")
+        page.wait(f"{self.TEXT}.includes('paused')")
+        lost = page.ask("[...document.querySelectorAll('#source-rows tr')].map((row) => "
+                        "row.children[3].textContent)")
+        assert lost == ["0", "0", "0"], f"in a picture for everybody: {lost}"
+        x, y = assert_shown(page, self.daemon, LIVE_COLOUR, "on the walk")
+        with open(os.path.join(SITE, "walk.csv"), encoding="ascii") as file:
+            path = [(float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
+        assert min(math.dist(one, (x, y)) for one in path) < 0.4, (x, y)
+        self.check(page)
+        self.close(page)
+        if self.picture:
+            shutil.copy(os.path.join(self.out, "walk.png"), self.picture)
+
+
 class NoRoomTest(MapTest):
     """Where nothing is located, what is received is shown nevertheless."""
 
@@ -659,16 +676,31 @@ def assert_counted(daemon):
         assert counters["frames_dropped"] == 0 and not source["counters"]["rejected"], source
 
 
-def with_zone(site):
-    """The same site, with a zone around where the device is ten seconds after the beginning."""
-    copy = site + "-with-zone"
+def with_zone(site, name, x, y):
+    """The same site, with a zone around there, and a device that has a name."""
+    copy = f"{site}-{name}"
     shutil.copytree(site, copy)
-    x, y = (Recording().spots[2][axis] for axis in "xy")
     west, east, south, north = x - 0.4, x + 0.4, y - 0.4, y + 0.4
-    with open(os.path.join(copy, "site.toml"), "a", encoding="utf-8") as file:
+    path = os.path.join(copy, "site.toml")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    mac = f"mac = '{DEVICE}'\n"
+    assert text.count(mac) == 1
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text.replace(mac, mac + 'name = "phone"\n'))
         file.write(f'\n[[zone]]\nname = "corner"\npolygon = [[{west}, {south}], [{east}, {south}], '
                    f'[{east}, {north}], [{west}, {north}]]\nenter_after_s = 0.1\n')
     return copy
+
+
+def of_spots(folder, binaries, site):
+    """raylocd on the recording of a device at rest, in a zone ten seconds after the beginning."""
+    x, y = (Recording().spots[2][axis] for axis in "xy")
+    return Daemon(folder, binaries, with_zone(site, "spots", x, y), "device_los")
+
+
+def of_walk(folder, binaries, site):
+    return Daemon(folder, binaries, with_zone(site, "walk", -1.0, 0.9), "walk")
 
 
 def calibrate(folder, binaries):
@@ -683,8 +715,8 @@ def calibrate(folder, binaries):
 # What is tested, and the raylocd that it looks at.
 PARTS = {
     "live": (MapTest, Daemon),
-    "recording": (PlaybackTest, lambda folder, binaries, site:
-                  Daemon(folder, binaries, with_zone(site), "device_los")),
+    "recording": (PlaybackTest, of_spots),
+    "walk": (WalkTest, of_walk),
     "no-room": (NoRoomTest, lambda folder, binaries, site:
                 Daemon(folder, binaries, site, extra='[engine]\nmethod = "none"\n')),
 }
