@@ -76,6 +76,21 @@ std::shared_ptr<PathGridStore> path_grids(const CacheConfig& config,
   return std::make_shared<PathGridFiles>(std::move(files));
 }
 
+PipelineOptions pipeline_options(const DaemonConfig& config, bool playback) {
+  PipelineOptions options;
+  options.burst.length = config.engine.burst;
+  options.burst.max_transmitters = config.limits.max_targets;
+  options.ring_frames = config.limits.ring_frames;
+  // Recordings can wait until everything that came before has been explained.
+  if (std::none_of(config.sources.begin(), config.sources.end(), is_live)) {
+    options.overflow = Overflow::kWait;
+  }
+  if (playback) {  // what is shown follows it closely
+    options.ring_frames = std::min(options.ring_frames, kPlayedFrames);
+  }
+  return options;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Service>> Service::open(
@@ -127,19 +142,11 @@ Expected<std::unique_ptr<Service>> Service::open(
   if (const Expected<void> opened = service->open_sources(sockets, inputs); !opened) {
     return tl::make_unexpected(opened.error());
   }
-  PipelineOptions options;
-  options.burst.length = config.engine.burst;
-  options.burst.max_transmitters = config.limits.max_targets;
-  options.ring_frames = config.limits.ring_frames;
-  // Recordings can wait until everything that came before has been explained.
-  if (std::none_of(config.sources.begin(), config.sources.end(), is_live)) {
-    options.overflow = Overflow::kWait;
-  }
-  if (service->recording_clock_.playback) {  // what is shown follows it closely
-    options.ring_frames = std::min(options.ring_frames, kPlayedFrames);
-  }
-  service->pipeline_ = std::make_unique<Pipeline>(
-      options, std::move(inputs), *service->zones_, *service->publisher_);
+  const bool playback = service->recording_clock_.playback != nullptr;
+  service->pipeline_ = std::make_unique<Pipeline>(pipeline_options(config, playback),
+                                                  std::move(inputs),
+                                                  *service->zones_,
+                                                  *service->publisher_);
   service->status_.pipeline = service->pipeline_.get();
   service->status_.publisher = service->publisher_.get();
   if (const Expected<void> http = service->open_http(sockets); !http) {
