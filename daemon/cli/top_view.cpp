@@ -139,16 +139,16 @@ void add_reasons(const TopModel& model, Lines& lines) {
     const std::string name =
         location.target().name().empty() ? component : location.target().name();
     for (const std::string& warning : location.quality().warnings()) {
-      reasons.push_back("warning: " + name + ": " + warning);
+      reasons.push_back(fmt::format("warning: {}: {}", name, warning));
     }
     if (location.quality().ambiguous()) {
-      reasons.push_back("warning: " + name + ": another place is nearly as likely");
+      reasons.push_back(fmt::format("warning: {}: another place is nearly as likely", name));
     }
   }
   for (const auto& [access_point, source] : model.sources()) {
     const std::string status = short_name(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_");
     if (!source.detail().empty()) {
-      reasons.push_back(access_point + " " + status + ": " + source.detail());
+      reasons.push_back(fmt::format("{} {}: {}", access_point, status, source.detail()));
     }
   }
   if (!reasons.empty()) {
