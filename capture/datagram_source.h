@@ -35,6 +35,20 @@ struct SourceCounters {
   std::map<std::string, std::uint64_t> rejected;
 };
 
+// Adds what a source counted that goes on where another one ended. But for clock_steps: of who was
+// there throughout.
+inline void add_counts(SourceCounters& to, const SourceCounters& more) {
+  to.received += more.received;
+  to.delivered += more.delivered;
+  to.bytes += more.bytes;
+  to.kernel_drops += more.kernel_drops;
+  to.unrecorded += more.unrecorded;
+  to.failures += more.failures;
+  for (const auto& [reason, count] : more.rejected) {
+    to.rejected[reason] += count;
+  }
+}
+
 struct DatagramBatch {
   std::vector<Datagram> datagrams;  // in order of arrival
   // No datagram with an earlier time will come from this source any more. Event time of idle

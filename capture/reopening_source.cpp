@@ -5,22 +5,6 @@
 #include <utility>
 
 namespace rayloc {
-namespace {
-
-// All but clock_steps: a source that is opened later counts what was there before it as one.
-void add(SourceCounters& to, const SourceCounters& more) {
-  to.received += more.received;
-  to.delivered += more.delivered;
-  to.bytes += more.bytes;
-  to.kernel_drops += more.kernel_drops;
-  to.unrecorded += more.unrecorded;
-  to.failures += more.failures;
-  for (const auto& [reason, count] : more.rejected) {
-    to.rejected[reason] += count;
-  }
-}
-
-}  // namespace
 
 Expected<std::unique_ptr<ReopeningSource>> ReopeningSource::open(Open open,
                                                                  std::function<Time()> now) {
@@ -103,7 +87,7 @@ void ReopeningSource::close(const Error& why) {
   }
   try_later(why);
   const std::lock_guard lock(mutex_);
-  add(before_, source_->counters());
+  add_counts(before_, source_->counters());
   ++before_.failures;
   source_.reset();
 }
@@ -118,7 +102,7 @@ SourceCounters ReopeningSource::counters() const {
   const std::lock_guard lock(mutex_);
   SourceCounters all = before_;
   if (source_) {
-    add(all, source_->counters());
+    add_counts(all, source_->counters());
   }
   return all;
 }

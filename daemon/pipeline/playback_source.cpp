@@ -9,18 +9,6 @@ namespace {
 // Before a read that passes over datagrams comes back to say that it is alive.
 constexpr int kReadsAtOnce = 64;
 
-// Of what two SourceCounters can count of a recording.
-SourceCounters sum(SourceCounters a, const SourceCounters& b) {
-  a.received += b.received;
-  a.delivered += b.delivered;
-  a.bytes += b.bytes;
-  a.unrecorded += b.unrecorded;
-  for (const auto& [reason, count] : b.rejected) {
-    a.rejected[reason] += count;
-  }
-  return a;
-}
-
 }  // namespace
 
 PlaybackSource::PlaybackSource(Open open,
@@ -52,7 +40,7 @@ Expected<void> PlaybackSource::go_to(const Playback::Place& place) {
   next_ = 0;
   passing_ = true;
   passed_ = {};
-  earlier_ = sum(std::move(earlier_), here_);
+  add_counts(earlier_, here_);
   here_ = {};
   return {};
 }
@@ -123,7 +111,8 @@ void PlaybackSource::count() {
     here_.received += here_.rejected[reason];
   }
   const std::lock_guard lock(mutex_);
-  published_ = sum(earlier_, here_);
+  published_ = earlier_;
+  add_counts(published_, here_);
 }
 
 SourceCounters PlaybackSource::counters() const {
