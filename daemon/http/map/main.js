@@ -80,7 +80,7 @@ function showConnection() {
   setText(byId('connection-text'), quiet && link === 'open' ? 'No word from raylocd' : {
     open: 'Connected',
     lost: 'Connection lost: trying again',
-    refused: 'No stream: too many viewers, or raylocd is starting; trying again',
+    refused: 'No stream: raylocd gives none (it may have too many viewers); trying again',
   }[link]);
   // Read out once and not each second: it is no part of what is live.
   setText(byId('connection-age'), quiet ? ` for ${Math.round(model.silence / 1000)} s` : '');
