@@ -47,8 +47,8 @@ bool is_journal_stream(int fd) {
 }
 
 bool to_journal() {
-  static const bool connected = is_journal_stream(STDERR_FILENO);
-  return connected;
+  static const bool kConnected = is_journal_stream(STDERR_FILENO);
+  return kConnected;
 }
 
 // As syslog(3) counts them.
