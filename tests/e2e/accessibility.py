@@ -133,6 +133,9 @@ def use(page, name, target):
     elif name == "live":
         page.press("Enter")
         page.wait(f"{TIME_SHOWN} === 'live'")
+        assert page.ask("document.activeElement.id") == "play", "the focus is lost with the button"
+        for _ in ("scrubber", "speed"):
+            page.press("Tab")
     elif name in (CHANNEL, CALIBRATION, "Legend"):
         page.press("Enter")
         page.wait("document.activeElement.parentElement.open")

@@ -28,6 +28,13 @@ export class Timeline {
     else this.running = !this.running;
   }
 
+  // A button that is disabled loses the focus, and whoever uses keys their place on the page.
+  enableLive(enabled) {
+    const button = byId('live');
+    if (!enabled && document.activeElement === button) byId('play').focus();
+    button.disabled = !enabled;
+  }
+
   momentOf(value) {
     const first = this.model.first ?? this.model.now();
     return first + (value / 1000) * (this.model.now() - first);
@@ -51,7 +58,7 @@ export class Timeline {
     setText(byId('time-shown'), text);
     this.slider.setAttribute('aria-valuetext', text);
     setText(byId('play'), live || this.running ? 'Pause' : 'Play');
-    byId('live').disabled = live;
+    this.enableLive(!live);
     return shown;
   }
 }
