@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -186,15 +187,28 @@ class ReferenceVerb : public ::testing::Test {
     }
     return snapshots;
   }
+  static double error_of(const json& snapshot, const Place& truth) {
+    if (!snapshot.contains("position")) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const double x = snapshot["position"]["x"];
+    const double y = snapshot["position"]["y"];
+    return std::hypot(x - truth.x, y - truth.y);
+  }
   // How many are within 15 cm of the truth.
   static int near(const std::vector<json>& snapshots, const std::vector<Place>& truth) {
     int count = 0;
     for (std::size_t i = 0; i < std::min(snapshots.size(), truth.size()); ++i) {
-      if (snapshots[i].contains("position")) {
-        const double x = snapshots[i]["position"]["x"];
-        const double y = snapshots[i]["position"]["y"];
-        count += std::hypot(x - truth[i].x, y - truth[i].y) < 0.15 ? 1 : 0;
-      }
+      count += error_of(snapshots[i], truth[i]) < 0.15 ? 1 : 0;
+    }
+    return count;
+  }
+  // How many are as near as they say that they are.
+  static int within_accuracy(const std::vector<json>& snapshots, const std::vector<Place>& truth) {
+    int count = 0;
+    for (std::size_t i = 0; i < std::min(snapshots.size(), truth.size()); ++i) {
+      const bool stated = snapshots[i].contains("accuracy_m");
+      count += stated && error_of(snapshots[i], truth[i]) <= snapshots[i]["accuracy_m"] ? 1 : 0;
     }
     return count;
   }
@@ -226,11 +240,14 @@ TEST_F(ReferenceVerb, SurvivesAPowerCycle) {
   for (const json& access_point : json::parse(in)["access_points"]) {
     EXPECT_GT(access_point["fit"].get<double>(), 0.99);
   }
-  const int usual = near(replay("before", "later"), later());
-  EXPECT_GE(usual, 4);
-  const int renewed = near(replay("after", "visit"), later());
-  EXPECT_GE(renewed, usual - 2);
-  EXPECT_LT(near(replay("before", "visit"), later()), renewed);
+  const std::vector<json> usual = replay("before", "later");
+  const std::vector<json> renewed = replay("after", "visit");
+  // Some of these places look alike: of two that are likely another noise may put the other first.
+  for (const std::vector<json>& snapshots : {usual, renewed}) {
+    EXPECT_GE(near(snapshots, later()), 4);
+    EXPECT_GE(within_accuracy(snapshots, later()), 9);
+  }
+  EXPECT_LE(near(replay("before", "visit"), later()), 1);
 }
 
 TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
