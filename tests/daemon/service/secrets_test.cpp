@@ -27,7 +27,7 @@ class Secrets : public ::testing::Test {
     folder_ = name;
     setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1);
   }
-  ~Secrets() override {
+  void TearDown() override {
     unsetenv("CREDENTIALS_DIRECTORY");
     fs::remove_all(folder_);
   }

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 
 class PlannedPoints : public ::testing::Test {
  protected:
-  ~PlannedPoints() override { std::filesystem::remove(file_); }
+  void TearDown() override { std::filesystem::remove(file_); }
   Expected<std::vector<PlannedPoint>> load(const std::string& text) const {
     std::ofstream(file_) << text;
     return load_planned_points(file_);
