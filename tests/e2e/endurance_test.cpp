@@ -1,15 +1,15 @@
-// What must hold for a long time, in its short form; tests/soak/run runs the long one.
-// RAYLOC_JOINS: late subscribers; RAYLOC_JOINS_RATE: datagrams a second meanwhile.
-#include <algorithm>
+// Subscribers that come late, under load, in short; tests/soak/run joins has the full count.
+// RAYLOC_JOINS: how many; RAYLOC_JOINS_RATE: datagrams a second meanwhile.
 #include <cstdio>
-#include <cstdlib>
 #include <map>
-#include <numeric>
-#include <sstream>
-#include <thread>
+#include <set>
 
 #include <gtest/gtest.h>
 
+#include "daemon/publish/gap_detector.h"
+#include "daemon/publish/late_subscriber.h"
+#include "rayloc/v1/envelope.pb.h"
+#include "tests/e2e/device_recording.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/stated.h"
 
@@ -17,11 +17,17 @@ namespace rayloc::e2e {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
+constexpr int kDevices = 40;  // each has a topic of its own
+constexpr int kFirst = 0x10;  // the last byte of the first one's address: none that the site names
+constexpr int kRead = 100;    // messages of each that comes late, frames of CSI aside
+// One of so many is `rayloc sub`, a process of its own, which reads so many messages of any kind.
+constexpr int kEachIsAProcess = 10;
+constexpr int kReadByProcess = 300;
 
-// Frames of several devices and of none, until the test ends.
-std::vector<std::string> load(const LiveDaemon& daemon, int rate) {
+// Frames of many devices, until the test ends.
+std::vector<std::string> load(const LiveDaemon& daemon, const std::string& recording, int rate) {
   return {"send",
-          bundled_recording("calibration", "ap2"),
+          recording,
           "--to",
           daemon.address(0),
           "--rate",
@@ -30,58 +36,124 @@ std::vector<std::string> load(const LiveDaemon& daemon, int rate) {
           "1000000"};
 }
 
-// Whether each topic's numbers follow one another; a message of its own for each that do not.
-void expect_every_sequence_once(const std::vector<std::string>& lines, int join) {
+struct JoinTally {
+  std::set<std::string> topics;  // that a snapshot must tell of: published before, CSI aside
+  std::uint64_t told = 0;        // messages of snapshots
+  std::uint64_t live = 0;        // other messages
+};
+
+// One that comes late: the snapshot tells of every topic that had been published before, and then
+// each topic's numbers follow one another, from that of the snapshot on.
+void join(const LiveDaemon& daemon, JoinTally& tally) {
+  auto late = LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, kPatience);
+  ASSERT_TRUE(late) << late.error().message;
+  std::map<std::string, std::uint64_t> last;
+  std::set<std::string> missing = tally.topics;
+  GapDetector gaps;
+  for (int read = 0; read < kRead;) {
+    const auto message = late->receive(kPatience);
+    ASSERT_TRUE(message) << "nothing after " << read;
+    v1::Envelope envelope;
+    ASSERT_TRUE(envelope.ParseFromString(message->payload)) << message->topic;
+    gaps.add(message->topic, envelope);
+    missing.erase(message->topic);
+    const auto [topic, first] = last.try_emplace(message->topic, envelope.sequence());
+    if (!first) {
+      EXPECT_FALSE(message->from_snapshot) << message->topic;
+      EXPECT_EQ(envelope.sequence(), topic->second + 1) << message->topic;
+      topic->second = envelope.sequence();
+    } else if (!envelope.has_csi()) {
+      EXPECT_TRUE(message->from_snapshot || envelope.sequence() == 1)
+          << message->topic << " begins with " << envelope.sequence();
+      tally.topics.insert(message->topic);
+    }
+    read += envelope.has_csi() ? 0 : 1;
+    (message->from_snapshot ? tally.told : tally.live) += 1;
+  }
+  EXPECT_TRUE(missing.empty()) << missing.size() << " topics, for one " << *missing.begin();
+  EXPECT_EQ(gaps.lost(), 0U);
+  EXPECT_EQ(late->malformed(), 0U);
+}
+
+// Whether each topic's numbers follow one another in what `rayloc sub --json` printed.
+void expect_every_sequence_once(const std::vector<std::string>& lines) {
   std::map<std::string, std::uint64_t> last;
   for (const std::string& line : lines) {
     const nlohmann::json envelope = nlohmann::json::parse(line);
-    for (const char* const kind : {"location", "heartbeat", "source", "track"}) {
+    for (const char* const kind : {"location", "heartbeat", "source", "track", "csi"}) {
       if (!envelope.contains(kind)) {
         continue;
       }
-      // As topics are: by target, by access point.
+      // As topics are: by target; of one access point.
+      const nlohmann::json& body = envelope.at(kind);
       const std::string topic =
-          std::string(kind) + (kind == std::string("location")
-                                   ? envelope.at(kind).at("target").at("mac").get<std::string>()
-                                   : "");
+          kind + (body.contains("target") ? body.at("target").at("mac").get<std::string>() : "");
       const std::uint64_t sequence = number(envelope.at("sequence"));
       if (last.count(topic) > 0) {
-        EXPECT_EQ(sequence, last[topic] + 1) << topic << " of join " << join;
+        EXPECT_EQ(sequence, last[topic] + 1) << topic;
       }
       last[topic] = sequence;
     }
   }
 }
 
+void join_as_a_process(const LiveDaemon& daemon, const std::filesystem::path& folder) {
+  Process late(folder,
+               "late",
+               "rayloc",
+               {"sub",
+                "v1/",
+                "--endpoint",
+                daemon.endpoint(),
+                "--snapshot",
+                daemon.snapshot(),
+                "--json",
+                "--count",
+                std::to_string(kReadByProcess)});
+  ASSERT_EQ(late.wait(kPatience), 0) << late.errors() << daemon.errors();
+  const std::vector<std::string> lines = read_lines(late.out());
+  ASSERT_EQ(lines.size(), static_cast<std::size_t>(kReadByProcess));
+  expect_every_sequence_once(lines);
+  EXPECT_EQ(late.errors(), "late.err:\n") << "it says what it lost";
+}
+
 TEST(Endurance, LateSubscribersGetEverySequenceOnce) {
   const TemporaryFolder folder;
-  LiveDaemon daemon(
-      folder.path(),
-      {.site = bundled(""), .access_points = {"ap2"}, .more_configuration = "heartbeat_s = 0.1\n"});
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "csi = true\nheartbeat_s = 0.1\n",
+                     .subscriptions = {"v1/heartbeat/"}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  Process sender(folder.path(), "send", "rayloc", load(daemon, stated("RAYLOC_JOINS_RATE", 3000)));
-  ASSERT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("location").empty(); }));
-  const int joins = stated("RAYLOC_JOINS", 50);
-  for (int join = 0; join < joins; ++join) {
-    Process late(folder.path(),
-                 "late",
+  Process sender(folder.path(),
+                 "send",
                  "rayloc",
-                 {"sub",
-                  "v1/",
-                  "--endpoint",
-                  daemon.endpoint(),
-                  "--snapshot",
-                  daemon.snapshot(),
-                  "--json",
-                  "--count",
-                  "12"});
-    ASSERT_EQ(late.wait(kPatience), 0) << late.errors() << daemon.errors();
-    const std::vector<std::string> lines = read_lines(late.out());
-    ASSERT_EQ(lines.size(), 12U);
-    expect_every_sequence_once(lines, join);
-    EXPECT_EQ(late.errors(), "late.err:\n") << "it says what it lost";
+                 load(daemon,
+                      recording_of_devices(folder.path(), "ap2", kFirst, kDevices),
+                      stated("RAYLOC_JOINS_RATE", 3000)));
+  JoinTally tally;
+  // Until every device has been located, the snapshot grows.
+  ASSERT_TRUE(eventually(kPatience,
+                         [&] {
+                           join(daemon, tally);
+                           return HasFatalFailure() || tally.topics.size() >= kDevices + 2;
+                         }))
+      << tally.topics.size() << " topics";
+  const int joins = stated("RAYLOC_JOINS", 50);
+  for (int i = 0; i < joins && !HasFatalFailure(); ++i) {
+    SCOPED_TRACE("join " + std::to_string(i));
+    if (i % kEachIsAProcess == 0) {
+      join_as_a_process(daemon, folder.path());
+    } else {
+      join(daemon, tally);
+    }
   }
-  std::printf("%d joins\n", joins);
+  std::printf("%d joins: %zu topics, %llu messages of snapshots, %llu others\n",
+              joins,
+              tally.topics.size(),
+              static_cast<unsigned long long>(tally.told),   // NOLINT(google-runtime-int)
+              static_cast<unsigned long long>(tally.live));  // NOLINT(google-runtime-int)
+  EXPECT_TRUE(sender.running()) << sender.errors();
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
