@@ -47,16 +47,36 @@ Sample sample(const LiveDaemon& daemon, std::chrono::steady_clock::time_point be
 struct Course {
   double least_kib = 0.0;
   double most_kib = 0.0;
-  double slope = 0.0;  // of a straight line through resident memory [KiB/min]
+  // Of resident memory [KiB/min]: of a straight line, and the median of those between any two
+  // moments. A queue that a busy machine lets fill once leaves a step, which the median does not
+  // see; what grows, even by steps, it sees.
+  double line = 0.0;
+  double slope = 0.0;
   std::size_t least_descriptors = 0;
   std::size_t most_descriptors = 0;
 };
+
+// Between any two of at most 200 moments.
+double median_slope(const std::vector<Sample>& samples, std::size_t begin, std::size_t end) {
+  const std::size_t stride = (end - begin + 199) / 200;
+  std::vector<double> slopes;
+  for (std::size_t i = begin; i < end; i += stride) {
+    for (std::size_t j = i + stride; j < end; j += stride) {
+      slopes.push_back(60.0 * (samples[j].rss_kib - samples[i].rss_kib) /
+                       (samples[j].seconds - samples[i].seconds));
+    }
+  }
+  const auto median = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
+  std::nth_element(slopes.begin(), median, slopes.end());
+  return *median;
+}
 
 Course course_of(const std::vector<Sample>& samples, std::size_t begin, std::size_t end) {
   const auto count = static_cast<double>(end - begin);
   Course course{samples[begin].rss_kib,
                 samples[begin].rss_kib,
                 0.0,
+                median_slope(samples, begin, end),
                 samples[begin].descriptors,
                 samples[begin].descriptors};
   double t = 0.0;
@@ -76,18 +96,21 @@ Course course_of(const std::vector<Sample>& samples, std::size_t begin, std::siz
     ty += (samples[i].seconds - t) * (samples[i].rss_kib - y);
     tt += (samples[i].seconds - t) * (samples[i].seconds - t);
   }
-  course.slope = 60.0 * ty / tt;
+  course.line = 60.0 * ty / tt;
   return course;
 }
 
 void print(const char* what, const Course& course) {
-  std::printf("%s: resident %.0f to %.0f KiB, slope %.1f KiB/min; %zu to %zu descriptors\n",
-              what,
-              course.least_kib,
-              course.most_kib,
-              course.slope,
-              course.least_descriptors,
-              course.most_descriptors);
+  std::printf(
+      "%s: resident %.0f to %.0f KiB, slope %.1f KiB/min (of a line %.1f); %zu to %zu "
+      "descriptors\n",
+      what,
+      course.least_kib,
+      course.most_kib,
+      course.slope,
+      course.line,
+      course.least_descriptors,
+      course.most_descriptors);
   std::fflush(stdout);  // an hour is watched
 }
 
