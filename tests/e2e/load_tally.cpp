@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/e2e/stated.h"
+
 namespace rayloc::e2e {
 
 std::uint64_t sent_by(const Process& sender) {
@@ -51,6 +53,26 @@ Tally settled(const LiveDaemon& daemon) {
            last.frames_in_flight == 0;
   });
   return last;
+}
+
+Tally accounted(const LiveDaemon& daemon, std::uint64_t sent) {
+  EXPECT_TRUE(eventually(std::chrono::seconds{60}, [&] {
+    const Tally tally = tally_of(daemon.bodies("heartbeat").back());
+    return tally.received + tally.kernel_drops == sent;
+  })) << "unaccounted";
+  const Tally tally = settled(daemon);
+  expect_conserved(tally);
+  EXPECT_EQ(tally.received + tally.kernel_drops, sent) << "unaccounted";
+  EXPECT_EQ(tally.in_flight + tally.frames_in_flight, 0U);
+  return tally;
+}
+
+std::vector<int> rates_of(const char* variable, int first) {
+  first /= slower();
+  if (is_stated(variable)) {
+    return {first};
+  }
+  return {first, first / 2, first / 4, first / 8};
 }
 
 }  // namespace rayloc::e2e

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "tests/e2e/live_daemon.h"
 
@@ -31,6 +32,15 @@ void expect_conserved(const Tally& tally);
 // The counters once nothing is on its way any more; those of the last heartbeat when that does
 // not come.
 Tally settled(const LiveDaemon& daemon);
+
+// The same once `sent` datagrams are accounted for: received, or dropped by the kernel. Fails the
+// test when they are not, or when something is lost on the way without being counted.
+Tally accounted(const LiveDaemon& daemon, std::uint64_t sent);
+
+// The rates at which a test loads, in the order in which it tries them: the first is what must
+// hold, and only it counts when `variable` states a long run; else the machine may be too busy for
+// it.
+std::vector<int> rates_of(const char* variable, int first);
 
 // Of the line that ends what `rayloc send --json` says: {"event":"end","datagrams":150000,...}.
 std::uint64_t sent_by(const Process& sender);
