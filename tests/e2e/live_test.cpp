@@ -11,14 +11,18 @@
 
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/shifted_clock.h"
+#include "tests/e2e/stated.h"
 
 namespace rayloc::e2e {
 namespace {
 
 constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
 // Eight times the recorded pace: a spot lasts 0.13 s, less than a burst, and the shortest way
-// between two takes 0.39 s, more than the gap that ends one. So each spot is one burst.
-const char* const kSpeed = "8";
+// between two takes 0.39 s, more than the gap that ends one. So each spot is one burst. At a slower
+// pace bursts are longer in the same measure.
+const double kSpeed = 8.0;
+const double kSlowSpeed = kSpeed / slower();
+const double kSlowBurst = 0.2 * slower();  // [s]
 constexpr std::chrono::seconds kPatience{120};
 
 struct Spot {
@@ -41,9 +45,12 @@ std::vector<Spot> surveyed_spots() {
   return spots;
 }
 
+// Of the slow pace, behind what the fixture writes.
+std::string slow_bursts() { return "[engine]\nburst_s = " + std::to_string(kSlowBurst) + "\n"; }
+
 // Sends the recordings of all access points as one, in their common time; false when that fails.
-bool send_recordings(const std::filesystem::path& folder, const LiveDaemon& daemon) {
-  std::vector<std::string> arguments = {"--speed", kSpeed};
+bool send_recordings(const std::filesystem::path& folder, const LiveDaemon& daemon, double speed) {
+  std::vector<std::string> arguments = {"--speed", std::to_string(speed)};
   for (const std::string access_point : kAccessPoints) {
     arguments.push_back(bundled_recording("device_los", access_point));
   }
@@ -82,9 +89,10 @@ std::vector<std::string> sorted(const std::vector<nlohmann::json>& locations) {
 
 TEST(Live, LocatesEverySpotOfARecordingSentOverUdp) {
   const TemporaryFolder folder;
-  LiveDaemon daemon(folder.path(), {.site = calibrated_site(folder.path())});
+  LiveDaemon daemon(folder.path(),
+                    {.site = calibrated_site(folder.path()), .more_configuration = slow_bursts()});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  ASSERT_TRUE(send_recordings(folder.path(), daemon));
+  ASSERT_TRUE(send_recordings(folder.path(), daemon, kSlowSpeed));
   const std::vector<Spot> spots = surveyed_spots();
   eventually(std::chrono::seconds{20},
              [&] { return snapshots_of(daemon.bodies("location")).size() >= spots.size(); });
@@ -123,7 +131,7 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
       clock.set(std::chrono::hours(hours));
     }
   });
-  const bool sent = send_recordings(folder.path(), daemon);
+  const bool sent = send_recordings(folder.path(), daemon, kSpeed);
   somebody.join();
   ASSERT_TRUE(sent);
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
@@ -168,12 +176,12 @@ TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {
   const std::filesystem::path recordings = folder.path() / "recordings";
   std::filesystem::create_directory(recordings);
   const std::filesystem::path site = calibrated_site(folder.path());
-  LiveDaemon daemon(
-      folder.path(),
-      {.site = site,
-       .more_configuration = "[record]\ndirectory = \"" + recordings.string() + "\"\n"});
+  LiveDaemon daemon(folder.path(),
+                    {.site = site,
+                     .more_configuration = slow_bursts() + "[record]\ndirectory = \"" +
+                                           recordings.string() + "\"\n"});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  ASSERT_TRUE(send_recordings(folder.path(), daemon));
+  ASSERT_TRUE(send_recordings(folder.path(), daemon, kSlowSpeed));
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
   const std::vector<nlohmann::json> live = daemon.bodies("location");
   ASSERT_EQ(snapshots_of(live).size(), surveyed_spots().size());
@@ -190,7 +198,9 @@ TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {
   ASSERT_EQ(arguments.size(), 2 + kAccessPoints.size());
   for (const auto& [speed, threads] : {std::pair{"max", "1"}, std::pair{"8", "2"}}) {
     std::vector<std::string> words = arguments;
-    words.insert(words.end(), {"--speed", speed, "--threads", threads});
+    words.insert(
+        words.end(),
+        {"--speed", speed, "--threads", threads, "--burst", std::to_string(kSlowBurst) + "s"});
     Process replay(folder.path(), std::string("replay-") + speed, "rayloc", words);
     ASSERT_EQ(replay.wait(kPatience), 0) << replay.errors();
     std::vector<nlohmann::json> replayed;

@@ -1,5 +1,6 @@
 // What raylocd records when it is killed, when the disk is full, and when somebody asks for what
-// came lately. RAYLOC_KILLS: how often it is killed.
+// came lately. RAYLOC_KILLS: how often it is killed; RAYLOC_SEED: of the instants, else another
+// each time.
 #include <sys/mount.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -9,7 +10,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <random>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -18,6 +21,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 #include "tests/e2e/numbered_sender.h"
+#include "tests/e2e/stated.h"
 
 namespace rayloc::e2e {
 namespace {
@@ -47,11 +51,6 @@ std::uint64_t recorded(const LiveDaemon& daemon, const char* counter) {
   return number(status_of(daemon).at("recorder").at(counter));
 }
 
-int kills() {
-  const char* const stated = std::getenv("RAYLOC_KILLS");
-  return stated != nullptr ? std::atoi(stated) : 10;
-}
-
 // How much the recording of a killed daemon lacks at its end, in milliseconds of what was sent
 // before the kill.
 double shortage_ms(const NumberedRecording& recording,
@@ -64,35 +63,50 @@ double shortage_ms(const NumberedRecording& recording,
   return std::max(0.0, std::chrono::duration<double, std::milli>(missing).count());
 }
 
-// Each round: a daemon starts and repairs what the last one left behind, records, and is killed.
-TEST(Recorder, IsKilledAtAnyInstantAndLosesOneBatchAtMost) {
-  std::mt19937 random(20261122);
-  std::vector<double> shortages;
-  for (int round = 0; round < kills(); ++round) {
-    const TemporaryFolder folder;
-    const std::filesystem::path recordings = folder.path() / "rec";
-    auto daemon = std::make_unique<LiveDaemon>(folder.path(), recording_to(recordings));
-    ASSERT_TRUE(daemon->ready()) << daemon->errors();
-    NumberedSender sender(udp_port(*daemon));
-    sender.begin(5);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200 + random() % 400));
-    daemon->signal(SIGKILL);
-    const auto killed = std::chrono::steady_clock::now();
-    sender.end();
-    ASSERT_EQ(daemon->wait(kPatience), 128 + SIGKILL);
-    daemon = std::make_unique<LiveDaemon>(folder.path(), recording_to(recordings));
-    ASSERT_TRUE(daemon->ready()) << daemon->errors();
+// A daemon starts, records for so long and is killed; the next one repairs what it left behind. How
+// much the recording lacks then [ms].
+double kill_and_repair(std::chrono::milliseconds after) {
+  const TemporaryFolder folder;
+  const std::filesystem::path recordings = folder.path() / "rec";
+  auto daemon = std::make_unique<LiveDaemon>(folder.path(), recording_to(recordings));
+  EXPECT_TRUE(daemon->ready()) << daemon->errors();
+  NumberedSender sender(udp_port(*daemon));
+  sender.begin(std::max(1, 5 / slower()));
+  std::this_thread::sleep_for(after);
+  daemon->signal(SIGKILL);
+  const auto killed = std::chrono::steady_clock::now();
+  sender.end();
+  EXPECT_EQ(daemon->wait(kPatience), 128 + SIGKILL);
+  daemon = std::make_unique<LiveDaemon>(folder.path(), recording_to(recordings));
+  EXPECT_TRUE(daemon->ready()) << daemon->errors();
 
-    const NumberedRecording repaired = read_numbered(recordings);
-    EXPECT_EQ(repaired.files, 1U);
-    EXPECT_EQ(repaired.trouble, "") << "no torn record";
-    EXPECT_TRUE(repaired.is_prefix());
-    EXPECT_GT(repaired.numbers.size(), 0U);
-    EXPECT_EQ(repaired.gap_marks, 1U);
-    EXPECT_EQ(recorded(*daemon, "repaired"), 1U);
-    EXPECT_THAT(daemon->log(), HasSubstr("was left behind and is repaired"));
-    shortages.push_back(shortage_ms(repaired, sender, killed));
-    EXPECT_EQ(daemon->stop(), 0) << daemon->errors();
+  const NumberedRecording repaired = read_numbered(recordings);
+  EXPECT_EQ(repaired.files, 1U);
+  EXPECT_EQ(repaired.trouble, "") << "no torn record";
+  EXPECT_TRUE(repaired.is_prefix());
+  EXPECT_GT(repaired.numbers.size(), 0U);
+  EXPECT_EQ(repaired.gap_marks, 1U);
+  EXPECT_EQ(recorded(*daemon, "repaired"), 1U);
+  EXPECT_THAT(daemon->log(), HasSubstr("was left behind and is repaired"));
+  EXPECT_EQ(daemon->stop(), 0) << daemon->errors();
+  return shortage_ms(repaired, sender, killed);
+}
+
+TEST(Recorder, IsKilledAtAnyInstantAndLosesOneBatchAtMost) {
+  // More than twenty batches of 100 ms long, and no multiple of one.
+  constexpr int kLatest = 2537;  // [ms]
+  const auto seed = is_stated("RAYLOC_SEED") ? static_cast<unsigned>(stated("RAYLOC_SEED", 0))
+                                             : std::random_device{}();
+  std::printf("RAYLOC_SEED=%u\n", seed);
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> instants(200, kLatest);
+  const int kills = stated("RAYLOC_KILLS", 10);
+  std::vector<double> shortages;
+  for (int round = 0; round < kills && !HasFailure(); ++round) {
+    const std::chrono::milliseconds after(instants(random) * slower());
+    SCOPED_TRACE("seed " + std::to_string(seed) + ", kill " + std::to_string(round) + " after " +
+                 std::to_string(after.count()) + " ms");
+    shortages.push_back(kill_and_repair(after));
   }
   std::sort(shortages.begin(), shortages.end());
   const double median = shortages.at(shortages.size() / 2);
@@ -101,8 +115,10 @@ TEST(Recorder, IsKilledAtAnyInstantAndLosesOneBatchAtMost) {
               median,
               shortages.back());
   // Batches are of 100 ms: the median of what is missing is half of one, on a machine that runs
-  // what it should; a recorder that waits for a megabyte lacks some hundred.
-  EXPECT_LT(median, 150.0);
+  // what it should; a recorder that waits for a megabyte lacks some hundred. None lacks more than
+  // two, one that is collected and one that is on its way; among other tests the machine is busy.
+  EXPECT_LT(median, 150.0 * slower());
+  EXPECT_LE(shortages.back(), (is_stated("RAYLOC_KILLS") ? 200.0 : 1000.0) * slower());
 }
 
 // A small filesystem of its own; none where this process may not mount one.
