@@ -1,6 +1,7 @@
 // One recording by four ways into the daemon: a UDP port, the socket of rayloc-capture, a live
-// interface, the file itself. Each gives the same decoded frames and counts, and what the daemon
-// recorded replays to the locations that it published.
+// interface, the file itself. Each publishes the frames that the decoder alone makes of it, to the
+// byte, and counts what it counts; and what the daemon recorded replays to the very bytes of the
+// locations that it published.
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -10,42 +11,28 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdlib>
-#include <cstring>
-#include <fstream>
-#include <iterator>
+#include <map>
+#include <memory>
 
 #include <gmock/gmock.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+#include <google/protobuf/util/delimited_message_util.h>
 #include <gtest/gtest.h>
 
+#include "daemon/publish/topic.h"
+#include "rayloc/v1/location.pb.h"
+#include "tests/e2e/decoded_recording.h"
+#include "tests/e2e/listener.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/e2e/stated.h"
 #include "tests/e2e/unit_filters.h"
 
 namespace rayloc::e2e {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
-constexpr std::size_t kDatagrams = 120;
 // Seconds instead of tens of them, and still no burst runs into the next.
-const char* const kSpeed = "8";
-
-// The first datagrams of a bundled recording, uncompressed.
-std::string cut_recording(const std::filesystem::path& folder) {
-  const std::filesystem::path whole = folder / "whole.pcap";
-  const std::string command =
-      "gzip -dc '" + bundled_recording("device_los", "ap2") + "' >'" + whole.string() + "'";
-  EXPECT_EQ(std::system(command.c_str()), 0);
-  const std::string bytes = read_text(whole);
-  std::size_t end = 24;  // of the file's header; each record has one of 16 bytes
-  for (std::size_t i = 0; i < kDatagrams && end + 16 <= bytes.size(); ++i) {
-    std::uint32_t length = 0;
-    std::memcpy(&length, bytes.data() + end + 8, sizeof length);
-    end += 16 + length;
-  }
-  std::filesystem::path cut = folder / "cut.pcap";
-  std::ofstream(cut) << bytes.substr(0, end);
-  return cut.string();
-}
+const double kSpeed = 8.0 / slower();
 
 // Owns the port that the access point sends to, where the daemon itself does not: else the kernel
 // would answer that it is closed.
@@ -67,29 +54,47 @@ class BoundPort {
   int fd_;
 };
 
-// Of a recording, by `rayloc frames`, one a line; without their times, and in an order of their
-// own: frames that wait for a time-out come out later than those that are known to be complete.
-std::vector<std::string> frames_of(const std::filesystem::path& folder, const std::string& file) {
-  Process frames(folder, "frames", "rayloc", {"frames", "ap2=" + file, "--json", "--values"});
-  EXPECT_EQ(frames.wait(kPatience), 0) << frames.errors();
-  std::vector<std::string> masked;
-  for (const std::string& line : read_lines(frames.out())) {
-    nlohmann::json frame = nlohmann::json::parse(line);
-    frame.erase("time");
-    masked.push_back(frame.dump());
+// What `rayloc replay` makes of the recording of ap2: v1::Location as bytes, of each topic in
+// order.
+std::map<std::string, std::vector<std::string>> replayed(const std::filesystem::path& folder,
+                                                         const std::filesystem::path& site,
+                                                         const std::string& recording) {
+  Process replay(
+      folder, "replay", "rayloc", {"replay", site.string(), "ap2=" + recording, "--format", "pb"});
+  EXPECT_EQ(replay.wait(kPatience), 0) << replay.errors();
+  LocationBytes locations;
+  const std::string bytes = read_text(replay.out());
+  google::protobuf::io::ArrayInputStream stream(bytes.data(), static_cast<int>(bytes.size()));
+  v1::Location location;
+  bool ended = false;
+  while (google::protobuf::util::ParseDelimitedFromZeroCopyStream(&location, &stream, &ended)) {
+    add(make_topic("location", "meeting_room", target_component(location.target())),
+        location,
+        locations);
+    location.Clear();
   }
-  std::sort(masked.begin(), masked.end());
-  return masked;
+  EXPECT_TRUE(ended) << "a message is cut off";
+  return locations;
 }
 
-// What `some` has and `others` has not, whatever the order.
-std::vector<std::string> only_in(std::vector<std::string> some, std::vector<std::string> others) {
-  std::sort(some.begin(), some.end());
-  std::sort(others.begin(), others.end());
-  std::vector<std::string> only;
-  std::set_difference(
-      some.begin(), some.end(), others.begin(), others.end(), std::back_inserter(only));
-  return only;
+std::string text_of(const std::string& bytes) {
+  v1::Location location;
+  location.ParseFromString(bytes);
+  return location.ShortDebugString().substr(0, 500);
+}
+
+void expect_same(const LocationBytes& published, const LocationBytes& replayed) {
+  ASSERT_EQ(published.size(), replayed.size()) << "topics";
+  for (const auto& [topic, messages] : published) {
+    ASSERT_EQ(replayed.count(topic), 1U) << topic;
+    const std::vector<std::string>& others = replayed.at(topic);
+    EXPECT_EQ(messages.size(), others.size()) << topic;
+    for (std::size_t i = 0; i < std::min(messages.size(), others.size()); ++i) {
+      ASSERT_TRUE(messages[i] == others[i])
+          << topic << " message " << i << "\npublished " << text_of(messages[i]) << "\nreplayed  "
+          << text_of(others[i]);
+    }
+  }
 }
 
 // Calibrated, so that what is published has positions.
@@ -103,24 +108,36 @@ class Sources : public ::testing::Test {
  protected:
   void SetUp() override {
     recording_ = cut_recording(folder_.path());
-    expected_ = frames_of(folder_.path(), recording_);
-    ASSERT_GT(expected_.size(), kDatagrams / 8);
+    expected_ = decode(recording_.file);
+    ASSERT_GT(expected_.frames.size(), recording_.datagrams / 8);
+    ASSERT_EQ(expected_.counters.at("duplicates"), 1U);
+    ASSERT_EQ(expected_.counters.at("late"), 1U);
+    ASSERT_GT(expected_.counters.at("frames_partial"), 0U);
+    ASSERT_EQ(expected_.counters.at("processed") + 1, recording_.datagrams) << "one is rejected";
   }
 
   LiveDaemonOptions options(const std::string& source) const {
     return {.site = site(),
             .access_points = {"ap2"},
             .more_configuration =
-                "[record]\ndirectory = \"" + (folder_.path() / "rec").string() + "\"\n",
-            .source = source};
+                "csi = true\n[record]\ndirectory = \"" + (folder_.path() / "rec").string() + "\"\n",
+            .source = source,
+            .subscriptions = {"v1/heartbeat/"}};
   }
 
   void send_recording(const LiveDaemon& daemon) const {
-    ASSERT_EQ(send(folder_.path(), "send", daemon, {recording_, "--speed", kSpeed}), 0);
+    ASSERT_EQ(send(folder_.path(),
+                   "send",
+                   daemon,
+                   {recording_.file.string(), "--speed", std::to_string(kSpeed)}),
+              0);
   }
 
-  static nlohmann::json counters(const LiveDaemon& daemon) {
-    return daemon.bodies("heartbeat").back().at("sources").at(0).at("counters");
+  // Waits for a daemon that says all that it publishes.
+  void listen(LiveDaemon& daemon) {
+    ASSERT_TRUE(daemon.ready()) << daemon.errors();
+    listener_ = std::make_unique<Listener>(daemon.endpoint());
+    ASSERT_TRUE(eventually(kPatience, [&] { return listener_->heard(); }));
   }
 
   // Waits for everything, ends the daemon, and compares.
@@ -129,34 +146,32 @@ class Sources : public ::testing::Test {
     // has for stopping is not published.
     EXPECT_TRUE(eventually(kPatience, [&] {
       const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();
-      return number(heartbeat.at("sources").at(0).at("counters").at("received")) >= kDatagrams &&
+      return number(heartbeat.at("sources").at(0).at("counters").at("received")) >=
+                 recording_.datagrams &&
              number(heartbeat.at("estimation").at("bursts_in_flight")) <= 1;
     })) << daemon.errors();
     ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
-    const nlohmann::json last = counters(daemon);
-    EXPECT_EQ(number(last.at("received")), kDatagrams) << last.dump();
-    EXPECT_EQ(number(last.at("processed")), kDatagrams) << last.dump();
-    EXPECT_EQ(number(last.at("kernel_drops")), 0U) << last.dump();
+    ASSERT_TRUE(listener_->wait_for_goodbye(kPatience)) << daemon.errors();
+    const nlohmann::json last = daemon.bodies("heartbeat").back();
+    EXPECT_EQ(counters_of(last.at("sources").at(0).at("counters")), expected_.counters);
+    EXPECT_TRUE(listener_->frames() == expected_.frames)
+        << listener_->frames().size() << " frames published, " << expected_.frames.size()
+        << " decoded";
 
     const std::string recorded = the_recording();
-    EXPECT_EQ(frames_of(folder_.path(), recorded), expected_);
-    Process replay(
-        folder_.path(), "replay", "rayloc", {"replay", site().string(), "ap2=" + recorded});
-    ASSERT_EQ(replay.wait(kPatience), 0) << replay.errors();
-    std::vector<std::string> published;
+    const Decoded again = decode(recorded);
+    EXPECT_TRUE(again.frames == expected_.frames) << again.frames.size() << " frames recorded";
+    EXPECT_EQ(again.counters, expected_.counters);
     std::size_t positions = 0;
-    for (const nlohmann::json& location : daemon.bodies("location")) {
-      published.push_back(location.dump());
-      positions += location.contains("position") ? 1U : 0U;
+    for (const auto& [topic, messages] : listener_->locations()) {
+      positions += static_cast<std::size_t>(
+          std::count_if(messages.begin(), messages.end(), [](const std::string& bytes) {
+            v1::Location location;
+            return location.ParseFromString(bytes) && location.has_position();
+          }));
     }
-    std::vector<std::string> replayed;
-    for (const std::string& line : read_lines(replay.out())) {
-      replayed.push_back(nlohmann::json::parse(line).dump());
-    }
-    EXPECT_GT(positions, 1U) << published.size() << " locations";
-    EXPECT_THAT(only_in(published, replayed), ::testing::IsEmpty());
-    EXPECT_THAT(only_in(replayed, published), ::testing::IsEmpty())
-        << daemon.bodies("heartbeat").back().dump();
+    EXPECT_GT(positions, 1U) << last.dump();
+    expect_same(listener_->locations(), replayed(folder_.path(), site(), recorded));
   }
 
   std::string the_recording() const {
@@ -169,13 +184,14 @@ class Sources : public ::testing::Test {
   }
 
   const TemporaryFolder folder_;
-  std::string recording_;
-  std::vector<std::string> expected_;
+  CutRecording recording_;
+  Decoded expected_;
+  std::unique_ptr<Listener> listener_;
 };
 
 TEST_F(Sources, UdpPort) {
   LiveDaemon daemon(folder_.path(), options(""));
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_NO_FATAL_FAILURE(listen(daemon));
   send_recording(daemon);
   expect_everything(daemon);
 }
@@ -189,7 +205,7 @@ TEST_F(Sources, LiveInterface) {
   live.setting.wrapper = filters(folder_.path(), allowed_calls("raylocd.service"), "1,2,10,17,16");
   LiveDaemon daemon(folder_.path(), live);
   const BoundPort port(daemon.address(0));
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_NO_FATAL_FAILURE(listen(daemon));
   send_recording(daemon);
   expect_everything(daemon);
 }
@@ -199,7 +215,7 @@ TEST_F(Sources, SocketOfRaylocCapture) {
   const std::string path = (folder_.path() / "lo").string();
   LiveDaemon daemon(folder_.path(), options("kind = \"unix\"\npath = \"" + path + "\""));
   const BoundPort port(daemon.address(0));
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_NO_FATAL_FAILURE(listen(daemon));
   const char* const unit = "rayloc-capture@.service";
   ASSERT_THAT(unit_text(unit),
               ::testing::HasSubstr("RestrictAddressFamilies=AF_UNIX AF_PACKET AF_NETLINK\n"));
@@ -227,7 +243,9 @@ TEST_F(Sources, SocketOfRaylocCapture) {
   expect_everything(daemon);
   helper.signal(SIGTERM);
   EXPECT_EQ(helper.wait(kPatience), 0);
-  EXPECT_THAT(helper.errors(), ::testing::HasSubstr("120 captured, 120 sent"));
+  EXPECT_THAT(helper.errors(),
+              ::testing::HasSubstr(std::to_string(recording_.datagrams) + " captured, " +
+                                   std::to_string(recording_.datagrams) + " sent"));
 }
 
 // Through a pipe, so that the subscriber is there before the first frame.
@@ -235,12 +253,12 @@ TEST_F(Sources, File) {
   const std::string pipe = (folder_.path() / "pipe.pcap").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   const int end = open(pipe.c_str(), O_RDWR | O_CLOEXEC);
-  const std::string bytes = read_text(recording_);
+  const std::string bytes = read_text(recording_.file);
   constexpr std::size_t kHeader = 24;
   ASSERT_EQ(write(end, bytes.data(), kHeader), static_cast<ssize_t>(kHeader));
   LiveDaemon daemon(folder_.path(), options("kind = \"pcap\"\nfile = \"" + pipe + "\""));
   const BoundPort port(daemon.address(0));
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_NO_FATAL_FAILURE(listen(daemon));
   for (std::size_t at = kHeader; at < bytes.size();) {
     const ssize_t written = write(end, bytes.data() + at, bytes.size() - at);
     ASSERT_GT(written, 0);
