@@ -4,7 +4,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zmq.hpp>
 
+#include "daemon/publish/curve_client.h"
+#include "rayloc/v1/snapshot.pb.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
@@ -72,6 +75,66 @@ TEST(Curve, OnlyListedClientsReadWhatIsPublished) {
   EXPECT_THAT(metrics, HasSubstr("\nrayloc_publisher_clients_denied_total "));
   EXPECT_THAT(metrics, HasSubstr("\nrayloc_publisher_handshakes_failed_total "));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// As `keys_of`, for a client in this process.
+CurveClientKeys client_keys(const std::filesystem::path& folder, const std::string& name) {
+  return {read_curve_public(folder / "server.public").value(),
+          read_curve_secret(folder / name).value()};
+}
+
+// Topics of the snapshot that the daemon gives to a client with these keys; nothing when it does
+// not answer for so long.
+std::optional<int> topics_for(const LiveDaemon& daemon,
+                              const std::optional<CurveClientKeys>& keys,
+                              std::chrono::milliseconds patience) {
+  zmq::context_t context;
+  zmq::socket_t socket(context, zmq::socket_type::dealer);
+  socket.set(zmq::sockopt::linger, 0);
+  use_curve(keys, socket);
+  socket.set(zmq::sockopt::rcvtimeo, static_cast<int>(patience.count()));
+  socket.connect(daemon.snapshot());
+  v1::SnapshotRequest request;
+  request.add_prefixes("v1/");
+  socket.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::dontwait);
+  zmq::message_t answer;
+  if (!socket.recv(answer)) {
+    return std::nullopt;
+  }
+  v1::SnapshotReply reply;
+  EXPECT_TRUE(reply.ParseFromString(answer.to_string()));
+  return reply.topics_size();
+}
+
+TEST(Curve, OnlyListedClientsGetASnapshot) {
+  const TemporaryFolder folder;
+  make_keys(folder.path(), "server");
+  const std::string listed = make_keys(folder.path(), "listed");
+  make_keys(folder.path(), "stranger");
+  for (const char* const scheme : {"ipc", "tcp"}) {
+    const std::string tcp = "tcp://127.0.0.1:" + std::to_string(free_port(SOCK_STREAM));
+    LiveDaemonOptions options;
+    options.site = bundled("");
+    options.access_points = {"ap2"};
+    options.snapshot = scheme == std::string("tcp") ? tcp : "";
+    options.more_configuration =
+        "[curve]\nenabled = true\nsecret_file = \"server\"\nallow = [\"" + listed + "\"]\n";
+    options.subscriber_arguments = keys_of(folder.path(), "listed");
+    LiveDaemon daemon(folder.path(), options);
+    ASSERT_TRUE(daemon.ready()) << daemon.errors();
+    ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
+    constexpr std::chrono::milliseconds kSilence{1500};
+    EXPECT_EQ(topics_for(daemon, std::nullopt, kSilence), std::nullopt) << scheme;
+    EXPECT_EQ(topics_for(daemon, client_keys(folder.path(), "stranger"), kSilence), std::nullopt)
+        << scheme;
+    EXPECT_GE(topics_for(daemon, client_keys(folder.path(), "listed"), kPatience).value_or(0), 2)
+        << scheme;
+    EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+    const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();
+    EXPECT_EQ(number(heartbeat.at("snapshot_server").at("answered")), 1U);
+    EXPECT_GE(number(heartbeat.at("publisher").at("clients_denied")), 1U);
+    EXPECT_GE(number(heartbeat.at("publisher").at("handshakes_failed")), 2U);
+  }
 }
 
 TEST(Curve, ASecretThatEveryoneMayReadIsRefused) {

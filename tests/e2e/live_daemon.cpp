@@ -80,7 +80,8 @@ LiveDaemon::LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOpti
   }
   http_port_ = free_port(SOCK_STREAM);
   toml << "[http]\nlisten = \"127.0.0.1:" << http_port_ << "\"\n" << options.http_configuration;
-  snapshot_ = "ipc://" + (folder / "snapshot").string();
+  snapshot_ =
+      options.snapshot.empty() ? "ipc://" + (folder / "snapshot").string() : options.snapshot;
   toml << "[publish]\nsnapshot = \"" << snapshot_ << "\"\nendpoint = \"" << endpoint_ << "\"\n"
        << options.more_configuration;
   toml.close();

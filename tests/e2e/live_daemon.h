@@ -44,6 +44,7 @@ struct LiveDaemonOptions {
   // TOML of each [[source]] instead of a UDP port; PORT in it stands for the port that the access
   // point sends to, which ready() then wants to see bound by the test.
   std::string source = {};
+  std::string snapshot = {};  // endpoint; empty: a socket in the folder
   ProcessSetting setting = {};
   std::vector<std::string> subscriptions = {"v1/"};    // of the subscriber
   std::vector<std::string> subscriber_arguments = {};  // further ones of `rayloc sub`
