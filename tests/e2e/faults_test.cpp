@@ -1,6 +1,5 @@
 // What must not hurt a running raylocd: its clock being set, a source that falls silent, an
-// interface that is taken away, datagrams from where none may come, a second daemon on its ports,
-// subscribers by the hundred.
+// interface that is taken away, datagrams from where none may come, subscribers by the hundred.
 #include <unistd.h>
 
 #include <csignal>
@@ -190,46 +189,6 @@ TEST(Faults, AnInterfaceThatWentAwayIsCapturedAgainWhenItComesBack) {
   EXPECT_TRUE(becomes("SOURCE_STATUS_RECEIVING")) << state().dump() << daemon.errors();
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.wait(kPatience), 0) << daemon.errors();
-}
-
-TEST(Faults, ASecondDaemonOnAPortSaysSoAndTheFirstGoesOn) {
-  const TemporaryFolder folder;
-  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  // The same UDP port, then the same publish endpoint, then the same HTTP port.
-  const std::string own = "\n[[source]]\nkind = \"udp\"\naccess_point = \"ap2\"\nlisten = \"" +
-                          std::string("127.0.0.1:");
-  const auto second = [&](std::uint16_t udp, const std::string& publish, std::uint16_t http) {
-    const std::filesystem::path config = folder.path() / "second.toml";
-    std::ofstream(config) << "[site]\ndirectory = \"" << bundled("").string() << "\"" << own << udp
-                          << "\"\n[publish]\nendpoint = \"" << publish << "\"\nsnapshot = \"ipc://"
-                          << (folder.path() / "second").string()
-                          << "\"\n[http]\nlisten = \"127.0.0.1:" << http << "\"\n";
-    Process process(folder.path(), "second", "raylocd", {"--config", config.string()});
-    EXPECT_EQ(process.wait(kPatience), 69) << process.errors();
-    return process.errors();
-  };
-  const auto free_endpoint = [] {
-    return "tcp://127.0.0.1:" + std::to_string(free_port(SOCK_STREAM));
-  };
-  const std::string address = daemon.address(0);
-  const auto udp = static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
-  EXPECT_THAT(second(udp, free_endpoint(), free_port(SOCK_STREAM)),
-              HasSubstr("udp " + address + ": cannot listen here: Address already in use"));
-  EXPECT_THAT(second(free_port(SOCK_DGRAM), daemon.endpoint(), free_port(SOCK_STREAM)),
-              HasSubstr(daemon.endpoint()));
-  EXPECT_THAT(second(free_port(SOCK_DGRAM), free_endpoint(), daemon.http_port()),
-              HasSubstr(std::to_string(daemon.http_port())));
-  ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
-  // The last datagrams may still be in the socket.
-  EXPECT_TRUE(eventually(kPatience, [&] {
-    return number(json_at(daemon, "/api/v1/status")
-                      .at("sources")
-                      .at(0)
-                      .at("counters")
-                      .at("received")) == 2000U;
-  })) << daemon.errors();
-  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
 // Two network namespaces with two cables between them; gone with the test. The daemon's end of
