@@ -34,7 +34,7 @@ double CsiReader::latency_ms(double quantile, std::size_t count) const {
   }
   const auto nth = static_cast<std::ptrdiff_t>(quantile * static_cast<double>(newest.size() - 1));
   std::nth_element(newest.begin(), newest.begin() + nth, newest.end());
-  return newest[static_cast<std::size_t>(nth)];
+  return static_cast<double>(newest[static_cast<std::size_t>(nth)]);
 }
 
 void CsiReader::run() {

@@ -138,7 +138,8 @@ void print_xpub_alone(int high_water_mark) {
     delivered += reader.messages();
     lost += reader.lost();
   }
-  EXPECT_EQ(delivered + lost, kSubscribers * published) << "unaccounted";
+  const std::uint64_t due = kSubscribers * published;
+  EXPECT_EQ(delivered + lost, due) << "unaccounted";
   std::printf(
       "XPUB alone: %llu messages/s published to five, of queues of %d; %.0f/s delivered to all "
       "together in %.2f s, %llu of %llu lost because the publisher was faster\n",
@@ -146,8 +147,8 @@ void print_xpub_alone(int high_water_mark) {
       high_water_mark,
       static_cast<double>(delivered) / seconds,
       seconds,
-      static_cast<unsigned long long>(lost),                       // NOLINT(google-runtime-int)
-      static_cast<unsigned long long>(kSubscribers * published));  // NOLINT(google-runtime-int)
+      static_cast<unsigned long long>(lost),  // NOLINT(google-runtime-int)
+      static_cast<unsigned long long>(due));  // NOLINT(google-runtime-int)
 }
 
 }  // namespace rayloc::e2e

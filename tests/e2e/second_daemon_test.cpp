@@ -150,6 +150,7 @@ TEST_F(SecondDaemon, OnAPathSaysSoAndTheFirstKeepsIt) {
   ASSERT_NO_FATAL_FAILURE(start(places));
   const std::vector<std::string> paths = {path("csi"), path("publish"), path("snapshot")};
   std::vector<ino_t> before;
+  before.reserve(paths.size());
   for (const std::string& one : paths) {
     before.push_back(inode_of(one));
   }
