@@ -19,6 +19,12 @@ Expected<std::string> bind_socket(zmq::socket_t& socket,
   }
   try {
     const std::optional<int> fd = adopted_fd >= 0 ? adopted_fd : listen_on_tcp(endpoint);
+    if (!fd && is_tcp(endpoint)) {
+      return make_error(ErrorKind::kConfiguration,
+                        "endpoint \"" + endpoint +
+                            "\": the address must be numeric, and so must the port; write "
+                            "tcp://ADDRESS:PORT with an address that `ip address` lists");
+    }
     if (fd && *fd < 0) {
       return tl::make_unexpected(endpoint_error(endpoint, "bind", errno));
     }

@@ -49,6 +49,8 @@ Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind) {
   return {};
 }
 
+bool is_tcp(const std::string& endpoint) { return begins_with(endpoint, kTcp); }
+
 bool ipc_in_use(const std::string& endpoint) {
   if (!begins_with(endpoint, kIpc)) {
     return false;

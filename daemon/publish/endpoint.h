@@ -11,6 +11,9 @@ namespace rayloc {
 // Errors carry `kind`.
 Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind);
 
+// Whether it is a tcp:// one.
+bool is_tcp(const std::string& endpoint);
+
 // A program listens on this ipc:// endpoint. libzmq would delete its socket file and take its
 // place without a word. False of tcp://, where bind itself fails.
 bool ipc_in_use(const std::string& endpoint);

@@ -35,7 +35,8 @@ std::optional<Address> numeric_address(std::string_view host, std::uint16_t port
   if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
     host = host.substr(1, host.size() - 2);
   }
-  const std::string text(host);
+  // What resolves it may be another address, or nothing at all in a sandbox.
+  const std::string text(host == "localhost" ? "127.0.0.1" : host);
   Address address;
   sockaddr_in v4{};
   sockaddr_in6 v6{};

@@ -10,9 +10,9 @@
 
 namespace rayloc {
 
-// Of "tcp://ADDRESS:PORT" with a numeric address or "*", and a number or "*" as the port. Nothing
-// for other endpoints (ipc://, names of interfaces), which libzmq must bind; -1 with errno when the
-// address cannot be bound.
+// Of "tcp://ADDRESS:PORT" with a numeric address, "localhost" (127.0.0.1) or "*", and a number or
+// "*" as the port. Nothing for other endpoints: ipc://, which libzmq binds, and names of hosts and
+// interfaces, which it must not be given. -1 with errno when the address cannot be bound.
 std::optional<int> listen_on_tcp(const std::string& endpoint);
 
 }  // namespace rayloc

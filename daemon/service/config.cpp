@@ -296,6 +296,12 @@ void check_endpoint(const TomlTable& root,
                           "'; write tcp://ADDRESS:PORT or ipc://PATH, for example: " +
                           std::string(key) + " = \"tcp://127.0.0.1:5560\"");
       return;
+    case EndpointReach::kNamed:
+      table->error_at(key,
+                      name + " is '" + endpoint +
+                          "', and names of hosts and interfaces are not resolved; write the "
+                          "numeric address, which `ip address` lists, or * for every one");
+      return;
     case EndpointReach::kNetwork:
       if (!may_be_reached) {
         table->error_at(key,

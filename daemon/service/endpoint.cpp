@@ -24,6 +24,15 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& host) {
                                                          : std::nullopt;
 }
 
+// In brackets, as URLs have it, or without.
+bool is_ipv6(std::string_view host) {
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  }
+  in6_addr address{};
+  return inet_pton(AF_INET6, std::string(host).c_str(), &address) == 1;
+}
+
 }  // namespace
 
 bool is_loopback(const std::string& host) {
@@ -75,8 +84,12 @@ EndpointReach endpoint_reach(std::string_view endpoint) {
   if (port != "*" && parse_port(port).value_or(0) == 0) {  // "*": a free one
     return EndpointReach::kInvalid;
   }
-  return is_loopback(std::string(address.substr(0, colon))) ? EndpointReach::kLoopback
-                                                            : EndpointReach::kNetwork;
+  const std::string host(address.substr(0, colon));
+  if (is_loopback(host)) {
+    return EndpointReach::kLoopback;
+  }
+  return host == "*" || parse_ipv4(host) || is_ipv6(host) ? EndpointReach::kNetwork
+                                                          : EndpointReach::kNamed;
 }
 
 }  // namespace rayloc

@@ -17,7 +17,7 @@ struct ListenAddress {
 // on a name server.
 std::optional<ListenAddress> parse_listen(std::string_view text);
 
-// Whether an address of this machine reaches this machine only.
+// Whether an address of this machine, or "localhost", reaches this machine only.
 bool is_loopback(const std::string& host);
 
 // Whether two UDP sockets could not both be bound.
@@ -26,6 +26,7 @@ bool same_port(const ListenAddress& a, const ListenAddress& b);
 // Where a ZeroMQ endpoint that we bind can be reached from.
 enum class EndpointReach {
   kInvalid,   // neither tcp://HOST:PORT nor ipc://PATH
+  kNamed,     // of a host or an interface by its name, which nobody here resolves
   kLoopback,  // this machine only
   kNetwork,   // other machines as well
 };

@@ -200,6 +200,10 @@ void check_endpoint(const std::string& name,
   if (address.front() == '*') {
     address.replace(0, 1, "0.0.0.0");
   }
+  constexpr std::string_view kLocalhost = "localhost:";
+  if (address.rfind(kLocalhost, 0) == 0) {  // as listen_on_tcp() reads it
+    address.replace(0, kLocalhost.size(), "127.0.0.1:");
+  }
   findings.push_back(check_port(name, address, SOCK_STREAM, running));
 }
 

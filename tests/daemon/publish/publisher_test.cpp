@@ -230,6 +230,8 @@ TEST(Publisher, RefusesEndpointsThatItCannotUse) {
                                "tcp://:5560",
                                "tcp://127.0.0.1:",
                                "tcp://127.0.0.1:port",
+                               "tcp://lo:5560",
+                               "tcp://raylocd.example.org:5560",
                                "ipc://",
                                "inproc://x"}) {
     PublisherOptions options = on_loopback();
