@@ -1,7 +1,6 @@
 #include "capture/udp_source.h"
 
 #include <linux/sock_diag.h>
-#include <net/if.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -19,6 +18,7 @@
 
 #include "capture/event_clock.h"
 #include "capture/file_descriptor.h"
+#include "capture/interface_filter.h"
 #include "capture/poll_timeout.h"
 #include "capture/udp_address.h"
 
@@ -121,14 +121,14 @@ class UdpSource::Impl {
   Expected<std::size_t> receive();
   bool wait(Duration timeout) const;
   void take(mmsghdr& message, std::span<const std::byte> payload, DatagramBatch& batch);
-  const char* admit(mmsghdr& message, const Ancillary& ancillary, DatagramAddress& address) const;
+  const char* admit(mmsghdr& message, const Ancillary& ancillary, DatagramAddress& address);
   void count_drops(std::uint32_t total);
   void count_drops_of_idle_socket();
 
   const FileDescriptor fd_;
   const FileDescriptor wake_fd_;
   const std::string description_;
-  const unsigned interface_index_;  // 0: any
+  InterfaceFilter interface_;
   const std::vector<AddressRange> senders_;
   std::uint16_t port_ = 0;
   int receive_buffer_bytes_ = 0;
@@ -150,7 +150,7 @@ UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, const UdpSou
     : fd_(fd),
       wake_fd_(wake_fd),
       description_(std::move(description)),
-      interface_index_(options.interface.empty() ? 0 : if_nametoindex(options.interface.c_str())),
+      interface_(options.interface),
       senders_(options.senders) {
   for (std::size_t i = 0; i < kBatchDatagrams; ++i) {
     vectors_[i] = {.iov_base = buffer_.data() + i * kMaxDatagramBytes,
@@ -163,7 +163,7 @@ UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, const UdpSou
 }
 
 Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
-  if (!options.interface.empty() && interface_index_ == 0) {
+  if (!interface_.exists()) {
     return make_error(ErrorKind::kUnavailable,
                       description_ + ": there is no interface '" + options.interface +
                           "'; ip link lists what there is");
@@ -254,7 +254,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
 // The reason why the datagram is refused, or nullptr.
 const char* UdpSource::Impl::admit(mmsghdr& message,
                                    const Ancillary& ancillary,
-                                   DatagramAddress& address) const {
+                                   DatagramAddress& address) {
   sockaddr_storage name{};
   std::memcpy(&name, message.msg_hdr.msg_name, sizeof name);
   if (!read_sender(name, address)) {
@@ -265,8 +265,7 @@ const char* UdpSource::Impl::admit(mmsghdr& message,
   }
   address.destination_ip = ntohl(ancillary.arrival->ipi_addr.s_addr);
   address.destination_port = port_;
-  const auto index = static_cast<unsigned>(ancillary.arrival->ipi_ifindex);
-  if (interface_index_ != 0 && index != interface_index_) {
+  if (!interface_.admits(static_cast<unsigned>(ancillary.arrival->ipi_ifindex))) {
     return "interface_not_allowed";
   }
   const auto has_sender = [&](const AddressRange& range) {

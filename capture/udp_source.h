@@ -19,7 +19,7 @@ namespace rayloc {
 
 struct UdpSourceOptions {
   std::string address = "0.0.0.0:5500";    // HOST:PORT; port 0 takes a free one
-  std::string interface = {};              // only what arrives on this one, when not empty
+  std::string interface = {};              // InterfaceFilter: only what arrives there; empty: all
   std::vector<AddressRange> senders = {};  // only what comes from these, when there are any
   // An open and bound UDP socket to take over (socket activation) instead of `address`.
   int adopted_fd = -1;
