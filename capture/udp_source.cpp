@@ -39,11 +39,43 @@ bool switch_on(int fd, int level, int option) {
   return setsockopt(fd, level, option, &on, sizeof on) == 0;
 }
 
-// SO_RCVBUFFORCE needs CAP_NET_ADMIN; SO_RCVBUF is cut to net.core.rmem_max.
-void enlarge_receive_buffer(int fd, int bytes) {
-  if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0) {
+// Of what was asked for: the kernel doubles it, socket(7).
+int receive_buffer(int fd) {
+  int bytes = 0;
+  socklen_t size = sizeof bytes;
+  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, &size);
+  return bytes / 2;
+}
+
+// What SO_RCVBUF gives when it is asked for so much: it is cut to net.core.rmem_max, which a
+// sandbox hides, so it is tried.
+int granted_receive_buffer(int bytes) {
+  const FileDescriptor trial(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+  setsockopt(trial.get(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+  return receive_buffer(trial.get());
+}
+
+// SO_RCVBUFFORCE needs CAP_NET_ADMIN. Without it a buffer that systemd (ReceiveBuffer=) made larger
+// than we may would become smaller.
+void set_receive_buffer(int fd, int bytes, bool adopted) {
+  if (adopted && receive_buffer(fd) >= bytes) {
+    return;
+  }
+  if (setsockopt(fd, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof bytes) != 0 &&
+      (!adopted || receive_buffer(fd) < granted_receive_buffer(bytes))) {
     setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
   }
+}
+
+// How many datagrams the socket has lost since it was opened, modulo 2^32; nothing where the kernel
+// does not say.
+std::optional<std::uint32_t> dropped_datagrams(int fd) {
+  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
+  socklen_t size = sizeof memory;
+  return getsockopt(fd, SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
+                 size > SK_MEMINFO_DROPS * sizeof(std::uint32_t)
+             ? std::optional(memory[SK_MEMINFO_DROPS])
+             : std::nullopt;
 }
 
 // What the kernel says about one datagram besides its bytes.
@@ -116,6 +148,7 @@ class UdpSource::Impl {
   void wake() const { eventfd_write(wake_fd_.get(), 1); }
   std::uint16_t port() const { return port_; }
   int receive_buffer_bytes() const { return receive_buffer_bytes_; }
+  std::uint32_t dropped_before() const { return dropped_before_; }
 
  private:
   Expected<std::size_t> receive();
@@ -132,6 +165,7 @@ class UdpSource::Impl {
   const std::vector<AddressRange> senders_;
   std::uint16_t port_ = 0;
   int receive_buffer_bytes_ = 0;
+  std::uint32_t dropped_before_ = 0;
 
   EventClock clock_;
   std::vector<std::byte> buffer_ = std::vector<std::byte>(kBatchDatagrams * kMaxDatagramBytes);
@@ -173,12 +207,15 @@ Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
       !switch_on(fd_.get(), IPPROTO_IP, IP_PKTINFO)) {
     return unavailable(description_ + ": the socket cannot be set up");
   }
-  enlarge_receive_buffer(fd_.get(), options.receive_buffer_bytes);
-  socklen_t size = sizeof receive_buffer_bytes_;
-  getsockopt(fd_.get(), SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes_, &size);
-  receive_buffer_bytes_ /= 2;  // socket(7): the kernel doubles what is asked for
+  const bool adopted = options.adopted_fd >= 0;
+  set_receive_buffer(fd_.get(), options.receive_buffer_bytes, adopted);
+  receive_buffer_bytes_ = receive_buffer(fd_.get());
+  if (adopted) {
+    dropped_before_ = dropped_datagrams(fd_.get()).value_or(0);
+    last_drops_ = dropped_before_;
+  }
   sockaddr_storage bound{};
-  size = sizeof bound;
+  socklen_t size = sizeof bound;
   // sockaddr is the type of the interface; what lies behind it is told by the family.
   if (getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&bound), &size) != 0) {
     return unavailable(description_ + ": the socket has no address");
@@ -309,11 +346,8 @@ void UdpSource::Impl::count_drops(std::uint32_t total) {
 
 // SO_RXQ_OVFL tells of drops with the next datagram that fits; after the last one nothing would.
 void UdpSource::Impl::count_drops_of_idle_socket() {
-  std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
-  socklen_t size = sizeof memory;
-  if (getsockopt(fd_.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0 &&
-      size > SK_MEMINFO_DROPS * sizeof(std::uint32_t)) {
-    count_drops(memory[SK_MEMINFO_DROPS]);
+  if (const std::optional<std::uint32_t> dropped = dropped_datagrams(fd_.get())) {
+    count_drops(*dropped);
   }
 }
 
@@ -355,5 +389,6 @@ std::string UdpSource::description() const { return impl_->description(); }
 void UdpSource::wake() { impl_->wake(); }
 std::uint16_t UdpSource::port() const { return impl_->port(); }
 int UdpSource::receive_buffer_bytes() const { return impl_->receive_buffer_bytes(); }
+std::uint32_t UdpSource::dropped_before() const { return impl_->dropped_before(); }
 
 }  // namespace rayloc

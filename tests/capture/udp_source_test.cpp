@@ -224,6 +224,61 @@ TEST(UdpSource, CountsEveryDatagramThatTheKernelDrops) {
   EXPECT_EQ(counters.received + counters.kernel_drops, kSent);
 }
 
+// As systemd passes it, bound to 127.0.0.1; its port in `port`.
+int bound_socket(std::uint16_t& port) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  EXPECT_EQ(bind(fd, reinterpret_cast<const sockaddr*>(&address), size), 0);
+  EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  port = ntohs(address.sin_port);
+  return fd;
+}
+
+// The socket outlives the daemons that read it, and the kernel counts from its beginning.
+TEST(UdpSource, DoesNotCountWhatAnAdoptedSocketLostBefore) {
+  std::uint16_t port = 0;
+  const int fd = bound_socket(port);
+  const int smallest = 1;
+  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &smallest, sizeof smallest);
+  const Sender sender(port);
+  constexpr std::uint64_t kBefore = 50;
+  for (std::uint64_t i = 0; i < kBefore; ++i) {
+    sender.send(std::string(300, 'x'));
+  }
+  auto source = UdpSource::open({.adopted_fd = fd, .receive_buffer_bytes = smallest});
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_GT((*source)->dropped_before(), 0U);
+  DatagramBatch batch;
+  ASSERT_TRUE((*source)->read(batch, kLong));
+  EXPECT_EQ(batch.datagrams.size() + (*source)->dropped_before(), kBefore);
+  EXPECT_EQ((*source)->counters().kernel_drops, 0U);
+  constexpr std::uint64_t kAfter = 70;
+  for (std::uint64_t i = 0; i < kAfter; ++i) {
+    sender.send(std::string(300, 'x'));
+  }
+  const std::uint64_t received_before = (*source)->counters().received;
+  do {
+    ASSERT_TRUE((*source)->read(batch, kNoWait));
+  } while (!batch.datagrams.empty());
+  const SourceCounters counters = (*source)->counters();
+  EXPECT_GT(counters.kernel_drops, 0U);
+  EXPECT_EQ(counters.received - received_before + counters.kernel_drops, kAfter);
+}
+
+// systemd may enlarge it (ReceiveBuffer=), a daemon without CAP_NET_ADMIN may not.
+TEST(UdpSource, LeavesAnAdoptedSocketItsLargerBuffer) {
+  std::uint16_t port = 0;
+  const int fd = bound_socket(port);
+  const int bytes = 100'000;
+  ASSERT_EQ(setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes), 0);
+  const auto source = UdpSource::open({.adopted_fd = fd, .receive_buffer_bytes = 5000});
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_EQ((*source)->receive_buffer_bytes(), bytes);
+}
+
 TEST(UdpSource, IsWokenFromAnotherThread) {
   const auto source = open_source();
   std::thread waker([&source] { source->wake(); });
