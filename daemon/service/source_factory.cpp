@@ -16,6 +16,7 @@
 #include "capture/udp_source.h"
 #include "capture/unix_source.h"
 #include "daemon/pipeline/playback_source.h"
+#include "daemon/service/log.h"
 #include "daemon/site/receiver_options.h"
 
 namespace rayloc {
@@ -59,6 +60,26 @@ Error placed(const SourceConfig& source, Error error) {
   return error;
 }
 
+// What may be lost there, and what was lost before.
+void log_buffer(const UdpSource& opened, const UdpSourceOptions& options, const std::string& name) {
+  const std::vector<LogField> fields = {{"source", name}};
+  if (const int granted = opened.receive_buffer_bytes(); granted < options.receive_buffer_bytes) {
+    const std::string wanted = std::to_string(options.receive_buffer_bytes);
+    log_event({LogLevel::kWarning,
+               "source " + name + ": the kernel grants a receive buffer of " +
+                   std::to_string(granted) + " bytes instead of " + wanted +
+                   ", and bursts of datagrams may be lost; sysctl -w net.core.rmem_max=" + wanted +
+                   ", then restart",
+               fields});
+  }
+  if (const std::uint32_t before = opened.dropped_before(); before > 0) {
+    log_event({LogLevel::kInfo,
+               "source " + name + ": its socket lost " + std::to_string(before) +
+                   " datagrams before it was taken over; they are not counted here",
+               fields});
+  }
+}
+
 // `passed_socket`: to be taken over; -1 for none.
 Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source, int passed_socket) {
   switch (source.kind) {
@@ -74,7 +95,11 @@ Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source, 
         }
         options.senders.push_back(*range);
       }
-      return as_datagram_source(UdpSource::open(options));
+      auto opened = UdpSource::open(options);
+      if (opened) {
+        log_buffer(**opened, options, source.access_point);
+      }
+      return as_datagram_source(std::move(opened));
     }
     case SourceKind::kInterface: {
       PcapLiveOptions options;
