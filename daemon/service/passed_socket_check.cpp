@@ -138,6 +138,15 @@ SocketDemand source_demand(const SourceConfig& source) {
   return demand;
 }
 
+// The daemon then has no interfaces of its own (PrivateNetwork=) to find the name among.
+tl::unexpected<Error> only_interface_error(const SourceConfig& source, const std::string& unit) {
+  return make_error(ErrorKind::kConfiguration,
+                    source.place +
+                        "'only_interface' does not go with a socket that systemd passes (" + unit +
+                        "); leave it out, and write BindToDevice=" + source.only_interface +
+                        " in [Socket] of that unit");
+}
+
 }  // namespace
 
 bool takes_socket(const SourceConfig& source) {
@@ -168,9 +177,15 @@ Expected<void> check_passed_sockets(const PassedSockets& sockets, const DaemonCo
     demands["http"] = http_demand(config.http);
   }
   for (const SourceConfig& source : config.sources) {
-    if (takes_socket(source)) {
-      demands["source-" + source.access_point] = source_demand(source);
+    if (!takes_socket(source)) {
+      continue;
     }
+    const SocketDemand demand = source_demand(source);
+    const std::string name = "source-" + source.access_point;
+    if (sockets.find(name) && !source.only_interface.empty()) {
+      return only_interface_error(source, demand.unit);
+    }
+    demands[name] = demand;
   }
   for (const auto& [name, demand] : demands) {
     const std::optional<int> fd = sockets.find(name);
