@@ -14,9 +14,11 @@
 #define SD_JOURNAL_SUPPRESS_LOCATION
 #include <systemd/sd-journal.h>
 
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/sinks/systemd_sink.h>
 #include <spdlog/spdlog.h>
+
+#include "daemon/service/background_log.h"
 
 namespace rayloc {
 namespace {
@@ -46,33 +48,36 @@ bool is_journal_stream(int fd) {
          stream == std::to_string(status.st_dev) + ":" + std::to_string(status.st_ino);
 }
 
-bool to_journal() {
-  static const bool kConnected = is_journal_stream(STDERR_FILENO);
-  return kConnected;
-}
-
 // As syslog(3) counts them.
-const char* priority(LogLevel level) {
+const char* priority(spdlog::level::level_enum level) {
   switch (level) {
-    case LogLevel::kTrace:
-    case LogLevel::kDebug:
+    case spdlog::level::trace:
+    case spdlog::level::debug:
       return "7";
-    case LogLevel::kInfo:
-      return "6";
-    case LogLevel::kWarning:
+    case spdlog::level::warn:
       return "4";
-    case LogLevel::kError:
+    case spdlog::level::err:
       return "3";
+    case spdlog::level::critical:
+      return "2";
+    default:
+      return "6";
   }
-  return "6";
 }
 
-// False when the journal is away.
-bool send_to_journal(const LogEvent& event) {
-  std::vector<std::string> entries = {"MESSAGE=" + event.message,
-                                      std::string("PRIORITY=") + priority(event.level),
+std::string line_of(const LogEntry& entry) {
+  std::string line = entry.message;
+  for (const LogField& field : entry.fields) {
+    line += " " + field.name + "=" + field.value;
+  }
+  return line;
+}
+
+void write_to_journal(const LogEntry& entry) {
+  std::vector<std::string> entries = {"MESSAGE=" + entry.message,
+                                      std::string("PRIORITY=") + priority(entry.level),
                                       "SYSLOG_IDENTIFIER=raylocd"};
-  for (const LogField& field : event.fields) {
+  for (const LogField& field : entry.fields) {
     std::string name = "RAYLOC_";
     for (const char c : field.name) {
       name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
@@ -81,44 +86,78 @@ bool send_to_journal(const LogEvent& event) {
   }
   std::vector<iovec> parts;
   parts.reserve(entries.size());
-  for (std::string& entry : entries) {
-    parts.push_back({entry.data(), entry.size()});
+  for (std::string& part : entries) {
+    parts.push_back({part.data(), part.size()});
   }
-  return sd_journal_sendv(parts.data(), static_cast<int>(parts.size())) == 0;
+  // The journal may be away while it is restarted; its stream is kept for it by systemd.
+  if (sd_journal_sendv(parts.data(), static_cast<int>(parts.size())) != 0) {
+    std::fprintf(stderr, "%s\n", line_of(entry).c_str());
+  }
 }
 
-std::shared_ptr<spdlog::logger> journal_or_stderr() {
-  if (to_journal()) {
-    auto sink = std::make_shared<spdlog::sinks::systemd_sink_mt>("raylocd");
-    return std::make_shared<spdlog::logger>("raylocd", std::move(sink));
+BackgroundLog::Write to_stderr() {
+  const auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_st>();
+  sink->set_formatter(std::make_unique<spdlog::pattern_formatter>("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v",
+                                                                  spdlog::pattern_time_type::utc));
+  return [sink](const LogEntry& entry) {
+    const std::string line = line_of(entry);
+    sink->log(spdlog::details::log_msg(entry.time, {}, "raylocd", entry.level, line));
+  };
+}
+
+// Where everything that spdlog is told goes into the background.
+class BackgroundSink final : public spdlog::sinks::sink {
+ public:
+  explicit BackgroundSink(BackgroundLog::Write write) : log_(std::move(write)) {}
+
+  void log(const spdlog::details::log_msg& message) override {
+    log_.put({message.level, message.time, {message.payload.data(), message.payload.size()}});
   }
-  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
-  auto logger = std::make_shared<spdlog::logger>("raylocd", std::move(sink));
-  logger->set_pattern("%Y-%m-%dT%H:%M:%S.%eZ %^%l%$ %v", spdlog::pattern_time_type::utc);
-  return logger;
+  void flush() override { log_.flush(); }
+  void set_pattern(const std::string& /*pattern*/) override {}
+  void set_formatter(std::unique_ptr<spdlog::formatter> /*formatter*/) override {}
+
+  BackgroundLog& background() { return log_; }
+
+ private:
+  BackgroundLog log_;
+};
+
+// Null before set_up_log().
+BackgroundLog* background_log() {
+  for (const spdlog::sink_ptr& sink : spdlog::default_logger_raw()->sinks()) {
+    if (auto* const background = dynamic_cast<BackgroundSink*>(sink.get()); background != nullptr) {
+      return &background->background();
+    }
+  }
+  return nullptr;
 }
 
 }  // namespace
 
 void set_up_log(const LogConfig& config) {
-  std::shared_ptr<spdlog::logger> logger = journal_or_stderr();
-  // The journal may be away while it is restarted: no reason to end.
-  logger->set_error_handler(
-      [](const std::string& why) { std::fprintf(stderr, "raylocd: log: %s\n", why.c_str()); });
-  spdlog::set_default_logger(std::move(logger));
+  auto sink = std::make_shared<BackgroundSink>(
+      is_journal_stream(STDERR_FILENO) ? BackgroundLog::Write(write_to_journal) : to_stderr());
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>("raylocd", std::move(sink)));
   set_log_level(config);
 }
 
 void log_event(const LogEvent& event) {
   const spdlog::level::level_enum level = spdlog_level(event.level);
-  if (!spdlog::should_log(level) || (to_journal() && send_to_journal(event))) {
+  if (!spdlog::should_log(level)) {
     return;
   }
-  std::string line = event.message;
-  for (const LogField& field : event.fields) {
-    line += " " + field.name + "=" + field.value;
+  LogEntry entry{level, std::chrono::system_clock::now(), event.message, event.fields};
+  if (BackgroundLog* const background = background_log(); background != nullptr) {
+    background->put(std::move(entry));
+  } else {
+    spdlog::log(level, "{}", line_of(entry));
   }
-  spdlog::log(level, "{}", line);
+}
+
+std::uint64_t log_entries_dropped() {
+  const BackgroundLog* const background = background_log();
+  return background != nullptr ? background->dropped() : 0;
 }
 
 void set_log_level(const LogConfig& config) {

@@ -1,7 +1,9 @@
 // The log of raylocd: to the journal with its levels and fields where standard error is the
-// journal's, else to standard error, a line each, with time (UTC) and level.
+// journal's, else to standard error, a line each, with time (UTC) and level. It is written in the
+// background (background_log.h): spdlog's flush() waits for that, a second at most.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -26,5 +28,8 @@ struct LogEvent {
   std::vector<LogField> fields = {};
 };
 void log_event(const LogEvent& event);
+
+// What nobody will read, because it was not taken in time.
+std::uint64_t log_entries_dropped();
 
 }  // namespace rayloc

@@ -28,6 +28,8 @@ void LossWatch::look_at(const v1::SourceReport& source) {
   compare({"ring_dropped", "datagrams dropped", name}, counters.ring_dropped());
   compare({"frames_dropped", "frames dropped: estimates take longer than frames to come", name},
           counters.frames_dropped());
+  compare({"clock_steps", "the clock of this machine was set; tracks are not affected", name},
+          counters.clock_steps());
   compare({"failures", "it could not be read any more, and is opened again", name},
           counters.failures());
   for (const auto& [reason, count] : counters.rejected()) {
@@ -47,8 +49,19 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
           heartbeat.recorder().dropped());
   compare({"slow_episodes", "a subscriber reads too slowly and loses messages"},
           heartbeat.publisher().slow_episodes());
+  compare({"csi_dropped", "frames of CSI not published: the publisher did not keep up"},
+          heartbeat.publisher().csi_dropped());
   compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},
           heartbeat.publisher().handshakes_failed());
+  compare({"snapshots_dropped", "answers to late subscribers that these did not fetch"},
+          heartbeat.snapshot_server().dropped());
+  compare({"snapshot_files_failed", "what was received lately could not be written"},
+          heartbeat.ring_snapshots().failed());
+}
+
+void LossWatch::look_at_log(std::uint64_t dropped) {
+  compare({"log_dropped", "messages of this log lost: journal or terminal did not take them"},
+          dropped);
 }
 
 }  // namespace rayloc

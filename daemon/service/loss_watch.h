@@ -18,6 +18,8 @@ class LossWatch {
 
   // To be called every second or so with the counters as they are.
   void look(const v1::Heartbeat& heartbeat);
+  // The same of the log itself.
+  void look_at_log(std::uint64_t dropped);
 
  private:
   struct Loss {

@@ -74,6 +74,7 @@ Expected<void> serve(const std::string& file) {
   }
   watch.reset();
   spdlog::info("ready: publishing at {}", service.endpoint());
+  spdlog::default_logger()->flush();  // who waits for it looks there next
   manager.ready();
   const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);
   manager.stopping();
@@ -100,6 +101,7 @@ int run(int argc, const char* const* argv) {
   }
   const Expected<void> served = serve(file);
   if (!served) {
+    spdlog::default_logger()->flush();
     // Errors of a configuration begin with file:line:column, one a line, as editors read them.
     const bool placed = served.error().kind == ErrorKind::kConfiguration;
     std::fprintf(stderr, "%s%s\n", placed ? "" : "raylocd: ", served.error().message.c_str());

@@ -143,6 +143,7 @@ void RunLoop::reload() {
     }
   }
   service_.note_reload(reload.has_value(), &reloader_.values());
+  spdlog::default_logger()->flush();  // who waits for the reload looks there next
   manager_.ready();
 }
 

@@ -12,6 +12,7 @@
 #include "daemon/pipeline/recording_folder.h"
 #include "daemon/pipeline/system_now.h"
 #include "daemon/service/curve_access.h"
+#include "daemon/service/log.h"
 #include "daemon/service/passed_socket_check.h"
 #include "daemon/service/privacy.h"
 #include "daemon/service/secrets.h"
@@ -430,7 +431,9 @@ std::vector<std::string> Service::new_warnings() {
 }
 
 void Service::log_losses() {
-  losses_.look(status_messages(status_, system_now()).heartbeat);
+  const v1::Heartbeat heartbeat = status_messages(status_, system_now()).heartbeat;
+  losses_.look(heartbeat);
+  losses_.look_at_log(log_entries_dropped());
   limited_log_->flush();
 }
 

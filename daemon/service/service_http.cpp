@@ -6,6 +6,7 @@
 
 #include "daemon/pipeline/system_now.h"
 #include "daemon/service/background_text.h"
+#include "daemon/service/log.h"
 #include "daemon/service/map_channel.h"
 #include "daemon/service/map_events.h"
 #include "daemon/service/map_geometry.h"
@@ -13,6 +14,42 @@
 #include "daemon/service/service.h"
 
 namespace rayloc {
+namespace {
+
+std::vector<ExtraMetric> http_metrics(const HttpCounters& http) {
+  std::vector<ExtraMetric> metrics;
+  ExtraMetric requests{"rayloc_http_requests_total", "Answers over HTTP by status", true, {}};
+  for (const auto& [status, count] : http.requests) {
+    requests.samples.push_back({"status", std::to_string(status), static_cast<double>(count)});
+  }
+  metrics.push_back(std::move(requests));
+  metrics.push_back({"rayloc_http_closed_total",
+                     "HTTP connections closed by us before their answer was fetched",
+                     true,
+                     {{"reason", "slow", static_cast<double>(http.timed_out)},
+                      {"reason", "displaced", static_cast<double>(http.displaced)}}});
+  metrics.push_back({"rayloc_http_viewers",
+                     "Open streams of events",
+                     false,
+                     {{"", "", static_cast<double>(http.viewers)}}});
+  metrics.push_back({"rayloc_http_viewers_ended_total",
+                     "Streams of events that ended or were refused",
+                     true,
+                     {{"reason", "left", static_cast<double>(http.viewers_left)},
+                      {"reason", "stuck", static_cast<double>(http.viewers_stuck)},
+                      {"reason", "refused", static_cast<double>(http.viewers_refused)}}});
+  metrics.push_back({"rayloc_http_events_total",
+                     "Events given to viewers, all together",
+                     true,
+                     {{"", "", static_cast<double>(http.events)}}});
+  metrics.push_back({"rayloc_http_messages_coalesced_total",
+                     "Messages that newer ones replaced before a viewer was asked, all together",
+                     true,
+                     {{"", "", static_cast<double>(http.messages_coalesced)}}});
+  return metrics;
+}
+
+}  // namespace
 
 Expected<void> Service::open_http(PassedSockets& sockets) {
   const HttpConfig& config = setup_.config.http;
@@ -109,36 +146,7 @@ ServiceHealth Service::health() const {
 }
 
 std::vector<ExtraMetric> Service::extra_metrics() const {
-  std::vector<ExtraMetric> metrics;
-  ExtraMetric requests{"rayloc_http_requests_total", "Answers over HTTP by status", true, {}};
-  const HttpCounters http = http_->counters();
-  for (const auto& [status, count] : http.requests) {
-    requests.samples.push_back({"status", std::to_string(status), static_cast<double>(count)});
-  }
-  metrics.push_back(std::move(requests));
-  metrics.push_back({"rayloc_http_closed_total",
-                     "HTTP connections closed by us before their answer was fetched",
-                     true,
-                     {{"reason", "slow", static_cast<double>(http.timed_out)},
-                      {"reason", "displaced", static_cast<double>(http.displaced)}}});
-  metrics.push_back({"rayloc_http_viewers",
-                     "Open streams of events",
-                     false,
-                     {{"", "", static_cast<double>(http.viewers)}}});
-  metrics.push_back({"rayloc_http_viewers_ended_total",
-                     "Streams of events that ended or were refused",
-                     true,
-                     {{"reason", "left", static_cast<double>(http.viewers_left)},
-                      {"reason", "stuck", static_cast<double>(http.viewers_stuck)},
-                      {"reason", "refused", static_cast<double>(http.viewers_refused)}}});
-  metrics.push_back({"rayloc_http_events_total",
-                     "Events given to viewers, all together",
-                     true,
-                     {{"", "", static_cast<double>(http.events)}}});
-  metrics.push_back({"rayloc_http_messages_coalesced_total",
-                     "Messages that newer ones replaced before a viewer was asked, all together",
-                     true,
-                     {{"", "", static_cast<double>(http.messages_coalesced)}}});
+  std::vector<ExtraMetric> metrics = http_metrics(http_->counters());
   const SnapshotCounters snapshots = snapshots_->counters();
   metrics.push_back({"rayloc_snapshot_requests_total",
                      "Requests of late subscribers by what became of them",
@@ -153,6 +161,10 @@ std::vector<ExtraMetric> Service::extra_metrics() const {
                      true,
                      {{"result", "written", static_cast<double>(rings.files)},
                       {"result", "failed", static_cast<double>(rings.failed)}}});
+  metrics.push_back({"rayloc_log_dropped_total",
+                     "Messages of the log that gave way to newer ones: nobody took them",
+                     true,
+                     {{"", "", static_cast<double>(log_entries_dropped())}}});
   const std::lock_guard lock(health_mutex_);
   metrics.push_back({"rayloc_config_last_reload_successful",
                      "0 when the last reload found the configuration wrong",

@@ -82,5 +82,37 @@ TEST(LossWatch, NamesTheSourceTheKindAndTheTotal) {
                           "source=ap1 total=3"));
 }
 
+// One line for the first of each, then silence for half a minute.
+TEST(LossWatch, KnowsEveryStage) {
+  Written written;
+  LossWatch watch(std::make_shared<LimitedLog>(written.write()));
+  v1::Heartbeat heartbeat;
+  heartbeat.add_sources()->set_access_point("ap1");
+  for (std::uint64_t count = 1; count < 4; ++count) {
+    v1::SourceCounters& source = *heartbeat.mutable_sources(0)->mutable_counters();
+    source.set_clock_steps(count);
+    source.set_frames_dropped(count);
+    heartbeat.mutable_publisher()->set_csi_dropped(count);
+    heartbeat.mutable_snapshot_server()->set_dropped(count);
+    heartbeat.mutable_ring_snapshots()->set_failed(count);
+    heartbeat.mutable_recorder()->set_dropped(count);
+    watch.look(heartbeat);
+    watch.look_at_log(count);
+  }
+  std::vector<std::string> kinds;
+  for (const std::string& line : written.lines) {
+    const std::size_t kind = line.find("loss=") + 5;
+    kinds.push_back(line.substr(kind, line.find(' ', kind) - kind));
+  }
+  EXPECT_THAT(kinds,
+              ::testing::UnorderedElementsAre("clock_steps",
+                                              "frames_dropped",
+                                              "csi_dropped",
+                                              "snapshots_dropped",
+                                              "snapshot_files_failed",
+                                              "recorder_dropped",
+                                              "log_dropped"));
+}
+
 }  // namespace
 }  // namespace rayloc
