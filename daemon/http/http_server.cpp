@@ -78,7 +78,8 @@ class HttpServer::Impl {
       : limits_(options.limits),
         listener_(listener),
         wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-        handler_(std::move(routes), options.token) {
+        handler_(std::move(routes), options.token),
+        on_round_(options.on_round) {
     fcntl(listener, F_SETFL, fcntl(listener, F_GETFL) | O_NONBLOCK);
     sockaddr_in bound{};
     socklen_t size = sizeof bound;
@@ -126,6 +127,7 @@ class HttpServer::Impl {
   const FileDescriptor listener_;
   const FileDescriptor wake_;
   RequestHandler handler_;
+  const std::function<void()> on_round_;
   std::uint16_t port_ = 0;
   std::list<Connection> connections_;  // oldest first; of the thread
   mutable std::mutex mutex_;
@@ -134,7 +136,11 @@ class HttpServer::Impl {
 };
 
 void HttpServer::Impl::run() {
+  constexpr int kIdleMs = 200;
   while (true) {
+    if (on_round_) {
+      on_round_();
+    }
     std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}, {listener_.get(), POLLIN, 0}};
     for (const Connection& connection : connections_) {
       const int reading = connection.events || !connection.writing() ? POLLIN : 0;
@@ -142,7 +148,7 @@ void HttpServer::Impl::run() {
       waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
     }
     // Deadlines and viewers are looked at ten times a second while there are connections.
-    poll(waiting.data(), waiting.size(), connections_.empty() ? -1 : 100);
+    poll(waiting.data(), waiting.size(), connections_.empty() ? kIdleMs : 100);
     if (waiting[0].revents != 0) {
       return;
     }

@@ -76,6 +76,8 @@ class HttpServer {
     // user "rayloc" and TOKEN as the password.
     std::string token = {};
     HttpLimits limits = {};
+    // Called on the server's thread each time that its loop comes round, several times a second.
+    std::function<void()> on_round = {};
   };
 
   // `routes`: by path. kUnavailable when the address cannot be bound.

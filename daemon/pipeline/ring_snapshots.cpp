@@ -90,6 +90,8 @@ void RingSnapshots::set_limits(const Limits& limits) {
 }
 
 void RingSnapshots::run() {
+  progress_.beat();
+  progress_.rest();
   std::unique_lock lock(mutex_);
   while (!ending_ || !waiting_.empty()) {
     wake_.wait(lock, [this] { return ending_ || !waiting_.empty(); });

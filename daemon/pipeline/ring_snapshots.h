@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "daemon/pipeline/datagram_ring.h"
+#include "daemon/pipeline/stage_progress.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
@@ -52,6 +53,8 @@ class RingSnapshots {
   // Hold from the next file on.
   void set_limits(const Limits& limits);
 
+  // It rests even while it writes: a disk that does not answer costs a snapshot and nothing else.
+  const StageProgress& progress() const { return progress_; }
   RingSnapshotCounters counters() const;
   // What was written and what could not be, since the last call; a line each, for the log.
   std::vector<std::string> news();
@@ -67,6 +70,7 @@ class RingSnapshots {
 
   const std::vector<Source> sources_;
   const std::filesystem::path folder_;
+  StageProgress progress_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   Limits limits_;                  // guarded by mutex_

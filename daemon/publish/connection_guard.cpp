@@ -106,6 +106,9 @@ class ConnectionGuard::Impl {
   void run() {
     std::vector<zmq::socket_t> monitors;
     while (true) {
+      if (options_.on_round) {
+        options_.on_round();
+      }
       {
         const std::lock_guard lock(mutex_);
         for (zmq::socket_t& monitor : added_) {

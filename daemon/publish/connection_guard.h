@@ -38,6 +38,8 @@ class ConnectionGuard {
     std::vector<std::string> allow = {};  // public keys
     // Called on the guard's thread for every denial; must not block.
     std::function<void(const std::string& public_key, const std::string& address)> on_denied = {};
+    // Called there each time that its loop comes round, several times a second.
+    std::function<void()> on_round = {};
   };
 
   explicit ConnectionGuard(Options options);

@@ -74,6 +74,9 @@ class SnapshotServer::Impl {
  private:
   void run() {
     while (!stopping_) {
+      if (options_.on_round) {
+        options_.on_round();
+      }
       try {
         if (Frames frames = receive(); !frames.empty()) {
           answer(std::move(frames));

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,8 @@ class SnapshotServer {
     std::shared_ptr<const LastMessages> last;
     // Who may ask; null: everyone who can reach the endpoint.
     std::shared_ptr<ConnectionGuard> guard = nullptr;
+    // Called on the server's thread each time that its loop comes round, several times a second.
+    std::function<void()> on_round = {};
   };
 
   // Errors as Publisher::bind().

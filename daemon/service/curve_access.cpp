@@ -5,9 +5,12 @@
 namespace rayloc {
 
 Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& config,
-                                                             std::shared_ptr<LimitedLog> log) {
+                                                             std::shared_ptr<LimitedLog> log,
+                                                             std::function<void()> on_round) {
+  ConnectionGuard::Options options;
+  options.on_round = std::move(on_round);
   if (!config.enabled) {
-    return std::make_shared<ConnectionGuard>(ConnectionGuard::Options{});
+    return std::make_shared<ConnectionGuard>(std::move(options));
   }
   if (config.secret_file.empty()) {
     return make_error(ErrorKind::kConfiguration,
@@ -21,7 +24,6 @@ Expected<std::shared_ptr<ConnectionGuard>> open_curve_access(const CurveConfig& 
   log_event({LogLevel::kInfo,
              "publishing encrypted (CURVE); subscribers need our public key",
              {{"public_key", keys->public_key}, {"clients", std::to_string(config.allow.size())}}});
-  ConnectionGuard::Options options;
   options.secret_key = std::move(keys->secret_key);
   options.allow = config.allow;
   options.on_denied = [log = std::move(log)](const std::string& key, const std::string& address) {

@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <future>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +20,6 @@
 namespace rayloc {
 namespace {
 
-constexpr auto kStartPoll = std::chrono::milliseconds(1);
 constexpr std::size_t kSubjectsShown = 2048;  // on the map
 constexpr std::size_t kPlayedFrames = 512;    // that wait of a source that people move
 constexpr auto kRepeatWarning = std::chrono::minutes(10);
@@ -158,7 +156,7 @@ Expected<std::unique_ptr<Service>> Service::open(
 
 Expected<void> Service::open_publishing(PassedSockets& sockets) {
   const DaemonConfig& config = setup_.config;
-  auto guard = open_curve_access(config.curve, limited_log_);
+  auto guard = open_curve_access(config.curve, limited_log_, [this] { guard_progress_.beat(); });
   if (!guard) {
     return tl::make_unexpected(guard.error());
   }
@@ -187,6 +185,7 @@ Expected<void> Service::open_publishing(PassedSockets& sockets) {
   snapshots.epoch = publishing.epoch;
   snapshots.last = last_messages_;
   snapshots.guard = guard_;
+  snapshots.on_round = [this] { snapshots_progress_.beat(); };
   auto snapshot_server = SnapshotServer::open(snapshots);
   if (!snapshot_server) {
     return tl::make_unexpected(snapshot_server.error());
@@ -325,19 +324,6 @@ void Service::add_ring(SourceWorker::Input& input) {
 
 Service::~Service() = default;
 
-void Service::start() {
-  publisher_->start();
-  pipeline_->start();
-  for (const Stage& stage : stages()) {
-    while (!stage.progress->started()) {
-      std::this_thread::sleep_for(kStartPoll);
-    }
-  }
-  if (http_) {
-    http_->start();
-  }
-}
-
 void Service::apply(const DaemonConfig& config) {
   publisher_->set_heartbeat(config.publish.heartbeat);
   for (const auto& recorder : recorders_) {
@@ -347,16 +333,6 @@ void Service::apply(const DaemonConfig& config) {
     snapshots_of_rings_->set_limits(snapshot_limits(config.record));
   }
   guard_->allow(config.curve.allow);
-}
-
-std::vector<Stage> Service::stages() const {
-  std::vector<Stage> stages = pipeline_->stages();
-  stages.push_back({"publisher", &publisher_->progress()});
-  for (std::size_t i = 0; i < recorders_.size(); ++i) {
-    stages.push_back(
-        {"recorder " + setup_.config.sources[i].access_point, &recorders_[i]->progress()});
-  }
-  return stages;
 }
 
 std::string Service::status_line() const {

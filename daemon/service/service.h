@@ -48,7 +48,7 @@ class Service {
       const std::function<void(const std::string& line)>& log);
   ~Service();
 
-  // Returns when every thread has said that it runs.
+  // Returns when every thread has come round its loop once.
   void start();
 
   // What a reload may change. REQUIRES: `config` was validated.
@@ -60,7 +60,7 @@ class Service {
   // when there is nothing to write, or nowhere. From any thread.
   Expected<std::vector<std::string>> snapshot();
 
-  // Every thread of the pipeline; the service outlives what it returns.
+  // Every thread that serves somebody; the service outlives what it returns.
   std::vector<Stage> stages() const;
   // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
   std::string status_line() const;
@@ -93,6 +93,7 @@ class Service {
   Expected<void> open_http(PassedSockets& sockets);
   ServiceHealth health() const;
   std::vector<ExtraMetric> extra_metrics() const;
+  std::vector<Stage> working_stages() const;
   HttpReply answer_snapshot();
   void add_ring(SourceWorker::Input& input);
   void open_snapshots();
@@ -101,6 +102,10 @@ class Service {
   const DaemonSetup setup_;
   const std::shared_ptr<LimitedLog> limited_log_ = std::make_shared<LimitedLog>(log_event);
   LossWatch losses_{limited_log_};
+  // Of threads that count no stage themselves; they outlive these.
+  StageProgress guard_progress_;
+  StageProgress snapshots_progress_;
+  StageProgress http_progress_;
   std::shared_ptr<ConnectionGuard> guard_;
   std::shared_ptr<TargetNames> names_;
   std::unique_ptr<DeviceEstimator> estimator_;  // none with method "none"
