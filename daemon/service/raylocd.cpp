@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <future>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
@@ -22,23 +22,25 @@
 namespace rayloc {
 namespace {
 
-constexpr auto kDrainPatience = std::chrono::milliseconds(4000);
 constexpr auto kStopPatience = std::chrono::milliseconds(5000);
+// For the goodbye to leave by libzmq's own thread, where nothing waits for that any more.
+constexpr auto kLinger = std::chrono::milliseconds(100);
 
 // Ends the process when a thread does not end, for example because its disk does not answer.
 void stop_in_time(Service& service, const std::string& reason) {
-  std::promise<void> stopped;
-  std::thread stopping([&] {
-    service.stop(reason, kDrainPatience);
-    stopped.set_value();
-  });
-  if (stopped.get_future().wait_for(kStopPatience) == std::future_status::timeout) {
-    spdlog::critical("not stopped after {} ms: what waits for the disk is lost",
-                     kStopPatience.count());
+  const std::vector<std::string> hung = service.stop(reason, kStopPatience);
+  for (const std::string& stage : hung) {
+    const bool recorder = stage.rfind("recorder", 0) == 0;
+    spdlog::critical("not stopped after {} ms: '{}' does not come back{}",
+                     kStopPatience.count(),
+                     stage,
+                     recorder ? ": what waits for the disk is lost" : "");
+  }
+  if (!hung.empty()) {
     spdlog::default_logger()->flush();
+    std::this_thread::sleep_for(kLinger);
     std::_Exit(kExitInternal);
   }
-  stopping.join();
 }
 
 Expected<void> serve(const std::string& file) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <future>
 #include <system_error>
 #include <utility>
 
@@ -353,26 +352,6 @@ std::string Service::status_line() const {
                      kernel_drops,
                      estimation.snapshots - estimation.no_fix,
                      health().reload_failed ? "; the last reload failed" : "");
-}
-
-void Service::stop(const std::string& reason, std::chrono::milliseconds patience) {
-  if (http_) {
-    http_->stop();
-  }
-  auto drained = std::async(std::launch::async, [this] { pipeline_->stop(); });
-  if (drained.wait_for(patience) == std::future_status::timeout) {
-    pipeline_->hurry();
-  }
-  drained.wait();
-  for (const auto& recorder : recorders_) {
-    recorder->finish();
-  }
-  if (snapshots_of_rings_) {
-    snapshots_of_rings_->finish();
-  }
-  publisher_->finish(reason);
-  log_losses();  // of the last instant
-  limited_log_->finish();
 }
 
 std::vector<std::string> Service::source_descriptions() const {

@@ -65,9 +65,10 @@ class Service {
   // "3 sources, 3 receiving; 1234 datagrams, 0 lost; 56 fixes; 2 subscriptions"
   std::string status_line() const;
 
-  // Drains what has been received for up to `patience`, publishes the last counters and the
-  // goodbye, and joins every thread.
-  void stop(const std::string& reason, std::chrono::milliseconds patience);
+  // Drains what has been received, closes the recordings, publishes the last counters and the
+  // goodbye, and joins every thread, all within `patience`. The stages that did not come back, none
+  // as a rule: then the process must end without destroying this. No other stage waits for them.
+  std::vector<std::string> stop(const std::string& reason, std::chrono::milliseconds patience);
 
   // Where HTTP is answered, "127.0.0.1:8480"; empty when it is not.
   std::string http_address() const;
@@ -94,6 +95,7 @@ class Service {
   ServiceHealth health() const;
   std::vector<ExtraMetric> extra_metrics() const;
   std::vector<Stage> working_stages() const;
+  std::string stuck_in_pipeline() const;
   HttpReply answer_snapshot();
   void add_ring(SourceWorker::Input& input);
   void open_snapshots();

@@ -1,10 +1,12 @@
-// The part of Service that starts its threads and names them.
+// The part of Service that starts and stops its threads.
+#include <algorithm>
 #include <chrono>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "daemon/service/service.h"
+#include "daemon/service/shutdown.h"
 
 namespace rayloc {
 namespace {
@@ -52,6 +54,46 @@ std::vector<Stage> Service::working_stages() const {
   stages.push_back({"connection guard", &guard_progress_});
   stages.push_back({"snapshot server", &snapshots_progress_});
   return stages;
+}
+
+std::vector<std::string> Service::stop(const std::string& reason,
+                                       std::chrono::milliseconds patience) {
+  // Three quarters to drain; the rest is for what does not come back, and for what follows it.
+  const Shutdown::Time begin = std::chrono::steady_clock::now();
+  const auto at = [&](int percent) { return begin + percent * patience / 100; };
+  Shutdown shutdown;
+  if (http_) {
+    shutdown.run("http", at(10), [this] { http_->stop(); });
+  }
+  if (!shutdown.run("pipeline", at(75), [this] { pipeline_->stop(); })) {
+    pipeline_->hurry();
+    shutdown.wait_for("pipeline", at(90));
+  }
+  for (std::size_t i = 0; i < recorders_.size(); ++i) {
+    shutdown.run("recorder " + setup_.config.sources[i].access_point, at(95), [this, i] {
+      recorders_[i]->finish();
+    });
+  }
+  if (snapshots_of_rings_) {
+    shutdown.run("ring snapshots", at(95), [this] { snapshots_of_rings_->finish(); });
+  }
+  shutdown.run("publisher", at(100), [this, reason] { publisher_->finish(reason); });
+  log_losses();  // of the last instant
+  limited_log_->finish();
+  std::vector<std::string> hung = shutdown.hung();
+  std::replace(hung.begin(), hung.end(), std::string("pipeline"), stuck_in_pipeline());
+  return hung;
+}
+
+// Which threads of it have not ended: one that has rests.
+std::string Service::stuck_in_pipeline() const {
+  std::string names;
+  for (const Stage& stage : pipeline_->stages()) {
+    if (!stage.progress->resting()) {
+      names += (names.empty() ? "" : ", ") + stage.name;
+    }
+  }
+  return names.empty() ? "pipeline" : names;
 }
 
 }  // namespace rayloc

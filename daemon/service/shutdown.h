@@ -1,0 +1,51 @@
+// Shutdown: the steps of a stop, one after another, each with a time by which it has to be done. A
+// step that is not is left behind on its thread, and the next one begins: one disk or one estimate
+// that does not come back takes nothing else with it.
+//
+//   Shutdown shutdown;
+//   if (!shutdown.run("estimation", deadline, [this] { pipeline_->stop(); })) { ... }
+//   shutdown.run("recorder ap1", later, [this] { recorder_->finish(); });
+//   if (!shutdown.hung().empty()) { ... the process must end without joining them ... }
+//
+// Thread safety: one thread.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <future>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace rayloc {
+
+class Shutdown {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  // What every step has, however late those before it were.
+  static constexpr std::chrono::milliseconds kLeastTime{100};
+
+  Shutdown() = default;
+  // Leaves behind what has not come back: what those steps use must outlive the process.
+  ~Shutdown();
+  Shutdown(const Shutdown&) = delete;
+  Shutdown& operator=(const Shutdown&) = delete;
+
+  // False when `step` has not returned by `deadline`, nor after kLeastTime.
+  bool run(const std::string& name, Time deadline, std::function<void()> step);
+  // Gives a step that was late until `deadline`; false when it has not returned by then.
+  bool wait_for(const std::string& name, Time deadline);
+  // Steps that have not returned so far, in their order.
+  std::vector<std::string> hung() const;
+
+ private:
+  struct Step {
+    std::string name;
+    std::future<void> done;
+    std::thread thread;
+  };
+  std::vector<Step> late_;
+};
+
+}  // namespace rayloc
