@@ -41,6 +41,7 @@ struct SourceConfig {
   std::string interface;           // interface: "eth0"
   std::string filter;              // interface: BPF expression
   std::filesystem::path path;      // unix: of the socket
+  Duration stall_after{};          // all but pcap: a longer silence is reported
   std::string place;               // of [[source]]: "raylocd.toml:4:1: ", for messages
 };
 

@@ -35,6 +35,7 @@ constexpr std::string_view kUdp = "udp";
 constexpr std::string_view kPcap = "pcap";
 constexpr std::string_view kInterface = "interface";
 constexpr std::string_view kUnix = "unix";
+constexpr std::string_view kLive = "udp, interface or unix";
 
 // Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
 void store_listen(SourceConfig& source, const ConfigValue& value) {
@@ -158,6 +159,14 @@ const std::array kOptions = {
               const double* speed = std::get_if<double>(&v);
               s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
             }},
+    ConfigOption{.section = "source",
+                 .key = "stall_after_s",
+                 .type = T::kNumber,
+                 .preset = "5",
+                 .range = {0.1, 86400.0, "s"},
+                 .description = "Silent for so long it counts as stalled: raylocd is not ready",
+                 .only_kinds = kLive,
+                 .store_source = [](S& s, const V& v) { s.stall_after = from_seconds(number(v)); }},
     ConfigOption{.section = "source",
                  .key = "format",
                  .type = T::kChoice,

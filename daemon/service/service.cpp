@@ -278,7 +278,7 @@ Expected<void> Service::open_sources(PassedSockets& sockets,
     }
     add_ring(*input);
     input->frame_tap = setup_.config.publish.csi ? publisher_.get() : nullptr;
-    status_.live.push_back(is_live(source));
+    status_.sources.push_back({is_live(source), source.stall_after});
     inputs.push_back(std::move(*input));
   }
   open_snapshots();

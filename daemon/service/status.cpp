@@ -7,9 +7,6 @@
 namespace rayloc {
 namespace {
 
-// A source that has been silent for longer is reported as stalled.
-constexpr Duration kStalledAfter = std::chrono::seconds(5);
-
 void add_rejected(const std::map<std::string, std::uint64_t>& rejected,
                   v1::SourceCounters* counters) {
   for (const auto& [reason, count] : rejected) {
@@ -45,7 +42,7 @@ Duration silence(const SourceReport& report) {
   return std::chrono::steady_clock::now() - report.last_arrival;
 }
 
-v1::SourceStatus source_status(const SourceReport& report, bool live) {
+v1::SourceStatus source_status(const SourceReport& report, const StatusSources::Source& source) {
   if (!report.error.empty()) {
     return v1::SOURCE_STATUS_FAILED;
   }
@@ -55,24 +52,24 @@ v1::SourceStatus source_status(const SourceReport& report, bool live) {
   if (report.source.delivered == 0) {
     return v1::SOURCE_STATUS_WAITING;
   }
-  return live && silence(report) > kStalledAfter ? v1::SOURCE_STATUS_STALLED
-                                                 : v1::SOURCE_STATUS_RECEIVING;
+  return source.live && silence(report) > source.stall_after ? v1::SOURCE_STATUS_STALLED
+                                                             : v1::SOURCE_STATUS_RECEIVING;
 }
 
 v1::SourceState source_state(const SourceReport& report,
                              const MailboxCounters& mailbox,
-                             bool live,
+                             const StatusSources::Source& source,
                              Timestamp now,
                              Duration clock_ahead) {
   v1::SourceState state;
   state.set_access_point(report.access_point);
-  state.set_status(source_status(report, live));
+  state.set_status(source_status(report, source));
   *state.mutable_time() = to_proto(now);
   state.set_description(report.description);
   if (report.source.delivered > 0) {
     *state.mutable_last_frame() =
-        to_proto(report.last_datagram + (live ? clock_ahead : Duration::zero()));
-    if (live) {
+        to_proto(report.last_datagram + (source.live ? clock_ahead : Duration::zero()));
+    if (source.live) {
       *state.mutable_age() = to_proto(silence(report));
     }
   }
@@ -259,7 +256,7 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   const Duration clock_ahead = sources.clock ? sources.clock->now() : Duration::zero();
   for (std::size_t i = 0; i < reports.size(); ++i) {
     messages.sources.push_back(
-        source_state(reports[i], mailbox[i], sources.live[i], now, clock_ahead));
+        source_state(reports[i], mailbox[i], sources.sources[i], now, clock_ahead));
     const v1::SourceState& state = messages.sources.back();
     v1::SourceReport* report = heartbeat.add_sources();
     report->set_access_point(state.access_point());

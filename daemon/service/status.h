@@ -33,7 +33,11 @@ struct StatusSources {
   const HttpServer* http = nullptr;               // none: nobody is answered
   std::shared_ptr<ClockOffset> clock;
   std::shared_ptr<const Playback> playback;  // null unless recordings are played
-  std::vector<bool> live;  // by source: arrival stamps are of this machine's clock
+  struct Source {
+    bool live = false;       // arrival stamps are of this machine's clock
+    Duration stall_after{};  // a longer silence counts as stalled
+  };
+  std::vector<Source> sources;
   Timestamp started;
   std::uint64_t epoch = 0;
   std::string scene_hash;

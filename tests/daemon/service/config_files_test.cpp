@@ -127,7 +127,11 @@ TEST_F(ConfigFiles, ChangesAreSortedByWhatTheyTake) {
   const ConfigChanges more = first.changes_to(values(
       site + source + "[[source]]\naccess_point = \"b\"\nkind = \"udp\"\nlisten = \":1\"\n"));
   EXPECT_THAT(more.needs_restart,
-              ElementsAre("source", "source 2.access_point", "source 2.kind", "source 2.listen"));
+              ElementsAre("source",
+                          "source 2.access_point",
+                          "source 2.kind",
+                          "source 2.listen",
+                          "source 2.stall_after_s"));
 }
 
 TEST(ConfigManual, DescribesEveryKeyAndIsSoundRoff) {

@@ -99,6 +99,7 @@ TEST(Config, ReadsTheOtherKeys) {
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(config->sources[0].only_interface, "eth1");
   EXPECT_EQ(config->sources[0].allow, (std::vector<std::string>{"10.10.10.10", "192.168.1.0/24"}));
+  EXPECT_EQ(config->sources[0].stall_after, std::chrono::milliseconds(7500));
   EXPECT_EQ(config->engine.method, EngineMethod::kNone);
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;

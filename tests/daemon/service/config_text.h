@@ -84,6 +84,7 @@ access_point = "ap1"
 kind = "udp"
 only_interface = "eth1"
 allow = ["10.10.10.10", "192.168.1.0/24"]
+stall_after_s = 7.5
 [engine]
 method = "none"
 [publish]
