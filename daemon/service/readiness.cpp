@@ -65,6 +65,7 @@ Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
   for (const std::string& stage : health.stuck_stages) {
     result.reasons.push_back("stage " + stage + ": no progress");
   }
+  result.reasons.insert(result.reasons.end(), health.saturated.begin(), health.saturated.end());
   for (const std::string& error : health.recording_errors) {
     result.warnings.push_back("recording: " + error);
   }

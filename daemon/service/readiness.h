@@ -23,6 +23,7 @@ struct Readiness {
 // What is known besides the counters.
 struct ServiceHealth {
   std::vector<std::string> stuck_stages;
+  std::vector<std::string> saturated;  // Saturation::reasons()
   std::vector<std::string> recording_errors;
   bool reload_failed = false;
   ClockState clock = ClockState::kUnknown;

@@ -390,6 +390,8 @@ void Service::log_losses() {
   losses_.look(heartbeat);
   losses_.look_at_log(log_entries_dropped());
   limited_log_->flush();
+  const std::lock_guard lock(health_mutex_);
+  saturation_.look(heartbeat, std::chrono::steady_clock::now());
 }
 
 std::vector<std::string> Service::new_errors() {

@@ -27,6 +27,7 @@
 #include "daemon/service/config.h"
 #include "daemon/service/http_api.h"
 #include "daemon/service/loss_watch.h"
+#include "daemon/service/saturation.h"
 #include "daemon/service/service_manager.h"
 #include "daemon/service/source_factory.h"
 #include "daemon/service/status.h"
@@ -83,7 +84,8 @@ class Service {
   std::vector<std::string> news();
   // What speaks against the calibration; the same trouble once in ten minutes.
   std::vector<std::string> new_warnings();
-  // What is being lost, in the log; to be called every second or so.
+  // What is being lost, in the log and as a reason against being ready; to be called every second
+  // or so.
   void log_losses();
 
  private:
@@ -126,6 +128,7 @@ class Service {
   std::unique_ptr<SnapshotServer> snapshots_;
   mutable std::mutex health_mutex_;
   std::vector<std::string> stuck_stages_;  // guarded by health_mutex_
+  Saturation saturation_;                  // guarded by health_mutex_
   std::string config_json_;                // guarded by health_mutex_
   bool reload_failed_ = false;             // guarded by health_mutex_; the last one
   Timestamp reloaded_{};                   // guarded by health_mutex_; when

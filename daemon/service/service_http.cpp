@@ -142,6 +142,7 @@ ServiceHealth Service::health() const {
   }
   const std::lock_guard lock(health_mutex_);
   health.stuck_stages = stuck_stages_;
+  health.saturated = saturation_.reasons();
   health.reload_failed = reload_failed_;
   return health;
 }

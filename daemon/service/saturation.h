@@ -1,0 +1,39 @@
+// Saturation: which queues have overflowed lately, as a reason against being ready: what is
+// published then is late or made of less than what came. From the counters of the heartbeat.
+//
+// Thread safety: one thread.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rayloc/v1/heartbeat.pb.h"
+
+namespace rayloc {
+
+class Saturation {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  // How long an overflow speaks against being ready.
+  static constexpr std::chrono::seconds kLately{10};
+
+  // To be called every second or so with the counters as they are.
+  void look(const v1::Heartbeat& heartbeat, Time now);
+  // "source ap1: frames were dropped in the last 10 s: ..."; as of the last look.
+  std::vector<std::string> reasons() const;
+
+ private:
+  struct Queue {
+    std::uint64_t lost = 0;
+    Time last_loss;
+    bool lately = false;
+  };
+  void compare(const std::string& reason, std::uint64_t lost, Time now);
+
+  std::map<std::string, Queue> queues_;  // by reason
+};
+
+}  // namespace rayloc

@@ -1,0 +1,60 @@
+#include "daemon/service/saturation.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "daemon/service/readiness.h"
+
+namespace rayloc {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr Saturation::Time kStart{1000s};
+constexpr const char* kFrames =
+    "source ap1: frames were dropped in the last 10 s: estimates take longer than frames to come";
+
+TEST(Saturation, HoldsForTenSecondsAfterTheLastLoss) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  heartbeat.add_sources()->set_access_point("ap1");
+  saturation.look(heartbeat, kStart);
+  EXPECT_THAT(saturation.reasons(), IsEmpty());
+  for (int second = 1; second < 5; ++second) {
+    heartbeat.mutable_sources(0)->mutable_counters()->set_frames_dropped(
+        static_cast<std::uint64_t>(second));
+    saturation.look(heartbeat, kStart + second * 1s);
+    EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
+  }
+  saturation.look(heartbeat, kStart + 13s);
+  EXPECT_THAT(saturation.reasons(), ElementsAre(kFrames));
+  saturation.look(heartbeat, kStart + 14s);
+  EXPECT_THAT(saturation.reasons(), IsEmpty()) << "what was lost is over";
+}
+
+TEST(Saturation, EveryQueueHasItsReason) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  v1::SourceReport& source = *heartbeat.add_sources();
+  source.set_access_point("ap1");
+  source.mutable_counters()->set_kernel_drops(1);
+  source.mutable_counters()->set_ring_dropped(1);
+  source.mutable_counters()->set_frames_dropped(1);
+  heartbeat.mutable_estimation()->set_events_dropped(1);
+  heartbeat.mutable_publisher()->set_csi_dropped(1);
+  saturation.look(heartbeat, kStart);
+  EXPECT_EQ(saturation.reasons().size(), 5U);
+}
+
+TEST(Readiness, ASaturatedQueueIsAReason) {
+  ServiceHealth health;
+  health.saturated = {kFrames};
+  const Readiness result = readiness({}, health);
+  EXPECT_FALSE(result.ready());
+  EXPECT_THAT(result.reasons, ElementsAre(kFrames));
+}
+
+}  // namespace
+}  // namespace rayloc
