@@ -207,9 +207,16 @@ void check_endpoint(const std::string& name,
   findings.push_back(check_port(name, address, SOCK_STREAM, running));
 }
 
-Finding check_curve(const CurveConfig& curve) {
+// The credential shows where systemd passes it; here it would be `secret_file` by now.
+Finding check_curve(const CurveConfig& curve, bool running) {
   if (curve.secret_file.empty()) {
-    return {Kind::kOk, "[curve]: the secret key is systemd's credential curve.secret", ""};
+    return running
+               ? Finding{Kind::kOk, "[curve]: raylocd runs, so it has its secret key", ""}
+               : Finding{Kind::kWarning,
+                         "[curve]: no secret_file, and no credential curve.secret is seen here: "
+                         "raylocd does not start without",
+                         "set secret_file, or see that the unit has the drop-in curve.conf; to "
+                         "look as the daemon will: CREDENTIALS_DIRECTORY=/etc/raylocd"};
   }
   const Expected<CurveKeyPair> keys = read_curve_secret(curve.secret_file);
   return keys ? Finding{Kind::kOk, "[curve]: our public key is " + keys->public_key, ""}
@@ -233,7 +240,7 @@ std::vector<Finding> check_machine(const DaemonConfig& config, bool running) {
   check_endpoint("publishing", config.publish.endpoint, running, findings);
   check_endpoint("snapshots", config.publish.snapshot, running, findings);
   if (config.curve.enabled) {
-    findings.push_back(check_curve(config.curve));
+    findings.push_back(check_curve(config.curve, running));
   }
   if (config.privacy.target_id == TargetId::kHmac && !config.privacy.key_file.empty()) {
     findings.push_back(check_secret("[privacy] key_file", config.privacy.key_file));

@@ -87,5 +87,19 @@ TEST(MachineCheck, SecretsMustBeThere) {
   std::filesystem::remove(key);
 }
 
+TEST(MachineCheck, AKeyOfWhichNothingIsSeenIsNotTakenForThere) {
+  DaemonConfig config;
+  config.curve.enabled = true;
+  const Finding unseen = finding_of(config, "[curve]");
+  EXPECT_EQ(unseen.kind, Kind::kWarning);
+  EXPECT_THAT(unseen.what, HasSubstr("no credential curve.secret"));
+  EXPECT_THAT(unseen.advice, HasSubstr("curve.conf"));
+  const std::vector<Finding> running = check_machine(config, true);
+  EXPECT_TRUE(std::any_of(running.begin(), running.end(), [](const Finding& finding) {
+    return finding.kind == Kind::kOk &&
+           finding.what.find("it has its secret key") != std::string::npos;
+  }));
+}
+
 }  // namespace
 }  // namespace rayloc
