@@ -1,10 +1,13 @@
 // Runs a program under the filters that systemd makes of SystemCallFilter=,
-// SystemCallErrorNumber=EPERM, MemoryDenyWriteExecute= and RestrictAddressFamilies=.
+// SystemCallErrorNumber=EPERM, MemoryDenyWriteExecute=, RestrictAddressFamilies=,
+// RestrictNamespaces=yes, RestrictRealtime=yes and LockPersonality=yes.
 //   seccomp_launcher ALLOWED_CALLS FAMILY[,FAMILY] PROGRAM [ARGUMENT...]
 // ALLOWED_CALLS: a file with the name of a system call per line; all others fail with EPERM.
 // FAMILY: a number (AF_UNIX is 1). No privilege is needed: it sets no_new_privs.
+#include <sched.h>
 #include <seccomp.h>
 #include <sys/mman.h>
+#include <sys/personality.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -68,6 +71,62 @@ void restrict_families(const std::string& list) {
   seccomp_release(filter);
 }
 
+// As systemd's seccomp_restrict_namespaces(). glibc makes threads by clone() when there is no
+// clone3(), whose arguments no filter sees.
+int restrict_namespaces(scmp_filter_ctx filter) {
+  constexpr std::uint32_t kRefuse = SCMP_ACT_ERRNO(EPERM);
+  int failed = seccomp_rule_add(filter, SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3), 0);
+  failed |=
+      seccomp_rule_add(filter, kRefuse, SCMP_SYS(setns), 1, scmp_arg_cmp{1, SCMP_CMP_EQ, 0, 0});
+  for (const int flag : {CLONE_NEWCGROUP,
+                         CLONE_NEWIPC,
+                         CLONE_NEWNET,
+                         CLONE_NEWNS,
+                         CLONE_NEWPID,
+                         CLONE_NEWUSER,
+                         CLONE_NEWUTS}) {
+    const auto bit = static_cast<scmp_datum_t>(flag);
+    const scmp_arg_cmp first{0, SCMP_CMP_MASKED_EQ, bit, bit};
+    const scmp_arg_cmp second{1, SCMP_CMP_MASKED_EQ, bit, bit};
+    failed |= seccomp_rule_add(filter, kRefuse, SCMP_SYS(unshare), 1, first);
+    failed |= seccomp_rule_add(filter, kRefuse, SCMP_SYS(clone), 1, first);
+    failed |= seccomp_rule_add(filter, kRefuse, SCMP_SYS(setns), 1, second);
+  }
+  return failed;
+}
+
+// As systemd's seccomp_restrict_realtime() and seccomp_lock_personality().
+int restrict_scheduling_and_personality(scmp_filter_ctx filter) {
+  constexpr std::uint32_t kRefuse = SCMP_ACT_ERRNO(EPERM);
+  int failed = 0;
+  for (const int policy : {SCHED_FIFO, SCHED_RR}) {
+    failed |= seccomp_rule_add(filter,
+                               kRefuse,
+                               SCMP_SYS(sched_setscheduler),
+                               1,
+                               scmp_arg_cmp{1, SCMP_CMP_EQ, static_cast<scmp_datum_t>(policy), 0});
+  }
+  failed |= seccomp_rule_add(filter,
+                             kRefuse,
+                             SCMP_SYS(sched_setscheduler),
+                             1,
+                             scmp_arg_cmp{1, SCMP_CMP_GT, SCHED_IDLE, 0});
+  constexpr auto kAsk = 0xffffffffU;
+  const auto current = static_cast<scmp_datum_t>(personality(kAsk));
+  failed |= seccomp_rule_add(
+      filter, kRefuse, SCMP_SYS(personality), 1, scmp_arg_cmp{0, SCMP_CMP_NE, current, 0});
+  return failed;
+}
+
+void restrict_what_every_unit_does() {
+  scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ALLOW);
+  if (filter == nullptr || restrict_namespaces(filter) != 0 ||
+      restrict_scheduling_and_personality(filter) != 0 || seccomp_load(filter) != 0) {
+    fail("namespaces, scheduling and personality");
+  }
+  seccomp_release(filter);
+}
+
 // As systemd's seccomp_memory_deny_write_execute().
 void allow_memory(scmp_filter_ctx filter) {
   constexpr scmp_datum_t kBoth = PROT_WRITE | PROT_EXEC;
@@ -98,6 +157,7 @@ int main(int argc, char** argv) {
     return 64;
   }
   restrict_families(argv[2]);
+  restrict_what_every_unit_does();
   scmp_filter_ctx filter = seccomp_init(SCMP_ACT_ERRNO(EPERM));
   if (filter == nullptr) {
     fail("seccomp_init");
