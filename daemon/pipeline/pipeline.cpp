@@ -1,5 +1,7 @@
 #include "daemon/pipeline/pipeline.h"
 
+#include <pthread.h>
+
 #include <algorithm>
 #include <optional>
 #include <utility>
@@ -35,6 +37,7 @@ void Pipeline::start() {
 }
 
 void Pipeline::estimate_all() {
+  pthread_setname_np(pthread_self(), "estimation");  // for top -H
   BurstCollector collector(options_.burst);
   BurstQueue waiting(options_.overflow);
   std::vector<Burst> ended;

@@ -85,7 +85,8 @@ std::vector<std::string> Service::stop(const std::string& reason,
   return hung;
 }
 
-// Which threads of it have not ended: one that has rests.
+// Which threads of it have not ended: one that has rests, and so does an estimation that waits; but
+// the sources whose frames it waits for have ended then.
 std::string Service::stuck_in_pipeline() const {
   std::string names;
   for (const Stage& stage : pipeline_->stages()) {
@@ -93,7 +94,7 @@ std::string Service::stuck_in_pipeline() const {
       names += (names.empty() ? "" : ", ") + stage.name;
     }
   }
-  return names.empty() ? "pipeline" : names;
+  return names.empty() ? "estimation" : names;
 }
 
 }  // namespace rayloc
