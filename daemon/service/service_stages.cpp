@@ -67,15 +67,15 @@ std::vector<std::string> Service::stop(const std::string& reason,
   }
   if (!shutdown.run("pipeline", at(75), [this] { pipeline_->stop(); })) {
     pipeline_->hurry();
-    shutdown.wait_for("pipeline", at(90));
+    shutdown.wait_for("pipeline", at(94));
   }
   for (std::size_t i = 0; i < recorders_.size(); ++i) {
-    shutdown.run("recorder " + setup_.config.sources[i].access_point, at(95), [this, i] {
+    shutdown.run("recorder " + setup_.config.sources[i].access_point, at(97), [this, i] {
       recorders_[i]->finish();
     });
   }
   if (snapshots_of_rings_) {
-    shutdown.run("ring snapshots", at(95), [this] { snapshots_of_rings_->finish(); });
+    shutdown.run("ring snapshots", at(97), [this] { snapshots_of_rings_->finish(); });
   }
   shutdown.run("publisher", at(100), [this, reason] { publisher_->finish(reason); });
   log_losses();  // of the last instant
