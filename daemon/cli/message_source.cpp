@@ -9,7 +9,6 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr auto kSnapshotPatience = std::chrono::seconds(10);
 constexpr int kHighWaterMark = 100'000;
 
 template <typename Source>
@@ -57,7 +56,7 @@ Expected<Receive> connect(const MessageSource& source, const std::vector<std::st
   }
   if (!source.snapshot.empty()) {
     auto late =
-        LateSubscriber::join(source.endpoint, source.snapshot, topics, kSnapshotPatience, *curve);
+        LateSubscriber::join(source.endpoint, source.snapshot, topics, source.patience, *curve);
     return late ? Expected<Receive>(receive_from(std::move(*late)))
                 : tl::make_unexpected(late.error());
   }

@@ -17,7 +17,8 @@ namespace rayloc::cli {
 
 struct MessageSource {
   std::string endpoint = "tcp://127.0.0.1:5560";
-  std::string snapshot;    // endpoint; empty: begin with what comes
+  std::string snapshot;  // endpoint; empty: begin with what comes
+  std::chrono::milliseconds patience = std::chrono::seconds(10);  // for the snapshot
   std::string server_key;  // file with the daemon's public key; empty: no CURVE
   std::string key;         // file with our secret key
 };

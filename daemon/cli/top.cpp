@@ -1,5 +1,7 @@
 // `rayloc top`: what a running raylocd does, live on the terminal or once as a table.
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -11,6 +13,7 @@
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/terminal_screen.h"
 #include "daemon/cli/top_model.h"
+#include "daemon/cli/top_snapshot.h"
 #include "daemon/cli/top_view.h"
 #include "daemon/cli/verbs.h"
 
@@ -35,7 +38,7 @@ void collect(const Receive& receive, Clock::time_point until, TopModel& model, S
     if (const auto message = receive(std::min(kPoll, left))) {
       v1::Envelope envelope;
       if (envelope.ParseFromString(message->payload)) {
-        model.add(message->topic, envelope, Clock::now());
+        model.add(message->topic, envelope, Clock::now(), message->from_snapshot);
       }
     }
   }
@@ -85,8 +88,27 @@ void show(const Receive& receive, const Arguments& arguments) {
   }
 }
 
+// With what was last said, so that zones and quiet targets are known from the beginning. Where that
+// is not told and not at the usual place either, with what comes.
+Expected<Receive> connect_top(const MessageSource& from, double patience) {
+  constexpr double kMostPatience = 2.0;  // [s]
+  const std::vector<std::string> all = {"v1/"};
+  const std::optional<std::string> usual =
+      from.snapshot.empty() ? usual_snapshot(from.endpoint) : std::nullopt;
+  if (usual) {
+    MessageSource late = from;
+    late.snapshot = *usual;
+    late.patience =
+        std::chrono::milliseconds(std::llround(1000.0 * std::min(patience, kMostPatience)));
+    if (Expected<Receive> receive = connect(late, all)) {
+      return receive;
+    }
+  }
+  return connect(from, all);
+}
+
 Expected<void> run(const Arguments& arguments) {
-  const Expected<Receive> receive = connect(arguments.from, {"v1/"});
+  const Expected<Receive> receive = connect_top(arguments.from, arguments.timeout);
   if (!receive) {
     return tl::make_unexpected(receive.error());
   }
@@ -100,6 +122,10 @@ Expected<void> run(const Arguments& arguments) {
 RunVerb declare(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   add_source_options(app, arguments->from);
+  app.get_option("--snapshot")
+      ->description(
+          "Where the last message of each topic is asked for; unless told, at port 5561 where the "
+          "endpoint's is 5560");
   app.add_flag("--once",
                arguments->once,
                "Print one table after the second heartbeat and end; so it is where standard output "

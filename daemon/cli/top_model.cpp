@@ -21,7 +21,10 @@ const v1::SourceReport* source_of(const v1::Heartbeat& heartbeat, const std::str
 
 }  // namespace
 
-void TopModel::add(const std::string& topic, const v1::Envelope& envelope, Clock::time_point now) {
+void TopModel::add(const std::string& topic,
+                   const v1::Envelope& envelope,
+                   Clock::time_point now,
+                   bool from_snapshot) {
   if (envelope.epoch() != epoch_) {  // another start: tracks, zones and counters are new
     epoch_ = envelope.epoch();
     targets_.clear();
@@ -39,7 +42,7 @@ void TopModel::add(const std::string& topic, const v1::Envelope& envelope, Clock
   }
   switch (envelope.body_case()) {
     case v1::Envelope::kLocation:
-      add_location(envelope, now);
+      add_location(envelope, now, from_snapshot);
       break;
     case v1::Envelope::kZone:
       zones_[envelope.zone().zone()] = envelope.zone();
@@ -59,7 +62,9 @@ void TopModel::add(const std::string& topic, const v1::Envelope& envelope, Clock
   forget_old(now);
 }
 
-void TopModel::add_location(const v1::Envelope& envelope, Clock::time_point now) {
+void TopModel::add_location(const v1::Envelope& envelope,
+                            Clock::time_point now,
+                            bool from_snapshot) {
   const v1::Location& location = envelope.location();
   Target& target = targets_[target_component(location.target())];
   target.heard = now;
@@ -70,8 +75,10 @@ void TopModel::add_location(const v1::Envelope& envelope, Clock::time_point now)
   }
   stream->last = location;
   stream->sent = from_proto(envelope.sent());
-  stream->came.push_back(now);
-  while (now - stream->came.front() > kRateWindow) {
+  if (!from_snapshot) {
+    stream->came.push_back(now);
+  }
+  while (!stream->came.empty() && now - stream->came.front() > kRateWindow) {
     stream->came.pop_front();
   }
 }
@@ -99,6 +106,19 @@ const TopModel::Stream& TopModel::shown(const Target& target) {
       target.filtered &&
       (!target.snapshot || target.snapshot->sent - target.filtered->sent < kFilteredFor);
   return is_filtered ? *target.filtered : *target.snapshot;
+}
+
+std::vector<std::string> TopModel::zones_of(const std::string& component) const {
+  std::vector<std::string> names;
+  for (const auto& [name, event] : zones_) {
+    const auto& inside = event.inside();
+    if (std::any_of(inside.begin(), inside.end(), [&](const v1::Target& target) {
+          return target_component(target) == component;
+        })) {
+      names.push_back(name);
+    }
+  }
+  return names;
 }
 
 Timestamp TopModel::daemon_time(Clock::time_point now) const {

@@ -14,6 +14,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "daemon/publish/gap_detector.h"
 #include "engine/base/timestamp.h"
@@ -28,8 +29,11 @@ class TopModel {
   static constexpr std::size_t kMostTargets = 1024;
   static constexpr auto kRateWindow = std::chrono::seconds(5);
 
-  // In order of arrival.
-  void add(const std::string& topic, const v1::Envelope& envelope, Clock::time_point now);
+  // In order of arrival. `from_snapshot`: it was said before, so that it is no part of a rate.
+  void add(const std::string& topic,
+           const v1::Envelope& envelope,
+           Clock::time_point now,
+           bool from_snapshot = false);
 
   // One kind of location of a target.
   struct Stream {
@@ -49,6 +53,9 @@ class TopModel {
   const std::map<std::string, v1::ZoneEvent>& zones() const {
     return zones_;
   }  // last event of each
+  // The zones that a target is in, by their last events: the probabilities that its own message
+  // states have not gone through the hysteresis, and would contradict them.
+  std::vector<std::string> zones_of(const std::string& component) const;
   const std::map<std::string, v1::SourceState>& sources() const {
     return sources_;
   }  // last message of each; the heartbeat's counters are newer
@@ -68,7 +75,7 @@ class TopModel {
   std::optional<double> datagram_rate(const std::string& access_point) const;
 
  private:
-  void add_location(const v1::Envelope& envelope, Clock::time_point now);
+  void add_location(const v1::Envelope& envelope, Clock::time_point now, bool from_snapshot);
   void add_heartbeat(const v1::Heartbeat& heartbeat, Clock::time_point now);
   void forget_old(Clock::time_point now);
 

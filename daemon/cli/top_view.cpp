@@ -81,13 +81,10 @@ std::string accuracy_text(const v1::Location& location) {
                                    : "-";
 }
 
-// The zones that it is rather inside than outside of.
-std::string zones_text(const v1::Location& location) {
+std::string zones_text(const TopModel& model, const std::string& component) {
   std::string text;
-  for (const v1::ZoneProbability& zone : location.zones()) {
-    if (zone.probability() >= 0.5) {
-      text += (text.empty() ? "" : " ") + zone.zone();
-    }
+  for (const std::string& zone : model.zones_of(component)) {
+    text += (text.empty() ? "" : " ") + zone;
   }
   return text;
 }
@@ -126,7 +123,7 @@ void add_targets(const TopModel& model, Now now, std::size_t width, Lines& lines
                location.track_state() == v1::TRACK_STATE_UNSPECIFIED
                    ? "-"
                    : short_name(v1::TrackState_Name(location.track_state()), "TRACK_STATE_"),
-               is_fix ? zones_text(location) : location.quality().no_fix_reason()});
+               is_fix ? zones_text(model, component) : location.quality().no_fix_reason()});
   }
   append(table, width, lines);
 }

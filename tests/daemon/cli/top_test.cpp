@@ -10,12 +10,15 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
+#include <memory>
 #include <thread>
 
 #include <gtest/gtest.h>
 
+#include "daemon/publish/last_messages.h"
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/publisher.h"
+#include "daemon/publish/snapshot_server.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
@@ -32,8 +35,16 @@ const std::string kLeave = "\x1b[?25h\x1b[?1049l";
 // A daemon as far as subscribers see one.
 class SpeakingPublisher {
  public:
-  SpeakingPublisher() : publisher_(bind()) {}
+  SpeakingPublisher() : publisher_(bind(last_)) {
+    v1::ZoneEvent event;
+    event.set_zone("desk");
+    event.set_kind(v1::ZONE_EVENT_KIND_ENTERED);
+    event.set_occupancy(1);
+    event.add_inside()->set_mac("02:52:4c:00:00:01");
+    publisher_.publish(event, Timestamp(1'718'000'000s));  // long before anybody asks
+  }
   const std::string& endpoint() const { return publisher_.endpoint(); }
+  const std::string& snapshot() const { return snapshots_->endpoint(); }
 
   void speak() {
     const Timestamp now(1'718'000'000s + ++spoken_ * 1s);
@@ -46,9 +57,6 @@ class SpeakingPublisher {
     location.mutable_position()->set_x(-1.25);
     location.set_accuracy_m(0.4);
     location.set_accuracy_confidence(0.95);
-    v1::ZoneProbability* zone = location.add_zones();
-    zone->set_zone("desk");
-    zone->set_probability(0.9);
     publisher_.publish(location, now);
     v1::Heartbeat heartbeat;
     heartbeat.set_software_version("9.8.7");
@@ -64,14 +72,18 @@ class SpeakingPublisher {
   }
 
  private:
-  static Publisher bind() {
+  static Publisher bind(const std::shared_ptr<LastMessages>& last) {
     PublisherOptions options;
+    options.last = last;
     options.endpoint = "tcp://127.0.0.1:*";
     options.site = "office";
     options.epoch = 7;
     return std::move(Publisher::bind(options).value());
   }
+  std::shared_ptr<LastMessages> last_ = std::make_shared<LastMessages>(100);
   Publisher publisher_;
+  std::unique_ptr<SnapshotServer> snapshots_ =
+      SnapshotServer::open({.endpoint = "tcp://127.0.0.1:*", .epoch = 7, .last = last_}).value();
   int spoken_ = 0;
 };
 
@@ -90,6 +102,8 @@ class TopOnTerminal {
               "0.1",
               "--endpoint",
               publisher.endpoint().c_str(),
+              "--snapshot",
+              publisher.snapshot().c_str(),
               nullptr);
       ::_exit(127);
     }
@@ -258,6 +272,27 @@ TEST_F(TopTest, PrintsOneTableWhereThereIsNoTerminal) {
     EXPECT_NE(finished.out.find("02:52:4c:00:00:01  ph?[31mone  filtered  2d"), std::string::npos)
         << finished.out;
     EXPECT_NE(finished.out.find("ap1           receiving"), std::string::npos) << finished.out;
+  }
+}
+
+TEST_F(TopTest, KnowsWhoIsWhereFromTheBeginning) {
+  for (const bool asks : {true, false}) {
+    std::vector<std::string> arguments = {"top", "--once", "--endpoint", publisher_.endpoint()};
+    if (asks) {
+      arguments.insert(arguments.end(), {"--snapshot", publisher_.snapshot()});
+    }
+    const RaylocProcess process(arguments);
+    std::atomic<bool> done = false;
+    Finished finished;
+    std::thread waiting([&] {
+      finished = process.wait();
+      done = true;
+    });
+    EXPECT_TRUE(speaking_until([&] { return done.load(); }));
+    waiting.join();
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    EXPECT_EQ(finished.out.find("desk") != std::string::npos, asks) << finished.out;
+    EXPECT_EQ(finished.out.find("confirmed  desk") != std::string::npos, asks) << finished.out;
   }
 }
 

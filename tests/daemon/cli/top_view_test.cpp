@@ -167,8 +167,11 @@ TEST(TopView, FitsIntoEightyColumns) {
                    "kind: LOCATION_KIND_FILTERED mode: FIX_MODE_PREDICTED "
                    "track_state: TRACK_STATE_TENTATIVE accuracy_m: 12.25 accuracy_confidence: 0.95 "
                    "target { mac: '02:52:4c:00:00:01' name: 'the phone of the kitchen' } "
-                   "position { x: -11.25 y: -10.75 z: 1.2 } "
-                   "zones { zone: 'kitchen' probability: 0.9 } }"),
+                   "position { x: -11.25 y: -10.75 z: 1.2 } }"),
+            kStart);
+  model.add("z",
+            parsed("epoch: 1 sequence: 1 zone { zone: 'kitchen' occupancy: 1 "
+                   "inside { mac: '02:52:4c:00:00:01' } }"),
             kStart);
   v1::Envelope beat = heartbeat(100, 123'456'789);
   v1::Heartbeat& said = *beat.mutable_heartbeat();
@@ -195,6 +198,36 @@ TEST(TopView, FitsIntoEightyColumns) {
   }
   EXPECT_EQ(text.find("mode"), std::string::npos) << text;
   EXPECT_NE(text_of(model, kStart).find("the phone of the kitchen"), std::string::npos);
+}
+
+// 0.9 is not yet inside, and 0.1 not yet outside.
+TEST(TopView, TellsWhoIsInAZoneByItsEventsAlone) {
+  TopModel model;
+  for (const auto& [track, probability] : {std::pair{4, 0.9}, {5, 0.1}}) {
+    v1::Envelope each = location(static_cast<std::uint64_t>(track), 100, kFiltered);
+    each.mutable_location()->mutable_target()->set_track(static_cast<std::uint64_t>(track));
+    v1::ZoneProbability& zone = *each.mutable_location()->add_zones();
+    zone.set_zone("desk");
+    zone.set_probability(probability);
+    model.add(std::to_string(track), each, kStart);
+  }
+  model.add("z", parsed("epoch: 1 sequence: 1 zone { zone: 'desk' inside { track: 5 } }"), kStart);
+  model.add("y", parsed("epoch: 1 sequence: 1 zone { zone: 'door' inside { track: 5 } }"), kStart);
+  EXPECT_EQ(model.zones_of("person-4"), std::vector<std::string>{});
+  EXPECT_EQ(model.zones_of("person-5"), (std::vector<std::string>{"desk", "door"}));
+  const std::string text = text_of(model, kStart);
+  EXPECT_NE(text.find("  desk door\n"), std::string::npos) << text;
+  model.add("z", parsed("epoch: 1 sequence: 2 zone { zone: 'desk' }"), kStart);
+  EXPECT_EQ(model.zones_of("person-5"), std::vector<std::string>{"door"});
+}
+
+TEST(TopModel, CountsNoRateOfWhatWasSaidBefore) {
+  TopModel model;
+  model.add("t", location(1, 100, kFiltered), kStart, true);
+  const TopModel::Stream& stream = TopModel::shown(model.targets().at("person-4"));
+  EXPECT_EQ(TopModel::rate(stream, kStart), 0.0);
+  model.add("t", location(2, 101, kFiltered), kStart + 1s);
+  EXPECT_GT(TopModel::rate(TopModel::shown(model.targets().at("person-4")), kStart + 1s), 0.0);
 }
 
 TEST(TopView, TellsWhatToDoubtAndWhy) {
