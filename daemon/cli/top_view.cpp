@@ -167,6 +167,13 @@ void add_zones(const TopModel& model, std::size_t width, Lines& lines) {
   append(table, width, lines);
 }
 
+// Datagrams and frames that came, or were on their way, and are in no estimate, as on the live map
+// (daemon/http/README.md). Rejected datagrams and partial frames count by themselves.
+std::uint64_t lost_of(const v1::SourceCounters& counters) {
+  return counters.kernel_drops() + counters.ring_dropped() + counters.late() +
+         counters.frames_dropped();
+}
+
 void add_sources(const TopModel& model, std::size_t width, Lines& lines) {
   TextTable table({"access point",
                    "status",
@@ -177,7 +184,7 @@ void add_sources(const TopModel& model, std::size_t width, Lines& lines) {
                    ">rejected",
                    ">lost",
                    ">age"});
-  table.may_lack({"partial", "age", "datagrams", "frames", "rejected"});
+  table.may_lack({"age", "datagrams", "frames", "rejected", "partial"});
   for (const v1::SourceReport& source : model.heartbeat()->sources()) {
     const v1::SourceCounters& counters = source.counters();
     std::uint64_t rejected = 0;
@@ -192,8 +199,7 @@ void add_sources(const TopModel& model, std::size_t width, Lines& lines) {
                std::to_string(counters.frames_complete() + counters.frames_partial()),
                std::to_string(counters.frames_partial()),
                std::to_string(rejected),
-               std::to_string(counters.kernel_drops() + counters.ring_dropped() +
-                              counters.frames_dropped()),
+               std::to_string(lost_of(counters)),
                source.has_age() ? age_text(to_seconds(from_proto(source.age()))) : "-"});
   }
   append(table, width, lines);

@@ -634,8 +634,8 @@ class WalkTest(PlaybackTest):
         self.ask_for("state=paused")
         page.wait(f"{self.TEXT}.includes('paused')")
         lost = page.ask("[...document.querySelectorAll('#source-rows tr')].map((row) => "
-                        "row.children[3].textContent)")
-        assert lost == ["0", "0", "0"], f"in a picture for everybody: {lost}"
+                        "row.children[4].textContent + row.children[5].textContent)")
+        assert lost == ["00"] * 3, f"in a picture for everybody: {lost}"
         x, y = assert_shown(page, self.daemon, LIVE_COLOUR, "on the walk")
         with open(os.path.join(SITE, "walk.csv"), encoding="ascii") as file:
             path = [(float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]

@@ -178,10 +178,7 @@ export class Model {
     const before = this.sources.get(state.access_point);
     const {counters} = state;
     const frames = Number(counters.frames_complete) + Number(counters.frames_partial);
-    const rejected = Object.values(counters.rejected || {}).reduce((sum, n) => sum + Number(n), 0);
-    const lost = ['kernel_drops', 'ring_dropped', 'late', 'frames_dropped']
-      .reduce((sum, key) => sum + Number(counters[key]), rejected);
-    const source = {state, sent, frames, lost, rate: null};
+    const source = {state, sent, frames, rate: null};
     if (before) {
       const apart = (sent - before.sent) / 1000;
       source.rate = apart > 0.2 ? Math.max(0, frames - before.frames) / apart : before.rate;

@@ -6,7 +6,7 @@ const rows = new Map();
 
 function rowOf(id) {
   if (!rows.has(id)) {
-    const cells = [0, 1, 2].map(() => html('td'));
+    const cells = [0, 1, 2, 3, 4].map(() => html('td'));
     const row = html('tr', {'data-source': id}, [html('th', {scope: 'row'}, [id]), ...cells]);
     byId('source-rows').append(row);
     rows.set(id, {row, cells});
@@ -14,14 +14,18 @@ function rowOf(id) {
   return rows.get(id);
 }
 
-function losses({state, lost}) {
-  if (lost === 0) return '0';
-  const {counters} = state;
-  const kinds = {...counters.rejected, 'dropped by the kernel': counters.kernel_drops, 'dropped here': counters.ring_dropped,
-    late: counters.late, 'frames dropped': counters.frames_dropped};
-  const named = Object.entries(kinds).filter(([, n]) => Number(n) > 0).map(([name, n]) => `${name.replaceAll('_', ' ')} ${n}`);
-  return `${lost} (${named.join(', ')})`;
+// Datagrams and frames that came, or were on their way, and are in no estimate, as in `rayloc top`
+// (daemon/http/README.md). What was refused as no CSI and frames of which a part is missing count by themselves.
+const LOSSES = {kernel_drops: 'dropped by the kernel', ring_dropped: 'dropped here', late: 'late', frames_dropped: 'frames dropped'};
+
+// "0", or "3 (late 2, frames dropped 1)".
+function named(kinds) {
+  const counts = Object.entries(kinds).map(([name, n]) => [name, Number(n)]).filter(([, n]) => n > 0);
+  const sum = counts.reduce((total, [, n]) => total + n, 0);
+  return sum === 0 ? '0' : `${sum} (${counts.map(([name, n]) => `${name.replaceAll('_', ' ')} ${n}`).join(', ')})`;
 }
+
+const lost = (counters) => named(Object.fromEntries(Object.entries(LOSSES).map(([key, name]) => [name, counters[key]])));
 
 export function showSources(model) {
   const {sources} = model;
@@ -39,7 +43,10 @@ export function showSources(model) {
     setText(cells[0], (status === 'stalled' ? `silent${silent}` : status) + why);
     cells[0].className = status === 'receiving' ? 'good' : ['stalled', 'failed'].includes(status) ? 'bad' : 'warn';
     setText(cells[1], source.rate === null || model.quiet ? '' : number(source.rate, source.rate < 10 ? 1 : 0));
-    setText(cells[2], losses(source));
+    const {counters} = source.state;
+    setText(cells[2], String(counters.frames_partial));
+    setText(cells[3], named(counters.rejected || {}));
+    setText(cells[4], lost(counters));
   }
 }
 

@@ -1,4 +1,8 @@
 // What `rayloc top` keeps and shows.
+#include <algorithm>
+#include <iterator>
+#include <sstream>
+
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
@@ -192,6 +196,7 @@ TEST(TopView, FitsIntoEightyColumns) {
                            "kitchen",
                            "tentative",
                            "receiving",
+                           "partial",
                            "times",
                            "slow"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
@@ -219,6 +224,29 @@ TEST(TopView, TellsWhoIsInAZoneByItsEventsAlone) {
   EXPECT_NE(text.find("  desk door\n"), std::string::npos) << text;
   model.add("z", parsed("epoch: 1 sequence: 2 zone { zone: 'desk' }"), kStart);
   EXPECT_EQ(model.zones_of("person-5"), std::vector<std::string>{"door"});
+}
+
+// As the live map counts (tests/e2e/map_modules_test.js).
+TEST(TopView, CountsAsLostWhatIsInNoEstimate) {
+  TopModel model;
+  model.add("h",
+            parsed("epoch: 1 sequence: 1 heartbeat { sources { access_point: 'ap1' "
+                   "status: SOURCE_STATUS_RECEIVING counters { received: 100 frames_complete: 60 "
+                   "frames_partial: 7 late: 2 kernel_drops: 3 ring_dropped: 4 frames_dropped: 1 "
+                   "rejected { key: 'too_short' value: 5 } "
+                   "rejected { key: 'unknown_format' value: 6 } } } }"),
+            kStart);
+  std::vector<std::vector<std::string>> rows;
+  for (const std::string& line : top_lines(model, kStart)) {
+    std::istringstream words(line);
+    rows.emplace_back(std::istream_iterator<std::string>(words),
+                      std::istream_iterator<std::string>());
+  }
+  const auto row = std::find_if(
+      rows.begin(), rows.end(), [](const auto& each) { return !each.empty() && each[0] == "ap1"; });
+  ASSERT_NE(row, rows.end());
+  EXPECT_EQ(*row,
+            (std::vector<std::string>{"ap1", "receiving", "100", "-", "67", "7", "11", "10", "-"}));
 }
 
 TEST(TopModel, CountsNoRateOfWhatWasSaidBefore) {
