@@ -4,7 +4,8 @@
   const {Model} = await import('/map/model.js');
 
   const {Targets} = await import('/map/targets.js');
-  const {showChannel} = await import('/map/panels.js');
+  const {showCalibration, showChannel} = await import('/map/panels.js');
+  const {dotOf, pointsOf} = await import('/map/fits.js');
   const {showSources} = await import('/map/sources.js');
 
   const same = (found, wanted, what) => {
@@ -24,6 +25,9 @@
   const playing = (sent, speed) => ({sent: new Date(sent).toISOString(), heartbeat: {playback: {
     state: 'PLAYBACK_STATE_PLAYING', begin: '2020-01-01T00:00:00Z', end: '2020-01-01T00:01:00Z',
     position: '2020-01-01T00:00:10Z', speed}}});
+
+  // A metre is a hundred pixels.
+  const VIEW = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y], mark: (x, y) => `translate(${100 * x} ${100 * y})`};
 
   const begin = (messages) => {
     const said = [];
@@ -100,47 +104,107 @@
       const text = (selector) => document.querySelector(`${selector}[data-target="${key}"]`).textContent;
       const show = (change) => {
         const {model} = begin([location(NOW, change)]);
-        targets.show(model.at(NOW), {scale: 100, toPixel: (x, y) => [100 * x, 100 * y]});
+        targets.show(model.at(NOW), VIEW);
         return [text('.target'), text('tr').replace('confirmed1.00, 2.00', '')];
       };
+      const at = (x) => ({position: {x, y: 2}, weight: 0.5, position_covariance: [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0]});
       same(show({}), [key, key], 'of one that is sure');
-      same(show({quality: {warnings: ['beside the transmitter'], ambiguous: true}}),
+      same(show({quality: {ambiguous: true}, hypotheses: [at(1), at(1.2)]}), [key, key], 'of one place in two pieces');
+      same(show({quality: {warnings: ['beside the transmitter'], ambiguous: true}, hypotheses: [at(1), at(5)]}),
         [`beside the transmitter; another place is nearly as likely${key}, doubtful`,
-          `${key}beside the transmitter; another place is nearly as likely`], 'of one that is not');
+          `${key}beside the transmitter; another place is nearly as likelyor 5.00, 2.00 (50 %)`], 'of one that is not');
       same(show({position: undefined, quality: {warnings: ['beside the transmitter'], no_fix_reason: 'moved'}}),
         [`${key}: no fix`, `${key}no fixmoved`], 'of one without a place');
       targets.show([], null);
     },
 
-    'ellipses are of the likeliest place'() {
+    'regions are of the place of the mark, and ghosts are places apart'() {
       const targets = new Targets();
-      const drawn = (hypotheses) => {
-        // Of both places together: 2 m.
-        const {model} = begin([location(NOW, {position_covariance: [4, 0, 0, 0, 0.04, 0, 0, 0, 0], hypotheses})]);
-        targets.show(model.at(NOW), {scale: 100, toPixel: (x, y) => [100 * x, 100 * y]});
-        const [outer, inner] = document.querySelectorAll('#regions ellipse');
-        return [outer, inner].map((one) => [Math.round(one.getAttribute('rx')), one.getAttribute('transform').split(')')[0],
-          one.textContent]);
+      const middle = (text) => text.match(/-?[\d.]+/g).slice(0, 2).map((v) => Math.round(v));
+      const size = (one) => ['rx', 'ry'].map((name) => Math.round(one.getAttribute(name)));
+      const drawn = (hypotheses, change = {}) => {
+        const {model} = begin([location(NOW, {accuracy_m: 1.5, accuracy_confidence: 0.9, hypotheses, ...change})]);
+        targets.show(model.at(NOW), VIEW);
+        const [outer] = document.querySelectorAll('#regions circle');
+        const [inner] = document.querySelectorAll('#regions ellipse');
+        return {
+          outer: [...['cx', 'cy', 'r'].map((name) => outer.getAttribute(name)), outer.textContent],
+          inner: [...middle(inner.getAttribute('transform')), ...size(inner), inner.textContent],
+          ghosts: [...document.querySelectorAll('#ghosts title')].map((one) => one.textContent),
+          listed: document.querySelector('tr[data-target] td p').textContent,
+        };
       };
-      const place = (x, weight, sigma) => ({position: {x, y: 2, z: 1}, weight,
-        position_covariance: [sigma * sigma, 0, 0, 0, sigma * sigma, 0, 0, 0, 0]});
-      const of = ' of the likeliest place, which has 60 %';
-      same(drawn([place(1.5, 0.6, 0.1), place(5, 0.4, 0.2)]),
-        [[24, 'translate(150 200', `region of 95 %${of}`], [12, 'translate(150 200', `region of 50 %${of}`]], 'of two');
-      same(document.querySelectorAll('#ghosts circle').length, 1, 'other places');
+      const place = (x, weight, sigma, y = 2) => ({position: {x, y, z: 1}, weight,
+        position_covariance: [sigma * sigma, 0, 0, 0, sigma * sigma, 0, 0, 0, 0.0025]});
+      const piece = (x, y, weight, xx, yy) => ({...place(x, weight, 1, y), position_covariance: [xx, 0, 0, 0, yy, 0, 0, 0, 0.0025]});
+      const outer = ['100', '200', '150', 'within 1.50 m with 90 %'];
+      const near = (found, wanted) => found.slice(0, 4).every((v, i) => Math.abs(v - wanted[i]) <= 2);
+
+      // Of a normal distribution half lies within 1.18 sigma.
       for (const one of [[place(1, 1, 0.1)], undefined]) {
-        same(drawn(one), [[490, 'translate(100 200', 'region of 95 %'], [235, 'translate(100 200', 'region of 50 %']], 'of one');
+        const found = drawn(one);
+        same([found.outer, found.ghosts, found.listed], [outer, [], ''], 'one place');
+        same(near(found.inner, [100, 200, 12, 12]) && found.inner[4], 'region of 50 %', `one place: ${found.inner}`);
       }
+
+      // What engine/localize/posterior.cpp makes of one hill of 0.4 m about 1, 2 (and leaves a third over).
+      const hill = [piece(1, 2, 0.249, 0.0223, 0.0223), piece(0.58, 2, 0.114, 0.0135, 0.0265), piece(1.01, 1.57, 0.106, 0.0251, 0.0125),
+        piece(1.01, 2.43, 0.1, 0.0251, 0.0125), piece(1.44, 2, 0.094, 0.0113, 0.0237)];
+      let found = drawn(hill);
+      same([found.outer, found.ghosts, found.listed], [outer, [], ''], 'one hill in pieces');
+      same(near(found.inner, [100, 200, 47, 47]) && found.inner[4], 'region of 50 %', `a hill of 0.4 m: ${found.inner}`);
+
+      // A ridge of 0.8 x 0.06 m: pieces in a row.
+      found = drawn([[1, 0.274], [1.51, 0.199], [0.5, 0.186], [1.97, 0.118], [0.03, 0.104]].map(([x, weight]) =>
+        piece(x, 2, weight, 0.02, 0.0042)));
+      same([found.ghosts, found.inner[2] > 5 * found.inner[3]], [[], true], `a ridge in pieces: ${found.inner}`);
+
+      // The highest peak, at the mark, is not the heaviest place.
+      found = drawn([place(3, 0.6, 0.25), place(1, 0.35, 0.06)]);
+      same(near(found.inner, [100, 200, 7, 7]) && found.inner[4], 'region of 18 %, half of the 35 % of this place', `the mark's: ${found.inner}`);
+      same([found.outer, found.ghosts, found.listed], [outer, ['60 % at 3.00, 2.00'], 'or 3.00, 2.00 (60 %)'], 'the heaviest');
+      same(document.querySelectorAll('#ghosts .likely circle').length, 1, 'its ring');
+      same(document.querySelector('#ghosts text').textContent, '60 %', 'its name');
+
+      // A narrow core on its broad foot is one place, whichever is heavier; and one apart is a ghost of both.
+      for (const core of [0.3, 0.6]) {
+        found = drawn([place(1, core, 0.02), place(1.1, 0.9 - core, 0.3), place(2.2, 0.08, 0.1)]);
+        same([found.ghosts, found.inner[4]], [['8 % at 2.20, 2.00'], 'region of 50 %'], `core of ${core}`);
+        same(core > 0.5 ? found.inner[2] < 12 : found.inner[2] > 12, true, `core of ${core}: ${found.inner}`);
+      }
+
+      // Two narrow ones 0.45 m apart are two.
+      same(drawn([place(1, 0.5, 0.05), place(1.45, 0.5, 0.05)]).ghosts, ['50 % at 1.45, 2.00'], 'two close places');
       targets.show([], null);
     },
 
-    'why a source failed is said'() {
-      const {model} = begin([{sent: new Date(NOW).toISOString(), source: {
-        access_point: 'ap9', status: 'SOURCE_STATUS_FAILED', detail: 'torn file', counters: {
-          frames_complete: '0', frames_partial: '0', kernel_drops: '0', ring_dropped: '0', late: '0', frames_dropped: '0'}}}]);
-      showSources(model);
+    'why a source failed and what it lost is said'() {
+      const source = (change, counters) => ({sent: new Date(NOW).toISOString(), source: {
+        access_point: 'ap9', status: 'SOURCE_STATUS_RECEIVING', ...change, counters: {
+          frames_complete: '0', frames_partial: '0', kernel_drops: '0', ring_dropped: '0', late: '0', frames_dropped: '0', ...counters}}});
       // The page itself takes the row away again: it knows no such source.
-      same(document.querySelector('tr[data-source=ap9] td').textContent, 'failed: torn file', 'state');
+      const cells = (...of) => {
+        showSources(begin([source(...of)]).model);
+        return [...document.querySelectorAll('tr[data-source=ap9] td')].map((one) => one.textContent);
+      };
+      same(cells({status: 'SOURCE_STATUS_FAILED', detail: 'torn file'}), ['failed: torn file', '', '0', '0', '0'], 'of one that failed');
+      same(cells({}, {frames_partial: '7', late: '2', kernel_drops: '3', ring_dropped: '4', frames_dropped: '1',
+        rejected: {too_short: '5', unknown_format: '6'}}), ['receiving', '', '7', '11 (too short 5, unknown format 6)',
+        '10 (dropped by the kernel 3, dropped here 4, late 2, frames dropped 1)'], 'of one that lost much');
+    },
+
+    'what the calibration moved and how it fits is all told'() {
+      const moved = Array.from({length: 15}, (_, i) => ({name: `wall ${i}`, by: 0.01, unit: 'm', prior_sigmas: null}));
+      const fit = (x, after) => ({position: [x, 1, 1.2], after});
+      showCalibration({available: true, method: 'all', points: 2, heldout: {}, moved, fits: [fit(1, 0.9), fit(2, 0.3), fit(2, 0.1)]});
+      const text = (selector) => [...document.querySelectorAll(selector)].map((one) => one.textContent);
+      same([text('#moved-rows tr').length, text('#moved-more')], [12, ['And 3 more in report.html of the calibration.']], 'moved');
+      same(text('#fit-rows tr'), ['2.00, 1.00, 1.2020 %', '1.00, 1.00, 1.2090 %'], 'points, the worst first');
+      const dots = pointsOf([fit(1, 1), fit(2, 0), fit(3, 0.5)]).map(dotOf);
+      same(dots.map((dot) => [dot.getAttribute('class'), dot.getAttribute('r')]),
+        [['residual fit-0', '9'], ['residual fit-2', '7'], ['residual fit-4', '5']], 'dots');
+      showCalibration({available: false, reason: 'none'});
+      same([text('#fit-rows tr').length, text('#moved-more'), document.querySelector('#fits').hidden], [0, [''], true], 'of none');
     },
 
     'who is in a zone is what its last event said, at each time'() {

@@ -5,7 +5,7 @@ Chromium, and the pixels that it shows.
     map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
-PART: live, recording, walk, no-room; all of them unless told.
+PART: live, places, recording, walk, no-room; all of them unless told.
 """
 
 import argparse
@@ -124,7 +124,12 @@ class Daemon:
             connection.close()
 
     def position(self):
-        """Of the device: the last filtered estimate, as a new viewer is told it."""
+        """Of the device, as located() tells it."""
+        location = self.located(DEVICE)
+        return location and (location["position"]["x"], location["position"]["y"])
+
+    def located(self, mac):
+        """The last filtered estimate of it, as a new viewer is told it."""
         connection = http.client.HTTPConnection("127.0.0.1", self.http, timeout=PATIENCE)
         try:
             connection.request("GET", "/events")
@@ -137,8 +142,8 @@ class Daemon:
         finally:
             connection.close()
         for location in reversed([one["location"] for one in messages if "location" in one]):
-            if location["kind"] == "LOCATION_KIND_FILTERED" and location["target"].get("mac") == DEVICE:
-                return location["position"]["x"], location["position"]["y"]
+            if location["kind"] == "LOCATION_KIND_FILTERED" and location["target"].get("mac") == mac:
+                return location
         return None
 
 
@@ -161,11 +166,15 @@ class Recording:
                 at += 16 + length
         self.datagrams.sort(key=lambda one: one[0])
 
-    def send(self, spot, daemon, until):
-        """The datagrams of that spot at their pace, over and over until `until` is set."""
+    def send(self, spot, daemon, until, mac=DEVICE, access_points=ACCESS_POINTS):
+        """The datagrams of that spot at their pace, over and over until `until` is set; as if a device of
+        that address had been there, and heard by these access points alone."""
         begin, end = self.spots[spot]["t_start"], self.spots[spot]["t_end"]
-        chosen = [one for one in self.datagrams if begin <= one[0] <= end]
-        assert chosen
+        before, after = (bytes.fromhex(one.replace(":", "")) for one in (DEVICE, mac))
+        chosen = [(stamp, index, payload.replace(before, after))
+                  for stamp, index, payload in self.datagrams
+                  if begin <= stamp <= end and ACCESS_POINTS[index] in access_points]
+        assert chosen and all(after in payload for _, _, payload in chosen)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
             while not until.is_set():
                 started = time.monotonic()
@@ -181,9 +190,9 @@ def survey():
 
 
 class Sending:
-    def __init__(self, recording, spot, daemon):
+    def __init__(self, recording, spot, daemon, **how):
         self.until = threading.Event()
-        self.thread = threading.Thread(target=recording.send, args=(spot, daemon, self.until))
+        self.thread = threading.Thread(target=recording.send, args=(spot, daemon, self.until), kwargs=how)
 
     def __enter__(self):
         self.thread.start()
@@ -194,13 +203,18 @@ class Sending:
 
 
 # ---- Where something ought to be, by the site and the rule of view.js alone ----------------------
-def expected_pixel(position, box):
+def fitting(box):
+    """Pixels of a metre, and the middle of the room."""
     with open(os.path.join(SITE, "site.toml"), "rb") as file:
         bounds = tomllib.load(file)["bounds"]
-    left, top, width, height = box
     sizes = [bounds[axis][1] - bounds[axis][0] + 0.6 for axis in "xy"]
-    scale = min((width - 32) / sizes[0], (height - 32) / sizes[1])
-    middle = [sum(bounds[axis]) / 2 for axis in "xy"]
+    scale = min((box[2] - 32) / sizes[0], (box[3] - 32) / sizes[1])
+    return scale, [sum(bounds[axis]) / 2 for axis in "xy"]
+
+
+def expected_pixel(position, box):
+    left, top, width, height = box
+    scale, middle = fitting(box)
     return (left + width / 2 + (position[0] - middle[0]) * scale,
             top + height / 2 - (position[1] - middle[1]) * scale)
 
@@ -384,7 +398,7 @@ class MapTest:
 
     def dots_follow(self, page):
         """What is shown of the calibration is of this start of raylocd, and stays in its place."""
-        place = "document.querySelector('#residuals circle').getAttribute('cx')"
+        place = "document.querySelector('#residuals g').getAttribute('transform')"
         before = page.ask(place)
         page.ask("document.querySelector('#zoom-in').click()")
         page.wait(f"{place} !== '{before}'")
@@ -400,6 +414,9 @@ class MapTest:
             assert_shown(page, self.daemon, STALE_COLOUR, f"{width} pixels wide")
             widest = page.ask("document.documentElement.scrollWidth")
             assert widest <= width, f"{width} pixels wide: the page is {widest} wide"
+            # What hangs on a wall is read from afar.
+            letters = page.ask("document.querySelector('#markers text').getBoundingClientRect().height")
+            assert 13 <= letters / max(1, width / 1920) <= 26, f"{width}: letters of {letters} pixels"
             self.artefact(page, f"{width}")
             if phone:
                 small = page.ask("[...document.querySelectorAll('button')].filter(b => "
@@ -414,7 +431,7 @@ class MapTest:
             truth = self.recording.spots[0]
             for page in pages:
                 # It was at another spot.
-                page.wait(f"(() => {{ const [x, y] = {CELLS}[2].textContent.split(',').map(Number);"
+                page.wait(f"(() => {{ const [x, y] = {CELLS}[2].firstChild.textContent.split(',').map(Number);"
                           f"return Math.hypot(x - {truth['x']}, y - {truth['y']}) < 0.3; }})()")
             status, _, headers = self.daemon.get("events")
             assert status == 503 and headers["Retry-After"] == "5", (status, headers)
@@ -646,6 +663,67 @@ class WalkTest(PlaybackTest):
             shutil.copy(os.path.join(self.out, "walk.png"), self.picture)
 
 
+class PlacesTest(MapTest):
+    """Two devices, of which one access point alone hears: where else they may be is shown."""
+
+    OTHER = "02:52:4c:00:00:03"  # not in the site: located as any other
+    SURE, UNSURE = 6, 11  # spots: the first is well told from there; the second has another place
+    BOXES = "[...document.querySelectorAll('{}')].map((e) => {{ const b = e.getBoundingClientRect();" \
+            "return [b.x + b.width / 2, b.y + b.height / 2, b.width / 2, b.height / 2]; }})"
+
+    def run(self):
+        page = self.open(1280, 800)
+        with Sending(self.recording, self.SURE, self.daemon, mac=self.OTHER, access_points=["ap1"]), \
+                Sending(self.recording, self.UNSURE, self.daemon, access_points=["ap1"]):
+            for mac in (DEVICE, self.OTHER):
+                page.wait(f"document.querySelector('tr[data-target=\"{mac}\"] td.good') !== null")
+            page.wait("document.querySelector('#ghosts circle') !== null")
+            self.artefact(page, "places")
+        page.wait("document.querySelectorAll('#target-rows td.warn').length === 2")  # nothing moves
+        drawn = [self.expect_regions(page, mac) for mac in (DEVICE, self.OTHER)]
+        assert drawn[0] and not drawn[1], f"other places of the unsure and of the sure one: {drawn}"
+        assert len(page.ask(self.BOXES.format("#ghosts circle"))) == len(drawn[0])
+        accessibility.check_contrast(page, "dark")
+        self.check(page)
+        self.close(page)
+
+    def expect_regions(self, page, mac):
+        """The mark, what is published about it, and its other places; these in the list, too."""
+        told = self.daemon.located(mac)
+        box = map_box(page)
+        scale, _ = fitting(box)
+        mark = expected_pixel((told["position"]["x"], told["position"]["y"]), box)
+        circles = page.ask(self.BOXES.format("#regions circle"))
+        outer = min(circles, key=lambda one: math.dist(one[:2], mark))
+        assert math.dist(outer[:2], mark) < 1 and abs(outer[2] - scale * told["accuracy_m"]) < 1, (outer, told)
+        inner = min(page.ask(self.BOXES.format("#regions ellipse")), key=lambda one: math.dist(one[:2], mark))
+        assert math.dist(inner[:2], mark) < 1, (inner, mark)
+        places = apart(told)
+        rings = page.ask(self.BOXES.format("#ghosts circle"))
+        listed = page.ask(f"document.querySelector('tr[data-target=\"{mac}\"] td p').textContent")
+        for weight, position in places:
+            expected = expected_pixel(position, box)
+            assert min(math.dist(one[:2], expected) for one in rings) <= PIXELS, (expected, rings)
+            assert f"or {position[0]:.2f}, {position[1]:.2f} ({100 * weight:.0f} %)" in listed, listed
+        assert listed.count("or ") == len(places), (listed, places)
+        return places
+
+
+def apart(location):
+    """Weight and middle of the places that are not the mark's, of hypotheses of which none are at the
+    edge of the rule (places.js): linked where nearer than 0.65 m."""
+    groups = []
+    for one in location["hypotheses"]:
+        x, y, weight = one["position"]["x"], one["position"]["y"], one["weight"]
+        linked = [group for group in groups if any(math.dist((x, y), other[:2]) < 0.65 for other in group)]
+        groups = [group for group in groups if group not in linked] + [sum(linked, [(x, y, weight)])]
+    where = location["position"]["x"], location["position"]["y"]
+    groups.sort(key=lambda group: min(math.dist(one[:2], where) for one in group))
+    return [(sum(one[2] for one in group), tuple(sum(one[2] * one[axis] for one in group)
+                                                / sum(one[2] for one in group) for axis in (0, 1)))
+            for group in groups[1:]]
+
+
 class NoRoomTest(MapTest):
     """Where nothing is located, what is received is shown nevertheless."""
 
@@ -715,6 +793,7 @@ def calibrate(folder, binaries):
 # What is tested, and the raylocd that it looks at.
 PARTS = {
     "live": (MapTest, Daemon),
+    "places": (PlacesTest, Daemon),
     "recording": (PlaybackTest, of_spots),
     "walk": (WalkTest, of_walk),
     "no-room": (NoRoomTest, lambda folder, binaries, site:

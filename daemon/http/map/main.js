@@ -123,7 +123,7 @@ function showRoom(moment) {
 
 function showScale() {
   const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
-  const metres = steps.find((m) => m * view.scale >= 60) || 500;
+  const metres = steps.find((m) => m * view.scale >= 60 * view.unit) || 500;
   byId('scale-bar').style.width = `${metres * view.scale}px`;
   setText(byId('scale-text'), `${metres} m`);
 }

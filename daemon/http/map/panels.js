@@ -1,16 +1,22 @@
 // The panels that are asked for: what the calibration found, and the channel.
 import {ask} from './ask.js';
 import {byId, html, number, setText, svg} from './draw.js';
+import {pointsOf, writePoints} from './fits.js';
 import {minutes} from './playback.js';
 
-let fits = [];  // of the calibration shown: how well each surveyed point is explained
+const MOVED = 12;  // told here; the report has all
+
+let points = [];  // of the calibration shown: how well each is explained
 
 // report: as in /api/v1/calibration.
 export function showCalibration(report) {
-  fits = (report.available && report.fits) || [];
-  byId('show-residuals').disabled = fits.length === 0;
+  points = pointsOf((report.available && report.fits) || []);
+  byId('show-residuals').disabled = points.length === 0;
+  writePoints(points);
   setText(byId('calibration-text'), report.available ? summary(report) : `Nothing to show: ${report.reason}.`);
-  byId('moved-rows').replaceChildren(...(report.moved || []).slice(0, 12).map((one) => html('tr', {}, [
+  const moved = report.moved || [];
+  setText(byId('moved-more'), moved.length > MOVED ? `And ${moved.length - MOVED} more in report.html of the calibration.` : '');
+  byId('moved-rows').replaceChildren(...moved.slice(0, MOVED).map((one) => html('tr', {}, [
     html('th', {scope: 'row'}, [one.name]),
     html('td', {}, [`${Number(one.by.toPrecision(3))} ${one.unit}`]),
     html('td', {}, [one.prior_sigmas === null ? '' : `${number(one.prior_sigmas, 1)} σ`]),
@@ -26,7 +32,7 @@ function summary(report) {
 
 // On the map, where that is wanted.
 export function showFits(plan) {
-  plan.showResiduals(byId('show-residuals').checked ? fits : []);
+  plan.showResiduals(byId('show-residuals').checked ? points : []);
 }
 
 const CHANNEL_MS = 1000;

@@ -1,6 +1,7 @@
 // What does not move: walls and furniture, zones, access points, fixed transmitters, and how well
 // the surveyed points of the calibration fit.
-import {byId, number, setText, svg} from './draw.js';
+import {byId, setText, svg} from './draw.js';
+import {dotOf} from './fits.js';
 
 const points = (list) => list.map(([x, y]) => `${x},${y}`).join(' ');
 
@@ -38,16 +39,13 @@ export class Plan {
       const corners = zone.polygon.map(([x, y]) => view.toPixel(x, y));
       area.setAttribute('points', points(corners));
       const middle = [0, 1].map((i) => corners.reduce((sum, c) => sum + c[i], 0) / corners.length);
-      name.setAttribute('x', middle[0]);
-      name.setAttribute('y', middle[1]);
+      name.setAttribute('transform', `translate(${middle.join(' ')}) scale(${view.unit})`);
     }
     for (const {group, at} of this.fixed) {
-      group.setAttribute('transform', `translate(${view.toPixel(at[0], at[1]).join(' ')})`);
+      group.setAttribute('transform', view.mark(at[0], at[1]));
     }
     for (const {dot, at} of this.residuals) {
-      const [x, y] = view.toPixel(at[0], at[1]);
-      dot.setAttribute('cx', x);
-      dot.setAttribute('cy', y);
+      dot.setAttribute('transform', view.mark(at[0], at[1]));
     }
   }
 
@@ -70,22 +68,9 @@ export class Plan {
     }
   }
 
-  // fits: as in /api/v1/calibration; the mean over the access points of each point.
-  showResiduals(fits) {
-    const byPoint = new Map();
-    for (const fit of fits) {
-      const key = fit.position.join();
-      if (!byPoint.has(key)) byPoint.set(key, {at: fit.position, values: []});
-      byPoint.get(key).values.push(fit.after);
-    }
-    this.residuals = [...byPoint.values()].map(({at, values}) => {
-      const share = values.reduce((sum, v) => sum + v, 0) / values.length;
-      // From blue (all explained) to orange (nothing): also told apart by who sees no red.
-      const mix = [[20, 90, 190], [225, 120, 0]].map((c, i) => c.map((v) => v * (i ? 1 - share : share)));
-      const colour = mix[0].map((v, i) => Math.round(v + mix[1][i]));
-      const title = svg('title', {}, [`${number(100 * share, 0)} % of the power explained`]);
-      return {at, dot: svg('circle', {class: 'residual', r: 6, fill: `rgb(${colour.join()})`}, [title])};
-    });
+  // points: of the calibration (fits.js).
+  showResiduals(points) {
+    this.residuals = points.map((point) => ({at: point.at, dot: svg('g', {}, [dotOf(point)])}));
     byId('residuals').replaceChildren(...this.residuals.map(({dot}) => dot));
   }
 }

@@ -1,8 +1,9 @@
 // Targets on the map and in the table.
-import {byId, clock, ellipse, html, number, setText, svg} from './draw.js';
+import {byId, clock, html, number, setText, svg} from './draw.js';
 import {trackStateText} from './model.js';
+import {placesOf} from './places.js';
 
-const LEAST_WEIGHT = 0.01;
+const LIKELY = 0.2;  // drawn wider
 const CLOSE_PX = 12;  // what is nearer to the mark would only hide it
 
 export class Targets {
@@ -62,7 +63,7 @@ export class Targets {
     one.marker.setAttribute('visibility', at ? 'visible' : 'hidden');
     one.marker.setAttribute('class', `target ${classes}${chosen ? ' selected' : ''}`);
     one.marker.setAttribute('data-target', target.key);
-    if (at) one.marker.setAttribute('transform', `translate(${view.toPixel(at.x, at.y).join(' ')})`);
+    if (at) one.marker.setAttribute('transform', view.mark(at.x, at.y));
     setText(one.text, label(target, location, stale));
     setText(one.title, doubts(location).join('; '));
     one.trail.setAttribute('class', `trail ${classes}`);
@@ -75,16 +76,17 @@ export class Targets {
 
   write({target, location, stale, zones}) {
     if (!this.rows.has(target.key)) this.rows.set(target.key, this.makeRow(target));
-    const {button, cells, warnings} = this.rows.get(target.key);
+    const {button, cells, warnings, place, elsewhere} = this.rows.get(target.key);
     button.setAttribute('aria-pressed', String(this.selected === target.key));
     const p = location.position;
     const state = stale ? `stale since ${clock(stale)}` : p ? trackStateText(location.track_state) || 'snapshot' : 'no fix';
     setText(cells[0], state);
     cells[0].className = stale || !p ? 'warn' : 'good';
     setText(warnings, doubts(location).join('; '));
-    setText(cells[1], p ? `${number(p.x)}, ${number(p.y)}` : location.quality.no_fix_reason || '');
+    setText(place, p ? coordinates(p) : location.quality.no_fix_reason || '');
+    setText(elsewhere, placesOf(location).others.map((one) => `or ${coordinates(one.at)} (${percent(one.weight)})`).join('; '));
     setText(cells[2], location.accuracy_m === undefined ? ''
-      : `${number(location.accuracy_m)} m (${number(100 * location.accuracy_confidence, 0)} %)`);
+      : `${number(location.accuracy_m)} m (${percent(location.accuracy_confidence)})`);
     setText(cells[3], zones.join(', '));
   }
 
@@ -95,9 +97,12 @@ export class Targets {
     button.addEventListener('click', () => this.select(target.key));
     const cells = [0, 1, 2, 3].map(() => html('td'));
     const warnings = html('p', {class: 'warn'});
+    const place = html('span');
+    const elsewhere = html('p', {class: 'quiet'});
+    cells[1].append(place, elsewhere);
     const row = html('tr', {'data-target': target.key}, [html('th', {scope: 'row'}, [button, warnings]), ...cells]);
     byId('target-rows').append(row);
-    return {row, button, cells, warnings};
+    return {row, button, cells, warnings, place, elsewhere};
   }
 }
 
@@ -107,51 +112,60 @@ function label(target, location, stale) {
   return doubts(location).length > 0 ? `${target.name}, doubtful` : target.name;
 }
 
-// What a person should know of where it is said to be.
-function doubts({position, quality}) {
+// What a person should know of where it is said to be. Of hypotheses of one place none is another place.
+function doubts(location) {
+  const {position, quality} = location;
   if (!position) return [];
-  return [...(quality.warnings || []), ...(quality.ambiguous ? ['another place is nearly as likely'] : [])];
+  const elsewhere = quality.ambiguous && placesOf(location).others.length > 0;
+  return [...(quality.warnings || []), ...(elsewhere ? ['another place is nearly as likely'] : [])];
 }
 
-function drawnEllipse(position, covariance, probability, view, attributes) {
-  const {major, minor, angle} = ellipse(covariance, probability);
-  const [x, y] = view.toPixel(position.x, position.y);
+const percent = (share) => `${number(100 * share, 0)} %`;
+const coordinates = ({x, y}) => `${number(x)}, ${number(y)}`;
+
+function drawnRegion({region: {major, minor, angle}, at}, view, name) {
+  const [x, y] = view.toPixel(at.x, at.y);
   return svg('ellipse', {
-    ...attributes,
+    class: name,
     rx: Math.max(1, major * view.scale),
     ry: Math.max(1, minor * view.scale),
     transform: `translate(${x} ${y}) rotate(${(-angle * 180) / Math.PI})`,
   });
 }
 
-// Of 50 and 95 %. The covariance of all places together would say that it is between them: where there
-// are several, that of the likeliest alone.
-function regions({position, position_covariance: covariance, hypotheses}, view) {
-  const several = hypotheses.length > 1;
-  const of = several ? hypotheses[0] : {position, position_covariance: covariance};
-  if (!position || of.position_covariance?.length !== 9) return [];
-  const place = several ? ` of the likeliest place, which has ${number(100 * of.weight, 0)} %` : '';
-  return [[0.95, 'region outer'], [0.5, 'region']].map(([probability, name]) => {
-    const drawn = drawnEllipse(of.position, of.position_covariance, probability, view, {class: name});
-    drawn.append(svg('title', {}, [`region of ${100 * probability} %${place}`]));
-    return drawn;
-  });
+// The outer one is what is published: a circle about the position. The inner one holds half of all that is
+// stated; where this place does not have so much, half of what it has.
+function regions(location, view) {
+  const {position, accuracy_m: radius, accuracy_confidence: confidence} = location;
+  const drawn = [];
+  if (position && radius !== undefined) {
+    const [cx, cy] = view.toPixel(position.x, position.y);
+    const title = svg('title', {}, [`within ${number(radius)} m with ${percent(confidence)}`]);
+    drawn.push(svg('circle', {class: 'region outer', cx, cy, r: Math.max(1, radius * view.scale)}, [title]));
+  }
+  const {mark} = placesOf(location);
+  if (mark?.region) {
+    const part = mark.holds < 0.5;
+    const inner = drawnRegion(mark, view, part ? 'region part' : 'region');
+    const of = part ? `, half of the ${percent(mark.weight)} of this place` : '';
+    inner.append(svg('title', {}, [`region of ${percent(mark.holds)}${of}`]));
+    drawn.push(inner);
+  }
+  return drawn;
 }
 
-// Other places where it may be than the likeliest: each with its own region of 50 %, the fainter the less likely.
-function ghosts({hypotheses, position}, view) {
-  const apart = (one) => !position
-    || view.scale * Math.hypot(one.position.x - position.x, one.position.y - position.y) > CLOSE_PX;
-  const others = hypotheses.slice(1).filter((one) => one.weight >= LEAST_WEIGHT && apart(one));
+// Other places where it may be, each with its probability and half of that as a region.
+function ghosts(location, view) {
+  const {mark, others} = placesOf(location);
+  const far = ({at}) => view.scale * Math.hypot(at.x - mark.at.x, at.y - mark.at.y) > CLOSE_PX * view.unit;
   return others.map((one) => {
-    const opacity = 0.25 + 0.75 * one.weight;
-    const [cx, cy] = view.toPixel(one.position.x, one.position.y);
-    const title = svg('title', {}, [`${number(100 * one.weight, 0)} %`]);
-    return svg('g', {'stroke-opacity': opacity}, [
-      title,
-      svg('circle', {class: 'ghost', cx, cy, r: 11}),
-      ...(one.position_covariance?.length === 9
-        ? [drawnEllipse(one.position, one.position_covariance, 0.5, view, {class: 'ghost'})] : []),
+    const title = svg('title', {}, [`${percent(one.weight)} at ${coordinates(one.at)}`]);
+    const ring = svg('g', {transform: view.mark(one.at.x, one.at.y)}, [
+      svg('circle', {class: 'ghost', r: 11}),
+      svg('text', {x: 15, y: 5}, [percent(one.weight)]),
+    ]);
+    return svg('g', {class: one.weight >= LIKELY ? 'likely' : ''}, [
+      title, ...(far(one) ? [ring] : []), ...(one.region ? [drawnRegion(one, view, 'ghost')] : []),
     ]);
   });
 }

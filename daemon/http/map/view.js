@@ -11,6 +11,7 @@ export class View {
     this.changed = changed;
     this.fitting = true;
     this.scale = 100;
+    this.unit = 1;  // pixels of the drawing that a mark's own pixel takes: large screens are seen from afar
     this.centre = [0, 0];
     this.bounds = {min: [0, 0], max: [1, 1]};
     new ResizeObserver(() => this.resize()).observe(element);
@@ -21,6 +22,7 @@ export class View {
     const box = this.element.getBoundingClientRect();
     this.width = box.width;
     this.height = box.height;
+    this.unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
     if (this.fitting) this.fit();
     this.changed();
   }
@@ -45,6 +47,11 @@ export class View {
       this.width / 2 + (x - this.centre[0]) * this.scale,
       this.height / 2 - (y - this.centre[1]) * this.scale,
     ];
+  }
+
+  // Puts a mark there that is drawn about 0, 0.
+  mark(x, y) {
+    return `translate(${this.toPixel(x, y).join(' ')}) scale(${this.unit})`;
   }
 
   pan(dx, dy) {
