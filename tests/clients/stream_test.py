@@ -21,7 +21,7 @@ def stream(
 
 def feed(subject: Stream, *messages: list[bytes], at: float = 1000.0) -> None:
     for message in messages:
-        subject.feed(message, monotonic=at, wall=at)
+        subject.feed(message, monotonic=at)
 
 
 def taken(subject: Stream) -> list[Message]:
@@ -168,6 +168,44 @@ def test_an_answer_that_does_not_come_is_overdue() -> None:
     subject.go_live()
     assert sequences(subject) == [("heartbeat", 1)]
     assert not subject.overdue(200.0)
+
+
+def test_without_a_heartbeat_the_snapshot_is_overdue_as_well_and_what_waits_is_bounded() -> None:
+    subject = stream(snapshot=True)
+    assert not subject.overdue(99.0)
+    for i in range(100):
+        feed(subject, location(1 + i), at=100.0 + 0.1 * i)
+    assert subject.take_request() is None
+    assert not subject.overdue(109.9)
+    assert subject.overdue(110.1)
+    subject.go_live()
+    assert len(taken(subject)) == 100
+    assert subject._early == []
+    feed(subject, location(101), at=110.2)
+    assert sequences(subject) == [("location", 101)]
+
+
+@pytest.mark.parametrize("ahead", [-3600.0, 0.0, 3600.0])
+def test_the_clocks_of_the_two_machines_need_not_agree(ahead: float) -> None:
+    subject = stream()
+    for i in range(3):
+        feed(subject, heartbeat(1 + i, sent=10_000.0 + ahead + i), at=100.0 + i)
+        assert not subject.stale(100.0 + i)
+    feed(subject, heartbeat(4, sent=10_000.0 + ahead + 3), at=109.0)  # six seconds longer than those
+    assert subject.stale(109.0)
+    feed(subject, heartbeat(5, sent=10_000.0 + ahead + 9.5), at=110.0)
+    assert not subject.stale(110.0)
+
+
+def test_a_clock_that_is_set_is_no_delay_and_nor_is_that_of_another_start() -> None:
+    subject = stream()
+    feed(subject, heartbeat(1, sent=10_000.0), at=100.0)
+    feed(subject, heartbeat(2, sent=9_001.0), at=101.0)  # set back
+    assert not subject.stale(101.0)
+    feed(subject, heartbeat(3, sent=20_002.0), at=102.0)  # set forward
+    assert not subject.stale(102.0)
+    feed(subject, heartbeat(1, sent=20_003.5, epoch=8), at=113.0)
+    assert not subject.stale(113.0)
 
 
 def test_stale_is_silence_an_old_heartbeat_or_a_goodbye() -> None:

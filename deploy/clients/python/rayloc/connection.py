@@ -24,9 +24,9 @@ class Connection:
     """`endpoint`: where raylocd publishes. `snapshot`: where it tells who comes late what was last
     said of each topic; None: begin with what comes. `topics`: what the topics begin with.
     `targets`: of the messages about a target only those about these (address, hashed address or
-    "person-N"); empty: all. `stale_after`: seconds without a heartbeat, or between sending and
-    arrival of the last one, after which the daemon counts as gone. `patience`: seconds to wait for
-    the snapshot. `high_water_mark`: messages that may wait here for a slow program.
+    "person-N"); empty: all. `stale_after`: seconds without a heartbeat, or by which the last one was
+    longer on its way than the quickest, after which the daemon counts as gone; the clocks of the two
+    machines need not agree. `patience`: seconds to wait for the snapshot. `high_water_mark`: messages that may wait here for a slow program.
 
     Connecting succeeds whether or not somebody publishes: ZeroMQ connects, and connects again, by
     itself. One thread, or one event loop."""
@@ -94,10 +94,10 @@ class Connection:
     def _drain(self) -> None:
         """Takes what has arrived, without waiting."""
         self._answer_stream()
-        monotonic, wall = time.monotonic(), time.time()
+        monotonic = time.monotonic()
         try:
             for _ in range(BATCH):
-                self._stream.feed(self._live.recv_multipart(zmq.NOBLOCK), monotonic, wall)
+                self._stream.feed(self._live.recv_multipart(zmq.NOBLOCK), monotonic)
         except zmq.Again:
             pass
         self._answer_stream()

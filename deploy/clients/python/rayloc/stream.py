@@ -32,14 +32,18 @@ class Stream:
         self._options = options
         self._joining = options.snapshot
         self._asking = False  # the daemon knows our subscriptions: nothing falls between
-        self._asking_since: Optional[float] = None
+        self._joining_since: Optional[float] = None  # the first message that waits for the snapshot
         self._early: list[tuple[str, Envelope]] = []  # came before the snapshot
         self._told: dict[str, int] = {}  # sequences in the snapshot
         self._last: dict[str, int] = {}  # longest unused first
         self._gaps: list[Gap] = []  # not handed out yet
         self._restarted = False
         self._heard_at: Optional[float] = None  # last heartbeat; None also after a goodbye
-        self._delay = 0.0  # between sending and arrival of the last heartbeat
+        self._sent_at = 0.0  # of the last heartbeat, by the daemon's clock
+        self._late_by = 0.0  # the last heartbeat, as against the quickest
+        # From that clock to ours, which need not agree, of the quickest since the daemon was started or
+        # its clock was set back.
+        self._least_delay: Optional[float] = None
 
     def subscriptions(self) -> list[bytes]:
         """What to subscribe to, in this order: heartbeats last, so that the first one proves that
@@ -47,8 +51,8 @@ class Stream:
         topics = [topic for topic in self._options.topics if topic != HEARTBEATS]
         return [topic.encode() for topic in [*topics, HEARTBEATS]]
 
-    def feed(self, frames: list[bytes], monotonic: float, wall: float) -> None:
-        """What one ZeroMQ message holds, and the times of its arrival [s]."""
+    def feed(self, frames: list[bytes], monotonic: float) -> None:
+        """What one ZeroMQ message holds, and the time of its arrival [s]."""
         parsed = _parse(frames)
         if parsed is None:
             self.malformed += 1
@@ -59,16 +63,14 @@ class Stream:
         self.epoch = envelope.epoch
         is_heartbeat = topic.startswith(HEARTBEATS)
         if is_heartbeat:
-            self._heard_at = None if body_of(envelope) == "goodbye" else monotonic
-            self._delay = wall - sent_at(envelope)
+            self._hear(envelope, monotonic)
         if not self._joining:
             self._accept(topic, envelope)
             return
         self._early.append((topic, envelope))
-        if is_heartbeat:
-            self._asking = True
-            if self._asking_since is None:
-                self._asking_since = monotonic
+        if self._joining_since is None:
+            self._joining_since = monotonic
+        self._asking = self._asking or is_heartbeat
 
     def take_request(self) -> Optional[bytes]:
         """What to ask for a snapshot with, when one is wanted now: once with each heartbeat until
@@ -96,14 +98,15 @@ class Stream:
         self.go_live()
 
     def overdue(self, monotonic: float) -> bool:
-        """The snapshot was asked for longer ago than patience allows."""
-        since = self._asking_since
+        """Messages wait for the snapshot for longer than patience allows, whether nobody answers or no
+        heartbeat came to ask at. Where nothing is heard, nothing is overdue."""
+        since = self._joining_since
         return since is not None and monotonic - since > self._options.patience
 
     def go_live(self) -> None:
         """Ends the wait for a snapshot, with one or without."""
         self._joining = self._asking = False
-        self._asking_since = None
+        self._joining_since = None
         self.joined = True
         early, self._early = self._early, []
         for topic, envelope in early:
@@ -113,13 +116,23 @@ class Stream:
         limit = self._options.stale_after
         if self._heard_at is None:
             return True
-        return monotonic - self._heard_at > limit or self._delay > limit
+        return monotonic - self._heard_at > limit or self._late_by > limit
+
+    def _hear(self, envelope: Envelope, monotonic: float) -> None:
+        self._heard_at = None if body_of(envelope) == "goodbye" else monotonic
+        before, self._sent_at = self._sent_at, sent_at(envelope)
+        delay = monotonic - self._sent_at
+        if self._least_delay is None or self._sent_at < before:
+            self._least_delay = delay
+        self._least_delay = min(self._least_delay, delay)
+        self._late_by = delay - self._least_delay
 
     def _restart(self) -> None:
         if self._early:  # of the daemon that is gone: no snapshot will come
             joined = self.joined
             self.go_live()
             self.joined = joined
+        self._least_delay = None
         self.restarts += 1
         self._restarted = True
         self._last.clear()
