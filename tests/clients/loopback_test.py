@@ -1,8 +1,9 @@
 """Through real sockets: the daemon's own publisher at 10,000 messages a second, and a seeded gap.
 
-Asserted is that everything sent arrives, once and in order. At which rate it was sent and received
-says more of who else uses the machine, so it is printed and left to the reader: on an idle one both
-are the 10,000 a second that were asked for."""
+Asserted is that everything sent arrives, once and in order, though far fewer may wait in the client than
+are sent, and how much of the processor the client takes for that: a tenth of a millisecond a message, at
+most. Processor time hardly depends on who else uses the machine. The rate by the clock does, and is
+printed; a client from which others take the processor for seconds may be tried again."""
 
 from __future__ import annotations
 
@@ -10,7 +11,8 @@ import asyncio
 import threading
 import time
 from collections import defaultdict
-from typing import Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import Callable, Iterable, Iterator
 
 import pytest
 import zmq
@@ -19,8 +21,12 @@ from processes import PATIENCE, BurstPublisher
 
 import rayloc
 
-MESSAGES = 20_000
+MESSAGES = 60_000
 RATE = 10_000
+WAITING = 5_000  # messages that may wait for the client: a slow one loses the rest
+ATTEMPTS = 3
+LOCATIONS = "v1/location/"
+SILENCE = 10.0  # [s] after which a goodbye that was lost is not waited for any more
 DEVICES = 20
 SUBSCRIPTIONS = 2  # locations, heartbeats
 
@@ -56,59 +62,105 @@ def until_goodbye(messages: rayloc.Subscriber) -> Iterator[rayloc.Message]:
             return
 
 
-def test_ten_thousand_messages_a_second_without_loss(capsys: pytest.CaptureFixture[str]) -> None:
-    with BurstPublisher(MESSAGES, RATE, SUBSCRIPTIONS) as publisher:
-        topics = ["v1/location/", HEARTBEAT]
-        with rayloc.Subscriber(publisher.endpoint, topics=topics) as messages:
-            begin = time.monotonic()
-            received = list(until_goodbye(messages))
-            seconds = time.monotonic() - begin
-            assert messages.lost == messages.malformed == 0
-        sent, sending = publisher.stop()
+@dataclass
+class Taken:
+    """What a client took of a burst, and what it cost."""
+
+    received: list[rayloc.Message] = field(default_factory=list)
+    lost: int = 0
+    malformed: int = 0
+    seconds: float = 0.0
+    processor: float = 0.0  # [s]
+    turns: int = 0  # of others in the event loop
+
+
+def expect_without_loss(name: str, capsys: pytest.CaptureFixture[str], take_all: Callable[[str], Taken]) -> Taken:
+    """`take_all`: subscribes there and takes what comes until the goodbye, or until nothing does."""
+    for attempt in range(1, ATTEMPTS + 1):
+        with BurstPublisher(MESSAGES, RATE, SUBSCRIPTIONS) as publisher:
+            taken = take_all(publisher.endpoint)
+            sent, sending = publisher.stop()
         assert sent == MESSAGES
-        expect_all(received, sent)
-    with capsys.disabled():
-        print(f"\nSubscriber: {sent} sent at {sent / sending:.0f}/s, received at {sent / seconds:.0f}/s")
+        with capsys.disabled():
+            print(
+                f"\n{name}: {sent} sent at {sent / sending:.0f}/s, received at {sent / taken.seconds:.0f}/s,"
+                f" {sent / taken.processor:.0f} per second of processor, {taken.lost} lost"
+            )
+        assert taken.processor <= MESSAGES / RATE, "the client is too slow for that rate"
+        assert taken.malformed == 0
+        if taken.lost == 0 or attempt == ATTEMPTS:
+            break
+    assert taken.lost == 0
+    expect_all(taken.received, MESSAGES)
+    return taken
+
+
+def test_ten_thousand_messages_a_second_without_loss(capsys: pytest.CaptureFixture[str]) -> None:
+    def take_all(endpoint: str) -> Taken:
+        taken = Taken()
+        topics = [LOCATIONS, HEARTBEAT]
+        with rayloc.Subscriber(endpoint, topics=topics, high_water_mark=WAITING) as messages:
+            begin, processor = time.monotonic(), time.process_time()
+            while message := messages.receive(SILENCE):
+                taken.received.append(message)
+                if message.kind == "goodbye":
+                    break
+            taken.processor = time.process_time() - processor
+            taken.seconds = time.monotonic() - begin
+            taken.lost, taken.malformed = messages.lost, messages.malformed
+        return taken
+
+    expect_without_loss("Subscriber", capsys, take_all)
 
 
 def test_asyncio_takes_ten_thousand_a_second_and_lets_others_run(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    async def receive(endpoint: str) -> tuple[list[rayloc.Message], int, float]:
-        received = []
-        turns = 0
+    async def receive(endpoint: str) -> Taken:
+        taken = Taken()
 
         async def other_work() -> None:
-            nonlocal turns
             while True:
-                turns += 1
+                taken.turns += 1
                 await asyncio.sleep(0.01)
 
         other = asyncio.create_task(other_work())
-        begin = time.monotonic()
-        topics = ["v1/location/", HEARTBEAT]
-        async with rayloc.AsyncSubscriber(endpoint, topics=topics) as messages:
-            async for message in messages:
-                received.append(message)
+        topics = [LOCATIONS, HEARTBEAT]
+        async with rayloc.AsyncSubscriber(
+            endpoint, topics=topics, high_water_mark=WAITING
+        ) as messages:
+            begin, processor = time.monotonic(), time.process_time()
+            while message := await messages.receive(SILENCE):
+                taken.received.append(message)
                 if message.kind == "goodbye":
                     break
-            assert messages.lost == messages.malformed == 0
+            taken.processor = time.process_time() - processor
+            taken.seconds = time.monotonic() - begin
+            taken.lost, taken.malformed = messages.lost, messages.malformed
         other.cancel()
-        return received, turns, time.monotonic() - begin
+        return taken
 
-    with BurstPublisher(MESSAGES, RATE, SUBSCRIPTIONS) as publisher:
-        received, turns, seconds = asyncio.run(receive(publisher.endpoint))
-        sent, sending = publisher.stop()
-        assert sent == MESSAGES
-        expect_all(received, sent)
-        assert turns > 10
-    with capsys.disabled():
-        print(f"\nAsyncSubscriber: {sent} sent at {sent / sending:.0f}/s, received at {sent / seconds:.0f}/s")
+    taken = expect_without_loss("AsyncSubscriber", capsys, lambda endpoint: asyncio.run(receive(endpoint)))
+    assert taken.turns > 10
+
+
+def test_who_is_too_slow_knows_how_much_was_lost() -> None:
+    with BurstPublisher(0, RATE, SUBSCRIPTIONS) as publisher:
+        topics = [LOCATIONS, HEARTBEAT]
+        with rayloc.Subscriber(publisher.endpoint, topics=topics, high_water_mark=100) as messages:
+            received = take(messages, 1000)
+            time.sleep(5.0)  # more comes than waits here, in the kernel and at the publisher
+            received += take(messages, 25_000)  # up to date again
+            sent, _ = publisher.stop()
+            received += until_goodbye(messages)
+    lost = sum(gap.lost for message in received for gap in message.gaps if gap.topic.startswith(LOCATIONS))
+    came = sum(message.kind == "location" for message in received)
+    assert lost > 0 and came + lost == sent, (came, lost, sent)
 
 
 def test_who_joins_under_load_gets_every_sequence_once() -> None:
     with BurstPublisher(0, RATE, 0) as publisher:
-        topics = ["v1/location/", HEARTBEAT]
+        topics = [LOCATIONS, HEARTBEAT]
         with rayloc.Subscriber(publisher.endpoint, topics=topics) as early:
             take(early, 500)  # from here on every topic has been spoken of
         joined = [
