@@ -17,7 +17,14 @@ from rayloc.bridges.home_assistant import (
 from rayloc.message import Message
 from rayloc.v1.envelope_pb2 import Envelope
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, LOCATION_KIND_SNAPSHOT
-from rayloc.v1.target_pb2 import TARGET_KIND_DEVICE, TARGET_KIND_PERSON, TRACK_STATE_LOST
+from rayloc.v1.target_pb2 import (
+    TARGET_KIND_DEVICE,
+    TARGET_KIND_PERSON,
+    TRACK_STATE_COASTING,
+    TRACK_STATE_CONFIRMED,
+    TRACK_STATE_LOST,
+    TRACK_STATE_TENTATIVE,
+)
 
 MAC = "02:52:4c:00:00:01"
 STATE = f"rayloc/my%20office/{MAC}"
@@ -25,11 +32,15 @@ NODE = "rayloc_my_20office"
 
 
 def located(
-    x: Optional[float] = 1.25, zones: Optional[dict[str, float]] = None, person: int = 0
+    x: Optional[float] = 1.25,
+    zones: Optional[dict[str, float]] = None,
+    person: int = 0,
+    state: int = TRACK_STATE_CONFIRMED,
 ) -> Message:
     envelope = Envelope(epoch=1, sequence=1)
     location = envelope.location
     location.kind = LOCATION_KIND_FILTERED
+    location.track_state = state  # type: ignore[assignment]
     location.target.kind = TARGET_KIND_PERSON if person else TARGET_KIND_DEVICE
     if person:
         location.target.track = person
@@ -42,6 +53,19 @@ def located(
         location.zones.add(zone=zone, probability=probability)
     name = f"person-{person}" if person else MAC
     return Message(f"v1/location/my%20office/{name}/", envelope)
+
+
+def zone(name: str, *inside: str) -> Message:
+    """An event of that zone, after which these are in it."""
+    envelope = Envelope(epoch=1, sequence=1)
+    envelope.zone.zone = name
+    envelope.zone.target.mac = MAC
+    for each in inside:
+        if each.startswith("person-"):
+            envelope.zone.inside.add(track=int(each[7:]))
+        else:
+            envelope.zone.inside.add(mac=each)
+    return Message(f"v1/zone/my%20office/{name}/", envelope)
 
 
 def heartbeat(epoch: int = 1, restarted: bool = False) -> Message:
@@ -103,13 +127,59 @@ def test_a_target_is_told_of_at_most_once_an_interval_and_then_with_what_is_newe
     assert subject.on_time(3.0, stale=False) == []
 
 
-@pytest.mark.parametrize(
-    "zones, place",
-    [({}, "home"), ({"desk": 0.4}, "home"), ({"desk": 0.5, "door": 0.6}, "door")],
-)
-def test_the_place_is_the_most_probable_zone(zones: dict[str, float], place: str) -> None:
-    (state,) = states(HomeAssistant(Setting()).on_message(located(zones=zones), 0.0))
-    assert state["place"] == place
+def test_the_place_is_the_zone_that_it_is_in_by_its_events() -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+
+    def place(message: Message) -> object:
+        told = states(subject.on_message(message, 0.0))
+        return told[-1]["place"] if told else None
+
+    probable = {"desk": 0.6, "door": 0.3}
+    assert place(located(zones=probable)) == "home"  # probable, but not yet said to be inside
+    assert place(zone("desk", MAC)) == "desk"  # at once, without an estimate
+    assert place(zone("desk", "person-4", MAC)) is None  # nothing new about it
+    assert place(located(zones={"desk": 0.4})) == "desk"  # hardly, but not yet said to have left
+    assert place(zone("door", MAC)) == "desk"  # of two the likelier
+    assert place(located(zones={"desk": 0.2, "door": 0.5})) == "door"
+    assert place(zone("door")) == "desk"
+    assert place(zone("desk", "person-4")) == "home"
+    assert '"place": "desk"' in subject.on_message(located(person=4), 0.0)[-1].payload
+
+
+def test_zones_begin_anew_with_raylocd_and_a_lost_track_is_in_none() -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+    subject.on_message(zone("desk", MAC), 0.0)
+    (state,) = states(subject.on_message(located(), 0.0))
+    assert state["place"] == "desk"
+    subject.on_message(lost(), 0.1)
+    assert states(subject.on_message(zone("door", MAC), 0.2)) == []
+    subject.on_message(heartbeat(epoch=2, restarted=True), 0.3)
+    (state,) = states(subject.on_message(located(), 0.4))
+    assert state["place"] == "home"
+
+
+def test_what_is_not_believed_yet_is_not_announced() -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+    for i in range(3):
+        assert subject.on_message(located(state=TRACK_STATE_TENTATIVE), 0.1 * i) == []
+        assert subject.on_message(located(person=2, state=TRACK_STATE_TENTATIVE), 0.1 * i) == []
+    assert subject.on_message(located(state=TRACK_STATE_LOST), 0.5) == []
+    assert subject.on_message(lost(), 0.5) == []
+    for state in (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING):
+        assert len(HomeAssistant(Setting()).on_message(located(state=state), 1.0)) == 5
+    # And one that is known comes back only when it is believed again.
+    subject.on_message(located(), 1.0)
+    (away,) = states(subject.on_message(located(state=TRACK_STATE_LOST), 2.0))
+    assert away["place"] == "not_home"
+    assert subject.on_message(located(state=TRACK_STATE_TENTATIVE), 3.0) == []
+    (back,) = states(subject.on_message(located(), 4.0))
+    assert back["place"] == "home"
+
+
+def test_where_it_was_before_we_came_is_not_where_it_is() -> None:
+    message = located()
+    old = Message(message.topic, message.envelope, from_snapshot=True)
+    assert HomeAssistant(Setting()).on_message(old, 0.0) == []
 
 
 def test_without_a_position_there_are_no_coordinates() -> None:

@@ -79,6 +79,11 @@ def target_of(envelope: Envelope) -> str:
         target = envelope.zone.target
     else:
         return ""
+    return name_of(target)
+
+
+def name_of(target: Target) -> str:
+    """As in the topics."""
     if target.mac or target.hashed_mac:
         return target.mac or target.hashed_mac
     return f"person-{target.track}" if target.HasField("track") else ""

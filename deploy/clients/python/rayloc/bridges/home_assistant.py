@@ -1,8 +1,10 @@
 """What raylocd says in the words of Home Assistant's MQTT discovery: a pure mapping.
 
-Each target becomes a device with a tracker, whose state is the zone it is probably in, else "home"
-while it is located and "not_home" afterwards, and sensors for x, y and accuracy in the site's own
-metres. Only the tracker's estimates (FILTERED) are told, each target at most once per `interval`.
+Each target becomes a device with a tracker, whose state is the zone it is in, else "home" while it is
+located and "not_home" afterwards, and sensors for x, y and accuracy in the site's own metres. Who is in
+a zone is what its last event says, as everywhere else. Only the tracker's estimates (FILTERED) are told, each
+target at most once per `interval`, and only of tracks that are believed: what was heard once or twice, a
+phone that passes by, would leave its entities behind.
 A track has ended when raylocd says so, when raylocd was started again (one that was killed could not
 say so), and when nothing was heard of it for `silent`: what said so was lost on the way.
 Brokers keep what was announced of devices. What an earlier run of the bridge left there is adopted:
@@ -17,15 +19,21 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass, field
-from typing import Optional
+from typing import AbstractSet, Optional, Sequence
 from urllib.parse import unquote
 
-from rayloc.message import Message
+from rayloc.message import Message, name_of
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, Location
-from rayloc.v1.target_pb2 import TARGET_KIND_PERSON, TRACK_STATE_LOST, Target
+from rayloc.v1.target_pb2 import (
+    TARGET_KIND_PERSON,
+    TRACK_STATE_COASTING,
+    TRACK_STATE_CONFIRMED,
+    TRACK_STATE_LOST,
+    Target,
+)
 
 ONLINE, OFFLINE = "online", "offline"
-IN_ZONE = 0.5  # probability from which on a target is said to be in a zone
+BELIEVED = (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING)
 COMPONENTS = ("device_tracker", "sensor")  # of discovery, that are announced
 SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
 
@@ -62,6 +70,7 @@ class _Known:
     has_track: bool = True
     is_adopted: bool = False  # announced by an earlier run, perhaps by another name
     told_at: float = float("-inf")
+    location: Optional[Location] = None  # the last one that was believed
     state: dict[str, object] = field(default_factory=dict)
     waits: bool = False  # `state` is newer than what was told
 
@@ -123,16 +132,23 @@ class HomeAssistant:
         self._setting = setting
         self._known: dict[str, _Known] = {}  # by topic of state
         self._sites: dict[str, str] = {}  # topic of status -> "online" or "offline"
+        # Who is in a zone, by the part of its site in topics and its name.
+        self._inside: dict[tuple[str, str], AbstractSet[str]] = {}
 
     def on_message(self, message: Message, now: float) -> list[Publication]:
         self._sites.setdefault(f"{self._setting.base}/{message.topic.split('/')[2]}/status", "")
         out: list[Publication] = []
         if message.restarted:
+            self._inside.clear()
             for before in list(self._known.values()):
                 out += self._on_lost(before, now)
         location = message.location
-        if location is not None and location.kind == LOCATION_KIND_FILTERED:
-            out += self._on_location(message, location, now)
+        if location is not None:
+            # What was last said before we came may be of long ago.
+            if location.kind == LOCATION_KIND_FILTERED and not message.from_snapshot:
+                out += self._on_location(message, location, now)
+        elif message.kind == "zone":
+            out += self._on_zone(message, now)
         elif message.kind == "track" and message.envelope.track.state == TRACK_STATE_LOST:
             known = self._known.get(self._state_topic(message))
             if known is not None:
@@ -190,6 +206,10 @@ class HomeAssistant:
         topic = self._state_topic(message)
         known = self._known.get(topic)
         out: list[Publication] = []
+        if location.track_state == TRACK_STATE_LOST:
+            return [] if known is None else self._on_lost(known, now)
+        if location.track_state not in BELIEVED:
+            return []
         if known is None or known.is_adopted:
             known = _Known(
                 topic,
@@ -203,9 +223,29 @@ class HomeAssistant:
             out += self._configure(known)
         known.heard_at = now
         known.has_track = True
-        known.state = state_of(location)
+        known.location = location
+        return out + self._place(known, now)
+
+    def _on_zone(self, message: Message, now: float) -> list[Publication]:
+        event, site = message.envelope.zone, message.topic.split("/")[2]
+        inside = frozenset(name_of(target) for target in event.inside)
+        before = self._inside.get((site, event.zone), frozenset())
+        self._inside[site, event.zone] = inside
+        out: list[Publication] = []
+        for target in inside ^ before:
+            known = self._known.get(f"{self._setting.base}/{site}/{target}")
+            if known is not None and known.has_track and known.location is not None:
+                out += self._place(known, now)
+        return out
+
+    def _place(self, known: _Known, now: float) -> list[Publication]:
+        """Says where it is by now."""
+        assert known.location is not None
+        site, target = known.topic.rsplit("/", 2)[1:]
+        zones = [zone for (of, zone), who in self._inside.items() if of == site and target in who]
+        known.state = state_of(known.location, place_of(known.location, zones))
         known.waits = True
-        return out + self._tell(known, now)
+        return self._tell(known, now)
 
     def _on_lost(self, known: _Known, now: float) -> list[Publication]:
         if known.is_person:  # its number is never used again
@@ -213,6 +253,7 @@ class HomeAssistant:
         if not known.has_track:
             return []
         known.has_track = False
+        known.location = None
         known.state = {**known.state, "place": "not_home", "x": None, "y": None, "accuracy_m": None}
         known.waits, known.told_at = True, float("-inf")
         return self._tell(known, now)
@@ -234,14 +275,14 @@ class HomeAssistant:
         return [Publication(topic, "", keep) for topic in known.configurations(self._setting)]
 
 
-def state_of(location: Location) -> dict[str, object]:
+def state_of(location: Location, place: str) -> dict[str, object]:
     """Absent is null, as it is absent from the message: never 0."""
     has_position = location.HasField("position")
     where = location.position
     accuracy = location.accuracy_m if location.HasField("accuracy_m") else None
     confidence = location.accuracy_confidence if location.HasField("accuracy_confidence") else None
     return {
-        "place": place_of(location),
+        "place": place,
         "x": round(where.x, 3) if has_position else None,
         "y": round(where.y, 3) if has_position else None,
         "z": round(where.z, 3) if has_position else None,
@@ -252,11 +293,12 @@ def state_of(location: Location) -> dict[str, object]:
     }
 
 
-def place_of(location: Location) -> str:
-    if not location.HasField("position") or location.track_state == TRACK_STATE_LOST:
+def place_of(location: Location, zones: Sequence[str]) -> str:
+    """`zones`: those that it is in; of several the likeliest counts."""
+    if not location.HasField("position"):
         return "not_home"
-    zones = [zone for zone in location.zones if zone.probability >= IN_ZONE]
-    return max(zones, key=lambda zone: zone.probability).zone if zones else "home"
+    probability = {zone.zone: zone.probability for zone in location.zones}
+    return max(zones, key=lambda zone: probability.get(zone, 0.0), default="home")
 
 
 def label_of(target: Target, identity: str) -> str:

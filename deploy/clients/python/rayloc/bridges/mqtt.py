@@ -25,9 +25,17 @@ from rayloc.bridges.home_assistant import (
     Publication,
     Setting,
 )
-from rayloc.bridges.program import add_source, check_source, subscribe, until_signalled
+from rayloc.bridges.program import (
+    add_source,
+    check_source,
+    subscribe,
+    until_signalled,
+    usual_snapshot,
+)
+from rayloc.connection import NoSnapshot
+from rayloc.subscriber import Subscriber
 
-TOPICS = ["v1/location/", "v1/track/", "v1/heartbeat/"]
+TOPICS = ["v1/location/", "v1/track/", "v1/zone/", "v1/heartbeat/"]
 LOOK = 0.2  # [s] between looks at what is due without a message
 
 
@@ -108,25 +116,41 @@ def run(arguments: argparse.Namespace) -> None:
     )
     bridge = HomeAssistant(setting)
     stopping = until_signalled()
-    with subscribe(arguments, TOPICS) as messages:
-        broker = Broker(arguments, setting)
-        looked = 0.0
-        while not stopping.is_set():
-            message = messages.receive(LOOK)
-            now = time.monotonic()
-            if broker.must_announce.is_set():
-                broker.must_announce.clear()
-                broker.publish(bridge.announce())
-            if message is not None:
-                for gap in message.gaps:
-                    say(f"lost {gap.lost} messages of {gap.topic}")
-                broker.publish(bridge.on_message(message, now))
-                while not broker.kept.empty():  # the message before says of which site we are
-                    bridge.adopt(*broker.kept.get(), now)
-            if now - looked >= LOOK:
-                looked = now
-                broker.publish(bridge.on_time(now, messages.stale))
-        broker.close()
+    snapshot = arguments.snapshot or usual_snapshot(arguments)
+    messages = subscribe(arguments, TOPICS, snapshot)
+    broker = Broker(arguments, setting)
+    try:
+        try:
+            carry(messages, bridge, broker, stopping)
+        except NoSnapshot as error:
+            say(f"{error} Who is in a zone is known from its next event on.")
+            messages.close()
+            messages = subscribe(arguments, TOPICS)
+            carry(messages, bridge, broker, stopping)
+    finally:
+        messages.close()
+    broker.close()
+
+
+def carry(
+    messages: Subscriber, bridge: HomeAssistant, broker: Broker, stopping: threading.Event
+) -> None:
+    looked = 0.0
+    while not stopping.is_set():
+        message = messages.receive(LOOK)
+        now = time.monotonic()
+        if broker.must_announce.is_set():
+            broker.must_announce.clear()
+            broker.publish(bridge.announce())
+        if message is not None:
+            for gap in message.gaps:
+                say(f"lost {gap.lost} messages of {gap.topic}")
+            broker.publish(bridge.on_message(message, now))
+            while not broker.kept.empty():  # the message before says of which site we are
+                bridge.adopt(*broker.kept.get(), now)
+        if now - looked >= LOOK:
+            looked = now
+            broker.publish(bridge.on_time(now, messages.stale))
 
 
 def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
@@ -135,6 +159,8 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     )
     add_source(parser)
     add = parser.add_argument
+    snapshot = "where raylocd tells what was last said; of the raylocd of this machine, as it is by default"
+    add("--snapshot", help=snapshot)
     add("--mqtt", default="127.0.0.1:1883", metavar="HOST:PORT", help="the broker")
     add("--username", help="at the broker")
     add("--password-file", type=Path, help="its first line is the password")

@@ -6,19 +6,26 @@ import argparse
 import signal
 import threading
 from pathlib import Path
-from typing import Sequence
+from typing import Optional, Sequence
 
 from rayloc.options import Curve
 from rayloc.subscriber import Subscriber
+
+ENDPOINT, SNAPSHOT = "tcp://127.0.0.1:5560", "tcp://127.0.0.1:5561"  # unless raylocd is told otherwise
 
 
 def add_source(parser: argparse.ArgumentParser) -> None:
     """The arguments that say what is subscribed to; check_source() after they are parsed."""
     add = parser.add_argument
-    add("--endpoint", default="tcp://127.0.0.1:5560", help="where raylocd publishes")
+    add("--endpoint", default=ENDPOINT, help="where raylocd publishes")
     add("--target", action="append", default=[], help="only this target; may be repeated")
     add("--server-key", type=Path, help="file with the public key of a raylocd with CURVE")
     add("--key", type=Path, help="file with our own secret key, by `rayloc keygen`")
+
+
+def usual_snapshot(arguments: argparse.Namespace) -> Optional[str]:
+    """Where the raylocd of this machine tells what was last said, if it is the one that is meant."""
+    return SNAPSHOT if arguments.endpoint == ENDPOINT else None
 
 
 def check_source(parser: argparse.ArgumentParser, arguments: argparse.Namespace) -> None:
@@ -26,11 +33,15 @@ def check_source(parser: argparse.ArgumentParser, arguments: argparse.Namespace)
         parser.error("--server-key and --key need each other")
 
 
-def subscribe(arguments: argparse.Namespace, topics: Sequence[str]) -> Subscriber:
+def subscribe(
+    arguments: argparse.Namespace, topics: Sequence[str], snapshot: Optional[str] = None
+) -> Subscriber:
     curve = None
     if arguments.server_key is not None:
         curve = Curve.read(arguments.server_key, arguments.key)
-    return Subscriber(arguments.endpoint, topics=topics, targets=arguments.target, curve=curve)
+    return Subscriber(
+        arguments.endpoint, topics=topics, targets=arguments.target, snapshot=snapshot, curve=curve
+    )
 
 
 def until_signalled() -> threading.Event:
