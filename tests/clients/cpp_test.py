@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 from pathlib import Path
 
 import pytest
 from curve_test import Server
-from envelopes import heartbeat, location, snapshot
+from envelopes import heartbeat, location, person, snapshot
 from processes import PATIENCE, ROOT, Daemon, eventually
 
 EXAMPLE = ROOT / "deploy/clients/cpp/examples"
@@ -24,17 +25,49 @@ def run(*words: object) -> None:
     assert done.returncode == 0, done.stdout
 
 
+def example_of_the_header() -> str:
+    """As a program; it reads from the endpoint that is its argument."""
+    comment = (ROOT / "deploy/clients/cpp/rayloc/client.h").read_text().split("#pragma")[0]
+    lines = re.findall(r"^//   (.*)$", comment, re.M)
+    body = "\n".join(lines).replace("({.topics", "({.endpoint = argv[1], .topics")
+    assert "argv[1]" in body
+    return f"#include <rayloc/client.h>\n#include <iostream>\nint main(int, char** argv) {{\n{body}\n}}\n"
+
+
 @pytest.fixture(scope="module")
-def subscribe(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder with the example, `subscribe`, and that of the header, `header`."""
     prefix = tmp_path_factory.mktemp("prefix")
     build = tmp_path_factory.mktemp("build")
     run("cmake", "--install", os.environ["RAYLOC_BUILD"], "--prefix", prefix, "--component", "clients")
-    run("cmake", "-S", EXAMPLE, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
+    source = tmp_path_factory.mktemp("source")
+    shutil.copytree(EXAMPLE, source, dirs_exist_ok=True)
+    (source / "header.cpp").write_text(example_of_the_header())
+    with (source / "CMakeLists.txt").open("a") as lists:
+        lists.write("add_executable(header header.cpp)\ntarget_link_libraries(header rayloc::client)\n")
+    run("cmake", "-S", source, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
     run("cmake", "--build", build)
     for header in prefix.rglob("*.h"):
         text = header.read_text()
         assert not re.search(r'# *include ["<](daemon|engine|tl|zmq|proto)\b', text), header
-    return build / "subscribe"
+    return build
+
+
+@pytest.fixture
+def subscribe(programs: Path) -> Path:
+    return programs / "subscribe"
+
+
+def test_the_example_of_the_header_shows_the_device(programs: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with Daemon(tmp_path) as daemon, out.open("wb") as file:
+        client = subprocess.Popen([str(programs / "header"), daemon.endpoint], stdout=file)
+        try:
+            place = re.compile(r"^02:52:4c:00:00:01 -?[\d.]+$", re.M)
+            assert eventually(lambda: place.search(out.read_text()) is not None), out.read_text()
+        finally:
+            client.kill()
+            client.wait()
 
 
 def test_an_installed_client_survives_a_crash_of_the_daemon(
@@ -88,6 +121,8 @@ def test_an_encrypted_daemon_is_understood_with_keys_alone(subscribe: Path, tmp_
             assert eventually(answered), out.read_text()
             server.publisher.send_multipart(location(5))
             assert eventually(lambda: "02:00:00:00:00:10 5 " in out.read_text()), out.read_text()
+            server.publisher.send_multipart(person(1, track=12))
+            assert eventually(lambda: "\nperson-12 1 " in out.read_text()), out.read_text()
             assert eventually(lambda: server.refused > 0)
         finally:
             for client in (listed, stranger):

@@ -18,6 +18,13 @@ def location(sequence: int, epoch: int = 7, mac: str = "02:00:00:00:00:10") -> l
     return frames(f"v1/location/office/{mac}/", envelope)
 
 
+def person(sequence: int, track: int) -> list[bytes]:
+    envelope = Envelope(epoch=7, sequence=sequence)
+    envelope.location.target.track = track
+    envelope.location.position.x = float(sequence)
+    return frames(f"v1/location/office/person-{track}/", envelope)
+
+
 def heartbeat(
     sequence: int,
     epoch: int = 7,

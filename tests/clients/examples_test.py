@@ -8,10 +8,14 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
 from typing import Callable, Iterator
 
 import pytest
 from processes import ROOT, Daemon, blocks, eventually
+
+import rayloc.asynchronous
+import rayloc.subscriber
 
 EXAMPLES = ROOT / "deploy/clients/python/examples"
 CLIENTS_README = "deploy/clients/README.md"
@@ -65,6 +69,22 @@ def test_the_readme_subscribes_in_five_lines(daemon: Daemon, tmp_path: Path) -> 
         [sys.executable, "-u", str(program)],
         tmp_path,
         lambda text: "02:52:4c:00:00:01 x: " in text and text.count("\ny: ") >= 3,
+    )
+
+
+@pytest.mark.parametrize("module", [rayloc, rayloc.subscriber, rayloc.asynchronous])
+def test_the_examples_of_docstrings_show_the_device(
+    module: ModuleType, daemon: Daemon, tmp_path: Path
+) -> None:
+    lines = (module.__doc__ or "").splitlines()
+    indented = [line[4:] for line in lines if line.startswith("    ") or not line]
+    example = "\n".join(indented).strip() + "\n"
+    assert example.count("tcp://127.0.0.1:5560") == 1
+    program = tmp_path / "example.py"
+    program.write_text(example.replace("tcp://127.0.0.1:5560", daemon.endpoint))
+    topic = "v1/location/meeting_room/02:52:4c:00:00:01/ location"
+    expect_output(
+        [sys.executable, "-u", str(program)], tmp_path, lambda text: text.count(topic) >= 2
     )
 
 

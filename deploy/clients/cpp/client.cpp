@@ -28,20 +28,6 @@ bool begins_with(const std::string& text, const std::string& prefix) {
   throw std::runtime_error(error.message);
 }
 
-// As in the topic; empty when the message is not about a target.
-std::string target_of(const v1::Envelope& envelope) {
-  switch (envelope.body_case()) {
-    case v1::Envelope::kLocation:
-      return target_component(envelope.location().target());
-    case v1::Envelope::kTrack:
-      return target_component(envelope.track().target());
-    case v1::Envelope::kZone:
-      return target_component(envelope.zone().target());
-    default:
-      return {};
-  }
-}
-
 std::optional<CurveClientKeys> keys_of(const std::optional<Curve>& curve) {
   if (!curve) {
     return std::nullopt;
@@ -65,6 +51,19 @@ Curve Curve::read(const std::string& server_key, const std::string& secret_key) 
     raise(own.error());
   }
   return {std::move(*server), std::move(own->secret_key)};
+}
+
+std::string Message::target() const {
+  switch (envelope.body_case()) {
+    case v1::Envelope::kLocation:
+      return target_component(envelope.location().target());
+    case v1::Envelope::kTrack:
+      return target_component(envelope.track().target());
+    case v1::Envelope::kZone:
+      return target_component(envelope.zone().target());
+    default:
+      return {};
+  }
 }
 
 class Subscriber::Impl {
@@ -137,7 +136,7 @@ class Subscriber::Impl {
         std::any_of(options_.topics.begin(), options_.topics.end(), [&](const std::string& prefix) {
           return begins_with(message.topic, prefix);
         });
-    const std::string target = target_of(message.envelope);
+    const std::string target = message.target();
     return of_topic && (options_.targets.empty() || target.empty() ||
                         std::find(options_.targets.begin(), options_.targets.end(), target) !=
                             options_.targets.end());

@@ -15,9 +15,8 @@ int main(int argc, char** argv) {
   while (true) {
     const auto message = messages.receive(std::chrono::seconds(1));
     if (message && message->envelope.location().has_position()) {
-      const auto& location = message->envelope.location();
-      std::cout << location.target().mac() << " " << location.position().x() << " "
-                << location.position().y();
+      const auto& position = message->envelope.location().position();
+      std::cout << message->target() << " " << position.x() << " " << position.y();
     } else if (messages.stale()) {
       std::cout << "stale";
     } else {

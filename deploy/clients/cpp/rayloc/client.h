@@ -2,8 +2,10 @@
 //
 //   rayloc::client::Subscriber messages({.topics = {"v1/location/"}});
 //   while (true) {
-//     if (const auto message = messages.receive(std::chrono::seconds(1))) {
-//       std::cout << message->envelope.location().position().x() << "\n";
+//     const auto message = messages.receive(std::chrono::seconds(1));
+//     if (message && message->envelope.location().has_position()) {
+//       const auto& position = message->envelope.location().position();
+//       std::cout << message->target() << " " << position.x() << std::endl;
 //     }
 //   }
 //
@@ -59,6 +61,9 @@ struct Message {
   std::string topic;
   v1::Envelope envelope;
   bool from_snapshot = false;  // it was said before we came, or before we were back
+
+  // Address, hashed address or "person-N", as in the topic; empty when it is not about a target.
+  std::string target() const;
 };
 
 class Subscriber {

@@ -4,7 +4,7 @@
 
     with rayloc.Subscriber("tcp://127.0.0.1:5560") as messages:
         for message in messages:
-            print(message.topic, message.envelope)
+            print(message.topic, message.kind)
 
 `Subscriber` is for ordinary code, `AsyncSubscriber` for asyncio; both take the arguments of
 `rayloc.connection.Connection` and know what was lost (`lost`), whether the daemon was restarted

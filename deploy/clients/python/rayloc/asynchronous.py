@@ -1,8 +1,15 @@
 """AsyncSubscriber: Subscriber for asyncio.
 
-async with rayloc.AsyncSubscriber("tcp://127.0.0.1:5560") as messages:
-    async for message in messages:
-        ...
+    import asyncio
+
+    import rayloc
+
+    async def main() -> None:
+        async with rayloc.AsyncSubscriber("tcp://127.0.0.1:5560") as messages:
+            async for message in messages:
+                print(message.topic, message.kind)
+
+    asyncio.run(main())
 """
 
 from __future__ import annotations

@@ -1,8 +1,10 @@
 """Subscriber: receives what raylocd publishes.
 
-with rayloc.Subscriber("tcp://127.0.0.1:5560", topics=["v1/location/"]) as messages:
-    for message in messages:
-        ...
+    import rayloc
+
+    with rayloc.Subscriber("tcp://127.0.0.1:5560", topics=["v1/location/"]) as messages:
+        for message in messages:
+            print(message.topic, message.kind)
 """
 
 from __future__ import annotations
