@@ -29,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 using PollEvents = decltype(pollfd::events);
 
 constexpr std::string_view kEndOfHead = "\r\n\r\n";
+// After which it is tried again to accept what could not be for want of descriptors or memory.
+constexpr std::chrono::milliseconds kRest{100};
 
 struct Connection {
   FileDescriptor socket;
@@ -131,7 +133,8 @@ class HttpServer::Impl {
   std::uint16_t port_ = 0;
   std::list<Connection> connections_;  // oldest first; of the thread
   mutable std::mutex mutex_;
-  HttpCounters counters_;  // guarded by mutex_
+  HttpCounters counters_;            // guarded by mutex_
+  Clock::time_point accepts_again_;  // until then nobody is accepted; of the thread
   std::thread thread_;
 };
 
@@ -141,14 +144,16 @@ void HttpServer::Impl::run() {
     if (on_round_) {
       on_round_();
     }
-    std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0}, {listener_.get(), POLLIN, 0}};
+    const bool rests = Clock::now() < accepts_again_;
+    std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0},
+                                {rests ? -1 : listener_.get(), POLLIN, 0}};
     for (const Connection& connection : connections_) {
       const int reading = connection.events || !connection.writing() ? POLLIN : 0;
       const int writing = connection.writing() ? POLLOUT : 0;
       waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
     }
     // Deadlines and viewers are looked at ten times a second while there are connections.
-    poll(waiting.data(), waiting.size(), connections_.empty() ? kIdleMs : 100);
+    poll(waiting.data(), waiting.size(), connections_.empty() && !rests ? kIdleMs : 100);
     if (waiting[0].revents != 0) {
       return;
     }
@@ -177,6 +182,9 @@ void HttpServer::Impl::accept_all() {
   while (true) {
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
+      // Whoever waits keeps waiting, and would be reported again at once.
+      const bool lacks = errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM;
+      accepts_again_ = lacks ? Clock::now() + kRest : accepts_again_;
       return;
     }
     if (connections_.size() >= limits_.connections) {

@@ -73,12 +73,17 @@ const httplib::Headers kHeaders = {
      "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
      "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
 
-std::string head_of_stream() {
-  std::string head = "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n";
+std::string header_lines() {
+  std::string lines;
   for (const auto& [name, value] : kHeaders) {
-    head.append(name).append(": ").append(value).append("\r\n");
+    lines.append(name).append(": ").append(value).append("\r\n");
   }
-  return head + "\r\n";
+  return lines;
+}
+
+std::string head_of_stream() {
+  return "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n" +
+         header_lines() + "\r\n";
 }
 
 bool has_body(const httplib::Request& request) {
@@ -217,8 +222,8 @@ HttpAnswer RequestHandler::refusal(int status,
   const std::string body = R"({"error":")" + reason + "\"}\n";
   return {status,
           "HTTP/1.1 " + std::to_string(status) + " " + reason +
-              "\r\nConnection: close\r\nContent-Type: application/json\r\n" + headers +
-              "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body};
+              "\r\nConnection: close\r\nContent-Type: application/json\r\n" + header_lines() +
+              headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body};
 }
 
 }  // namespace rayloc

@@ -108,6 +108,7 @@ TEST_F(EventStream, OneViewerTooManyIsToldWhenToComeBack) {
   const std::string refused = view().receive();
   EXPECT_THAT(refused, StartsWith("HTTP/1.1 503 "));
   EXPECT_THAT(refused, HasSubstr("\r\nRetry-After: 5\r\n"));
+  testing::expect_policy(refused);
   EXPECT_EQ(counters().viewers_refused, 1U);
   // One leaves, and its place is free.
   clients_.pop_front();

@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <string>
 
+#include <gtest/gtest.h>
+
 namespace rayloc::testing {
 
 class HttpClient {
@@ -66,6 +68,19 @@ inline std::string http_get(std::uint16_t port,
 inline std::string http_body(const std::string& answer) {
   const std::size_t end = answer.find("\r\n\r\n");
   return end == std::string::npos ? "" : answer.substr(end + 4);
+}
+
+// What keeps browsers from taking it for something else.
+inline void expect_policy(const std::string& answer) {
+  const std::string head = answer.substr(0, answer.find("\r\n\r\n") + 2);
+  for (const char* line :
+       {"\r\nCache-Control: no-store\r\n",
+        "\r\nX-Content-Type-Options: nosniff\r\n",
+        "\r\nReferrer-Policy: no-referrer\r\n",
+        "\r\nCross-Origin-Resource-Policy: same-origin\r\n",
+        "\r\nContent-Security-Policy: default-src 'none'; script-src 'self'; "}) {
+    EXPECT_NE(head.find(line), std::string::npos) << line << head;
+  }
 }
 
 }  // namespace rayloc::testing

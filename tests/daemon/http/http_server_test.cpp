@@ -1,6 +1,10 @@
 // Real sockets, and clients that ask for what they should not.
 #include "daemon/http/http_server.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <ctime>
 #include <deque>
 #include <thread>
 
@@ -14,6 +18,7 @@ namespace rayloc {
 namespace {
 
 using ::testing::EndsWith;
+using testing::expect_policy;
 using ::testing::HasSubstr;
 using testing::http_get;
 using testing::HttpClient;
@@ -69,6 +74,28 @@ TEST_F(HttpServerTest, AnswersWhatThereIs) {
   EXPECT_THAT(answer, EndsWith("\r\n\r\nfine\n"));
   EXPECT_THAT(answer_to("HEAD /open HTTP/1.1\r\n\r\n"), EndsWith("\r\n\r\n"));
   EXPECT_EQ(server_->counters().requests.at(200), 2U);
+}
+
+// Whoever waits for a descriptor costs no processor, and is answered when there is one.
+TEST_F(HttpServerTest, RestsWhenNobodyCanBeAccepted) {
+  start();
+  const int next = dup(STDIN_FILENO);
+  close(next);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit one_more{static_cast<rlim_t>(next) + 1, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &one_more), 0);
+  const HttpClient client(server_->port());  // takes the last one
+  const auto processor = [] { return std::clock() * 1000 / CLOCKS_PER_SEC; };
+  const auto begin = processor();
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  const auto used = processor() - begin;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  ASSERT_TRUE(client.connected());
+  EXPECT_LT(used, 300);  // ms
+  EXPECT_TRUE(server_->counters().requests.empty());
+  client.send("GET /open HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(client.receive(), StartsWith("HTTP/1.1 200 "));
 }
 
 TEST_F(HttpServerTest, SendsALargeAnswerToAClientThatReadsInPieces) {
@@ -165,6 +192,16 @@ TEST_F(HttpServerTest, RefusesAFloodOfHeaders) {
     many += "X-" + std::to_string(i) + ": 1\r\n";
   }
   EXPECT_THAT(answer_to(many), StartsWith("HTTP/1.1 431 "));
+}
+
+TEST_F(HttpServerTest, SendsThePolicyWithEveryAnswer) {
+  start();
+  for (const std::string& request : {std::string("GET /open HTTP/1.1\r\n\r\n"),
+                                     std::string("GET /none HTTP/1.1\r\n\r\n"),
+                                     std::string("no request\r\n\r\n"),
+                                     "GET /open HTTP/1.1\r\nX: " + std::string(100'000, 'x')}) {
+    expect_policy(answer_to(request));
+  }
 }
 
 TEST_F(HttpServerTest, SlowClientsDelayNobody) {
