@@ -1,4 +1,5 @@
-// `rayloc calibrate`: from a site and a survey to a calibrated site.
+#include "daemon/cli/calibrate.h"
+
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -19,13 +20,10 @@
 #include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/calibrate/holdout.h"
 #include "daemon/calibrate/level_stage.h"
-#include "daemon/cli/calibrate_plan.h"
-#include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/calibration_progress.h"
 #include "daemon/cli/calibration_summary.h"
 #include "daemon/cli/stop_signal.h"
-#include "daemon/cli/verb.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
@@ -41,24 +39,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
-  std::string site;
-  std::vector<std::string> captures;
-  std::string points;
-  std::string out;
-  std::string method = "joint";
-  double holdout = 0.2;
-  std::uint64_t seed = 1;
-  PlanArguments plan;
-  bool make_plan = false;
-  bool rechain = false;
-  bool gains_only = false;
-  bool compare = false;
-  bool resume = false;
-  bool force = false;
-  bool quiet = false;
-};
-
 std::uint64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -67,7 +47,7 @@ std::uint64_t peak_memory() {
 
 class Calibration {
  public:
-  explicit Calibration(const Options& options) : options_(options) {}
+  explicit Calibration(const CalibrateArguments& options) : options_(options) {}
 
   Expected<void> run();
 
@@ -91,7 +71,7 @@ class Calibration {
   }
   fs::path checkpoint() const { return fs::path(options_.out) / kCheckpointFile; }
 
-  const Options& options_;
+  const CalibrateArguments& options_;
   Site site_;
   CalibrationInputs inputs_;
   RoomModel plan_;   // as surveyed
@@ -421,80 +401,10 @@ Expected<void> Calibration::run() {
   return {};
 }
 
-Expected<void> run(Options options) {
-  if (options.make_plan) {
-    options.plan.site = options.site;
-    options.plan.out = options.out.empty() ? "-" : options.out;
-    options.plan.quiet = options.quiet;
-    return run_plan(options.plan);
-  }
-  if (options.rechain && !options.captures.empty() && !options.out.empty()) {
-    return run_rechain({options.site,
-                        options.captures,
-                        options.points,
-                        options.out,
-                        options.force,
-                        options.quiet});
-  }
-  if (options.rechain) {
-    return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
-  }
-  if (options.captures.empty() || options.points.empty() || options.out.empty()) {
-    return make_error(ErrorKind::kUsage,
-                      "a calibration needs --capture, --points and --out; --plan needs the site "
-                      "alone");
-  }
-  if (!(options.holdout >= 0.0 && options.holdout <= 0.8)) {
-    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
-  }
-  if (options.gains_only) {
-    options.method = "gains-only";
-  }
-  if (options.resume && options.method != "joint") {
-    return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
-  }
-  return Calibration(options).run();
-}
-
-RunVerb declare(CLI::App& app) {
-  const auto options = std::make_shared<Options>();
-  app.add_option("site", options->site, "directory with site.toml")->required();
-  app.add_option("--capture", options->captures, "recordings of the survey: [AP=]FILE");
-  app.add_option("--points", options->points, "where the device stood: t_start,t_end,x,y,z");
-  app.add_option("--out",
-                 options->out,
-                 "folder to create: the calibrated site; with --plan the csv (- is stdout)");
-  app.add_option("--method",
-                 options->method,
-                 "joint: surfaces, arrays, chains and materials together; paper: the published one")
-      ->check(CLI::IsMember({"joint", "paper"}));
-  app.add_flag(
-      "--plan", options->make_plan, "says where to stand in a survey, before there is one");
-  app.add_option("--plan-points", options->plan.points, "how many points to plan");
-  app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
-  app.add_flag("--rechain",
-               options->rechain,
-               "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
-               "from the site's fixed transmitters");
-  app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
-  app.add_flag("--compare", options->compare, "also runs the other method, for the report");
-  app.add_option("--holdout", options->holdout, "share of the points kept for checking");
-  app.add_option("--seed", options->seed, "of the draw of those points");
-  app.add_flag("--resume", options->resume, "goes on with what was interrupted in --out");
-  app.add_flag("--force", options->force, "write into a folder that is not empty");
-  app.add_flag("--quiet", options->quiet, "no words on stderr");
-  return [options] { return run(*options); };
-}
-
 }  // namespace
 
-extern const Verb kCalibrate;
-const Verb kCalibrate = {"calibrate",
-                         "Calibrate a site from a survey",
-                         "rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
-                         "--out office-calibrated\n"
-                         "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
-                         "--out office-today",
-                         declare};
+Expected<void> run_calibration(const CalibrateArguments& arguments) {
+  return Calibration(arguments).run();
+}
 
 }  // namespace rayloc::cli

@@ -5,7 +5,7 @@
 namespace rayloc::cli {
 
 // One row a verb, in the order of `rayloc --help`; one a line, so that branches merge.
-extern const Verb kCalibrate;    // calibrate.cpp
+extern const Verb kCalibrate;    // calibrate_verb.cpp
 extern const Verb kCheckConfig;  // check_config.cpp
 extern const Verb kCompletion;   // completion.cpp
 extern const Verb kConfig;       // config.cpp

@@ -1,0 +1,31 @@
+// `rayloc calibrate`: from a site and a survey to a calibrated site.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+
+namespace rayloc::cli {
+
+struct CalibrateArguments {
+  std::string site;                   // as surveyed
+  std::vector<std::string> captures;  // [AP=]FILE
+  std::string points;                 // csv
+  std::string out;                    // folder to create
+  std::string method = "joint";       // or "paper", "gains-only"
+  double holdout = 0.2;
+  std::uint64_t seed = 1;
+  bool compare = false;
+  bool resume = false;
+  bool force = false;
+  bool quiet = false;
+};
+
+// Writes `out` as a complete site with report.json and report.html. An Error when the inputs do not
+// fit together, naming the row or the access point. SIGINT and SIGTERM end the fit: `out` then
+// holds the last good state, and the process ends by the signal.
+Expected<void> run_calibration(const CalibrateArguments& arguments);
+
+}  // namespace rayloc::cli

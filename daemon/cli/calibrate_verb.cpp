@@ -1,0 +1,101 @@
+// The verb `rayloc calibrate`: its arguments, and what it is asked for.
+#include <memory>
+#include <string>
+
+#include "daemon/cli/calibrate.h"
+#include "daemon/cli/calibrate_plan.h"
+#include "daemon/cli/calibrate_rechain.h"
+#include "daemon/cli/verb.h"
+
+namespace rayloc::cli {
+namespace {
+
+struct Options {
+  CalibrateArguments calibrate;
+  PlanArguments plan;
+  bool make_plan = false;
+  bool rechain = false;
+  bool gains_only = false;
+};
+
+Expected<void> run(const Options& options) {
+  CalibrateArguments calibrate = options.calibrate;
+  if (options.make_plan) {
+    PlanArguments plan = options.plan;
+    plan.site = calibrate.site;
+    plan.out = calibrate.out.empty() ? "-" : calibrate.out;
+    plan.quiet = calibrate.quiet;
+    return run_plan(plan);
+  }
+  if (options.rechain && !calibrate.captures.empty() && !calibrate.out.empty()) {
+    return run_rechain({calibrate.site,
+                        calibrate.captures,
+                        calibrate.points,
+                        calibrate.out,
+                        calibrate.force,
+                        calibrate.quiet});
+  }
+  if (options.rechain) {
+    return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
+  }
+  if (calibrate.captures.empty() || calibrate.points.empty() || calibrate.out.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "a calibration needs --capture, --points and --out; --plan needs the site "
+                      "alone");
+  }
+  if (!(calibrate.holdout >= 0.0 && calibrate.holdout <= 0.8)) {
+    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
+  }
+  if (options.gains_only) {
+    calibrate.method = "gains-only";
+  }
+  if (calibrate.resume && calibrate.method != "joint") {
+    return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
+  }
+  return run_calibration(calibrate);
+}
+
+RunVerb declare(CLI::App& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("site", options->calibrate.site, "directory with site.toml")->required();
+  app.add_option("--capture", options->calibrate.captures, "recordings of the survey: [AP=]FILE");
+  app.add_option(
+      "--points", options->calibrate.points, "where the device stood: t_start,t_end,x,y,z");
+  app.add_option("--out",
+                 options->calibrate.out,
+                 "folder to create: the calibrated site; with --plan the csv (- is stdout)");
+  app.add_option("--method",
+                 options->calibrate.method,
+                 "joint: surfaces, arrays, chains and materials together; paper: the published one")
+      ->check(CLI::IsMember({"joint", "paper"}));
+  app.add_flag(
+      "--plan", options->make_plan, "says where to stand in a survey, before there is one");
+  app.add_option("--plan-points", options->plan.points, "how many points to plan");
+  app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
+  app.add_flag("--rechain",
+               options->rechain,
+               "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
+               "from the site's fixed transmitters");
+  app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
+  app.add_flag(
+      "--compare", options->calibrate.compare, "also runs the other method, for the report");
+  app.add_option("--holdout", options->calibrate.holdout, "share of the points kept for checking");
+  app.add_option("--seed", options->calibrate.seed, "of the draw of those points");
+  app.add_flag("--resume", options->calibrate.resume, "goes on with what was interrupted in --out");
+  app.add_flag("--force", options->calibrate.force, "write into a folder that is not empty");
+  app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
+  return [options] { return run(*options); };
+}
+
+}  // namespace
+
+extern const Verb kCalibrate;
+const Verb kCalibrate = {"calibrate",
+                         "Calibrate a site from a survey",
+                         "rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
+                         "--out office-calibrated\n"
+                         "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
+                         "--out office-today",
+                         declare};
+
+}  // namespace rayloc::cli
