@@ -39,6 +39,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kOldReference =
+    "is of another calibration and left out: record the empty room again (rayloc reference)";
+
 std::uint64_t peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -52,6 +55,7 @@ class Calibration {
   Expected<void> run();
 
  private:
+  Expected<void> check_site();
   Expected<void> measure();
   void combine();
   Expected<void> refuse();
@@ -83,12 +87,28 @@ class Calibration {
   std::string id_;  // of all inputs
 };
 
+// What would be found out after minutes else.
+Expected<void> Calibration::check_site() {
+  if (site_.calibration_file) {
+    return make_error(ErrorKind::kConfiguration,
+                      options_.site +
+                          ": is calibrated already; give the site as it was surveyed, from which "
+                          "the priors count. After a power cycle --rechain is enough. To start "
+                          "from the scene of this one all the same, take [calibration] and "
+                          "[reference] out of a copy of its site.toml");
+  }
+  return check_output(options_.out, site_.directory, options_.force || options_.resume);
+}
+
 Expected<void> Calibration::measure() {
   auto site = load_site(options_.site);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
   site_ = *std::move(site);
+  if (auto checked = check_site(); !checked) {
+    return checked;
+  }
   const auto captures = resolve_captures(options_.captures, access_point_ids(site_));
   if (!captures) {
     return tl::make_unexpected(captures.error());
@@ -98,9 +118,14 @@ Expected<void> Calibration::measure() {
     return tl::make_unexpected(std::move(inputs.error()));
   }
   inputs_ = *std::move(inputs);
-  Site uncalibrated = site_;  // starts from the survey, not from an earlier calibration
-  uncalibrated.calibration_file.reset();
-  auto room = load_room_model(uncalibrated);
+  if (site_.reference_file) {  // it holds the phases of another calibration
+    inputs_.refused.push_back({site_.reference_file->filename().string(), kOldReference});
+    site_.reference_file.reset();
+    if (!options_.quiet) {
+      std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
+    }
+  }
+  auto room = load_room_model(site_);
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));
   }

@@ -174,6 +174,9 @@ Expected<void> Rechain::read() {
                           ": is not calibrated; --rechain only renews the chain gains of a "
                           "calibrated site: run `rayloc calibrate` with a survey first");
   }
+  if (auto checked = check_output(arguments_.out, site_.directory, arguments_.force); !checked) {
+    return checked;
+  }
   auto room = load_room_model(site_);
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));

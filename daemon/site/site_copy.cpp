@@ -64,6 +64,8 @@ Expected<SiteFiles> read_site(const Site& site, bool own_materials) {
     root.insert_or_assign("calibration", toml::table{{"file", "calibration.toml"}});
     if (site.reference_file) {
       root.insert_or_assign("reference", toml::table{{"file", "reference.toml"}});
+    } else {
+      root.erase("reference");
     }
     auto patterns = take_patterns(root, site.directory);
     if (!patterns) {
@@ -142,17 +144,32 @@ Expected<std::string> read_file(const fs::path& file) {
   return content.str();
 }
 
-Expected<void> prepare_output(const fs::path& directory, bool force) {
+Expected<void> check_output(const fs::path& directory, const fs::path& input, bool force) {
   std::error_code status;
-  if (fs::exists(directory, status)) {
-    if (!fs::is_directory(directory, status)) {
-      return make_error(ErrorKind::kUsage, directory.string() + " is a file; --out names a folder");
-    }
-    if (!fs::is_empty(directory, status) && !force) {
-      return make_error(ErrorKind::kUsage,
-                        directory.string() + " is not empty; choose another --out, or --force");
-    }
+  if (!fs::exists(directory, status)) {
+    return {};
   }
+  if (!fs::is_directory(directory, status)) {
+    return make_error(ErrorKind::kUsage, directory.string() + " is a file; --out names a folder");
+  }
+  if (!input.empty() && fs::equivalent(directory, input, status)) {
+    return make_error(ErrorKind::kUsage,
+                      directory.string() +
+                          " is the site that is read, and no verb changes its "
+                          "inputs; choose another --out");
+  }
+  if (!fs::is_empty(directory, status) && !force) {
+    return make_error(ErrorKind::kUsage,
+                      directory.string() + " is not empty; choose another --out, or --force");
+  }
+  return {};
+}
+
+Expected<void> prepare_output(const fs::path& directory, bool force) {
+  if (auto checked = check_output(directory, {}, force); !checked) {
+    return checked;
+  }
+  std::error_code status;
   fs::create_directories(directory, status);
   if (status) {
     return cannot("created", directory, status.message());

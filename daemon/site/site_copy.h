@@ -11,12 +11,18 @@
 
 namespace rayloc {
 
+// What is wrong with `directory` as the output of a verb, before any work is done: it is `input`
+// itself, a file, or not empty (unless `force`). `input` may be empty: there is none.
+Expected<void> check_output(const std::filesystem::path& directory,
+                            const std::filesystem::path& input,
+                            bool force);
+
 // Creates `directory`. An error when it exists and is not empty, unless `force`: then files of the
 // same names are replaced, others stay.
 Expected<void> prepare_output(const std::filesystem::path& directory, bool force);
 
 // Writes into `directory`: site.toml as the original states it but for the paths in it,
-// the scene with every mesh it names, the tables of gains, the reference if there is one, and
+// the scene with every mesh it names, the tables of gains, `site`'s reference if it has one, and
 // `calibration` as calibration.toml. Comments of site.toml are not kept.
 // `refined`: content by file name of the scene to write instead of the original's, "scene.xml" and
 // what it names; site.toml then states no materials of its own. Empty: the original's scene.

@@ -283,6 +283,19 @@ TEST_F(RechainVerb, RefusesWhatItCannotUse) {
   EXPECT_THAT(finished.err, HasSubstr("is not calibrated"));
   finished = RaylocProcess({"calibrate", path("calibrated"), "--rechain"}).wait();
   EXPECT_EQ(finished.status, 64);
+  finished = RaylocProcess({"calibrate",
+                            path("calibrated"),
+                            "--rechain",
+                            "--capture",
+                            path("one.pcap"),
+                            "--points",
+                            one,
+                            "--force",
+                            "--out",
+                            path("calibrated")})
+                 .wait();
+  EXPECT_EQ(finished.status, 64);
+  EXPECT_THAT(finished.err, HasSubstr("is the site that is read"));
 }
 
 }  // namespace

@@ -38,6 +38,17 @@ class CalibrateVerb : public testing::Test {
     return RaylocProcess(arguments).wait();
   }
 
+  // A site of its own, which a test may change.
+  fs::path copied_site() const {
+    const fs::path site = out_.string() + "_site";
+    fs::remove_all(site);
+    fs::create_directories(site);
+    fs::copy(kSite + "/meshes", site / "meshes");
+    fs::copy_file(kSite + "/scene.xml", site / "scene.xml");
+    fs::copy_file(kSite + "/site.toml", site / "site.toml");
+    return site;
+  }
+
   // The first `rows` points of the survey, with `from` replaced by `to`.
   std::string points(int rows, const std::string& from = "", const std::string& to = "") const {
     std::ifstream in(kSite + "/calibration.csv");
@@ -74,11 +85,7 @@ TEST_F(CalibrateVerb, WritesASiteWhoseGainsExplainTheHeldOutPoints) {
 }
 
 TEST_F(CalibrateVerb, LearnsTheLevelOfADeviceOfConstantPower) {
-  const fs::path site = out_.string() + "_site";
-  fs::remove_all(site);
-  fs::create_directories(site);
-  fs::copy(kSite + "/meshes", site / "meshes");
-  fs::copy_file(kSite + "/scene.xml", site / "scene.xml");
+  const fs::path site = copied_site();
   std::string text = read_text(kSite + "/site.toml");
   const std::string device = "role = \"device\"\n";
   ASSERT_NE(text.find(device), std::string::npos);
@@ -130,6 +137,58 @@ TEST_F(CalibrateVerb, FitsTheRoomToTheSurvey) {
   const Finished read =
       RaylocProcess({"replay", out_, "ap1=" + kSite + "/device_los-ap1.pcap.gz"}).wait();
   EXPECT_EQ(read.status, 0) << read.err;
+}
+
+// The phases of an empty room belong to the calibration that it was recorded with.
+TEST_F(CalibrateVerb, LeavesOutTheReferenceOfAnotherCalibration) {
+  const fs::path site = copied_site();
+  std::ofstream(site / "reference.toml") << "format = 1\n";
+  std::ofstream(site / "site.toml", std::ios::app) << "\n[reference]\nfile = \"reference.toml\"\n";
+  const Finished run = RaylocProcess({"calibrate",
+                                      site,
+                                      "--gains-only",
+                                      "--out",
+                                      out_,
+                                      "--capture",
+                                      "ap3=" + kSite + "/calibration-ap3.pcap.gz",
+                                      "--points",
+                                      kSite + "/calibration.csv"})
+                           .wait();
+  fs::remove_all(site);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("record the empty room again (rayloc reference)"), std::string::npos)
+      << run.err;
+  EXPECT_NE(read_text(out_ / "report.json").find("record the empty room again"), std::string::npos);
+  const Finished read =
+      RaylocProcess({"replay", out_, "ap3=" + kSite + "/device_los-ap3.pcap.gz"}).wait();
+  EXPECT_EQ(read.status, 0) << read.err;
+}
+
+// Before anything is read: the files that are named do not exist.
+TEST_F(CalibrateVerb, RefusesAnOutputThatItMayNotWriteAtOnce) {
+  const fs::path site = copied_site();
+  const auto to = [&](const fs::path& out, const std::string& force) {
+    std::vector<std::string> arguments{
+        "calibrate", site, "--capture", "ap1=none.pcap", "--points", "none.csv", "--out", out};
+    if (!force.empty()) {
+      arguments.push_back(force);
+    }
+    return RaylocProcess(arguments).wait();
+  };
+  const Finished input = to(site / ".", "--force");
+  EXPECT_EQ(input.status, 64);
+  EXPECT_NE(input.err.find("is the site that is read"), std::string::npos) << input.err;
+  fs::create_directories(out_ / "mine");
+  const Finished full = to(out_, "");
+  EXPECT_EQ(full.status, 64);
+  EXPECT_NE(full.err.find("is not empty"), std::string::npos) << full.err;
+  std::ofstream(site / "calibration.toml") << "format = 1\n";
+  std::ofstream(site / "site.toml", std::ios::app)
+      << "\n[calibration]\nfile = \"calibration.toml\"\n";
+  const Finished again = to(out_ / "new", "");
+  EXPECT_EQ(again.status, 78);
+  EXPECT_NE(again.err.find("is calibrated already"), std::string::npos) << again.err;
+  fs::remove_all(site);
 }
 
 TEST_F(CalibrateVerb, RefusesAPointOutsideOfTheRoomByItsRow) {

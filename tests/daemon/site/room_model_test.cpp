@@ -167,6 +167,34 @@ TEST_F(RoomModelTest, RefusesTheCalibrationOfAnAccessPointThatIsNotThere) {
       << refused.error().message;
 }
 
+// A reference holds phases that only its own calibration explains.
+TEST_F(RoomModelTest, ACopyOfASiteWithoutItsReferenceNamesNone) {
+  auto site = load_site(kSite);
+  ASSERT_TRUE(site);
+  const auto room = load_room_model(*site);
+  ASSERT_TRUE(room);
+  ASSERT_TRUE(prepare_output(folder_, false));
+  ASSERT_TRUE(write_file(folder_ / "reference.toml", "format = 1\n"));
+  site->reference_file = folder_ / "reference.toml";
+  ASSERT_TRUE(write_site(*site, to_toml(calibration_of(*room)), folder_));
+  auto with = load_site(folder_);
+  ASSERT_TRUE(with && with->reference_file);
+  with->reference_file.reset();
+  ASSERT_TRUE(write_site(*with, to_toml(calibration_of(*room)), folder_));
+  const auto without = load_site(folder_);
+  ASSERT_TRUE(without) << without.error().message;
+  EXPECT_FALSE(without->reference_file);
+}
+
+TEST_F(RoomModelTest, AnOutputIsNoInputEvenIfForced) {
+  ASSERT_TRUE(prepare_output(folder_, false));
+  EXPECT_TRUE(check_output(folder_, kSite, false));
+  EXPECT_TRUE(check_output(folder_ / "new", folder_, false));
+  const auto same = check_output(folder_ / ".." / folder_.filename(), folder_, true);
+  ASSERT_FALSE(same);
+  EXPECT_NE(same.error().message.find("is the site that is read"), std::string::npos);
+}
+
 TEST_F(RoomModelTest, OutputFolderMustBeEmptyUnlessForced) {
   ASSERT_TRUE(prepare_output(folder_, false));
   ASSERT_TRUE(write_file(folder_ / "note", "mine"));
