@@ -19,6 +19,7 @@
 #include "daemon/calibrate/checkpoint_file.h"
 #include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/calibrate/holdout.h"
+#include "daemon/calibrate/inputs_hash.h"
 #include "daemon/calibrate/level_stage.h"
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/calibration_progress.h"
@@ -27,7 +28,6 @@
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
-#include "engine/base/content_hash.h"
 #include "engine/calibrate/input_check.h"
 #include "engine/calibrate/joint_calibration.h"
 #include "engine/calibrate/paper_calibration.h"
@@ -130,18 +130,8 @@ Expected<void> Calibration::measure() {
     return tl::make_unexpected(std::move(room.error()));
   }
   plan_ = *std::move(room);
-  ContentHash id;
-  id.add(inputs_.content);
-  id.add(plan_.scene_hash);
-  id.add(options_.method);
-  id.add(options_.seed);
-  id.add(options_.holdout);
-  for (const SiteTransmitter& transmitter : site_.transmitters) {
-    if (transmitter.constant_power) {
-      id.add(to_string(transmitter.mac));
-    }
-  }
-  id_ = id.text();
+  id_ = inputs_hash(
+      site_, plan_, {options_.method, options_.holdout, options_.seed}, inputs_.content);
   return {};
 }
 

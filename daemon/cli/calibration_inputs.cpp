@@ -41,7 +41,9 @@ SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
   return nullptr;
 }
 
-void add_to_hash(ContentHash& hash, const CsiFrame& frame) {
+void add_to_hash(ContentHash& hash, const std::string& access_point, const CsiFrame& frame) {
+  hash.add(access_point);
+  hash.add(to_string(frame.transmitter));
   hash.add(static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
   for (const auto value : frame.csi.values()) {
     hash.add(static_cast<double>(value.real()));
@@ -63,7 +65,7 @@ Expected<Extent> read_capture(const Site& site,
     extent.last = extent.frames == 0 ? frame.time : std::max(extent.last, frame.time);
     ++extent.frames;
     if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
-      add_to_hash(hash, frame);
+      add_to_hash(hash, capture.access_point, frame);
       spot->frames.push_back(std::move(frame));
     }
   });

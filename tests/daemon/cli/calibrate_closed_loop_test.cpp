@@ -108,10 +108,11 @@ class CalibrateClosedLoop : public ::testing::Test {
     ASSERT_TRUE(write_file(folder_ / "built/site.toml", toml));
   }
 
-  std::vector<std::string> command(const std::string& out,
+  std::vector<std::string> command(const std::string& site,
+                                   const std::string& out,
                                    const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{"calibrate",
-                                       kSite,
+                                       site,
                                        "--points",
                                        folder_ / "points.csv",
                                        "--capture",
@@ -123,7 +124,12 @@ class CalibrateClosedLoop : public ::testing::Test {
     return arguments;
   }
   Finished calibrate(const std::string& out, const std::vector<std::string>& more = {}) const {
-    return RaylocProcess(command(out, more)).wait();
+    return calibrate_site(kSite, out, more);
+  }
+  Finished calibrate_site(const std::string& site,
+                          const std::string& out,
+                          const std::vector<std::string>& more) const {
+    return RaylocProcess(command(site, out, more)).wait();
   }
   nlohmann::json report(const std::string& out) const {
     return nlohmann::json::parse(text_of(folder_ / out / "report.json"));
@@ -167,7 +173,7 @@ TEST_F(CalibrateClosedLoop, RecoversTheRoomAsBuilt) {
 
 TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   ASSERT_NO_FATAL_FAILURE(survey(3));
-  const RaylocProcess interrupted(command("stopped", {}));
+  const RaylocProcess interrupted(command(kSite, "stopped", {}));
   const fs::path checkpoint = folder_ / "stopped/calibration.checkpoint.json";
   for (int i = 0; i < 6000 && !fs::exists(checkpoint); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -179,6 +185,15 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   const auto room = load_room_model(load_site(folder_ / "stopped").value());
   EXPECT_TRUE(room) << room.error().message;
   EXPECT_TRUE(fs::exists(checkpoint));
+
+  // Where an access point stands otherwise, the same numbers are of another room.
+  fs::copy(kSite, folder_ / "turned", fs::copy_options::recursive);
+  ASSERT_TRUE(write_file(
+      folder_ / "turned/site.toml",
+      testing::edited_text(text_of(kSite + "/site.toml"), "yaw_deg = -37", "yaw_deg = -36")));
+  const Finished turned = calibrate_site(folder_ / "turned", "stopped", {"--resume"});
+  EXPECT_EQ(turned.status, 65);
+  EXPECT_NE(turned.err.find("was made from other inputs"), std::string::npos) << turned.err;
 
   const Finished resumed = calibrate("stopped", {"--resume"});
   ASSERT_EQ(resumed.status, 0) << resumed.err;

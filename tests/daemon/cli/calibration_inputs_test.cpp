@@ -91,5 +91,20 @@ TEST_F(CalibrationInputsTest, NamesTheAccessPointThatHeardNothingAtThatTime) {
   EXPECT_TRUE(says(message, "from 1600000000.000 to 1600000000.500"));
 }
 
+// A checkpoint of the one must not be gone on from with the other.
+TEST_F(CalibrationInputsTest, TellsExchangedRecordingsApart) {
+  std::ofstream(points_) << "t_start,t_end,x,y,z\n" << kRightRow;
+  const auto content = [&](const std::string& first, const std::string& second) {
+    const auto file = [](const std::string& ap) {
+      return kFolder + "/calibration-" + ap + ".pcap.gz";
+    };
+    const auto inputs = read_calibration_inputs(
+        bundled_site(), {{"ap1", file(first)}, {"ap2", file(second)}}, points_);
+    return inputs ? inputs->content : inputs.error().message;
+  };
+  EXPECT_EQ(content("ap1", "ap2"), content("ap1", "ap2"));
+  EXPECT_NE(content("ap1", "ap2"), content("ap2", "ap1"));
+}
+
 }  // namespace
 }  // namespace rayloc::cli

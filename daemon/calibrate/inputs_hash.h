@@ -1,0 +1,27 @@
+// inputs_hash: tells apart calibrations by everything that they start from.
+//
+// It is the calibration's id, and what a checkpoint must agree with to be gone on from: with
+// another pose of an access point the same numbers would be of another room.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "daemon/site/site.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+struct CalibrationRequest {
+  std::string method;
+  double holdout = 0.0;
+  std::uint64_t seed = 0;
+};
+
+// `surveyed`: the room as `site` states it; `measurements`: hash of the points and the recordings.
+std::string inputs_hash(const Site& site,
+                        const RoomModel& surveyed,
+                        const CalibrationRequest& request,
+                        const std::string& measurements);
+
+}  // namespace rayloc
