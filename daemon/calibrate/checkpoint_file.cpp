@@ -19,7 +19,8 @@ tl::unexpected<Error> unusable(const std::filesystem::path& file, const std::str
 
 }  // namespace
 
-std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& inputs) {
+std::string to_json_text(const StoredCheckpoint& stored, const std::string& inputs) {
+  const JointCheckpoint& checkpoint = stored.reached;
   Json survey = Json::array();
   for (const Vec3d& error : checkpoint.state.survey) {
     survey.push_back({error.x, error.y, error.z});
@@ -36,21 +37,27 @@ std::string to_json_text(const JointCheckpoint& checkpoint, const std::string& i
   for (const WaveCycle& one : checkpoint.other_cycles) {
     cycles.push_back({one.surface, one.offset, one.excess});
   }
+  Json history = Json::array();
+  for (const CalibrationStep& step : checkpoint.history) {
+    history.push_back({step.stage, step.iteration, step.loss, step.heldout});
+  }
   return Json{{"inputs", inputs},
+              {"seconds", stored.seconds},
               {"rounds", checkpoint.rounds},
               {"last_kept", checkpoint.last_kept},
               {"values", checkpoint.state.values},
               {"survey", std::move(survey)},
               {"gains", std::move(gains)},
-              {"other_cycles", std::move(cycles)}}
+              {"other_cycles", std::move(cycles)},
+              {"history", std::move(history)}}
              .dump() +
          "\n";
 }
 
-Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
-                                          const std::string& inputs,
-                                          const RoomModel& room,
-                                          std::size_t points) {
+Expected<StoredCheckpoint> load_checkpoint(const std::filesystem::path& file,
+                                           const std::string& inputs,
+                                           const RoomModel& room,
+                                           std::size_t points) {
   const auto text = read_file(file);
   if (!text) {
     return bad_input(file.string() +
@@ -61,11 +68,13 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
   if (json.is_discarded()) {
     return unusable(file, "is no JSON");
   }
-  JointCheckpoint checkpoint;
+  StoredCheckpoint stored;
+  JointCheckpoint& checkpoint = stored.reached;
   try {
     if (json.at("inputs") != inputs) {
       return unusable(file, "was made from other inputs or options");
     }
+    stored.seconds = json.at("seconds");
     checkpoint.rounds = json.at("rounds");
     checkpoint.last_kept = json.at("last_kept");
     checkpoint.state.values = json.at("values").get<std::vector<double>>();
@@ -89,6 +98,9 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
         return unusable(file, "has other surfaces than the site");
       }
     }
+    for (const Json& step : json.at("history")) {
+      checkpoint.history.push_back({step.at(0), step.at(1), step.at(2), step.at(3)});
+    }
   } catch (const Json::exception& error) {
     return unusable(file, error.what());
   }
@@ -98,7 +110,7 @@ Expected<JointCheckpoint> load_checkpoint(const std::filesystem::path& file,
       checkpoint.rounds > kJointRounds) {
     return unusable(file, "has other numbers than the site");
   }
-  return checkpoint;
+  return stored;
 }
 
 }  // namespace rayloc

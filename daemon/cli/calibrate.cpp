@@ -61,7 +61,11 @@ class Calibration {
   Expected<void> refuse();
   Expected<void> fit_gains();
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
-  Expected<RoomCalibration> jointly(const CalibrationObserver& observer);
+  Expected<RoomCalibration> jointly(const CalibrationObserver& observer, double& seconds);
+  void keep(const StoredCheckpoint& state);
+  bool go_on();
+  bool can_resume() const { return options_.method == "joint"; }  // not by --compare
+  void end(const std::vector<CalibrationMethodResult>& methods) const;
   void count_from_survey(std::vector<RoomParameter>& parameters) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
   std::vector<HeldOutSpot> spots(bool all) const;
@@ -85,6 +89,9 @@ class Calibration {
   std::vector<AccessPointResult> results_;  // in the calibrated room
   std::vector<HeldOutFixes> fixes_;
   std::string id_;  // of all inputs
+  CalibrationProgressLine line_{options_.quiet};
+  bool unkept_ = false;        // the last state could not be written
+  bool told_to_stop_ = false;  // and said so
 };
 
 // What would be found out after minutes else.
@@ -189,26 +196,59 @@ Expected<void> Calibration::fit_gains() {
   return {};
 }
 
-Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer) {
+// Keeps the way from which --resume goes on; that it cannot is said once and ends nothing.
+void Calibration::keep(const StoredCheckpoint& state) {
+  const auto written = write_file(checkpoint(), to_json_text(state, id_));
+  if (!written && !unkept_) {
+    line_.clear();
+    std::fprintf(stderr,
+                 "warning: %s; after an interruption --resume cannot go on\n",
+                 written.error().message.c_str());
+  }
+  unkept_ = !written;
+}
+
+Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer,
+                                               double& seconds) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto since = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
   JointCalibrationOptions joint;
   joint.seed = options_.seed;
-  joint.on_checkpoint = [&](const JointCheckpoint& state) {
-    static_cast<void>(write_file(checkpoint(), to_json_text(state, id_)));
-  };
-  JointCheckpoint from;
+  StoredCheckpoint from;
   if (options_.resume) {
     auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
     if (!loaded) {
       return tl::make_unexpected(std::move(loaded.error()));
     }
     from = *std::move(loaded);
-    joint.resume = &from;
+    joint.resume = &from.reached;
   }
-  return calibrate_jointly(start_, points_, joint, observer);
+  if (can_resume()) {
+    joint.on_checkpoint = [&](const JointCheckpoint& state) {
+      keep({state, from.seconds + since()});
+    };
+  }
+  auto calibration = calibrate_jointly(start_, points_, joint, observer);
+  seconds = from.seconds + since();
+  return calibration;
+}
+
+bool Calibration::go_on() {
+  if (StopSignal::requested() && !told_to_stop_) {
+    told_to_stop_ = true;
+    line_.clear();
+    if (!options_.quiet) {
+      std::fputs("interrupted: finishing with the last good state; once more ends at once\n",
+                 stderr);
+    }
+    line_.begin("finishing");
+  }
+  return !told_to_stop_;
 }
 
 Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
-  const auto begin = std::chrono::steady_clock::now();
   CalibrationMethodResult result{method, {}, 0.0};
   if (method == "gains-only") {
     result.calibration.room = plan_;
@@ -218,19 +258,23 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     }
     return result;
   }
-  CalibrationProgressLine line(method, options_.quiet);
+  line_.begin(method);
   const auto observer = [&](const CalibrationProgress& progress) {
-    line.show(progress);
-    return !StopSignal::requested();
+    line_.show(progress);
+    return go_on();
   };
-  auto calibration =
-      method == "paper" ? calibrate_by_paper(start_, points_, {}, observer) : jointly(observer);
+  const auto begin = std::chrono::steady_clock::now();
+  auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, {}, observer)
+                                       : jointly(observer, result.seconds);
   if (!calibration) {
     return tl::make_unexpected(std::move(calibration.error()));
   }
   result.calibration = *std::move(calibration);
   count_from_survey(result.calibration.parameters);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (method == "paper") {
+    result.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
   return result;
 }
 
@@ -361,21 +405,48 @@ Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& me
   return {};
 }
 
+// Where it was interrupted, says what there is and ends by the signal, as a script must know.
+void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
+  const CalibrationMethodResult& written = methods.front();
+  const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;
+  if (!resumes) {
+    std::error_code none;
+    fs::remove(checkpoint(), none);
+  }
+  if (!StopSignal::requested()) {
+    return;
+  }
+  const bool compared =
+      !options_.compare || (methods.size() == 2 && !methods.back().calibration.interrupted);
+  std::fprintf(stderr,
+               "interrupted: %s holds the %s%s\n",
+               options_.out.c_str(),
+               written.calibration.interrupted ? "last good state" : "whole calibration",
+               resumes     ? "; --resume goes on"
+               : !compared ? ", without the comparison"
+                           : "");
+  std::signal(SIGINT, SIG_DFL);
+  std::raise(SIGINT);
+}
+
 Expected<void> Calibration::run() {
+  line_.begin("reading the recordings");
   if (auto measured = measure(); !measured) {
     return measured;
   }
   combine();
+  line_.begin("comparing points and recordings");
   if (auto refused = refuse(); !refused) {
     return refused;
   }
+  line_.begin("fitting chain gains");
   if (auto fitted = fit_gains(); !fitted) {
     return fitted;
   }
+  StopSignal::install_once();
   if (auto prepared = prepare_output(options_.out, options_.force || options_.resume); !prepared) {
     return prepared;
   }
-  StopSignal::install();
   std::vector<CalibrationMethodResult> methods;
   std::vector<std::string> names{options_.method};
   if (options_.compare) {
@@ -387,6 +458,9 @@ Expected<void> Calibration::run() {
       return tl::make_unexpected(std::move(result.error()));
     }
     methods.push_back(*std::move(result));
+    if (!go_on()) {
+      break;
+    }
   }
   // In the calibrated room a point that was surveyed wrongly stands out; under the plan few do.
   for (const PointRefusal& odd :
@@ -394,25 +468,20 @@ Expected<void> Calibration::run() {
     inputs_.refused.push_back(
         {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
+  line_.begin("fitting the errors of the model");
   const RoomModel& room = methods.front().calibration.room;
   if (auto fitted = fit_errors(methods.front()); !fitted) {
     return fitted;
   }
+  line_.begin("locating the points held out");
   if (auto fitted = fit_certainty(room); !fitted) {
     return fitted;
   }
+  line_.clear();
   if (auto written = write(methods); !written) {
     return written;
   }
-  if (methods.front().calibration.interrupted) {
-    std::fprintf(stderr,
-                 "interrupted: %s holds the last good state; --resume goes on\n",
-                 options_.out.c_str());
-    std::signal(SIGINT, SIG_DFL);
-    std::raise(SIGINT);
-  }
-  std::error_code none;
-  fs::remove(checkpoint(), none);
+  end(methods);
   return {};
 }
 

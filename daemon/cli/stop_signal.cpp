@@ -12,14 +12,26 @@ std::atomic<bool>& flag() {
   return requested;
 }
 
+void install_handler(void (*handler)(int)) {
+  flag();  // made before the handler can need it
+  struct sigaction action {};
+  action.sa_handler = handler;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
 }  // namespace
 
 void StopSignal::install() {
-  flag();  // made before the handler can need it
-  struct sigaction action {};
-  action.sa_handler = [](int) { flag() = true; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  install_handler([](int) { flag() = true; });
+}
+
+void StopSignal::install_once() {
+  install_handler([](int) {
+    flag() = true;
+    std::signal(SIGINT, SIG_DFL);
+    std::signal(SIGTERM, SIG_DFL);
+  });
 }
 
 bool StopSignal::requested() { return flag(); }

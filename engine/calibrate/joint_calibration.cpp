@@ -8,6 +8,7 @@
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/joint_progress.h"
 #include "engine/calibrate/point_uses.h"
 #include "engine/calibrate/stated_parameter.h"
 #include "engine/calibrate/stated_widths.h"
@@ -27,6 +28,8 @@ constexpr int kPasses = 3;           // of a round whose steps had to be shorten
 constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
 constexpr std::size_t kMostTried = 8;
 constexpr int kTrialIterations = 5;
+// Of a part of the work, beside the iterations: the scan, and what Ceres tells before the first.
+constexpr int kStepsBesides = 2;
 
 class JointCalibration {
  public:
@@ -37,11 +40,11 @@ class JointCalibration {
       : original_(room),
         points_(points),
         options_(options),
-        observer_(observer),
         unknowns_(room, options.priors),
         plain_(room.grid),
         model_(plain_),
-        use_(draw_uses(points, options.seed)) {
+        use_(draw_uses(points, options.seed)),
+        progress_(observer, fitted_points(points, use_), options.iterations + kStepsBesides) {
     for (std::size_t p = 0; p < points.size(); ++p) {
       for (std::size_t a = 0; a < points[p].h.size(); ++a) {
         if (!points[p].h[a].empty()) {
@@ -83,8 +86,6 @@ class JointCalibration {
   Expected<void> go_back_to(const JointCheckpoint& reached);
   void checkpoint(JointCheckpoint& reached) const;
   Expected<double> finish(const JointRound& round);
-  bool tell(const char* stage, double loss);
-  bool go_on();
   void fold_chains();
   std::vector<Vec3d> placed(const JointRound& round, std::span<const JointSample> samples) const;
   std::vector<JointSample> used(std::span<const Use> uses) const;
@@ -93,7 +94,6 @@ class JointCalibration {
   RoomModel original_;  // its chain gains are improved
   std::span<const CalibrationPoint> points_;
   const JointCalibrationOptions& options_;
-  const CalibrationObserver& observer_;
   RoomUnknowns unknowns_;
   SampleModel plain_;
   SampleModel model_;     // weighs coordinates
@@ -106,10 +106,7 @@ class JointCalibration {
   std::vector<MeasuredSample> measured_;
   std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
   std::vector<WaveCycle> other_cycles_;
-  std::vector<CalibrationStep> history_;
-  double heldout_ = 0.0;
-  double share_ = 0.0;
-  bool stopped_ = false;
+  JointProgress progress_;
 };
 
 Expected<void> JointCalibration::retrace() {
@@ -224,29 +221,16 @@ std::vector<JointSample> JointCalibration::used(std::span<const Use> uses) const
   return samples;
 }
 
-bool JointCalibration::tell(const char* stage, double loss) {
-  history_.push_back({stage, static_cast<int>(history_.size()), loss, heldout_});
-  return go_on();
-}
-
-// Between trials, which are no steps on the way.
-bool JointCalibration::go_on() {
-  if (observer_ && !observer_({history_.back(), share_, points_.size()})) {
-    stopped_ = true;
-  }
-  return !stopped_;
-}
-
 bool JointCalibration::solve(const JointRound& round,
                              std::span<const Use> uses,
                              const char* stage) {
   const std::vector<char> free = released(round);
   const auto samples = used(uses);
   JointProblem(context(samples)).solve(joint_options(round, free), state_, [&](double unexplained) {
-    share_ += 1.0 / static_cast<double>(kJointRounds * (options_.iterations + 3));
-    return tell(stage, unexplained);
+    progress_.advance();
+    return progress_.tell(stage, unexplained);
   });
-  return !stopped_;
+  return !progress_.is_stopped();
 }
 
 // Tries the other half-wave cycles of the strongest surfaces; where one is better, all is fitted
@@ -256,11 +240,11 @@ bool JointCalibration::settle(const JointRound& round) {
   const auto samples = used(kFitted);
   const auto strongest = strongest_surfaces(power_, kTriedShare, kMostTried);
   WaveCycleSearch search{
-      strongest, half_wave(), joint_options(round, free), [&] { return go_on(); }};
+      strongest, half_wave(), joint_options(round, free), [&] { return progress_.go_on(); }};
   search.options.iterations = kTrialIterations;
   const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
   other_cycles_ = cycles.others;
-  return !stopped_ && (!cycles.moved || solve(round, kFitted, "fit"));
+  return !progress_.is_stopped() && (!cycles.moved || solve(round, kFitted, "fit"));
 }
 
 JointOptions JointCalibration::joint_options(const JointRound& round,
@@ -305,8 +289,9 @@ bool JointCalibration::search(const JointRound& round, bool cycles) {
   weigh(round);
   const auto samples = used(kFitted);
   scan_surfaces(context(samples), power_, {round.floor, round.scan_range}, state_);
-  return tell("scan", mean_unexplained(context(samples), state_)) && solve(round, kFitted, "fit") &&
-         (!cycles || settle(round));
+  progress_.advance();
+  return progress_.tell("scan", mean_unexplained(context(samples), state_)) &&
+         solve(round, kFitted, "fit") && (!cycles || settle(round));
 }
 
 // Goes towards what was solved as far as the room, traced anew, bears it out, and returns the share
@@ -336,7 +321,7 @@ Expected<double> JointCalibration::go_from(const JointState& before,
 // derivatives are others.
 Expected<bool> JointCalibration::run_round(std::size_t index) {
   const JointRound& round = joint_round(index);
-  share_ = static_cast<double>(index) / static_cast<double>(kJointRounds);
+  progress_.begin_part(static_cast<int>(index));
   const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_};
   bool has_moved = false;
   double share = 0.0;
@@ -359,7 +344,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
   if (!has_moved) {
     other_cycles_ = at_first.other_cycles;
   }
-  heldout_ = median_correlation(kHeldOut, {});
+  progress_.set_heldout(median_correlation(kHeldOut, {}));
   return has_moved;
 }
 
@@ -406,6 +391,7 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
   reached.state = state_;
   reached.gains = gains();
   reached.other_cycles = other_cycles_;
+  reached.history = progress_.history();
   if (options_.on_checkpoint) {
     options_.on_checkpoint(reached);
   }
@@ -414,9 +400,10 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
 // With the points that decided, too. Nobody is left to say whether another cycle is better, so
 // none is tried.
 Expected<double> JointCalibration::finish(const JointRound& round) {
-  if (stopped_) {
+  if (progress_.is_stopped()) {
     return 0.0;
   }
+  progress_.begin_part(kJointRounds);
   const JointState before = state_;
   const double met_before = met(round, kAllButHeldOut);
   weigh(round);
@@ -437,20 +424,22 @@ Expected<RoomCalibration> JointCalibration::run() {
     result.points.push_back(
         {sites_[i].point, sites_[i].access_point, correlation(i, {at_first, {}}), 0.0, 0.0});
   }
-  heldout_ = median_correlation(kHeldOut, {});
   JointCheckpoint reached;
   if (options_.resume != nullptr) {
     reached = *options_.resume;
+    progress_.continue_from(reached.history);
     if (auto back = go_back_to(reached); !back) {
       return tl::make_unexpected(std::move(back.error()));
     }
   }
-  while (reached.rounds < kJointRounds && !stopped_) {
+  progress_.set_heldout(median_correlation(kHeldOut, {}));
+  checkpoint(reached);  // so that what is interrupted in the first round can go on, too
+  while (reached.rounds < kJointRounds && !progress_.is_stopped()) {
     const auto kept = run_round(static_cast<std::size_t>(reached.rounds));
     if (!kept) {
       return tl::make_unexpected(kept.error());
     }
-    if (!stopped_) {
+    if (!progress_.is_stopped()) {
       reached.last_kept = *kept ? reached.rounds : reached.last_kept;
       ++reached.rounds;
       checkpoint(reached);
@@ -479,8 +468,8 @@ Expected<RoomCalibration> JointCalibration::run() {
   }
   result.room = *std::move(calibrated);
   result.room.trace = options_.use;
-  result.history = std::move(history_);
-  result.interrupted = stopped_;
+  result.history = progress_.history();
+  result.interrupted = progress_.is_stopped();
   return result;
 }
 

@@ -28,8 +28,9 @@ struct JointCheckpoint {
   int rounds = 0;     // done
   int last_kept = 0;  // of them, counted from 0
   JointState state;
-  std::vector<ChainGains> gains;        // of each access point
-  std::vector<WaveCycle> other_cycles;  // what else surfaces could be
+  std::vector<ChainGains> gains;              // of each access point
+  std::vector<WaveCycle> other_cycles;        // what else surfaces could be
+  std::vector<CalibrationStep> history = {};  // that led here
 };
 
 struct JointCalibrationOptions {
@@ -39,7 +40,7 @@ struct JointCalibrationOptions {
   int iterations = 12;                      // of the least squares in a round, at most
   std::uint64_t seed = 1;                   // of the draw of the points that decide
   const JointCheckpoint* resume = nullptr;  // of the same room and points
-  std::function<void(const JointCheckpoint&)> on_checkpoint;  // after each round
+  std::function<void(const JointCheckpoint&)> on_checkpoint;  // at the start, after each round
 };
 
 // The loss of its history is mean_unexplained() of the points that are fitted.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +68,15 @@ std::vector<double> material_rates(const PaperParameters& parameters, double sha
   return rate;
 }
 
+// Samples are of points and access points.
+std::size_t points_of(std::span<const PaperSample> samples) {
+  std::set<std::size_t> points;
+  for (const PaperSample& sample : samples) {
+    points.insert(sample.point);
+  }
+  return points.size();
+}
+
 // One run of the descent.
 class PaperDescent {
  public:
@@ -85,7 +96,8 @@ class PaperDescent {
                         options.descent),
         material_steps_(material_rates(parameters_, options.material_rate), options.descent),
         state_{parameters_.initial(), room.scene},
-        best_(state_) {}
+        best_(state_),
+        fitted_points_(points_of(samples.training)) {}
 
   Expected<void> run(const CalibrationObserver& observer, RoomCalibration& result);
 
@@ -111,6 +123,7 @@ class PaperDescent {
   State state_;
   State best_;
   double best_loss_ = 0.0;
+  std::size_t fitted_points_;
 };
 
 Expected<void> PaperDescent::rebuild() {
@@ -149,7 +162,7 @@ bool PaperDescent::report(double loss,
   }
   const double share =
       options_.iterations > 0 ? static_cast<double>(iteration) / options_.iterations : 1.0;
-  return observer({result.history.back(), share, samples_.training.size()});
+  return observer({result.history.back(), share, fitted_points_});
 }
 
 Expected<void> PaperDescent::run(const CalibrationObserver& observer, RoomCalibration& result) {

@@ -1,5 +1,6 @@
 #include "engine/calibrate/point_uses.h"
 
+#include <algorithm>
 #include <random>
 #include <string>
 
@@ -8,6 +9,10 @@ namespace {
 
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
 constexpr std::size_t kLeastPoints = 4;
+
+bool is_heard(const CalibrationPoint& point) {
+  return std::any_of(point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); });
+}
 
 }  // namespace
 
@@ -24,10 +29,18 @@ std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64
   return uses;
 }
 
+std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses) {
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    count += uses[p] != Use::kHeldOut && is_heard(points[p]) ? 1U : 0U;
+  }
+  return count;
+}
+
 Expected<void> check_uses(const RoomModel& room,
                           std::span<const CalibrationPoint> points,
                           std::span<const Use> uses) {
-  bool is_heard = false;
+  bool anything = false;
   for (std::size_t a = 0; a < room.access_points.size(); ++a) {
     std::size_t heard = 0;
     std::size_t usable = 0;
@@ -42,9 +55,9 @@ Expected<void> check_uses(const RoomModel& room,
                        " calibration points can be fitted, at least " +
                        std::to_string(kLeastPoints) + " are needed");
     }
-    is_heard = is_heard || heard > 0;
+    anything = anything || heard > 0;
   }
-  if (!is_heard) {
+  if (!anything) {
     return bad_input("no access point heard the device at any of the points");
   }
   return {};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ inline constexpr std::array kHeldOut{Use::kHeldOut};
 
 // Of each point; those that decide are drawn.
 std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64_t seed);
+
+// How many points are heard and not held out.
+std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses);
 
 // An error that names the access point that heard too few points to be fitted.
 Expected<void> check_uses(const RoomModel& room,

@@ -18,7 +18,7 @@ class CheckpointFile : public testing::Test {
   void TearDown() override { fs::remove(file_); }
 
   // What is in a file with that text, for `points` points.
-  Expected<JointCheckpoint> load(const std::string& text, std::size_t points = 2) const {
+  Expected<StoredCheckpoint> load(const std::string& text, std::size_t points = 2) const {
     EXPECT_TRUE(write_file(file_, text));
     return load_checkpoint(file_, "these inputs", room_, points);
   }
@@ -28,8 +28,10 @@ class CheckpointFile : public testing::Test {
       fs::path(testing::TempDir()) /
       (std::string("checkpoint_") + testing::UnitTest::GetInstance()->current_test_info()->name());
 
-  JointCheckpoint checkpoint() const {
-    JointCheckpoint result;
+  StoredCheckpoint checkpoint() const {
+    StoredCheckpoint stored;
+    stored.seconds = 41.0 / 3.0;
+    JointCheckpoint& result = stored.reached;
     result.rounds = 3;
     result.last_kept = 1;
     for (std::size_t i = 0; i < RoomUnknowns(room_, {}).size(); ++i) {
@@ -39,14 +41,18 @@ class CheckpointFile : public testing::Test {
     result.other_cycles = {{1, -0.028, 1.0 / 7.0}};
     result.gains = {room_.access_points[0].gains};
     result.gains[0].gain[7] = {1.0 / 7.0, -1e-3 / 3.0};
-    return result;
+    result.history = {{"scan", 0, 1.0 / 3.0, 0.5}, {"fit", 1, 1.0 / 9.0, 0.75}};
+    return stored;
   }
 };
 
 TEST_F(CheckpointFile, ReadsBackBitForBit) {
-  const JointCheckpoint written = checkpoint();
-  const auto read = load(to_json_text(written, "these inputs"));
-  ASSERT_TRUE(read) << read.error().message;
+  const StoredCheckpoint stored = checkpoint();
+  const auto loaded = load(to_json_text(stored, "these inputs"));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->seconds, stored.seconds);
+  const JointCheckpoint& written = stored.reached;
+  const JointCheckpoint* read = &loaded->reached;
   EXPECT_EQ(read->rounds, 3);
   EXPECT_EQ(read->last_kept, 1);
   EXPECT_EQ(read->state.values, written.state.values);
@@ -58,6 +64,11 @@ TEST_F(CheckpointFile, ReadsBackBitForBit) {
   ASSERT_EQ(read->gains.size(), 1U);
   EXPECT_EQ(read->gains[0].gain, written.gains[0].gain);
   EXPECT_EQ(read->gains[0].cores, written.gains[0].cores);
+  ASSERT_EQ(read->history.size(), 2U);
+  EXPECT_EQ(read->history[1].stage, "fit");
+  EXPECT_EQ(read->history[1].iteration, 1);
+  EXPECT_EQ(read->history[1].loss, 1.0 / 9.0);
+  EXPECT_EQ(read->history[1].heldout, 0.75);
 }
 
 TEST_F(CheckpointFile, IsRefusedOfOtherInputs) {
@@ -67,23 +78,23 @@ TEST_F(CheckpointFile, IsRefusedOfOtherInputs) {
 }
 
 TEST_F(CheckpointFile, IsRefusedOfAnotherRoomOrSurvey) {
-  JointCheckpoint few = checkpoint();
-  few.state.values.pop_back();
+  StoredCheckpoint few = checkpoint();
+  few.reached.state.values.pop_back();
   EXPECT_FALSE(load(to_json_text(few, "these inputs")));
   EXPECT_FALSE(load(to_json_text(checkpoint(), "these inputs"), 3));
-  JointCheckpoint more = checkpoint();
-  more.gains[0].gain.pop_back();
+  StoredCheckpoint more = checkpoint();
+  more.reached.gains[0].gain.pop_back();
   EXPECT_FALSE(load(to_json_text(more, "these inputs")));
 }
 
 TEST_F(CheckpointFile, IsRefusedWithRoundsThatThereAreNot) {
-  JointCheckpoint wrong = checkpoint();
-  wrong.rounds = kJointRounds + 1;
+  StoredCheckpoint wrong = checkpoint();
+  wrong.reached.rounds = kJointRounds + 1;
   EXPECT_FALSE(load(to_json_text(wrong, "these inputs")));
   wrong = checkpoint();
-  wrong.last_kept = 3;  // of three, counted from 0
+  wrong.reached.last_kept = 3;  // of three, counted from 0
   EXPECT_FALSE(load(to_json_text(wrong, "these inputs")));
-  wrong.last_kept = -1;
+  wrong.reached.last_kept = -1;
   EXPECT_FALSE(load(to_json_text(wrong, "these inputs")));
 }
 

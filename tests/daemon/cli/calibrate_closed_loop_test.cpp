@@ -175,13 +175,18 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
   ASSERT_NO_FATAL_FAILURE(survey(3));
   const RaylocProcess interrupted(command(kSite, "stopped", {}));
   const fs::path checkpoint = folder_ / "stopped/calibration.checkpoint.json";
-  for (int i = 0; i < 6000 && !fs::exists(checkpoint); ++i) {
+  const auto has_round = [&] {  // written at the start with none
+    const std::string text = text_of(checkpoint);
+    return !text.empty() && nlohmann::json::parse(text).at("rounds") > 0;
+  };
+  for (int i = 0; i < 6000 && !has_round(); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  ASSERT_TRUE(fs::exists(checkpoint));
+  ASSERT_TRUE(has_round());
   interrupted.signal(SIGINT);
   const Finished stopped = interrupted.wait();
   EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
+  EXPECT_NE(stopped.err.find("--resume goes on"), std::string::npos) << stopped.err;
   const auto room = load_room_model(load_site(folder_ / "stopped").value());
   EXPECT_TRUE(room) << room.error().message;
   EXPECT_TRUE(fs::exists(checkpoint));
@@ -202,6 +207,25 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
             text_of(folder_ / "whole/calibration.toml"));
   EXPECT_EQ(text_of(folder_ / "stopped/scene.xml"), text_of(folder_ / "whole/scene.xml"));
   EXPECT_FALSE(fs::exists(checkpoint));
+  const auto course = [&](const std::string& out) {
+    return report(out).at("methods").at("joint").at("history");
+  };
+  EXPECT_EQ(course("stopped"), course("whole"));
+}
+
+// The published method keeps nothing that --resume could go on from.
+TEST_F(CalibrateClosedLoop, PromisesToGoOnOnlyWhereItCan) {
+  ASSERT_NO_FATAL_FAILURE(survey(3));
+  const RaylocProcess interrupted(command(kSite, "stopped", {"--method", "paper", "--compare"}));
+  for (int i = 0; i < 6000 && !fs::exists(folder_ / "stopped"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  interrupted.signal(SIGINT);
+  const Finished stopped = interrupted.wait();
+  EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
+  EXPECT_NE(stopped.err.find("holds the last good state"), std::string::npos) << stopped.err;
+  EXPECT_EQ(stopped.err.find("--resume"), std::string::npos) << stopped.err;
+  EXPECT_EQ(report("stopped").at("methods").size(), 1U);
 }
 
 TEST_F(CalibrateClosedLoop, BothMethodsStandSideBySide) {

@@ -216,14 +216,36 @@ TEST(JointCalibration, GoesOnFromEachCheckpointAsIfNeverInterrupted) {
   options.on_checkpoint = [&](const JointCheckpoint& one) { checkpoints.push_back(one); };
   const auto whole =
       calibrate_jointly(small_survey().plan, small_survey().points, options, {}).value();
-  ASSERT_EQ(checkpoints.size(), 4U);
+  ASSERT_EQ(checkpoints.size(), 5U);  // at the start, and after each round
   for (const JointCheckpoint& checkpoint : checkpoints) {
     JointCalibrationOptions from = quick();
     from.resume = &checkpoint;
     const auto resumed =
         calibrate_jointly(small_survey().plan, small_survey().points, from, {}).value();
     EXPECT_EQ(numbers(resumed), numbers(whole)) << checkpoint.rounds;
+    ASSERT_EQ(resumed.history.size(), whole.history.size()) << checkpoint.rounds;
+    for (std::size_t i = 0; i < whole.history.size(); ++i) {
+      EXPECT_EQ(resumed.history[i].stage, whole.history[i].stage) << i;
+      EXPECT_EQ(resumed.history[i].iteration, static_cast<int>(i));
+      EXPECT_EQ(resumed.history[i].loss, whole.history[i].loss) << i;
+      EXPECT_EQ(resumed.history[i].heldout, whole.history[i].heldout) << i;
+    }
   }
+}
+
+// What a person is told: of the points that are fitted, and never more than all or less than
+// before.
+TEST(JointCalibration, TellsHowFarItIs) {
+  double last = 0.0;
+  const auto look = [&](const CalibrationProgress& progress) {
+    EXPECT_GE(progress.share, last);
+    EXPECT_LE(progress.share, 1.0);
+    EXPECT_EQ(progress.points, 24U);  // of 30, every fifth is held out
+    last = progress.share;
+    return true;
+  };
+  ASSERT_TRUE(calibrate_jointly(small_survey().plan, small_survey().points, quick(), look));
+  EXPECT_GT(last, 0.8);
 }
 
 TEST(JointCalibration, LeavesTheLastGoodStateWhenItIsStopped) {
@@ -244,17 +266,18 @@ TEST(JointCalibration, LeavesTheLastGoodStateWhenItIsStopped) {
                           [&](const CalibrationProgress&) { return ++calls < stop_at; })
             .value();
     EXPECT_TRUE(stopped.interrupted) << stop_at;
+    ASSERT_TRUE(good) << "one can go on from the first moment on";
     EXPECT_EQ(calls, stop_at);
     EXPECT_GE(held_out_fit(small_survey(), stopped, &PointFit::after),
               held_out_fit(small_survey(), stopped, &PointFit::before) - 1e-6)
         << stop_at;
     for (const RoomParameter& parameter : stopped.parameters) {
-      if (!good && parameter.unit == "m" && parameter.name.ends_with("offset")) {
+      if (good->rounds == 0 && parameter.unit == "m" && parameter.name.ends_with("offset")) {
         EXPECT_EQ(parameter.value, 0.0) << parameter.name;  // as planned
       }
     }
     if (stop_at > steps / 4) {
-      ASSERT_TRUE(good) << stop_at;
+      EXPECT_GT(good->rounds, 0) << stop_at;
       EXPECT_EQ(stopped.room.access_points[0].gains.gain, good->gains[0].gain) << stop_at;
     }
   }

@@ -199,7 +199,7 @@ TEST(PaperCalibration, StopsWhenAskedWithTheBestSoFar) {
   int calls = 0;
   const auto stop_after_three = [&](const CalibrationProgress& progress) {
     EXPECT_EQ(progress.step.iteration, calls);
-    EXPECT_EQ(progress.points, 60U);  // 20 of 25 points, three access points
+    EXPECT_EQ(progress.points, 20U);  // 20 of 25 points, three access points
     return ++calls < 4;
   };
   const auto stopped =
