@@ -65,6 +65,19 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
   return access_points;
 }
 
+void count_yaw_from_survey(const RoomModel& surveyed,
+                           const RoomModel& start,
+                           std::vector<RoomParameter>& parameters) {
+  for (RoomParameter& parameter : parameters) {
+    for (std::size_t a = 0; a < surveyed.access_points.size(); ++a) {
+      if (parameter.name == surveyed.access_points[a].id + ".yaw") {
+        parameter.value += start.access_points[a].array.pose.orientation.yaw -
+                           surveyed.access_points[a].array.pose.orientation.yaw;
+      }
+    }
+  }
+}
+
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper

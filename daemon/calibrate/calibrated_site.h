@@ -21,6 +21,12 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     const RoomCalibration& calibrated,
     std::span<const AccessPointResult> results);
 
+// A method starts from the yaw that the gains were fitted with, in `start`; people count from the
+// survey.
+void count_yaw_from_survey(const RoomModel& surveyed,
+                           const RoomModel& start,
+                           std::vector<RoomParameter>& parameters);
+
 // Mean gains and phases of the chains of an access point against its first.
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& access_point);
 

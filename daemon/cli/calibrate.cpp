@@ -22,6 +22,7 @@
 #include "daemon/calibrate/inputs_hash.h"
 #include "daemon/calibrate/level_stage.h"
 #include "daemon/cli/calibration_inputs.h"
+#include "daemon/cli/calibration_points.h"
 #include "daemon/cli/calibration_progress.h"
 #include "daemon/cli/calibration_summary.h"
 #include "daemon/cli/stop_signal.h"
@@ -31,7 +32,6 @@
 #include "engine/calibrate/input_check.h"
 #include "engine/calibrate/joint_calibration.h"
 #include "engine/calibrate/paper_calibration.h"
-#include "engine/observe/burst.h"
 #include "engine/scene/scene_hash.h"
 
 namespace rayloc::cli {
@@ -57,16 +57,14 @@ class Calibration {
  private:
   Expected<void> check_site();
   Expected<void> measure();
-  void combine();
   Expected<void> refuse();
-  Expected<void> fit_gains();
+  Expected<void> fit_gains(const std::vector<std::string>& first_refusal);
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer, double& seconds);
   void keep(const StoredCheckpoint& state);
   bool go_on();
   bool can_resume() const { return options_.method == "joint"; }  // not by --compare
   void end(const std::vector<CalibrationMethodResult>& methods) const;
-  void count_from_survey(std::vector<RoomParameter>& parameters) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
   std::vector<HeldOutSpot> spots(bool all) const;
   Expected<void> fit_certainty(const RoomModel& room);
@@ -116,11 +114,17 @@ Expected<void> Calibration::measure() {
   if (auto checked = check_site(); !checked) {
     return checked;
   }
-  const auto captures = resolve_captures(options_.captures, access_point_ids(site_));
+  const auto captures =
+      resolve_captures(options_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto inputs = read_calibration_inputs(site_, *captures, options_.points);
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  plan_ = *std::move(room);
+  auto inputs = read_calibration_inputs(with_bounds(site_, plan_), *captures, options_.points);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
@@ -132,34 +136,9 @@ Expected<void> Calibration::measure() {
       std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
     }
   }
-  auto room = load_room_model(site_);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
-  plan_ = *std::move(room);
   id_ = inputs_hash(
       site_, plan_, {options_.method, options_.holdout, options_.seed}, inputs_.content);
   return {};
-}
-
-// The bursts of every point, as each access point heard them.
-void Calibration::combine() {
-  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
-  for (std::size_t p = 0; p < inputs_.points.size(); ++p) {
-    const SurveyedFrames& spot = inputs_.points[p];
-    CalibrationPoint point{spot.point.position, held[p], {}};
-    for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
-      auto burst = combine_burst(
-          spot.frames, {static_cast<int>(a), plan_.grid, plan_.access_points[a].cores, {}});
-      if (!burst && burst.error().message != "no frames") {
-        inputs_.refused.push_back(
-            {"line " + std::to_string(spot.point.line) + " " + plan_.access_points[a].id,
-             burst.error().message});
-      }
-      point.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
-    }
-    points_.push_back(std::move(point));
-  }
 }
 
 // Mistakes of the survey, and points that fit nowhere.
@@ -179,7 +158,7 @@ Expected<void> Calibration::refuse() {
   return {};
 }
 
-Expected<void> Calibration::fit_gains() {
+Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refusal) {
   start_ = plan_;
   for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
     if (!inputs_.recorded[a]) {
@@ -188,6 +167,9 @@ Expected<void> Calibration::fit_gains() {
     }
     auto result = fit_access_point(plan_, a, points_, ArrayFit::kFitted);
     if (!result) {
+      if (!first_refusal[a].empty()) {  // another bandwidth or other chains than the site states
+        result.error().message += "; the first that cannot: " + first_refusal[a];
+      }
       return tl::make_unexpected(std::move(result.error()));
     }
     apply(result->train, start_.access_points[a]);
@@ -270,24 +252,12 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     return tl::make_unexpected(std::move(calibration.error()));
   }
   result.calibration = *std::move(calibration);
-  count_from_survey(result.calibration.parameters);
+  count_yaw_from_survey(plan_, start_, result.calibration.parameters);
   if (method == "paper") {
     result.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   return result;
-}
-
-// A method starts from the yaw that the gains were fitted with; people count from the survey.
-void Calibration::count_from_survey(std::vector<RoomParameter>& parameters) const {
-  for (RoomParameter& parameter : parameters) {
-    for (std::size_t a = 0; a < plan_.access_points.size(); ++a) {
-      if (parameter.name == plan_.access_points[a].id + ".yaw") {
-        parameter.value += start_.access_points[a].array.pose.orientation.yaw -
-                           plan_.access_points[a].array.pose.orientation.yaw;
-      }
-    }
-  }
 }
 
 // What the likelihood needs to know of the calibrated room. The joint calibration knows the arrays
@@ -434,13 +404,15 @@ Expected<void> Calibration::run() {
   if (auto measured = measure(); !measured) {
     return measured;
   }
-  combine();
+  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
+  CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
+  points_ = std::move(survey.points);
   line_.begin("comparing points and recordings");
   if (auto refused = refuse(); !refused) {
     return refused;
   }
   line_.begin("fitting chain gains");
-  if (auto fitted = fit_gains(); !fitted) {
+  if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
     return fitted;
   }
   StopSignal::install_once();

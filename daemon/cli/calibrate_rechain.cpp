@@ -57,7 +57,7 @@ Expected<Heard> hear_points(const Site& site,
                             const RoomModel& room,
                             const std::vector<CaptureArgument>& captures,
                             const std::string& points) {
-  auto inputs = read_calibration_inputs(site, captures, points);
+  auto inputs = read_calibration_inputs(with_bounds(site, room), captures, points);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
@@ -193,7 +193,8 @@ Expected<void> Rechain::read() {
   }
   before_ = *std::move(calibration);
   heldout_ = usual_fits(site_);
-  const auto captures = resolve_captures(arguments_.captures, access_point_ids(site_));
+  const auto captures =
+      resolve_captures(arguments_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }

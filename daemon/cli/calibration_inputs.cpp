@@ -4,8 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <memory>
+#include <map>
+#include <optional>
+#include <set>
 #include <utility>
+
+#include <spdlog/fmt/fmt.h>
 
 #include "daemon/cli/recorded_frames.h"
 #include "engine/base/content_hash.h"
@@ -17,12 +21,24 @@ namespace {
 // By how much the clocks of access points and of the survey may differ.
 constexpr Duration kClockSlack = std::chrono::milliseconds(20);
 
-// What a recording holds.
+// When an access point heard a transmitter.
 struct Extent {
-  std::size_t fixed_frames = 0;  // of fixed transmitters
-  std::size_t frames = 0;        // of all others: when these came
+  std::size_t frames = 0;
   Timestamp first{};
   Timestamp last{};
+
+  void add(Timestamp time) {
+    first = frames == 0 ? time : std::min(first, time);
+    last = frames == 0 ? time : std::max(last, time);
+    ++frames;
+  }
+};
+
+// What the recordings of an access point hold.
+struct Recorded {
+  std::string files;  // their names
+  std::size_t fixed_frames = 0;
+  std::map<MacAddress, Extent> devices;
 };
 
 std::string seconds_text(Timestamp time) {
@@ -45,34 +61,88 @@ void add_to_hash(ContentHash& hash, const std::string& access_point, const CsiFr
   hash.add(access_point);
   hash.add(to_string(frame.transmitter));
   hash.add(static_cast<std::uint64_t>(frame.time.time_since_epoch().count()));
+  for (const std::uint8_t core : frame.cores) {
+    hash.add(static_cast<std::uint64_t>(core));
+  }
   for (const auto value : frame.csi.values()) {
     hash.add(static_cast<double>(value.real()));
     hash.add(static_cast<double>(value.imag()));
   }
 }
 
-Expected<Extent> read_capture(const Site& site,
-                              const CaptureArgument& capture,
-                              CalibrationInputs& inputs,
-                              ContentHash& hash) {
-  Extent extent;
-  auto read = for_each_frame(site, capture, [&](CsiFrame&& frame) {
+Expected<void> read_capture(const Site& site,
+                            const CaptureArgument& capture,
+                            CalibrationInputs& inputs,
+                            Recorded& recorded) {
+  recorded.files += (recorded.files.empty() ? "" : ", ") + capture.file;
+  return for_each_frame(site, capture, [&](CsiFrame&& frame) {
     if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
-      ++extent.fixed_frames;
+      ++recorded.fixed_frames;
       return;
     }
-    extent.first = extent.frames == 0 ? frame.time : std::min(extent.first, frame.time);
-    extent.last = extent.frames == 0 ? frame.time : std::max(extent.last, frame.time);
-    ++extent.frames;
+    recorded.devices[frame.transmitter].add(frame.time);
     if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
-      add_to_hash(hash, capture.access_point, frame);
       spot->frames.push_back(std::move(frame));
     }
   });
-  if (!read) {
-    return tl::make_unexpected(std::move(read.error()));
+}
+
+bool is_listed(const Site& site, const MacAddress& mac) {
+  return find_transmitter(site, mac) != nullptr;  // fixed ones are left out before
+}
+
+bool lists_devices(const Site& site) {
+  return std::any_of(
+      site.transmitters.begin(), site.transmitters.end(), [](const SiteTransmitter& one) {
+        return one.role == TransmitterRole::kDevice;
+      });
+}
+
+// The device of the survey: of those that the site lists, or of all where it lists none, the one
+// that is heard at most points, and of equals with most frames. A phone of the neighbours may well
+// be the louder one at a point. Nothing where there is none.
+std::optional<MacAddress> device_of(const Site& site, const CalibrationInputs& inputs) {
+  std::map<MacAddress, std::pair<std::size_t, std::size_t>> heard;  // points, frames
+  for (const SurveyedFrames& spot : inputs.points) {
+    std::set<MacAddress> here;
+    for (const CsiFrame& frame : spot.frames) {
+      here.insert(frame.transmitter);
+      ++heard[frame.transmitter].second;
+    }
+    for (const MacAddress& mac : here) {
+      ++heard[mac].first;
+    }
   }
-  return extent;
+  if (lists_devices(site)) {
+    std::erase_if(heard, [&](const auto& one) { return !is_listed(site, one.first); });
+  }
+  const auto most = std::max_element(
+      heard.begin(), heard.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most == heard.end() ? std::nullopt : std::optional(most->first);
+}
+
+// Frames of others say nothing about where the device stood.
+void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inputs) {
+  std::set<MacAddress> others;
+  for (SurveyedFrames& spot : inputs.points) {
+    std::erase_if(spot.frames, [&](const CsiFrame& frame) {
+      if (frame.transmitter != device) {
+        others.insert(frame.transmitter);
+      }
+      return frame.transmitter != device;
+    });
+    // An access point may have several recordings.
+    std::stable_sort(
+        spot.frames.begin(), spot.frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
+          return std::pair(a.access_point, a.time) < std::pair(b.access_point, b.time);
+        });
+  }
+  for (const MacAddress& mac : others) {
+    inputs.refused.push_back(
+        {to_string(mac),
+         "heard while the device stood on points, and not used: the survey is that of " +
+             (device ? to_string(*device) : "none")});
+  }
 }
 
 bool is_inside(const Site& site, const Vec3d& p) {
@@ -98,7 +168,7 @@ std::string explain_outside(const Site& site,
   if (exchanged) {
     return "with x and y exchanged all points lie inside: are the columns exchanged?";
   }
-  return "points are in metres in the frame of the site ([bounds] of site.toml)";
+  return "points are in metres in the frame of the site (its [bounds], or what its scene fills)";
 }
 
 Expected<void> check_points(const Site& site,
@@ -115,55 +185,85 @@ Expected<void> check_points(const Site& site,
   return {};
 }
 
-// Where two transmitters are heard at one point, the one heard most stays.
-void keep_one_transmitter(const std::string& file,
-                          SurveyedFrames& spot,
-                          std::vector<RefusedInput>& refused) {
-  if (const auto kept = keep_most_heard(spot.frames)) {
-    refused.push_back({file + ":" + std::to_string(spot.point.line),
-                       "several transmitters; only " + to_string(*kept) + " is used"});
+// Why a recording has no frame of the device at any of the points.
+std::string explain_silence(const Site& site,
+                            const std::optional<MacAddress>& device,
+                            const Recorded& recorded,
+                            const CalibrationInputs& inputs,
+                            const std::string& points_file) {
+  const auto& heard = recorded.devices;
+  if (heard.empty()) {
+    return recorded.fixed_frames > 0
+               ? "heard no device, only " + std::to_string(recorded.fixed_frames) +
+                     " frames of fixed transmitters; give the recording in which the device was "
+                     "carried from point to point"
+               : "heard no device; the recording holds no frame that can be decoded";
   }
+  auto found =
+      device ? heard.find(*device) : std::find_if(heard.begin(), heard.end(), [&](const auto& one) {
+        return is_listed(site, one.first);
+      });
+  if (found == heard.end() && (device || lists_devices(site))) {
+    return "heard no frame of " +
+           (device ? "the device of the survey, " + to_string(*device)
+                   : std::string("a device that site.toml lists")) +
+           ", only of others (" + to_string(heard.begin()->first) +
+           "); the [[transmitter]] of the device that was carried states its address";
+  }
+  found = found == heard.end() ? heard.begin() : found;
+  return "heard the device " + to_string(found->first) + " from " +
+         seconds_text(found->second.first) + " to " + seconds_text(found->second.last) +
+         ", the points of " + points_file + " are from " +
+         seconds_text(inputs.points.front().point.t_start) + " to " +
+         seconds_text(inputs.points.back().point.t_end) +
+         ": no point has frames; give the recording of the survey";
 }
 
 // A recording of another time is a mistake; single points without frames are only left out.
 Expected<void> check_overlap(const Site& site,
-                             const CaptureArgument& capture,
-                             const Extent& extent,
+                             const std::optional<MacAddress>& device,
+                             const std::pair<const int, Recorded>& recorded,
                              const std::string& points_file,
                              CalibrationInputs& inputs) {
-  const auto index = find_access_point(site, capture.access_point);
+  const int access_point = recorded.first;
+  const std::string& id = site.access_points[static_cast<std::size_t>(access_point)].id;
   std::vector<RefusedInput> empty;
   for (const SurveyedFrames& spot : inputs.points) {
     if (std::none_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
-          return frame.access_point == *index;
+          return frame.access_point == access_point;
         })) {
       empty.push_back(
-          {points_file + ":" + std::to_string(spot.point.line) + " " + capture.access_point,
-           "no frames at that time"});
+          {fmt::format("{}:{} {}", points_file, spot.point.line, id), "no frames at that time"});
     }
   }
   if (empty.size() == inputs.points.size()) {
-    if (extent.frames == 0) {
-      return bad_input(capture.file + ": no CSI frame of a device for access point '" +
-                       capture.access_point + "'" +
-                       (extent.fixed_frames > 0
-                            ? ", only " + std::to_string(extent.fixed_frames) +
-                                  " frames of fixed transmitters; give the recording in "
-                                  "which the device was carried from point to point"
-                            : "; the recording holds no frame that can be decoded"));
-    }
-    return bad_input(capture.file + ": access point '" + capture.access_point +
-                     "' heard the device from " + seconds_text(extent.first) + " to " +
-                     seconds_text(extent.last) + ", the points of " + points_file + " are from " +
-                     seconds_text(inputs.points.front().point.t_start) + " to " +
-                     seconds_text(inputs.points.back().point.t_end) +
-                     ": no point has frames; give the recording of the survey");
+    return bad_input(recorded.second.files + ": access point '" + id + "' " +
+                     explain_silence(site, device, recorded.second, inputs, points_file));
   }
   inputs.refused.insert(inputs.refused.end(), empty.begin(), empty.end());
   return {};
 }
 
+std::string hash_of_frames(const Site& site, const CalibrationInputs& inputs) {
+  ContentHash content;
+  content.add(inputs.points_hash);
+  for (const SurveyedFrames& spot : inputs.points) {
+    for (const CsiFrame& frame : spot.frames) {
+      add_to_hash(
+          content, site.access_points[static_cast<std::size_t>(frame.access_point)].id, frame);
+    }
+  }
+  return content.text();
+}
+
 }  // namespace
+
+Site with_bounds(Site site, const RoomModel& room) {
+  site.bounds_min = room.bounds_min;
+  site.bounds_max = room.bounds_max;
+  site.has_bounds = true;
+  return site;
+}
 
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
@@ -186,26 +286,25 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
   if (auto checked = check_points(site, points_file, inputs); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
-  ContentHash content;
-  content.add(inputs.points_hash);
+  std::map<int, Recorded> recorded;  // by access point
   for (const CaptureArgument& capture : captures) {
     const auto index = find_access_point(site, capture.access_point);
     if (!index) {
       return tl::make_unexpected(index.error());
     }
     inputs.recorded[static_cast<std::size_t>(*index)] = true;
-    const auto extent = read_capture(site, capture, inputs, content);
-    if (!extent) {
-      return tl::make_unexpected(extent.error());
+    if (auto read = read_capture(site, capture, inputs, recorded[*index]); !read) {
+      return tl::make_unexpected(std::move(read.error()));
     }
-    if (auto checked = check_overlap(site, capture, *extent, points_file, inputs); !checked) {
+  }
+  const std::optional<MacAddress> device = device_of(site, inputs);
+  keep_device(device, inputs);
+  for (const auto& one : recorded) {
+    if (auto checked = check_overlap(site, device, one, points_file, inputs); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
   }
-  for (SurveyedFrames& spot : inputs.points) {
-    keep_one_transmitter(points_file, spot, inputs.refused);
-  }
-  inputs.content = content.text();
+  inputs.content = hash_of_frames(site, inputs);
   return inputs;
 }
 

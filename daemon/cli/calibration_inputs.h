@@ -11,6 +11,7 @@
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/localize/room_model.h"
 
 namespace rayloc::cli {
 
@@ -28,10 +29,15 @@ struct CalibrationInputs {
   std::string points_hash;
 };
 
-// Reads the points and the recordings. Frames of fixed transmitters are left out; the clocks of the
-// access points may differ by `kClockSlack`. Errors name the row or the access point: a point
-// outside of the room, a recording without the device or that shares no time with the points.
-// Whether recordings and places fit together is checked by check_calibration_inputs().
+// The site with the bounds of its room, where it states none those of the scene.
+Site with_bounds(Site site, const RoomModel& room);
+
+// Reads the points and the recordings, of which an access point may have several. Only frames of
+// one device count, the same for the whole survey: one that the site lists, where it lists any. The
+// clocks of the access points may differ by `kClockSlack`. Errors name the row or the access point:
+// a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them), a recording
+// without the device or that shares no time with the points. Whether recordings and places fit
+// together is checked by check_calibration_inputs().
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
                                                     const std::string& points_file);

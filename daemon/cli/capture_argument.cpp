@@ -27,7 +27,8 @@ CaptureArgument parse_capture_argument(const std::string& text) {
 }
 
 Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::string>& arguments,
-                                                        const std::vector<std::string>& ids) {
+                                                        const std::vector<std::string>& ids,
+                                                        PerAccessPoint files) {
   std::vector<CaptureArgument> captures;
   for (const std::string& argument : arguments) {
     CaptureArgument capture = parse_capture_argument(argument);
@@ -48,7 +49,7 @@ Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::s
     const bool named_twice = std::any_of(captures.begin(), captures.end(), [&](const auto& other) {
       return other.access_point == capture.access_point;
     });
-    if (named_twice) {
+    if (named_twice && files == PerAccessPoint::kOne) {
       return make_error(ErrorKind::kUsage,
                         argument + ": access point '" + capture.access_point +
                             "' has a recording already; give each one file");

@@ -1,6 +1,7 @@
 // `[AP=]FILE`: a recording and the access point that made it, as many verbs take it.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,9 +18,14 @@ struct CaptureArgument {
 // '-' and '_'), so that a path with '=' in it stays a path.
 CaptureArgument parse_capture_argument(const std::string& text);
 
+// Whether an access point may be named again: a survey that was interrupted has several recordings.
+enum class PerAccessPoint : std::uint8_t { kOne, kSeveral };
+
 // The captures with every access point resolved to one of `ids`: the id may be left out when there
-// is one. Errors: an unknown id, a missing id, an access point named twice.
-Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::string>& arguments,
-                                                        const std::vector<std::string>& ids);
+// is one. Errors: an unknown id, a missing id, an access point named twice where each has one file.
+Expected<std::vector<CaptureArgument>> resolve_captures(
+    const std::vector<std::string>& arguments,
+    const std::vector<std::string>& ids,
+    PerAccessPoint files = PerAccessPoint::kOne);
 
 }  // namespace rayloc::cli

@@ -140,6 +140,7 @@ class Comparison {
     const double error = std::sqrt(square / (count * (count - 1.0)));
     return error > 0.0 ? mean / error : 0.0;
   }
+  bool empty() const { return difference_.empty(); }
   double stated() const { return stated_ / static_cast<double>(difference_.size()); }
   double other() const { return other_ / static_cast<double>(difference_.size()); }
 
@@ -201,6 +202,37 @@ void compare_access_points(const RoomModel& room,
   }
 }
 
+// "(0.71 at ap1, 0.66 at ap2)", of those where both hypotheses say something.
+std::string means_text(const RoomModel& room,
+                       const std::vector<Comparison>& each,
+                       double (Comparison::*mean)() const) {
+  std::string text;
+  for (std::size_t ap = 0; ap < each.size(); ++ap) {
+    if (!each[ap].empty()) {
+      text += (text.empty() ? "(" : ", ") + number_text((each[ap].*mean)()) + " at " +
+              room.access_points[ap].id;
+    }
+  }
+  return text + ")";
+}
+
+// "(-1.54, 1.10, 1.20)", the point, as stated, at which the other hypothesis is better by most.
+std::string clearest_point(std::span<const CalibrationPoint> points,
+                           const std::vector<Correlations>& stated,
+                           const std::vector<Correlations>& other) {
+  std::vector<double> better(points.size());
+  for (std::size_t ap = 0; ap < stated.size(); ++ap) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (stated[ap][i] && other[ap][i]) {
+        better[i] += *other[ap][i] - *stated[ap][i];
+      }
+    }
+  }
+  const auto most = std::max_element(better.begin(), better.end()) - better.begin();
+  const Vec3d& p = points[static_cast<std::size_t>(most)].position;
+  return concatenated({"(", number_text(p.x), ", ", number_text(p.y), ", ", number_text(p.z), ")"});
+}
+
 // A mistake of the points shows at all access points.
 void compare_places(const RoomModel& room,
                     std::span<const CalibrationPoint> points,
@@ -208,19 +240,28 @@ void compare_places(const RoomModel& room,
                     Finding& finding) {
   for (const Mistake& mistake : mistakes_of_survey(points)) {
     Comparison comparison;
+    std::vector<Comparison> each(stated.size());
+    std::vector<Correlations> other;
     bool possible = true;  // the truth lies inside of the room
     for (std::size_t i = 0; i < points.size(); ++i) {
       possible = possible && is_inside(room, mistake.place(i));
     }
     for (std::size_t ap = 0; possible && ap < stated.size(); ++ap) {
-      comparison.add(stated[ap], explain(room, points, {ap, ap, mistake.place}));
+      other.push_back(explain(room, points, {ap, ap, mistake.place}));
+      comparison.add(stated[ap], other.back());
+      each[ap].add(stated[ap], other.back());
     }
     if (comparison.significance() > finding.significance) {
       finding = {comparison.significance(),
-                 "the recordings fit the points " + mistake.meaning + " (mean correlation " +
-                     number_text(comparison.other()) + ") better than the points as stated (" +
-                     number_text(comparison.stated()) +
-                     "): check the columns, axes and rows of the points"};
+                 concatenated({"the recordings fit the points ",
+                               mistake.meaning,
+                               " (mean correlation ",
+                               means_text(room, each, &Comparison::other).substr(1),
+                               " better than the points as stated ",
+                               means_text(room, each, &Comparison::stated),
+                               ", most clearly the one stated to be at ",
+                               clearest_point(points, stated, other),
+                               ": check the columns, axes and rows of the points"})};
     }
   }
 }

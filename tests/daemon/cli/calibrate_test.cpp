@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/edited_text.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -22,12 +23,12 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-class CalibrateVerb : public testing::Test {
+class CalibrateVerb : public ::testing::Test {
  protected:
   void SetUp() override {
-    out_ =
-        fs::path(testing::TempDir()) /
-        (std::string("calibrate_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    out_ = fs::path(::testing::TempDir()) /
+           (std::string("calibrate_") +
+            ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(out_);
   }
   void TearDown() override { fs::remove_all(out_); }
@@ -202,13 +203,39 @@ TEST_F(CalibrateVerb, RefusesAPointOutsideOfTheRoomByItsRow) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+// One file each where the other belongs: every file is right for itself.
+TEST_F(CalibrateVerb, RefusesExchangedRecordingsByTheirAccessPoints) {
+  const Finished run = calibrate({"--capture",
+                                  "ap1=" + kSite + "/calibration-ap2.pcap.gz",
+                                  "ap2=" + kSite + "/calibration-ap1.pcap.gz",
+                                  "--points",
+                                  kSite + "/calibration.csv"});
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find("are the recordings of the two exchanged?"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("access point 'ap1'"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("access point 'ap2'"), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(CalibrateVerb, RefusesExchangedColumnsByTheirRow) {
+  const Finished run = calibrate({"--capture",
+                                  "ap1=" + kSite + "/calibration-ap1.pcap.gz",
+                                  "--points",
+                                  points(1000, "x,y", "y,x")});
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find("are the columns exchanged?"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(".csv:"), std::string::npos) << run.err;
+}
+
 TEST_F(CalibrateVerb, RefusesTheRecordingOfAnotherTime) {
   const Finished run = calibrate({"--capture",
                                   "ap1=" + kSite + "/device_los-ap1.pcap.gz",
                                   "--points",
                                   kSite + "/calibration.csv"});
   EXPECT_EQ(run.status, 65);
-  EXPECT_NE(run.err.find("access point 'ap1' heard the device from"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("access point 'ap1' heard the device 02:52:4c:00:00:01 from"),
+            std::string::npos)
+      << run.err;
 }
 
 TEST_F(CalibrateVerb, RefusesTooFewPoints) {
@@ -216,6 +243,27 @@ TEST_F(CalibrateVerb, RefusesTooFewPoints) {
       calibrate({"--capture", "ap1=" + kSite + "/calibration-ap1.pcap.gz", "--points", points(3)});
   EXPECT_EQ(run.status, 65);
   EXPECT_NE(run.err.find("3 calibration points can be used"), std::string::npos) << run.err;
+}
+
+TEST_F(CalibrateVerb, SaysWhyNoPointCanBeUsed) {
+  const fs::path site = copied_site();
+  const std::string text = read_text(site / "site.toml");
+  std::ofstream(site / "site.toml") << testing::edited_text(text, "core = 2", "core = 1");
+  const Finished run = RaylocProcess({"calibrate",
+                                      site,
+                                      "--gains-only",
+                                      "--out",
+                                      out_,
+                                      "--capture",
+                                      "ap1=" + kSite + "/calibration-ap1.pcap.gz",
+                                      "--points",
+                                      kSite + "/calibration.csv"})
+                           .wait();
+  fs::remove_all(site);
+  EXPECT_EQ(run.status, 65);
+  EXPECT_NE(run.err.find("0 calibration points can be used"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("; the first that cannot: "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find(".csv:2 ap1: "), std::string::npos) << run.err;
 }
 
 TEST_F(CalibrateVerb, RefusesAnAccessPointThatTheSiteDoesNotHave) {

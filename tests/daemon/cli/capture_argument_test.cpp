@@ -19,6 +19,13 @@ TEST(CaptureArgument, NeedsNoNameWithOneAccessPoint) {
   EXPECT_EQ(captures->at(0).access_point, "ap1");
 }
 
+TEST(CaptureArgument, TakesSeveralFilesOfAnAccessPointWhereAskedTo) {
+  const auto captures =
+      resolve_captures({"ap1=x", "ap1=y"}, {"ap1", "ap2"}, PerAccessPoint::kSeveral);
+  ASSERT_TRUE(captures.has_value());
+  EXPECT_EQ(captures->at(1).file, "y");
+}
+
 TEST(CaptureArgument, RefusesWhatIsUnclear) {
   const std::vector<std::string> ids = {"ap1", "ap2"};
   EXPECT_NE(resolve_captures({"x.pcap"}, ids).error().message.find("ap1, ap2"), std::string::npos);

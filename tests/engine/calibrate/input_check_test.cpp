@@ -72,7 +72,12 @@ TEST(CalibrationInputCheck, NamesExchangedColumns) {
   for (CalibrationPoint& point : points) {
     std::swap(point.position.x, point.position.y);
   }
-  EXPECT_TRUE(says(refusal(points), "with x and y exchanged"));
+  const std::string message = refusal(points);
+  EXPECT_TRUE(says(message, "with x and y exchanged"));
+  for (const char* ap : {" at a, ", " at b, ", " at c)"}) {
+    EXPECT_TRUE(says(message, ap));
+  }
+  EXPECT_TRUE(says(message, "most clearly the one stated to be at ("));
 }
 
 TEST(CalibrationInputCheck, NamesAnAxisThatRunsTheOtherWay) {
