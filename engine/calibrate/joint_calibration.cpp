@@ -327,11 +327,11 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
   double share = 0.0;
   for (int pass = 0; pass < kPasses && share < 1.0; ++pass) {
     const JointState before = state_;
-    const double met_before = met(round, kDeciding);
+    const double met_before = met(round, deciders(use_));
     if (!search(round, round.cycles && pass == 0)) {
       return go_back_to(at_first).map([] { return false; });  // the last good state
     }
-    const auto gone = go_from(before, met_before, round, kDeciding);
+    const auto gone = go_from(before, met_before, round, deciders(use_));
     if (!gone) {
       return tl::make_unexpected(gone.error());
     }

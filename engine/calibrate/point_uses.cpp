@@ -1,14 +1,27 @@
 #include "engine/calibrate/point_uses.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <random>
 #include <string>
+#include <utility>
 
 namespace rayloc {
 namespace {
 
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
 constexpr std::size_t kLeastPoints = 4;
+constexpr std::size_t kLeastDeciding = 3;  // a median of fewer is one point's word
+constexpr std::size_t kDecidingPart = 4;   // but one in so many at most
+
+// Of so many points.
+std::size_t deciding_points(std::size_t count) {
+  const auto share =
+      static_cast<std::size_t>(std::lround(kDecidingShare * static_cast<double>(count)));
+  const std::size_t spare = count > kLeastPoints ? count - kLeastPoints : 0;
+  return std::min({std::max(share, kLeastDeciding), count / kDecidingPart, spare});
+}
 
 bool is_heard(const CalibrationPoint& point) {
   return std::any_of(point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); });
@@ -17,16 +30,29 @@ bool is_heard(const CalibrationPoint& point) {
 }  // namespace
 
 std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
   std::vector<Use> uses;
+  std::vector<std::size_t> drawable;
   uses.reserve(points.size());
-  for (const CalibrationPoint& point : points) {
-    const double drawn = static_cast<double>(random() >> 11) * 0x1p-53;
-    uses.push_back(point.held_out           ? Use::kHeldOut
-                   : drawn < kDecidingShare ? Use::kDecide
-                                            : Use::kFit);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    uses.push_back(points[p].held_out ? Use::kHeldOut : Use::kFit);
+    if (!points[p].held_out && is_heard(points[p])) {
+      drawable.push_back(p);
+    }
+  }
+  std::mt19937_64 random(seed);
+  for (std::size_t i = drawable.size(); i > 1; --i) {
+    std::swap(drawable[i - 1], drawable[random() % i]);
+  }
+  drawable.resize(deciding_points(drawable.size()));
+  for (const std::size_t p : drawable) {
+    uses[p] = Use::kDecide;
   }
   return uses;
+}
+
+std::span<const Use> deciders(std::span<const Use> uses) {
+  const bool some = std::find(uses.begin(), uses.end(), Use::kDecide) != uses.end();
+  return some ? std::span<const Use>(kDeciding) : std::span<const Use>(kFitted);
 }
 
 std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses) {

@@ -23,8 +23,12 @@ inline constexpr std::array kDeciding{Use::kDecide};
 inline constexpr std::array kAllButHeldOut{Use::kFit, Use::kDecide};
 inline constexpr std::array kHeldOut{Use::kHeldOut};
 
-// Of each point; those that decide are drawn.
+// Of each point. Those that decide are drawn without replacement from what was heard and is not
+// held out: 15 in 100, three at least, unless that were more than a quarter.
 std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64_t seed);
+
+// Those that decide; of so few points that none can be spared, those that are fitted.
+std::span<const Use> deciders(std::span<const Use> uses);
 
 // How many points are heard and not held out.
 std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses);
