@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <numbers>
 #include <string>
 
 #include "daemon/scene/scene_files.h"
+#include "engine/calibrate/stated_parameter.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -21,6 +23,25 @@ CalibratedValue stated(double change,
   const auto found = std::find_if(
       parameters.begin(), parameters.end(), [&](const auto& one) { return one.name == name; });
   return {change, 0.0, found == parameters.end() ? 0.0 : found->sigma};
+}
+
+std::string chain_name(const CalibratedAccessPoint& ap, std::size_t core) {
+  return ap.id + ".core" + std::to_string(ap.gains.cores[core]) + "/core" +
+         std::to_string(ap.gains.cores[0]);
+}
+
+// Where the method fitted the chains with the room, they are as sure as it says.
+void state_chains(std::span<const RoomParameter> parameters, CalibratedAccessPoint& ap) {
+  constexpr double kRadian = std::numbers::pi / 180.0;
+  for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
+    const std::string phase = chain_name(ap, core) + ".phase";
+    for (const RoomParameter& parameter : parameters) {
+      if (parameter.name == phase && parameter.sigma > 0.0) {
+        ap.gain_sigma[core] = kRadian * parameter.sigma;
+        ap.gain_sigma[0] = 0.0;  // the others are against it
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -56,6 +77,7 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.noise = stated(result.fit.noise);
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
+    state_chains(calibrated.parameters, ap);
     ap.levels = result.levels;
     for (std::size_t e = 0; e < after.array.element_offset.size(); ++e) {
       ap.element_y.push_back(after.array.element_offset[e].y - before.array.element_offset[e].y);
@@ -82,17 +104,9 @@ std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
   std::vector<RoomParameter> parameters;
-  const std::size_t tones = ap.gains.grid.size();
   for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
-    std::complex<double> ratio;
-    double power = 0.0;
-    for (std::size_t k = 0; k < tones; ++k) {
-      ratio += ap.gains.gain[core * tones + k] * std::conj(ap.gains.gain[k]);
-      power += std::norm(ap.gains.gain[k]);
-    }
-    ratio /= power;
-    const std::string name = ap.id + ".core" + std::to_string(ap.gains.cores[core]) + "/core" +
-                             std::to_string(ap.gains.cores[0]);
+    const std::complex<double> ratio = chain_ratio(ap.gains, core);
+    const std::string name = chain_name(ap, core);
     const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
     parameters.push_back(
         {name + ".gain", "dB", kDecibels * std::log(std::abs(ratio)), 0.0, 0.0, kDecibels * sigma});
@@ -114,6 +128,23 @@ std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_
         {access_point.id + "." + name, named.unit, value.value, value.prior, 0.0, value.sigma});
   }
   return parameters;
+}
+
+void add_common_parameters(const CalibratedAccessPoint& ap,
+                           std::vector<RoomParameter>& parameters) {
+  const auto states = [&, stated = parameters.size()](const std::string& name) {
+    const auto end = parameters.begin() + static_cast<std::ptrdiff_t>(stated);
+    return std::find_if(
+               parameters.begin(), end, [&](const auto& one) { return one.name == name; }) != end;
+  };
+  for (const auto& more : {model_parameters(ap), chain_parameters(ap)}) {
+    for (const RoomParameter& parameter : more) {
+      const bool yaw = parameter.name == ap.id + ".yaw_offset";
+      if (!states(yaw ? ap.id + ".yaw" : parameter.name)) {
+        parameters.push_back(parameter);
+      }
+    }
+  }
 }
 
 std::vector<CalibratedSurface> calibrated_surfaces(const RoomModel& room) {

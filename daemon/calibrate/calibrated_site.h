@@ -33,6 +33,10 @@ std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& access_
 // The yaw and the errors of the model, which every method fits.
 std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_point);
 
+// Adds both of the above, but for what a method that fits arrays and chains has stated already.
+void add_common_parameters(const CalibratedAccessPoint& access_point,
+                           std::vector<RoomParameter>& parameters);
+
 std::vector<CalibratedSurface> calibrated_surfaces(const RoomModel& room);
 
 // The scene by file name: "scene.xml" and meshes; it reads back as the same scene.

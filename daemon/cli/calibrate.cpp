@@ -321,9 +321,7 @@ CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResu
   report.methods = methods;
   auto& parameters = report.methods.front().calibration.parameters;
   for (const CalibratedAccessPoint& ap : file.access_points) {
-    for (const auto& more : {model_parameters(ap), chain_parameters(ap)}) {
-      parameters.insert(parameters.end(), more.begin(), more.end());
-    }
+    add_common_parameters(ap, parameters);
   }
   parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
   parameters.push_back(

@@ -52,6 +52,7 @@ class JointCalibration {
         }
       }
     }
+    assumed_ = gains();
     state_.values.resize(unknowns_.size());
     state_.survey.resize(points.size());
   }
@@ -91,7 +92,8 @@ class JointCalibration {
   std::vector<JointSample> used(std::span<const Use> uses) const;
   std::vector<RoomParameter> parameters(const JointRound& round);
 
-  RoomModel original_;  // its chain gains are improved
+  RoomModel original_;               // its chain gains are improved
+  std::vector<ChainGains> assumed_;  // those of the beginning
   std::span<const CalibrationPoint> points_;
   const JointCalibrationOptions& options_;
   RoomUnknowns unknowns_;
@@ -379,10 +381,15 @@ std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round)
   for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
     const bool chain =
         unknowns_[i].kind == Kind::kChainGain || unknowns_[i].kind == Kind::kChainPhase;
-    if (free[i] == 0 || chain) {  // chains are in the gains (fold_chains)
+    if (free[i] == 0) {
       continue;
     }
-    result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
+    if (!chain) {
+      result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
+    } else if (const std::uint32_t a = unknowns_[i].index; !assumed_[a].empty()) {
+      const ChainGains& found = original_.access_points[a].gains;  // by fold_chains
+      result.push_back(stated_chain(unknowns_[i], original_, assumed_[a], found, sigma[i]));
+    }
   }
   return result;
 }

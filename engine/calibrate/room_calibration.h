@@ -26,7 +26,7 @@ struct CalibrationPoint {
 struct RoomParameter {
   std::string
       name;  // "wall_west.+x.offset", "ap1.position.x", "plasterboard.relative_permittivity"
-  std::string unit;  // "m", "rad", "S/m", "1"
+  std::string unit;  // "m", "rad", "S/m", "1"; of chains "dB" and "deg"
   double value = 0.0;
   double prior = 0.0;        // what the floor plan, the survey or the table said
   double prior_sigma = 0.0;  // how far that may be off; 0: nothing was assumed

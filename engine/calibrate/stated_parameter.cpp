@@ -1,6 +1,7 @@
 #include "engine/calibrate/stated_parameter.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "engine/scene/scene.h"
 
@@ -49,6 +50,39 @@ RoomParameter stated_parameter(const Unknown& unknown,
       break;
   }
   return parameter;
+}
+
+std::complex<double> chain_ratio(const ChainGains& gains, std::size_t element) {
+  const std::size_t tones = gains.grid.size();
+  std::complex<double> ratio;
+  double power = 0.0;
+  for (std::size_t k = 0; k < tones; ++k) {
+    ratio += gains.gain[element * tones + k] * std::conj(gains.gain[k]);
+    power += std::norm(gains.gain[k]);
+  }
+  return ratio / power;
+}
+
+RoomParameter stated_chain(const Unknown& unknown,
+                           const RoomModel& room,
+                           const ChainGains& assumed,
+                           const ChainGains& found,
+                           double sigma) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
+  const bool phase = unknown.kind == Kind::kChainPhase;
+  const double unit = phase ? kDegrees : kDecibels;
+  const std::complex<double> before = chain_ratio(assumed, unknown.part);
+  const std::complex<double> turned = chain_ratio(found, unknown.part) / before;
+  const auto part = [&](const std::complex<double>& ratio) {
+    return unit * (phase ? std::arg(ratio) : std::log(std::abs(ratio)));
+  };
+  return {unknown_name(unknown, room),
+          phase ? "deg" : "dB",
+          part(before) + part(turned),
+          part(before),
+          unit * unknown.sigma,
+          unit * sigma};
 }
 
 }  // namespace rayloc

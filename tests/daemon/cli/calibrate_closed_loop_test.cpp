@@ -156,19 +156,27 @@ TEST_F(CalibrateClosedLoop, RecoversTheRoomAsBuilt) {
     EXPECT_LT(std::abs(value - truth), 4.0 * sigma) << name;
   };
   for (const auto& [wall, truth] : moved_walls()) {
-    near(wall, truth, 0.004);  // of 72 points; joint_calibration_test holds 3 mm on 120
+    near(wall, truth, 0.003);
   }
   near("ap1.position.x", 0.004, 0.002);
   near("ap1.position.y", -0.003, 0.002);
+  // All points are of the array's height: only floor and ceiling tell it.
+  ASSERT_TRUE(found.contains("ap1.position.z"));
+  EXPECT_LT(std::abs(found.at("ap1.position.z").first), 4.0 * found.at("ap1.position.z").second);
   near("ap1.yaw", kDegree, 0.2 * kDegree);
   for (const std::size_t chain : {1U, 2U}) {
     const auto& truth = simulated_.at("access_points").at(0).at("chains").at(chain);
     const std::string name =
         "ap1.core" + std::to_string(truth.at("core").get<int>()) + "/core2.phase";
     ASSERT_TRUE(found.contains(name)) << name;
-    const double off = found.at(name).first - truth.at("phase_deg").get<double>();
-    EXPECT_NEAR(std::remainder(off, 360.0), 0.0, 3.0) << name;
+    const auto [value, sigma] = found.at(name);
+    const double off = std::remainder(value - truth.at("phase_deg").get<double>(), 360.0);
+    EXPECT_NEAR(off, 0.0, 3.0) << name;
+    EXPECT_LT(std::abs(off), 4.0 * sigma) << name;
   }
+  EXPECT_FALSE(found.contains("ap1.yaw_offset")) << "it is ap1.yaw";
+  const std::string written = text_of(folder_ / "out/calibration.toml");
+  EXPECT_NE(written.find("name = \"ap1.core0/core2.phase\"\nunit = \"deg\""), std::string::npos);
 }
 
 TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
