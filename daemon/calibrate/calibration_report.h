@@ -16,6 +16,7 @@
 #include "engine/base/vec3.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/localize/room_model.h"
+#include "engine/trace/trace_options.h"
 
 namespace rayloc {
 
@@ -23,6 +24,7 @@ struct CalibrationMethodResult {
   std::string method;  // "joint", "paper", "gains-only"
   RoomCalibration calibration;
   double seconds = 0.0;  // wall clock
+  TraceOptions rays;     // that it was fitted with, and its points compared
 };
 
 // Fixes of the points held out, with the likelihood raised to one exponent (RoomModel::temper) and
@@ -47,6 +49,8 @@ struct CalibrationReport {
   std::vector<bool> held_out;              // of each CalibrationPoint
   RoomModel before;                        // floor plan and survey
   std::vector<CalibrationMethodResult> methods;
+  // PointFit::after in the site that is written, as a fix sees it: with its rays and its errors.
+  std::vector<PointFit> located;
   std::vector<HeldOutFixes> fixes;  // of the first method, the last was taken
   std::vector<RefusedInput> refused;
   std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known

@@ -21,11 +21,11 @@ std::optional<CorrelationSummary> summarize(const std::vector<double>& values) {
 }  // namespace
 
 std::vector<double> heldout_correlations(const CalibrationReport& report,
-                                         const RoomCalibration& calibration,
+                                         std::span<const PointFit> fits,
                                          std::size_t access_point,
                                          double PointFit::*share) {
   std::vector<double> values;
-  for (const PointFit& fit : calibration.points) {
+  for (const PointFit& fit : fits) {
     if (fit.access_point == access_point && report.held_out.at(fit.point)) {
       values.push_back(fit.*share);
     }
@@ -36,11 +36,18 @@ std::vector<double> heldout_correlations(const CalibrationReport& report,
 FitSummary summarize_fit(const CalibrationReport& report,
                          const RoomCalibration& calibration,
                          std::size_t access_point) {
-  const auto before = heldout_correlations(report, calibration, access_point, &PointFit::before);
-  const auto after = heldout_correlations(report, calibration, access_point, &PointFit::after);
-  auto placed = heldout_correlations(report, calibration, access_point, &PointFit::placed);
+  const auto before =
+      heldout_correlations(report, calibration.points, access_point, &PointFit::before);
+  const auto after =
+      heldout_correlations(report, calibration.points, access_point, &PointFit::after);
+  auto placed = heldout_correlations(report, calibration.points, access_point, &PointFit::placed);
   std::erase(placed, 0.0);
   return {after.size(), summarize(before), summarize(after), summarize(placed)};
+}
+
+std::optional<CorrelationSummary> summarize_located(const CalibrationReport& report,
+                                                    std::size_t access_point) {
+  return summarize(heldout_correlations(report, report.located, access_point, &PointFit::after));
 }
 
 }  // namespace rayloc

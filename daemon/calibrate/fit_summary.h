@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -24,9 +25,13 @@ struct FitSummary {
   std::optional<CorrelationSummary> placed;  // PointFit::placed; absent where no method fitted it
 };
 
-// PointFit::`share` of the points held out, at one access point.
+// Of CalibrationReport::located, at the points held out.
+std::optional<CorrelationSummary> summarize_located(const CalibrationReport& report,
+                                                    std::size_t access_point);
+
+// `fits`' PointFit::`share` of the points held out, at one access point.
 std::vector<double> heldout_correlations(const CalibrationReport& report,
-                                         const RoomCalibration& calibration,
+                                         std::span<const PointFit> fits,
                                          std::size_t access_point,
                                          double PointFit::*share);
 

@@ -86,8 +86,8 @@ Drawing draw_fit_distribution(const CalibrationReport& report, std::size_t acces
                        double PointFit::*share,
                        draw::Colour colour) {
     chart.curves.push_back({name,
-                            draw::empirical_distribution(
-                                heldout_correlations(report, calibration, access_point, share)),
+                            draw::empirical_distribution(heldout_correlations(
+                                report, calibration.points, access_point, share)),
                             colour,
                             share == &PointFit::before});
   };

@@ -47,6 +47,13 @@ std::string summary_text(const std::optional<CorrelationSummary>& summary) {
                  : kNone;
 }
 
+std::string rays_text(const TraceOptions& rays) {
+  return fmt::format("{} {}{}",
+                     rays.max_depth,
+                     rays.transmission ? "reflections and crossings" : "reflections",
+                     rays.softness > 0.0 ? fmt::format(" at edges of {:g} m", rays.softness) : "");
+}
+
 std::string headline(const CalibrationReport& report) {
   const CalibrationMethodResult& written = report.methods.front();
   std::string html = paragraph(
@@ -68,7 +75,8 @@ std::string headline(const CalibrationReport& report) {
                    "before",
                    "after",
                    "mean before, after",
-                   "after, survey errors fitted"},
+                   "after, survey errors fitted",
+                   "as located"},
                   {}};
   for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
     const FitSummary fit = summarize_fit(report, written.calibration, ap);
@@ -78,15 +86,21 @@ std::string headline(const CalibrationReport& report) {
          summary_text(fit.before),
          summary_text(fit.after),
          fit.after ? fmt::format("{:.3f}, {:.3f}", fit.before->mean, fit.after->mean) : kNone,
-         summary_text(fit.placed)});
+         summary_text(fit.placed),
+         summary_text(summarize_located(report, ap))});
   }
   html += to_html(table);
   html += paragraph(
       "Squared normalised correlation of measured and expected CSI at the points held out: median "
       "and quartiles. 1: all that was measured is explained; before: floor plan and chain gains "
-      "alone. Where the last column is much better than the one before, the places of the points "
+      "alone. Where the column with survey errors fitted is much better than \u201cafter\u201d, "
+      "the places "
+      "of the points "
       "limit what can be reached, not the model of the room: a point a tenth of a wavelength off "
-      "turns the phases of its paths against each other.");
+      "turns the phases of its paths against each other. As located: the site as it was written, "
+      "seen by a fix with " +
+      rays_text(written.calibration.room.trace) + "; the method saw it with " +
+      rays_text(written.rays) + ".");
   if (!report.fixes.empty()) {
     const HeldOutFixes& fixes = report.fixes.back();
     html += paragraph(
@@ -102,7 +116,7 @@ std::string headline(const CalibrationReport& report) {
 }
 
 std::string method_table(const CalibrationReport& report) {
-  HtmlTable table{{"method", "time", "iterations", "parameters", "last loss"}, {}};
+  HtmlTable table{{"method", "rays", "time", "iterations", "parameters", "last loss"}, {}};
   for (const std::string& ap : report.access_points) {
     table.columns.push_back(ap + " after");
   }
@@ -111,6 +125,7 @@ std::string method_table(const CalibrationReport& report) {
     const bool has_history = !calibration.history.empty();
     table.rows.push_back(
         {result.method,
+         rays_text(result.rays),
          fmt::format("{:.1f} s", result.seconds),
          has_history ? std::to_string(calibration.history.back().iteration) : kNone,
          std::to_string(calibration.parameters.size()),

@@ -33,6 +33,21 @@ Json heldout_json(const CalibrationReport& report, const RoomCalibration& calibr
   return all;
 }
 
+Json written_heldout_json(const CalibrationReport& report) {
+  Json all = heldout_json(report, report.methods.front().calibration);
+  for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
+    const auto located = summarize_located(report, ap);
+    all[report.access_points[ap]]["after_as_located"] = located ? Json(located->median) : Json();
+  }
+  return all;
+}
+
+Json rays_json(const TraceOptions& rays) {
+  return {{"max_depth", rays.max_depth},
+          {"transmission", rays.transmission},
+          {"softness_m", rays.softness}};
+}
+
 Json parameters_json(const std::vector<RoomParameter>& parameters) {
   Json all = Json::array();
   for (const RoomParameter& one : parameters) {
@@ -85,6 +100,7 @@ Json method_json(const CalibrationReport& report, const CalibrationMethodResult&
   }
   return {{"seconds", result.seconds},
           {"interrupted", result.calibration.interrupted},
+          {"rays", rays_json(result.rays)},
           {"heldout", heldout_json(report, result.calibration)},
           {"parameters", result.calibration.parameters.size()},
           {"history", std::move(history)}};
@@ -136,8 +152,10 @@ Json to_json(const CalibrationReport& report) {
                : Json()},
           {"heldout_is",
            "squared normalised correlation of measured and expected CSI at the points held out: "
-           "before and after are medians"},
-          {"heldout", heldout_json(report, written.calibration)},
+           "before and after are medians, with the rays of the method; after_as_located is that of "
+           "the site as written, with the rays and the model of a fix"},
+          {"rays_as_located", rays_json(written.calibration.room.trace)},
+          {"heldout", written_heldout_json(report)},
           {"heldout_fixes", fixes_json(report.fixes)},
           {"parameters", parameters_json(written.calibration.parameters)},
           {"moved", moved_json(written.calibration.parameters, wavelength)},

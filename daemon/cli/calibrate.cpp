@@ -66,6 +66,7 @@ class Calibration {
   bool can_resume() const { return options_.method == "joint"; }  // not by --compare
   void end(const std::vector<CalibrationMethodResult>& methods) const;
   Expected<void> fit_errors(const CalibrationMethodResult& method);
+  void refuse_unreached(const AccessPointResult& result);
   std::vector<HeldOutSpot> spots(bool all) const;
   Expected<void> fit_certainty(const RoomModel& room);
   CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods,
@@ -231,7 +232,7 @@ bool Calibration::go_on() {
 }
 
 Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
-  CalibrationMethodResult result{method, {}, 0.0};
+  CalibrationMethodResult result{method, {}, 0.0, plan_.trace};
   if (method == "gains-only") {
     result.calibration.room = plan_;
     for (const AccessPointResult& one : gains_) {
@@ -240,13 +241,17 @@ Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& meth
     }
     return result;
   }
+  const PaperCalibrationOptions paper;
+  result.rays = method == "paper"
+                    ? TraceOptions{.max_depth = paper.max_depth, .softness = paper.softness}
+                    : JointCalibrationOptions().trace;
   line_.begin(method);
   const auto observer = [&](const CalibrationProgress& progress) {
     line_.show(progress);
     return go_on();
   };
   const auto begin = std::chrono::steady_clock::now();
-  auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, {}, observer)
+  auto calibration = method == "paper" ? calibrate_by_paper(start_, points_, paper, observer)
                                        : jointly(observer, result.seconds);
   if (!calibration) {
     return tl::make_unexpected(std::move(calibration.error()));
@@ -270,9 +275,22 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }
+    refuse_unreached(*result);
     results_.push_back(*std::move(result));
   }
   return {};
+}
+
+// Points that were heard and have no fit.
+void Calibration::refuse_unreached(const AccessPointResult& result) {
+  for (std::size_t p = 0; p < points_.size(); ++p) {
+    const bool fits = std::any_of(
+        result.fits.begin(), result.fits.end(), [&](const auto& fit) { return fit.point == p; });
+    if (!fits && !points_[p].h[result.index].empty()) {
+      inputs_.refused.push_back({place_of(p) + " " + plan_.access_points[result.index].id,
+                                 "no ray of the calibrated room reaches it"});
+    }
+  }
 }
 
 // What was heard at the points held out, or at all that were not refused.
@@ -326,6 +344,9 @@ CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResu
   parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
   parameters.push_back(
       {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
+  for (const AccessPointResult& result : results_) {
+    report.located.insert(report.located.end(), result.fits.begin(), result.fits.end());
+  }
   report.fixes = fixes_;
   report.refused = inputs_.refused;
   report.peak_memory_bytes = peak_memory();

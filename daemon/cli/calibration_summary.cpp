@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/calibrate/fit_summary.h"
 
 namespace rayloc::cli {
@@ -13,14 +15,17 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
       if (!fit.before || !fit.after) {
         continue;
       }
+      const auto located = summarize_located(report, one.index);
+      const bool written = &method == &report.methods.front() && located;
       std::fprintf(stderr,
-                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)\n",
+                   "%s: %s: %zu points; held-out correlation %.3f -> %.3f (median of %zu)%s\n",
                    method.method.c_str(),
                    report.access_points[one.index].c_str(),
                    one.points,
                    fit.before->median,
                    fit.after->median,
-                   fit.points);
+                   fit.points,
+                   written ? fmt::format(", {:.3f} as located", located->median).c_str() : "");
     }
   }
   const HeldOutFixes& last = report.fixes.back();

@@ -47,6 +47,21 @@ TEST(CalibrationReportJson, GivesTheMedianOfThePointsHeldOut) {
   EXPECT_NE(json.at("heldout_is").get<std::string>().find("median"), std::string::npos);
 }
 
+// A method may look deeper into the room than a fix does.
+TEST(CalibrationReportJson, TellsWhatTheMethodSawFromWhatAFixSees) {
+  const auto json = to_json(test::sample_report());
+  EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("after_as_located"), 0.88);
+  EXPECT_TRUE(json.at("heldout").at("b").at("after_as_located").is_null());
+  EXPECT_EQ(json.at("methods").at("joint").at("rays").at("max_depth"), 4);
+  EXPECT_TRUE(json.at("methods").at("joint").at("rays").at("transmission").get<bool>());
+  EXPECT_FALSE(json.at("methods").at("paper").at("rays").at("transmission").get<bool>());
+  EXPECT_EQ(json.at("rays_as_located").at("max_depth"), 2);
+  const Page page(test::sample_report());
+  EXPECT_TRUE(page.says("0.880 (0.870 – 0.890)"));
+  EXPECT_TRUE(page.says("4 reflections and crossings"));
+  EXPECT_TRUE(page.says("2 reflections at edges of 0.1 m"));
+}
+
 TEST(CalibrationReportJson, IsNullWhereNothingWasHeldOut) {
   const auto json = to_json(test::sample_report());
   EXPECT_TRUE(json.at("heldout").at("c").at("after").is_null());
@@ -149,6 +164,7 @@ TEST(CalibrationReportHtml, FoldsLongTables) {
 TEST(CalibrationReport, HoldsACalibrationWithoutPointsOrHistory) {
   CalibrationReport report = test::sample_report();
   report.positions.clear();
+  report.located.clear();
   report.held_out.clear();
   report.fixes.clear();
   report.refused.clear();

@@ -24,6 +24,7 @@ inline CalibrationReport sample_report() {
   CalibrationMethodResult joint;
   joint.method = "joint";
   joint.seconds = 12.5;
+  joint.rays = {.max_depth = 4, .transmission = true};
   joint.calibration.room = report.before;
   joint.calibration.parameters = {
       {"table.height", "m", 0.701, 0.7, 0.02, 0.003},
@@ -38,9 +39,11 @@ inline CalibrationReport sample_report() {
   joint.calibration.history = {{"gains", 0, 1000.0, 0.55}, {"joint", 1, 8.0, 0.92}};
   CalibrationMethodResult paper = joint;
   paper.method = "paper";
+  paper.rays = {.max_depth = 2, .softness = 0.1};
   paper.seconds = 99.0;
   paper.calibration.points[1].after = 0.70;
   paper.calibration.points[2].after = 0.72;
+  report.located = {{0, 0, 0.40, 0.96}, {1, 0, 0.50, 0.86}, {2, 0, 0.60, 0.90}};
   report.methods = {std::move(joint), std::move(paper)};
   return report;
 }

@@ -140,6 +140,21 @@ TEST_F(CalibrateVerb, FitsTheRoomToTheSurvey) {
   EXPECT_EQ(read.status, 0) << read.err;
 }
 
+// It is said to have stood within the cabinet: where no ray leads, nothing is explained.
+TEST_F(CalibrateVerb, NamesThePointThatNoRayReaches) {
+  const std::string file = points(1000, "-1.5400,-1.1000,1.2000", "-1.4000,-1.2000,0.4000");
+  const Finished run =
+      calibrate({"--capture", "ap3=" + kSite + "/calibration-ap3.pcap.gz", "--points", file});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto report = nlohmann::json::parse(read_text(out_ / "report.json"));
+  bool named = false;
+  for (const auto& one : report.at("refused")) {
+    named = named || (one.at("what") == file + ":2 ap3" &&
+                      one.at("reason") == "no ray of the calibrated room reaches it");
+  }
+  EXPECT_TRUE(named) << report.at("refused");
+}
+
 // The phases of an empty room belong to the calibration that it was recorded with.
 TEST_F(CalibrateVerb, LeavesOutTheReferenceOfAnotherCalibration) {
   const fs::path site = copied_site();
