@@ -24,10 +24,32 @@ namespace {
 
 constexpr double kPngScale = 2.0;  // pixels of the image for one of the drawing
 
-std::vector<PlannedPoint> named(const std::vector<Vec3d>& points) {
+// Points at one height hardly tell how high the access points hang: every third one is above or
+// below, in turn. The others are where fixes will be, which say how sure these may be.
+constexpr std::size_t kOtherHeight = 3;
+constexpr double kOffHeight = 0.3;  // [m]
+
+bool is_possible(const RoomModel& room, const Vec3d& p) {
+  return p.z > room.bounds_min.z + kOffHeight && p.z < room.bounds_max.z - kOffHeight &&
+         !solid_around(*room.scene, p);
+}
+
+std::vector<PlannedPoint> named(const RoomModel& room, const std::vector<Vec3d>& points) {
   std::vector<PlannedPoint> planned;
+  double step = kOffHeight;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    planned.push_back({fmt::format("p{:02}", i + 1), points[i]});
+    Vec3d place = points[i];
+    if ((i + 1) % kOtherHeight == 0) {
+      for (const double off : {step, -step}) {
+        const Vec3d other{place.x, place.y, place.z + off};
+        if (is_possible(room, other)) {
+          place = other;
+          step = -off;
+          break;
+        }
+      }
+    }
+    planned.push_back({fmt::format("p{:02}", i + 1), place});
   }
   return planned;
 }
@@ -37,7 +59,10 @@ draw::Drawing picture_of(const RoomModel& room, const std::vector<PlannedPoint>&
   picture.scene = room.scene.get();
   picture.title = room.name;
   picture.caption = fmt::format(
-      "survey: {} points at {:g} m, in the order to walk", points.size(), room.device.height);
+      "survey: {} points at {:g} m, every third {:g} m above or below, in the order to walk",
+      points.size(),
+      room.device.height,
+      kOffHeight);
   for (const RoomAccessPoint& ap : room.access_points) {
     draw::Mark mark{ap.id, draw::MarkKind::kAccessPoint, {}, {}};
     for (std::size_t i = 0; i < ap.array.element_offset.size(); ++i) {
@@ -127,7 +152,7 @@ Expected<void> run_plan(const PlanArguments& arguments) {
         arguments.site,
         room->device.height));
   }
-  const std::vector<PlannedPoint> points = named(plan.points);
+  const std::vector<PlannedPoint> points = named(*room, plan.points);
   if (const std::string file = picture_file(arguments); !file.empty()) {
     if (auto drawn = write_picture(picture_of(*room, points), file); !drawn) {
       return drawn;

@@ -312,7 +312,9 @@ Expected<void> run(const Arguments& arguments) {
 RunVerb declare(CLI::App& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml")->required();
-  app.add_option("--out", arguments->out, "The points file; one that exists is continued")
+  app.add_option("--out",
+                 arguments->out,
+                 "The points file; one that exists is continued, with recordings of its own")
       ->required();
   app.add_option("--listen", arguments->listen, "Where access points send to: [AP=]HOST:PORT");
   app.add_option("--config", arguments->config, "Take the UDP sources of raylocd's configuration");
@@ -340,7 +342,9 @@ const Verb kSurvey = {
     "  rayloc survey office --out points.csv --config raylocd.toml --plan plan.csv\n\n"
     "While frames are counted, Enter ends the point with what there is. A row is written after\n"
     "each point at once. Then: rayloc calibrate office --points points.csv --capture ap1=a.pcap "
-    "...",
+    "...\n"
+    "A survey that is continued needs new names for --record; calibrate takes all of them: "
+    "--capture ap1=a.pcap ap1=a2.pcap ...",
     declare};
 
 }  // namespace rayloc::cli

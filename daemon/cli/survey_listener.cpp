@@ -37,8 +37,20 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
   return listener;
 }
 
+// As a calibration takes them: where the site lists devices, no other phone counts.
+bool SurveyListener::is_surveyed(const MacAddress& transmitter) const {
+  const SiteTransmitter* stated = find_transmitter(*site_, transmitter);
+  if (stated != nullptr) {
+    return stated->role == TransmitterRole::kDevice;
+  }
+  return std::none_of(
+      site_->transmitters.begin(), site_->transmitters.end(), [](const SiteTransmitter& one) {
+        return one.role == TransmitterRole::kDevice;
+      });
+}
+
 bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) const {
-  if (find_fixed_transmitter(*site_, frame.transmitter) != nullptr) {
+  if (!is_surveyed(frame.transmitter)) {
     return false;
   }
   return std::all_of(port.cores.begin(), port.cores.end(), [&](std::uint8_t core) {

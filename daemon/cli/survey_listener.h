@@ -32,8 +32,9 @@ class SurveyListener {
   // Takes what has arrived; waits for it up to `timeout` for each port.
   Expected<void> listen(Duration timeout);
 
-  // Whole frames of devices since `start`, of each port: frames of fixed transmitters, and those
-  // that lack a core of the access point, do not count.
+  // Whole frames of devices since `start`, of each port: frames of fixed transmitters, of devices
+  // that the site does not list where it lists any, and those that lack a core of the access point,
+  // do not count.
   void start_counting(Timestamp start);
   std::vector<std::size_t> counts() const;
   const std::string& access_point(std::size_t port) const { return ports_[port].id; }
@@ -52,6 +53,7 @@ class SurveyListener {
   };
 
   explicit SurveyListener(const Site* site) : site_(site) {}
+  bool is_surveyed(const MacAddress& transmitter) const;
   bool counts_as_whole(const Port& port, const CsiFrame& frame) const;
 
   const Site* site_;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -45,11 +46,16 @@ TEST_F(CalibratePlan, WritesPointsThatSurveyReadsAndAPictureOfThem) {
   ASSERT_EQ(points->size(), 25U);
   EXPECT_EQ((*points)[0].name, "p01");
   EXPECT_EQ((*points)[24].name, "p25");
-  for (const PlannedPoint& point : *points) {
-    EXPECT_EQ(point.position.z, 1.2);
+  std::map<double, int> heights;
+  for (std::size_t i = 0; i < points->size(); ++i) {
+    const PlannedPoint& point = (*points)[i];
+    ++heights[point.position.z];
+    EXPECT_EQ(point.position.z == 1.2, i % 3 != 2) << point.name;
     EXPECT_LT(std::abs(point.position.x), 1.765);
     EXPECT_LT(std::abs(point.position.y), 1.425);
   }
+  // In turn above and below, so that the height of the access points is told from both sides.
+  EXPECT_EQ(heights, (std::map<double, int>{{0.9, 4}, {1.2, 17}, {1.5, 4}}));
   EXPECT_THAT(read("plan.svg"), HasSubstr(">p01<"));
   EXPECT_THAT(read("plan.svg"), HasSubstr(">ap3<"));
 }

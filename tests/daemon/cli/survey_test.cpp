@@ -35,6 +35,7 @@ std::uint16_t free_port() { return (*UdpSource::open({.address = "127.0.0.1:0"})
 
 constexpr std::uint64_t kDevice = 0x02524c000001;  // of the site
 constexpr std::uint64_t kFixed = 0x02524c000002;
+constexpr std::uint64_t kStranger = 0x02524c0000aa;
 
 // An access point that hears a frame of a transmitter every two milliseconds.
 class HeardDevice {
@@ -210,6 +211,18 @@ TEST_F(SurveyVerb, WritesNoRowWhenNothingWasHeard) {
 TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
   const std::uint16_t port = free_port();
   const HeardDevice fixed(port, kFixed);
+  ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
+                   "--timeout 0.5 --listen ap1=127.0.0.1:" + std::to_string(port) +
+                       " --record ap1=" + path("ap1.pcap")),
+            0);
+  EXPECT_THAT(read("err"), HasSubstr("ap1 0/20"));
+  EXPECT_GT(fs::file_size(path("ap1.pcap")), 1000U) << "they were heard";
+}
+
+// The site lists the device that is carried about.
+TEST_F(SurveyVerb, FramesOfAStrangersPhoneSayNothingEither) {
+  const std::uint16_t port = free_port();
+  const HeardDevice stranger(port, kStranger);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
                    "--timeout 0.5 --listen ap1=127.0.0.1:" + std::to_string(port) +
                        " --record ap1=" + path("ap1.pcap")),
