@@ -48,6 +48,16 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
     sigma[i] = std::sqrt(sigma[i] * sigma[i] + turned * turned * power.half_wave * power.half_wave +
                          stronger * cycles);
   }
+  // What stands at an array echoes at all points alike, to one antenna otherwise than to the next:
+  // of relative power q it turns a chain by sqrt(q / 2), and is as much of its gain.
+  const double of_chain = std::sqrt(0.5 * kUnmodelledEcho * power.unexplained);
+  for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
+    const Unknown::Kind kind = unknowns[i].kind;
+    if (sigma[i] > 0.0 &&
+        (kind == Unknown::Kind::kChainGain || kind == Unknown::Kind::kChainPhase)) {
+      sigma[i] = std::hypot(sigma[i], of_chain);
+    }
+  }
 }
 
 std::vector<double> stated_widths(const JointContext& context,

@@ -1,9 +1,10 @@
 // stated_widths: how wide the joint calibration says that its unknowns are known.
 //
-// The Gaussian about the fit believes the model. For the offsets of surfaces three things are added
-// that it cannot know: that a surface would fit as well elsewhere within a few centimetres
-// (surface_scan.h), that the trials of other half-wave cycles cost little more (wave_cycles.h), and
-// that the room holds echoes that the model lacks (below): all points may agree on a wrong place.
+// The Gaussian about the fit believes the model. For the offsets of surfaces, and of the last for
+// the chains, three things are added that it cannot know: that a surface would fit as well
+// elsewhere within a few centimetres (surface_scan.h), that the trials of other half-wave cycles
+// cost little more (wave_cycles.h), and that the room holds echoes that the model lacks (below):
+// all points may agree on a wrong place.
 #pragma once
 
 #include <span>
@@ -25,7 +26,8 @@ struct UnmodelledPower {
 // to it. Such an echo is taken to carry a share x of all that is left unexplained, exponentially
 // distributed with mean kUnmodelledEcho. One weaker than the surface's own turns its phase, and
 // with it the offset; one that is stronger is what the surface was fitted to, and then the
-// half-wave cycle is known from its prior only.
+// half-wave cycle is known from its prior only. A chain is told by the whole array of every point,
+// and turned by an echo that all of them share.
 void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
                               const UnmodelledPower& power,
                               const JointState& state,

@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
+#include <cstdint>
 #include <numbers>
 #include <random>
+#include <vector>
 
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
@@ -60,6 +63,32 @@ TEST_F(StatedWidthsTest, AFaintSurfaceIsKnownFromItsPriorOnly) {
 // A surface beyond its prior is more probably a cycle nearer to the plan.
 TEST_F(StatedWidthsTest, AFaintSurfaceFarFromThePlanIsDoubtedMore) {
   EXPECT_GT(width(0.01, 0.3, 2.0 * prior_), 1.3 * width(0.01, 0.3, 0.0));
+}
+
+// By drawing, as below: an echo at the array turns all that its antenna hears, at every point.
+TEST_F(StatedWidthsTest, AChainIsDoubtedByAnEchoOfTheWholeArray) {
+  constexpr double kUnexplained = 0.08;
+  std::vector<double> sigma(unknowns_.size());
+  const std::uint32_t gain = unknowns_.chain_gain(0, 1);
+  sigma[gain] = sigma[gain + 1] = kWidth;
+  JointState state;
+  state.values.resize(unknowns_.size());
+  widen_by_unmodelled_echo(
+      unknowns_,
+      {std::vector<double>(room_.plan.scene->surfaces().size(), 0.1), kUnexplained, kHalfWave},
+      state,
+      sigma);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> turn(0.0, 2.0 * std::numbers::pi);
+  double squares = 0.0;
+  constexpr int kDraws = 20000;
+  for (int i = 0; i < kDraws; ++i) {
+    const double phase = std::arg(1.0 + std::polar(std::sqrt(0.15 * kUnexplained), turn(random)));
+    squares += phase * phase;
+  }
+  const double expected = std::hypot(kWidth, std::sqrt(squares / kDraws));
+  EXPECT_NEAR(sigma[gain], expected, 0.02 * expected);      // natural logarithm
+  EXPECT_NEAR(sigma[gain + 1], expected, 0.02 * expected);  // [rad]
 }
 
 TEST_F(StatedWidthsTest, WhatIsNotReleasedStaysUnstated) {
