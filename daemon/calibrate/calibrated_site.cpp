@@ -74,6 +74,7 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.plan_tolerance = stated(result.fit.plan_tolerance);
     ap.diffuse = stated(result.fit.diffuse);
     ap.diffuse_exponent = stated(result.fit.diffuse_exponent);
+    ap.diffuse_decay = stated(result.fit.diffuse_decay);
     ap.noise = stated(result.fit.noise);
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;

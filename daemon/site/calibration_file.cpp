@@ -155,6 +155,12 @@ CalibratedAccessPoint read_access_point(const TomlTable& table) {
   ap.id = table.string("id").value_or("");
   ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
   for (const NamedValue& named : calibrated_values()) {
+    if (std::string_view(named.name) == "diffuse_decay") {
+      if (table.has(named.name)) {  // calibrations of before have none
+        ap.diffuse_decay = read_value(table, named.name, {1e-10, 1e-6, ""});
+      }
+      continue;
+    }
     ap.*named.value = read_value(table, named.name, {});
   }
   read_tones(table, ap.gains.grid);
@@ -261,6 +267,7 @@ const std::vector<NamedValue>& calibrated_values() {
       {"plan_tolerance", "m", &Ap::plan_tolerance},
       {"diffuse", "share of the traced power at 3 m", &Ap::diffuse},
       {"diffuse_exponent", "1", &Ap::diffuse_exponent},
+      {"diffuse_decay", "s", &Ap::diffuse_decay},
       {"noise", "share of the power", &Ap::noise},
   };
   return kValues;

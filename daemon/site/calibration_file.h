@@ -42,6 +42,7 @@ struct CalibratedAccessPoint {
   CalibratedValue plan_tolerance;  // [m]
   CalibratedValue diffuse;
   CalibratedValue diffuse_exponent;
+  CalibratedValue diffuse_decay{kDiffuseDecay, kDiffuseDecay, 0.0};  // [s]
   CalibratedValue noise;
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core [rad]

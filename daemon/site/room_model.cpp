@@ -85,6 +85,7 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
     ap->error = {found.plan_tolerance.value,
                  found.diffuse.value,
                  found.diffuse_exponent.value,
+                 found.diffuse_decay.value,
                  found.noise.value};
     ap->gains = std::move(found.gains);
     ap->levels = believed(std::move(found.levels), site);

@@ -167,6 +167,11 @@ void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
       };
   scan(fit.diffuse, prior.diffuse, {-8, -7, -6, -5, -4, -3, -2, -1, 0}, true);
   scan(fit.diffuse_exponent, prior.diffuse_exponent, {-0.5, 0, 0.5, 1, 1.5, 2}, false);
+  const double usual = std::log2(prior.diffuse_decay);
+  scan(fit.diffuse_decay,
+       prior.diffuse_decay,
+       {usual - 1.5, usual - 1.0, usual - 0.5, usual, usual + 0.5, usual + 1.0, usual + 1.5},
+       true);
   scan(fit.plan_tolerance, prior.plan_tolerance, {-8, -7.5, -7, -6.5, -6, -5.5, -5, -4.5}, true);
   scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
 }
@@ -183,6 +188,7 @@ Expected<AccessPointFit> AccessPointCalibrator::start() const {
   fit.plan_tolerance.value = prior.plan_tolerance;
   fit.diffuse.value = prior.diffuse;
   fit.diffuse_exponent.value = prior.diffuse_exponent;
+  fit.diffuse_decay.value = prior.diffuse_decay;
   fit.noise.value = prior.noise;
   return fit;
 }

@@ -42,11 +42,16 @@ struct AccessPointFit {
   FittedValue plan_tolerance;      // [m]
   FittedValue diffuse;
   FittedValue diffuse_exponent;
+  FittedValue diffuse_decay;  // [s]
   FittedValue noise;
   std::size_t samples_used = 0;
 
   ModelError error() const {
-    return {plan_tolerance.value, diffuse.value, diffuse_exponent.value, noise.value};
+    return {plan_tolerance.value,
+            diffuse.value,
+            diffuse_exponent.value,
+            diffuse_decay.value,
+            noise.value};
   }
 };
 

@@ -18,7 +18,11 @@ using Eigen::Index;
 constexpr double kDelayStep = 1.5e-9;  // [s]
 // The strongest echo is taken to come this much after the first ray, at least and at most.
 constexpr double kEarliest = -12e-9;
-constexpr double kDiffuseDecay = 18e-9;    // [s]
+// Decays between the tabulated ones, kDiffuseDecay and a factor of 2^(1/4) apart, are mixtures of
+// the two beside them.
+constexpr int kDecaysBelow = 8;
+constexpr int kDecaysAbove = 8;
+constexpr double kDecaysAnOctave = 4.0;
 constexpr double kDiffuseReference = 3.0;  // [m]
 constexpr float kLeastPower = 1e-12F;
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
@@ -113,8 +117,24 @@ ObservationModel::ObservationModel(const OfdmGrid& grid,
       antennas_(antennas),
       knowledge_(knowledge),
       wave_number_(2.0 * std::numbers::pi * grid.centre_hz / kSpeedOfLight),
-      basis_(grid),
-      diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {}
+      basis_(grid) {
+  for (int i = -kDecaysBelow; i <= kDecaysAbove; ++i) {
+    diffuse_.push_back(basis_.diffuse_covariance(kDiffuseDecay * std::exp2(i / kDecaysAnOctave)));
+  }
+}
+
+std::vector<Value> ObservationModel::diffuse_covariance(double decay) const {
+  const double octaves = std::log2(decay / kDiffuseDecay);
+  const double position = std::clamp(
+      kDecaysBelow + kDecaysAnOctave * octaves, 0.0, static_cast<double>(diffuse_.size() - 1));
+  const auto below = std::min(static_cast<std::size_t>(position), diffuse_.size() - 2);
+  const double share = position - static_cast<double>(below);
+  std::vector<Value> result = diffuse_[below];
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    result[i] += share * (diffuse_[below + 1][i] - diffuse_[below][i]);
+  }
+  return result;
+}
 
 double ObservationModel::coherence(const Ray& ray,
                                    const Ray& first,
@@ -197,14 +217,20 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
     sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, terms.parts[p].unknown);
   }
   const double diffuse = diffuse_share(error, terms.first_length);
-  add_rest(diffuse / static_cast<double>(antennas_), error.noise, diffuse_, sigma);
+  add_rest(diffuse / static_cast<double>(antennas_),
+           error.noise,
+           diffuse_covariance(error.diffuse_decay),
+           sigma);
   return factorise(sigma, mu);
 }
 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
   const auto size = static_cast<Index>(dimension());
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
-  add_rest(1.0 / static_cast<double>(antennas_), error.noise, diffuse_, sigma);
+  add_rest(1.0 / static_cast<double>(antennas_),
+           error.noise,
+           diffuse_covariance(error.diffuse_decay),
+           sigma);
   return factorise(sigma, Eigen::VectorXcd::Zero(size));
 }
 

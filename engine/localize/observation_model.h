@@ -135,7 +135,9 @@ class ObservationModel {
   PathKnowledge knowledge_;
   double wave_number_;  // [rad/m], at the centre
   DelayBasis basis_;
-  std::vector<std::complex<double>> diffuse_;  // R of one antenna, [q][q]
+  std::vector<std::complex<double>> diffuse_covariance(double decay) const;
+
+  std::vector<std::vector<std::complex<double>>> diffuse_;  // R of one antenna, [decay][q][q]
 };
 
 }  // namespace rayloc

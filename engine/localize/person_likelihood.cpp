@@ -21,7 +21,6 @@ using Eigen::Index;
 
 constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
 constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
-constexpr double kDiffuseDecay = 18e-9;   // [s]
 constexpr std::size_t kTriangle = 2;      // n (n + 1) / kTriangle values of a triangle
 
 std::size_t triangle_size(std::size_t n) { return n * (n + 1) / kTriangle; }

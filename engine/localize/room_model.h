@@ -22,14 +22,17 @@ namespace rayloc {
 
 class Scene;
 
+inline constexpr double kDiffuseDecay = 18e-9;  // [s], of a furnished room
+
 // How far the room may differ from its model; the terms of the observation model. The defaults are
 // those of a floor plan; calibration fits the diffuse power.
 struct ModelError {
   double plan_tolerance = 0.015;  // [m], standard deviation of a surface along its normal
   double diffuse = 0.05;          // power of what is not traced at 3 m, share of the traced power
   double diffuse_exponent = 0.0;  // it grows with distance to this power
-  double noise = 2e-3;            // share of the power that no part of the model explains
-  double strength = 1.0;          // of the usual uncertainty of a ray's power; 0: known exactly
+  double diffuse_decay = kDiffuseDecay;  // [s] after the first ray: time in which it falls to 1/e
+  double noise = 2e-3;                   // share of the power that no part of the model explains
+  double strength = 1.0;  // of the usual uncertainty of a ray's power; 0: known exactly
 };
 
 // What an access point states as the level of a transmitter of constant power, less the power that

@@ -24,6 +24,7 @@ CalibrationFile example() {
   ap.plan_tolerance = {0.022, 0.015, 0.011};
   ap.diffuse = {0.0218, 0.05, 0.0035};
   ap.diffuse_exponent = {1.12, 0.0, 0.22};
+  ap.diffuse_decay = {13e-9, 18e-9, 6e-10};
   ap.noise = {7e-4, 2e-3, 0.0};
   ap.gains = {{5.19e9, 312'500.0, {-3, -2, 2, 3}}, {2, 0}, {}, {}};
   for (int i = 0; i < 8; ++i) {
@@ -42,6 +43,16 @@ CalibrationFile example() {
   file.surfaces = {{7, {0.9, -0.1}}};
   file.parameters = {{"wall \"west\".+x.offset", "m", 0.0168, 0.0, 0.015, 0.0012}};
   return file;
+}
+
+TEST(CalibrationFile, OfBeforeDecaysWereFittedHasTheUsualOne) {
+  std::string text = to_toml(example());
+  const std::size_t from = text.find("diffuse_decay");
+  ASSERT_NE(from, std::string::npos);
+  text.erase(from, text.find('\n', from) + 1 - from);
+  const auto read = parse_calibration_file(text, "calibration.toml");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->access_points.front().diffuse_decay.value, kDiffuseDecay);
 }
 
 TEST(CalibrationFile, ReadsBackWhatItWrote) {

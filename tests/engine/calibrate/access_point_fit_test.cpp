@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
 
+#include "engine/base/constants.h"
 #include "engine/observe/alignment.h"
 #include "tests/support/synthetic_room.h"
 
@@ -25,6 +28,53 @@ std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
       const auto burst = combine_burst(frames, {0, room.grid, room.access_points[0].cores, {}});
       samples.push_back({position, burst.value().h});
     }
+  }
+  return samples;
+}
+
+// Adds a tenth of the power as a tail of echoes that nobody traces.
+void add_tail(const RoomModel& room,
+              double first,
+              double decay,
+              std::mt19937& random,
+              std::vector<std::complex<double>>& h) {
+  constexpr int kEchoes = 60;
+  std::exponential_distribution<double> after(1.0 / decay);
+  std::normal_distribution<double> normal;
+  double power = 0.0;
+  for (const auto& value : h) {
+    power += std::norm(value);
+  }
+  const double scale = std::sqrt(0.1 * power / static_cast<double>(h.size()) / (2.0 * kEchoes));
+  const std::size_t tones = room.grid.size();
+  for (std::size_t m = 0; m < h.size() / tones; ++m) {
+    for (int echo = 0; echo < kEchoes; ++echo) {
+      const double delay = first + after(random);
+      const double real = scale * normal(random);
+      const std::complex<double> amplitude(real, scale * normal(random));
+      for (std::size_t k = 0; k < tones; ++k) {
+        h[m * tones + k] +=
+            amplitude *
+            std::polar(1.0, -2.0 * std::numbers::pi * room.grid.frequency_hz(k) * delay);
+      }
+    }
+  }
+}
+
+// The same survey, with such a tail.
+std::vector<CalibrationSample> survey_with_tail(const RoomModel& room, double decay) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<CalibrationSample> samples;
+  for (int i = 0; i < 60; ++i) {
+    const double x = 1.1 * uniform(random);
+    const Vec3d position{x, 0.9 * uniform(random), 1.2};
+    const RoomAccessPoint& ap = room.access_points[0];
+    auto h = test::channel_at(room, ap, position);
+    add_tail(room, norm(position - ap.array.pose.position) / kSpeedOfLight, decay, random, h);
+    const auto frames =
+        test::frames_of(room, {std::move(h), {}, {}}, {2, 30.0, static_cast<unsigned>(i + 1)});
+    samples.push_back({position, combine_burst(frames, {0, room.grid, ap.cores, {}}).value().h});
   }
   return samples;
 }
@@ -74,6 +124,19 @@ TEST(AccessPointCalibrator, RecoversTheYaw) {
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->yaw_offset.value, 1.5 * kDegree, 0.4 * kDegree);
   EXPECT_GT(fit->yaw_offset.sigma, 0.0);
+}
+
+// Twice as long a tail is told from the other, and neither is the usual one.
+TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
+  const RoomModel room = test::make_room();
+  for (const double decay : {10e-9, 30e-9}) {
+    const auto fit =
+        AccessPointCalibrator(uncalibrated(room), 0, survey_with_tail(room, decay)).fit();
+    ASSERT_TRUE(fit);
+    EXPECT_NEAR(fit->diffuse_decay.value, decay, 0.25 * decay);
+    EXPECT_GT(fit->diffuse_decay.sigma, 0.0);
+    EXPECT_EQ(fit->error().diffuse_decay, fit->diffuse_decay.value);
+  }
 }
 
 TEST(AccessPointCalibrator, RefusesTooFewPoints) {
