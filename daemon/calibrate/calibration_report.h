@@ -32,6 +32,7 @@ struct CalibrationMethodResult {
 struct HeldOutFixes {
   double temper = 0.0;
   double least_sigma = 0.0;  // [m]
+  double dishonesty = 0.0;   // of the stated regions (Anderson and Darling); honest: about 1
   std::size_t points = 0;    // held out and heard
   std::size_t fixes = 0;
   std::size_t within_accuracy = 0;  // truths within the stated 95 % radius

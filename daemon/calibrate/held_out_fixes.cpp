@@ -17,13 +17,16 @@ namespace {
 constexpr std::size_t kLeastFixes = 10;
 constexpr double kSameHeight = 0.05;  // [m]
 // Tried from the first on, until the score has fallen twice.
-constexpr std::array kExponents = {
-    2.0, 1.6, 1.3, 1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
+// 1 is the likelihood as it is; no burst says more than its model.
+constexpr std::array kExponents = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
 constexpr std::size_t kFalls = 2;
 // Difference of the sums of log scores that tells exponents apart: two units of support, the
 // likelihood's own interval of 95 %.
 constexpr double kTold = 2.0;
-constexpr std::array kLeastSigmas = {0.002, 0.003, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03};  // [m]
+// Standard deviation of what dishonesty() says of honest regions.
+constexpr double kSpreadOfHonest = 0.76;
+constexpr std::array kLeastSigmas = {
+    0.001, 0.002, 0.003, 0.005, 0.007, 0.01, 0.014, 0.02, 0.03};  // [m]
 
 // The estimate if its variances were larger by `more` [m^2] on each axis.
 LocationEstimate widened(LocationEstimate estimate, double more) {
@@ -48,6 +51,29 @@ double log_score(std::span<const LocationEstimate> estimates,
     score += std::log(stated_density(widened(estimates[i], more), spots[i].position, area));
   }
   return score / static_cast<double>(spots.size());
+}
+
+// How far the stated regions are from honest: the statistic of Anderson and Darling of the
+// probabilities of the regions that just reach to the spots. Where every region holds as often as
+// it says they are anything from 0 to 1, and it is 1 in the mean. What is left over counts as the
+// last of the region.
+double dishonesty(std::span<const LocationEstimate> estimates,
+                  std::span<const HeldOutSpot> spots,
+                  double more) {
+  constexpr double kLast = 0.999;
+  std::vector<double> reaching;
+  for (std::size_t i = 0; i < spots.size(); ++i) {
+    const auto one = region_reaching(widened(estimates[i], more), spots[i].position);
+    reaching.push_back(std::clamp(one.value_or(kLast), 1.0 - kLast, kLast));
+  }
+  std::sort(reaching.begin(), reaching.end());
+  const auto n = static_cast<double>(reaching.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < reaching.size(); ++i) {
+    sum += (2.0 * static_cast<double>(i) + 1.0) *
+           std::log(reaching[i] * (1.0 - reaching[reaching.size() - 1 - i]));
+  }
+  return -n - sum / n;
 }
 
 // A fix assumes the height: elsewhere its error is no sign of how sure it may be.
@@ -95,6 +121,10 @@ HeldOutFixes fixes_with(const Localizer& localizer,
       result.least_sigma = sigma;
     }
   }
+  result.dishonesty =
+      dishonesty(estimates,
+                 spots,
+                 result.least_sigma * result.least_sigma - stated + survey_sigma * survey_sigma);
   result.median_error_m = errors.empty() ? 0.0 : percentile(std::move(errors), 0.5);
   return result;
 }
@@ -129,10 +159,17 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
       break;
     }
   }
-  // Of exponents that so few spots cannot tell apart the least: it states the widest regions.
+  // Of exponents that the score of so few spots cannot tell apart those with the most honest
+  // regions, and of these, for it states the widest, the least.
   const double enough = tried[best].log_score - kTold / static_cast<double>(spots.size());
-  for (std::size_t i = best + 1; i < tried.size(); ++i) {
-    best = tried[i].log_score >= enough ? i : best;
+  double least = tried[best].dishonesty;
+  for (const HeldOutFixes& one : tried) {
+    least = one.log_score >= enough ? std::min(least, one.dishonesty) : least;
+  }
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    if (tried[i].log_score >= enough && tried[i].dishonesty <= least + kSpreadOfHonest) {
+      best = i;
+    }
   }
   std::rotate(tried.begin() + static_cast<std::ptrdiff_t>(best),
               tried.begin() + static_cast<std::ptrdiff_t>(best) + 1,

@@ -111,6 +111,7 @@ Json fixes_json(const std::vector<HeldOutFixes>& fixes) {
   for (const HeldOutFixes& one : fixes) {
     all.push_back({{"temper", one.temper},
                    {"least_sigma_m", one.least_sigma},
+                   {"dishonesty", one.dishonesty},
                    {"points", one.points},
                    {"fixes", one.fixes},
                    {"within_accuracy_95", one.within_accuracy},

@@ -63,6 +63,15 @@ TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
   EXPECT_LE(fixes.least_sigma, 0.007);
 }
 
+// No burst says more than its model, and regions that hold what they say are no worse than chance.
+TEST(HeldOutFixes, TheExponentIsAtMostOneAndItsRegionsHonest) {
+  const HeldOutFixes fixes = fit(0.01, 0.01);
+  EXPECT_LE(fixes.temper, 1.0);
+  EXPECT_LT(fixes.dishonesty, 3.9);  // honest ones are below it in 99 of 100 cases
+  // Spots that lie elsewhere than anybody says.
+  EXPECT_GT(fit(0.3, 0.0).dishonesty, 20.0);
+}
+
 // What the survey is off is no error of the fixes.
 TEST(HeldOutFixes, ErrorsOfTheSurveyDoNotWidenTheRegions) {
   EXPECT_GE(fit(0.02, 0.0).least_sigma, 0.014);
