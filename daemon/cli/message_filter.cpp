@@ -1,6 +1,7 @@
 #include "daemon/cli/message_filter.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "daemon/publish/topic.h"
 #include "rayloc/v1/envelope.pb.h"
@@ -46,6 +47,23 @@ bool is_of_kind(const std::string& kind, const v1::Envelope& envelope) {
              (kind == "filtered" ? v1::LOCATION_KIND_FILTERED : v1::LOCATION_KIND_SNAPSHOT);
 }
 
+// Probability of the heaviest hypothesis and those of the same place: a hill that is stated as its
+// core and its foot. Below 0 where nothing is stated.
+double confidence_of(const v1::Location& location) {
+  constexpr double kSamePlace = 0.3;  // [m]
+  if (location.hypotheses().empty()) {
+    return -1.0;
+  }
+  const v1::Point& heaviest = location.hypotheses(0).position();
+  double sum = 0.0;
+  for (const v1::Hypothesis& one : location.hypotheses()) {
+    const double away =
+        std::hypot(one.position().x() - heaviest.x(), one.position().y() - heaviest.y());
+    sum += away < kSamePlace ? one.weight() : 0.0;
+  }
+  return sum;
+}
+
 }  // namespace
 
 bool MessageFilter::passes(const v1::Envelope& envelope) const {
@@ -62,8 +80,7 @@ bool MessageFilter::passes(const v1::Envelope& envelope) const {
   if (max_accuracy && !(location.has_accuracy_m() && location.accuracy_m() <= *max_accuracy)) {
     return false;
   }
-  return !min_confidence ||
-         (!location.hypotheses().empty() && location.hypotheses(0).weight() >= *min_confidence);
+  return !min_confidence || confidence_of(location) >= *min_confidence;
 }
 
 }  // namespace rayloc::cli

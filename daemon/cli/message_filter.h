@@ -21,7 +21,7 @@ struct MessageFilter {
   std::vector<std::string> zones = {};        // names
   double zone_probability = 0.5;              // that a location needs to be in a zone
   std::optional<double> max_accuracy = {};    // [m]
-  std::optional<double> min_confidence = {};  // of the heaviest hypothesis
+  std::optional<double> min_confidence = {};  // of the heaviest hypothesis and those beside it
 
   bool passes(const v1::Envelope& envelope) const;
 };

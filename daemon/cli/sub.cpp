@@ -190,7 +190,7 @@ void declare_filter(CLI::App& app, MessageFilter& filter) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--min-confidence",
                  filter.min_confidence,
-                 "Only locations whose first hypothesis is at least so probable")
+                 "Only locations whose likeliest place is at least so probable")
       ->check(CLI::Range(0.0, 1.0));
 }
 

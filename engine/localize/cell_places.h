@@ -10,9 +10,9 @@
 namespace rayloc {
 
 // The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
-// is. `log_likelihood`: [place], of the lattice.
-std::pair<double, CellMoments> summarise_places(const Lattice& lattice,
-                                                const std::vector<double>& log_likelihood,
-                                                double temper);
+// is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
+std::pair<double, CellMass> summarise_places(const Lattice& lattice,
+                                             const std::vector<double>& log_likelihood,
+                                             double temper);
 
 }  // namespace rayloc

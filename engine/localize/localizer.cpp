@@ -48,7 +48,7 @@ struct StationMaps {
 // Cells by what is known of them.
 struct RoomMap {
   std::vector<double> log_likelihood;      // [cell]
-  std::vector<CellMoments> within;         // [cell]
+  std::vector<CellMass> within;            // [cell]
   std::vector<std::vector<double>> doubt;  // [array][cell], that the access point is wrong there
 };
 
@@ -289,9 +289,9 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
     for (const std::vector<double>& place : places) {
       fused.push_back(fusion.log_likelihood(place));
     }
-    const auto [log_mean, moments] = summarise_places(lattice_of_cell, fused, temper);
+    const auto [log_mean, mass] = summarise_places(lattice_of_cell, fused, temper);
     cells[cell] = log_mean;
-    map.within[cell] = moments;
+    map.within[cell] = mass;
     for (std::size_t i = 0; i < heard.size(); ++i) {
       double doubt = 0.0;
       for (std::size_t j = 0; j < places.size(); ++j) {
@@ -352,7 +352,8 @@ void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
 RoomMap Localizer::Impl::fuse(const StationMaps& maps, const AccessPointFusion& fusion) const {
   RoomMap map;
   map.log_likelihood.resize(grid_.size());
-  map.within.assign(grid_.size(), uniform_moments(grid_));
+  const CellMoments uniform = uniform_moments(grid_);
+  map.within.assign(grid_.size(), {uniform, uniform, 1.0});
   map.doubt.assign(fusion.size(), std::vector<double>(grid_.size()));
   parallel_for(grid_.size(), 256, [&](std::size_t cell) {
     std::vector<double> of_each(fusion.size());

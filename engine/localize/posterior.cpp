@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/localize/core_and_foot.h"
 
 namespace rayloc {
 namespace {
@@ -13,6 +14,7 @@ constexpr double kKernel = 0.1;             // [m], standard deviation
 constexpr double kPeakRadius = 0.15;        // [m], the position is the mean within it
 constexpr double kHypothesisRadius = 0.3;   // [m], mass that belongs to one hypothesis
 constexpr double kLeastWeight = 0.02;       // of a hypothesis worth stating
+constexpr double kLeastPart = 1e-9;         // of a hill's mass, of a cell that has a part in it
 constexpr double kAmbiguousRatio = 0.3;     // weight of the second hypothesis to the first
 constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
 constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
@@ -85,11 +87,13 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
 struct Masses {
   const RoomGrid& grid;
   std::vector<double> mass;
-  std::span<const CellMoments> within;  // empty: uniform
+  std::span<const CellMass> within;  // empty: uniform
   CellMoments uniform;
   double least_sigma;
 
-  const CellMoments& moments(std::size_t i) const { return within.empty() ? uniform : within[i]; }
+  const CellMoments& moments(std::size_t i) const {
+    return within.empty() ? uniform : within[i].all;
+  }
   Vec3d position(std::size_t i) const {
     const CellMoments& m = moments(i);
     return grid.centre(i) + Vec3d{m.x, m.y, 0.0};
@@ -199,9 +203,57 @@ double effective_cells(const std::vector<double>& mass) {
   return std::exp(entropy);
 }
 
+// What is left of `all` without the share of `best`.
+CellMoments without(const CellMoments& all, const CellMoments& best, double share) {
+  const double rest = 1.0 - share;
+  CellMoments m;
+  m.x = (all.x - share * best.x) / rest;
+  m.y = (all.y - share * best.y) / rest;
+  const auto second =
+      [&](double of_all, double of_best, double a, double b, double r, double mean) {
+        return (of_all + a * r - share * (of_best + b * mean)) / rest;
+      };
+  m.xx = second(all.xx, best.xx, all.x, best.x, all.x, best.x) - m.x * m.x;
+  m.xy = second(all.xy, best.xy, all.x, best.x, all.y, best.y) - m.x * m.y;
+  m.yy = second(all.yy, best.yy, all.y, best.y, all.y, best.y) - m.y * m.y;
+  return m;
+}
+
+// Adds the mass of a cell, in two parts where its best place is known.
+void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
+  constexpr double kAll = 1.0 - 1e-9;
+  const Vec3d centre = masses.grid.centre(cell);
+  const double least = masses.least_sigma * masses.least_sigma;
+  const auto add = [&](double mass, const CellMoments& m) {
+    parts.push_back({mass, centre.x + m.x, centre.y + m.y, m.xx + least, m.xy, m.yy + least});
+  };
+  const double mass = masses.mass[cell];
+  if (masses.within.empty() || masses.within[cell].best_share > kAll) {
+    add(mass, masses.moments(cell));
+    return;
+  }
+  const CellMass& within = masses.within[cell];
+  add(within.best_share * mass, within.best);
+  add((1.0 - within.best_share) * mass, without(within.all, within.best, within.best_share));
+}
+
+Hypothesis hypothesis_of(const HillMass& hill, double height, double believed) {
+  return {{hill.x, hill.y, height},
+          {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, kHeightSigma * kHeightSigma},
+          believed * hill.mass};
+}
+
+void sort_by_weight(std::vector<Hypothesis>& hypotheses) {
+  std::stable_sort(hypotheses.begin(),
+                   hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
+}
+
 void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
   const double believed = 1.0 - options.outlier;
   double left = 1.0;
+  std::vector<HillMass> heaviest;  // parts of the heaviest hill
+  double most = 0.0;
   while (estimate.hypotheses.size() < options.max_hypotheses) {
     const Vec3d peak = masses.grid.centre(peak_of(masses.grid, masses.mass));
     const auto near = [&](std::size_t i) {
@@ -214,16 +266,34 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
     estimate.hypotheses.push_back(
         {mean.position, covariance_about(masses, mean.position, near), believed * mean.mass});
     left -= believed * mean.mass;
+    const bool is_heaviest = mean.mass > most;
+    if (is_heaviest) {
+      most = mean.mass;
+      heaviest.clear();
+    }
     for (std::size_t i = 0; i < masses.mass.size(); ++i) {
       if (near(i)) {
+        if (is_heaviest && masses.mass[i] > kLeastPart * mean.mass) {
+          add_parts(masses, i, heaviest);
+        }
         masses.mass[i] = 0.0;
       }
     }
   }
-  std::stable_sort(estimate.hypotheses.begin(),
-                   estimate.hypotheses.end(),
-                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
   estimate.residual_probability = std::clamp(left, 0.0, 1.0);
+  std::vector<Hypothesis>& hypotheses = estimate.hypotheses;
+  sort_by_weight(hypotheses);
+  estimate.ambiguous =
+      hypotheses.size() > 1 && hypotheses[1].weight > kAmbiguousRatio * hypotheses[0].weight;
+  if (hypotheses.empty() || hypotheses.size() >= options.max_hypotheses) {
+    return;
+  }
+  if (const auto two = core_and_foot(heaviest)) {
+    const double height = masses.grid.first.z;
+    hypotheses.front() = hypothesis_of((*two)[0], height, believed);
+    hypotheses.push_back(hypothesis_of((*two)[1], height, believed));
+    sort_by_weight(hypotheses);
+  }
 }
 
 }  // namespace
@@ -247,7 +317,7 @@ void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
-                         std::span<const CellMoments> within) {
+                         std::span<const CellMass> within) {
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
   RAYLOC_CHECK(within.empty() || within.size() == grid.size());
   const Masses masses{grid,
@@ -269,9 +339,6 @@ void summarise_posterior(const RoomGrid& grid,
   estimate.accuracy_confidence = options.accuracy_confidence;
   estimate.accuracy_m = accuracy_of(masses, position, options);
   add_hypotheses(masses, options, estimate);
-  estimate.ambiguous =
-      estimate.hypotheses.size() > 1 &&
-      estimate.hypotheses[1].weight > kAmbiguousRatio * estimate.hypotheses[0].weight;
   double top = log_likelihood.front();
   bool found = false;
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {

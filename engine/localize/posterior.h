@@ -43,6 +43,13 @@ struct CellMoments {
 // Anywhere in the cell.
 CellMoments uniform_moments(const RoomGrid& grid);
 
+// The same of all of its mass, and of the part that lies about its best place.
+struct CellMass {
+  CellMoments all;
+  CellMoments best;
+  double best_share = 1.0;
+};
+
 struct PosteriorOptions {
   double temper = 1.0;  // exponent of the likelihood
   double accuracy_confidence = 0.95;
@@ -53,13 +60,14 @@ struct PosteriorOptions {
 };
 
 // Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
-// estimate. The position is the maximum of the posterior mass in a kernel of 0.1 m, not the highest
-// cell: a spike is more often wrong than a hill. Without a position, `reason` says that the map is
-// flat. `within`: of every cell; empty: all are uniform.
+// estimate. Hypotheses are the hills of the map; of the heaviest, where there is room for one more,
+// core and foot (core_and_foot.h) where these are two. The position is the maximum of the posterior
+// mass in a kernel of 0.1 m, not the highest cell: a spike is more often wrong than a hill. Without
+// a position, `reason` says that the map is flat. `within`: of every cell; empty: all are uniform.
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
-                         std::span<const CellMoments> within = {});
+                         std::span<const CellMass> within = {});
 
 }  // namespace rayloc

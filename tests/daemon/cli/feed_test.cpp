@@ -21,7 +21,7 @@ v1::Envelope location() {
     target { mac: "02:00:00:00:00:01" name: "phone" }
     position { x: 1 y: 2 z: 1.2 }
     accuracy_m: 0.5
-    hypotheses { weight: 0.75 } hypotheses { weight: 0.125 }
+    hypotheses { weight: 0.75 position { x: 1 y: 2 } } hypotheses { weight: 0.125 position { x: 3 } }
     zones { zone: "desk" probability: 0.75 } zones { zone: "door" probability: 0.125 }
   })");
 }
@@ -58,6 +58,12 @@ TEST(MessageFilter, KnowsKindAccuracyAndConfidenceOfLocations) {
   EXPECT_FALSE(MessageFilter{.max_accuracy = 0.49}.passes(location()));
   EXPECT_TRUE(MessageFilter{.min_confidence = 0.75}.passes(location()));
   EXPECT_FALSE(MessageFilter{.min_confidence = 0.76}.passes(location()));
+  // Core and foot of one place count together.
+  const v1::Envelope two = parsed(R"(location {
+      hypotheses { weight: 0.5 position { x: 1 } } hypotheses { weight: 0.25 position { x: 1.2 } }
+      hypotheses { weight: 0.25 position { x: 1.4 } } })");
+  EXPECT_TRUE(MessageFilter{.min_confidence = 0.75}.passes(two));
+  EXPECT_FALSE(MessageFilter{.min_confidence = 0.76}.passes(two));
   // What states no accuracy is not accurate.
   EXPECT_FALSE(MessageFilter{.max_accuracy = 100.0}.passes(parsed("location {}")));
   EXPECT_FALSE(MessageFilter{.min_confidence = 0.0}.passes(heartbeat()));

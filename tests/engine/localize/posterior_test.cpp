@@ -81,8 +81,9 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
   std::vector<double> map(g.size(), -100.0);
   const std::size_t cell = 1000;
   map[cell] = 0.0;
-  std::vector<CellMoments> within(g.size(), uniform_moments(g));
-  within[cell] = {0.012, -0.017, 4e-6, 0.0, 1e-6};
+  const CellMoments moments{0.012, -0.017, 4e-6, 0.0, 1e-6};
+  std::vector<CellMass> within(g.size(), {uniform_moments(g), uniform_moments(g), 1.0});
+  within[cell] = {moments, moments, 1.0};
   LocationEstimate estimate;
   summarise_posterior(g, map, {}, estimate, within);
   ASSERT_TRUE(estimate.position);
@@ -90,6 +91,40 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
   EXPECT_NEAR(estimate.position->y, g.centre(cell).y - 0.017, 1e-9);
   // What the survey leaves uncertain is added.
   EXPECT_NEAR(estimate.covariance[0] - estimate.covariance[4], 3e-6, 1e-9);
+}
+
+// Nine tenths of a cell's mass are within millimetres, the rest somewhere in the cell.
+TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
+  const RoomGrid g = grid();
+  std::vector<double> map(g.size(), -100.0);
+  const std::size_t cell = 1000;
+  map[cell] = 0.0;
+  const CellMoments uniform = uniform_moments(g);
+  const CellMoments best{0.01, 0.0, 9e-6, 0.0, 9e-6};
+  CellMoments all{0.009, 0.0, 0.0, 0.0, 0.9 * best.yy + 0.1 * uniform.yy};
+  all.xx = 0.9 * (best.xx + best.x * best.x) + 0.1 * uniform.xx - all.x * all.x;
+  std::vector<CellMass> within(g.size(), {uniform, uniform, 1.0});
+  within[cell] = {all, best, 0.9};
+  PosteriorOptions options;
+  options.least_sigma = 0.001;
+  LocationEstimate estimate;
+  summarise_posterior(g, map, options, estimate, within);
+  ASSERT_EQ(estimate.hypotheses.size(), 2U);
+  const Hypothesis& core = estimate.hypotheses[0];
+  const Hypothesis& foot = estimate.hypotheses[1];
+  EXPECT_NEAR(core.weight, 0.9, 1e-6);
+  EXPECT_NEAR(core.position.x, g.centre(cell).x + 0.01, 1e-6);
+  EXPECT_NEAR(core.covariance[0], 1e-5, 1e-7);
+  EXPECT_NEAR(foot.weight, 0.1, 1e-6);
+  EXPECT_NEAR(foot.covariance[0], uniform.xx + 1e-6, 1e-6);
+  EXPECT_FALSE(estimate.ambiguous);  // both are of one place
+  EXPECT_NEAR(estimate.residual_probability, 0.0, 1e-9);
+
+  options.max_hypotheses = 1;
+  LocationEstimate one;
+  summarise_posterior(g, map, options, one, within);
+  ASSERT_EQ(one.hypotheses.size(), 1U);
+  EXPECT_NEAR(one.hypotheses[0].covariance[0], all.xx + 1e-6, 1e-9);
 }
 
 TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
