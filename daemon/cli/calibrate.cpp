@@ -29,6 +29,7 @@
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "engine/calibrate/draw_search.h"
 #include "engine/calibrate/input_check.h"
 #include "engine/calibrate/joint_calibration.h"
 #include "engine/calibrate/paper_calibration.h"
@@ -60,6 +61,7 @@ class Calibration {
   Expected<void> refuse();
   Expected<void> fit_gains(const std::vector<std::string>& first_refusal);
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
+  int draws() const;
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer, double& seconds);
   void keep(const StoredCheckpoint& state);
   bool go_on();
@@ -191,6 +193,17 @@ void Calibration::keep(const StoredCheckpoint& state) {
   unkept_ = !written;
 }
 
+// How often a joint calibration is begun: once more where it takes half a minute.
+int Calibration::draws() const {
+  constexpr std::size_t kMostHeard = 200;
+  std::size_t heard = 0;
+  for (const CalibrationPoint& point : points_) {
+    heard += static_cast<std::size_t>(std::count_if(
+        point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
+  }
+  return heard <= kMostHeard ? 2 : 1;
+}
+
 Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer,
                                                double& seconds) {
   const auto begin = std::chrono::steady_clock::now();
@@ -213,7 +226,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
       keep({state, from.seconds + since()});
     };
   }
-  auto calibration = calibrate_jointly(start_, points_, joint, observer);
+  auto calibration = calibrate_from_draws(start_, points_, joint, draws(), observer);
   seconds = from.seconds + since();
   return calibration;
 }
