@@ -248,7 +248,7 @@ const std::array kOptions = {
     ConfigOption{.section = "publish",
                  .key = "send_high_water_mark",
                  .type = T::kInteger,
-                 .preset = "1000",
+                 .preset = "5000",
                  .range = {10, 1'000'000, "messages"},
                  .description = "Messages that wait for a subscriber before it counts as slow",
                  .store = [](C& c, const V& v) { c.publish.send_high_water_mark = count(v); }},

@@ -26,7 +26,7 @@ constexpr int kSeconds = 30;  // of load at each rate, unless stated
 // datagrams/s has a queue of three seconds, so that a busy machine does not look like a reader that
 // is stuck; what becomes of one that is stuck is shown with the default.
 constexpr int kLongQueue = 20'000;
-constexpr int kDefaultQueue = 1000;
+constexpr int kDefaultQueue = 5000;
 
 LiveDaemonOptions publishing_csi(int high_water_mark) {
   return {.site = bundled(""),
