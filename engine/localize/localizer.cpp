@@ -18,14 +18,12 @@
 #include "engine/localize/likelihood.h"
 #include "engine/localize/posterior.h"
 #include "engine/localize/station_map.h"
+#include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc {
 namespace {
 
-// About this many cells a room: 5 cm in a small room, more in a large one.
-constexpr double kCells = 12000.0;
-constexpr double kFinestStep = 0.05;  // [m]
 // Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
 // search misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
@@ -57,7 +55,7 @@ struct RoomMap {
 class Localizer::Impl {
  public:
   Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
-      : room_(std::move(room)), options_(std::move(options)), grid_(make_grid(*room_)) {}
+      : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {}
 
   void build() {
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
@@ -84,14 +82,6 @@ class Localizer::Impl {
   const LocalizerOptions& options() const { return options_; }
 
  private:
-  static RoomGrid make_grid(const RoomModel& room) {
-    const double area =
-        (room.bounds_max.x - room.bounds_min.x) * (room.bounds_max.y - room.bounds_min.y);
-    return {room.bounds_min,
-            room.bounds_max,
-            room.device.height,
-            std::max(kFinestStep, std::sqrt(area / kCells))};
-  }
   std::size_t least_antennas() const { return compares_antennas(options_.likelihood) ? 2 : 1; }
 
   std::vector<HeardArray> listen(std::span<const CsiFrame> frames,
@@ -127,7 +117,8 @@ class Localizer::Impl {
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
-  RoomGrid grid_;
+  WatchedArea area_;
+  const RoomGrid& grid_ = area_.grid;
   std::vector<std::unique_ptr<const StationMap>> stations_;
   std::vector<std::size_t> index_;  // of each station, in RoomModel::access_points
   std::vector<std::string> warnings_;
@@ -403,12 +394,16 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   const AccessPointFusion fusion(maps.cell, temper, faults(hearing.arrays));
   RoomMap map = fuse(maps, fusion);
   refine(hearing.arrays, maps, fusion, temper, map);
-  const double elsewhere =
+  const double contradicted =
       fusion.elsewhere(log_mean_exp(map.log_likelihood, temper), options_.faults.elsewhere);
+  const double outside = take_outside(area_, temper, map.log_likelihood);
+  const double elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   if (elsewhere > kMostElsewhere) {
     estimate.reason =
-        "what the access points hear contradicts each other: the device is not in "
-        "the area, or more than one of them has changed";
+        outside > contradicted
+            ? "the device is beside the area: the scene explains it better there"
+            : "what the access points hear contradicts each other: the device is not in "
+              "the area, or more than one of them has changed";
     return std::move(estimate);
   }
   summarise_posterior(grid_,
@@ -438,8 +433,10 @@ Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
   }
   const AccessPointFusion fusion(maps.cell, temper, faults(heard));
   Evidence result{fuse(maps, fusion).log_likelihood, 0.0};
-  result.elsewhere =
+  const double contradicted =
       fusion.elsewhere(log_mean_exp(result.log_likelihood, temper), options_.faults.elsewhere);
+  const double outside = take_outside(area_, temper, result.log_likelihood);
+  result.elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   return result;
 }
 

@@ -1,0 +1,30 @@
+// The places that a localizer compares: the calibrated area (RoomModel::bounds), and what the scene
+// knows beside it.
+//
+// One access point contradicts nobody: a device beyond the area is heard like one at some place
+// within. Where the scene reaches further than the area, places there are compared as well, and
+// what they explain is probability that the device is not in the area.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/localize/posterior.h"
+#include "engine/localize/room_model.h"
+
+namespace rayloc {
+
+struct WatchedArea {
+  RoomGrid grid;
+  std::vector<char> inside;  // [cell], of the calibrated area; empty: all are
+};
+
+// Cells of 5 cm, or of a 12000th of the area. Beside the area up to 2 m, where the scene reaches
+// half a metre beyond it or more.
+WatchedArea watched_area(const RoomModel& room);
+
+// The probability of the cells that are not in the area, by a map of log-likelihoods; their cells
+// become AccessPointFusion::kNothing.
+double take_outside(const WatchedArea& area, double temper, std::vector<double>& log_likelihood);
+
+}  // namespace rayloc
