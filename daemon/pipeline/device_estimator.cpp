@@ -1,6 +1,9 @@
 #include "daemon/pipeline/device_estimator.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "daemon/publish/location_message.h"
@@ -13,6 +16,39 @@ namespace {
 
 CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
   return {*fixed.position, {fixed.position->z, fixed.pattern, fixed.polarization}};
+}
+
+// In the words and numbers of CalibrationMonitor.
+CalibrationWarning chains_turned(const RoomAccessPoint& access_point,
+                                 const ChainWatch::Turn& turn) {
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  CalibrationWarning warning;
+  warning.problem = CalibrationProblem::kChainPhaseJump;
+  warning.access_point = turn.access_point;
+  std::string cores;
+  for (std::size_t i = 0; i < turn.phase.size(); ++i) {
+    if (turn.phase[i] != 0.0) {
+      warning.core = access_point.cores[i];
+      warning.phase = turn.phase[i];
+      cores += (cores.empty() ? "core " : ", core ") + std::to_string(access_point.cores[i]) +
+               " by " + std::to_string(std::lround(kDegrees * turn.phase[i])) + " degrees";
+    }
+  }
+  warning.text = "chain_phase_jump: access point " + access_point.id + ", " + cores +
+                 " against core " + std::to_string(access_point.cores[0]) + ": so say " +
+                 std::to_string(turn.bursts) +
+                 " bursts of devices; it is not believed until `rayloc calibrate --rechain`";
+  return warning;
+}
+
+// Of a burst that no believed access point heard.
+LocationEstimate unbelieved(const Burst& burst) {
+  LocationEstimate estimate;
+  estimate.reason = "no access point that heard it can be believed: chains have turned";
+  estimate.capture_start = burst.frames.front().time;
+  estimate.capture_end = burst.frames.back().time;
+  estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
+  return estimate;
 }
 
 }  // namespace
@@ -41,14 +77,14 @@ Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     if (!made) {
       return tl::make_unexpected(made.error());
     }
-    return Room{device, std::make_shared<const PaperLocalizer>(*std::move(made)), std::nullopt};
+    return Room{device, std::make_shared<const PaperLocalizer>(*std::move(made)), std::nullopt, {}};
   }
   auto made = Localizer::create(std::move(room), options_.localizer);
   if (!made) {
     return tl::make_unexpected(made.error());
   }
   const auto localizer = std::make_shared<const Localizer>(*std::move(made));
-  return Room{device, localizer, DeviceTracker(localizer, options_.tracker)};
+  return Room{device, localizer, DeviceTracker(localizer, options_.tracker), ChainWatch(localizer)};
 }
 
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
@@ -124,8 +160,45 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
     return;
   }
   monitor_->observe(placed(fixed), burst.frames);
+  state_warnings();
+}
+
+// What the monitor says first: it knows the phases, not only the quarters.
+void DeviceEstimator::state_warnings() {
+  std::vector<CalibrationWarning> warnings = monitor_->warnings();
+  for (const Room& room : rooms_) {
+    if (!room.chains) {
+      continue;
+    }
+    for (const ChainWatch::Turn& turn : room.chains->turned()) {
+      const CalibrationWarning warning =
+          chains_turned(room.room().access_points[turn.access_point], turn);
+      if (std::none_of(warnings.begin(), warnings.end(), [&](const CalibrationWarning& one) {
+            return one.problem == warning.problem && one.access_point == warning.access_point;
+          })) {
+        warnings.push_back(warning);
+      }
+    }
+  }
   const std::lock_guard lock(mutex_);
-  warnings_ = monitor_->warnings();
+  warnings_ = std::move(warnings);
+}
+
+// The frames of the access points whose chains are as they were.
+std::vector<CsiFrame> DeviceEstimator::believed(const Burst& burst, Room& room) {
+  std::vector<CsiFrame> frames = burst.frames;
+  if (!room.chains) {
+    return frames;
+  }
+  room.chains->hear(burst.frames);
+  state_warnings();
+  const auto turned = room.chains->turned();
+  std::erase_if(frames, [&](const CsiFrame& frame) {
+    return std::any_of(turned.begin(), turned.end(), [&](const ChainWatch::Turn& turn) {
+      return turn.access_point == static_cast<std::size_t>(frame.access_point);
+    });
+  });
+  return frames;
 }
 
 std::vector<CalibrationWarning> DeviceEstimator::calibration_warnings() const {
@@ -164,13 +237,14 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
     return candidate.device == device;
   });
   const std::size_t first = out.locations.size();
-  const LocationEstimate snapshot = room->locate(burst.frames);
+  const std::vector<CsiFrame> frames = believed(burst, *room);
+  const LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
   out.locations.push_back(
       location_message(snapshot, context_of(burst.transmitter, snapshot.time, *room)));
   show_channel(burst, *room, out.locations.back());
-  if (room->tracker) {
+  if (room->tracker && !frames.empty()) {
     std::vector<DeviceUpdate> updates;
-    room->tracker->hear(burst.transmitter, burst.frames, updates, burst.heard_since);
+    room->tracker->hear(burst.transmitter, frames, updates, burst.heard_since);
     append(updates, *room, out);
     publish_counters();
   }
@@ -215,6 +289,9 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
     warnings_.clear();
   }
   for (Room& room : rooms_) {
+    if (room.chains) {
+      room.chains->restart();
+    }
     if (room.tracker) {
       std::vector<DeviceUpdate> updates;
       room.tracker->restart(reason, updates);

@@ -3,7 +3,8 @@
 // burst gives a snapshot, and filtered estimates of the moments within it.
 //
 // Bursts of fixed transmitters give no location here; they tell whether the calibration still holds
-// (CalibrationMonitor), and what they tell stands in the warnings of every location.
+// (CalibrationMonitor), and what they tell stands in the warnings of every location. So does what
+// devices tell of chains that have turned (ChainWatch); an access point with such is not believed.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +27,7 @@
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/calibrate/calibration_monitor.h"
+#include "engine/localize/chain_watch.h"
 #include "engine/localize/localizer.h"
 #include "engine/localize/paper_localizer.h"
 #include "engine/track/device_tracker.h"
@@ -68,6 +70,7 @@ class DeviceEstimator : public Estimator {
     DeviceModel device;
     std::variant<std::shared_ptr<const Localizer>, std::shared_ptr<const PaperLocalizer>> localizer;
     std::optional<DeviceTracker> tracker;  // the paper's method has none
+    std::optional<ChainWatch> chains;      // nor this
 
     const RoomModel& room() const;
     LocationEstimate locate(std::span<const CsiFrame> frames) const;
@@ -77,6 +80,8 @@ class DeviceEstimator : public Estimator {
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   Expected<void> watch_calibration(const RoomModel& room);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
+  std::vector<CsiFrame> believed(const Burst& burst, Room& room);
+  void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;
   void show_channel(const Burst& burst, const Room& room, const v1::Location& location);
   LocationContext context_of(const MacAddress& device, Timestamp time, const Room& room) const;

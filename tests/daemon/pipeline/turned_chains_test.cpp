@@ -1,0 +1,166 @@
+// What a pipeline states of devices when a receive chain of the only access point has turned: a
+// simulated room, its survey and a device on 24 other places.
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "daemon/cli/calibration_inputs.h"
+#include "daemon/pipeline/device_estimator.h"
+#include "tests/support/faulty_frames.h"
+#include "tests/support/rayloc_process.h"
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPlan = R"(name = "closet"
+size = [3.0, 2.4, 2.5]
+corner = [-1.5, -1.2, 0]
+floor = "concrete"
+ceiling = "ceiling_board"
+walls = "brick"
+[carrier]
+channel = 36
+bandwidth_mhz = 40
+centre_hz = 5190000000
+tones = 128
+active = [[-58, -2], [2, 58]]
+[[access_point]]
+id = "ap1"
+position = [-1.3, 1.0, 1.2]
+yaw_deg = -38
+pattern = "half_wave_dipole"
+[[access_point.antenna]]
+core = 2
+offset = [0, -0.089, 0]
+[[access_point.antenna]]
+core = 0
+offset = [0, 0, 0]
+[[access_point.antenna]]
+core = 3
+offset = [0, 0.089, 0]
+)";
+constexpr double kQuarter = 0.5 * std::numbers::pi;
+constexpr int kJumpAt = 30;  // the burst from which on the chain is turned
+constexpr int kBursts = 60;
+
+// Spots of half a second, two seconds apart: [x] of `columns`, [y] of `rows`.
+std::string points(int begin, int columns, int rows, double shift) {
+  std::string text = "t_start,t_end,x,y,z\n";
+  for (int i = 0; i < columns * rows; ++i) {
+    const double x = -1.05 + shift + 2.0 * (i % columns) / columns;
+    const double y = -0.85 + shift + 1.6 * (i / columns) / rows;
+    text += std::to_string(begin + 2 * i) + "," + std::to_string(begin + 2 * i) + ".5," +
+            std::to_string(x) + "," + std::to_string(y) + ",1.2\n";
+  }
+  return text;
+}
+
+class TurnedChains : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fs::remove_all(folder());
+    fs::create_directories(folder());
+    std::ofstream(path("plan.toml")) << kPlan;
+    run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
+    simulate("survey", points(1000, 6, 5, 0.0));
+    run({"calibrate",
+         path("site"),
+         "--gains-only",
+         "--quiet",
+         "--points",
+         path("survey.csv"),
+         "--capture",
+         "ap1=" + path("survey.pcap"),
+         "--out",
+         path("calibrated")});
+    simulate("spots", points(3000, 10, 6, 0.11));
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder()); }
+
+  static fs::path folder() {
+    return fs::path(::testing::TempDir()) / ("turned_chains_" + std::to_string(::getpid()));
+  }
+  static std::string path(const std::string& name) { return folder() / name; }
+  static void run(const std::vector<std::string>& arguments) {
+    const Finished finished = RaylocProcess(arguments).wait();
+    ASSERT_EQ(finished.status, 0) << finished.err;
+  }
+  static void simulate(const std::string& name, const std::string& csv) {
+    std::ofstream(path(name + ".csv")) << csv;
+    run({"simulate",
+         path("site"),
+         "--quiet",
+         "--points",
+         path(name + ".csv"),
+         "--out",
+         "ap1=" + path(name + ".pcap")});
+  }
+};
+
+bool is_named(const v1::Location& location) {
+  for (const std::string& warning : location.quality().warnings()) {
+    if (warning.find("chain_phase_jump: access point ap1, core 3 by 90 degrees") !=
+        std::string::npos) {
+      return true;
+    }
+  }
+  return false;
+}
+
+TEST_F(TurnedChains, AreNamedAndNotBelieved) {
+  const Site site = load_site(path("calibrated")).value();
+  const auto captures = cli::resolve_captures({path("spots.pcap")}, {"ap1"}).value();
+  const auto spots = cli::read_calibration_inputs(site, captures, path("spots.csv")).value();
+  ASSERT_EQ(spots.points.size(), static_cast<std::size_t>(kBursts));
+  const auto estimator = DeviceEstimator::create(site, {}).value();
+  int located = 0;
+  int named = 0;
+  for (int i = 0; i < kBursts; ++i) {
+    Burst burst;
+    burst.frames = spots.points[static_cast<std::size_t>(i)].frames;
+    ASSERT_FALSE(burst.frames.empty());
+    if (i >= kJumpAt) {
+      test::turn_chain(burst.frames, 0, 3, kQuarter);
+    }
+    burst.transmitter = burst.frames.front().transmitter;
+    burst.first = burst.heard_since = burst.frames.front().time;
+    burst.last = burst.frames.back().time;
+    Estimates out;
+    estimator->estimate(burst, out);
+    ASSERT_FALSE(out.locations.empty());
+    const v1::Location& snapshot = out.locations.front();
+    ASSERT_EQ(snapshot.kind(), v1::LOCATION_KIND_SNAPSHOT);
+    if (i < kJumpAt) {
+      located += snapshot.has_position() ? 1 : 0;
+      EXPECT_FALSE(is_named(snapshot)) << i;
+    } else if (is_named(snapshot)) {
+      ++named;
+      EXPECT_FALSE(snapshot.has_position()) << i;
+      EXPECT_EQ(snapshot.mode(), v1::FIX_MODE_NO_FIX);
+      EXPECT_TRUE(snapshot.has_time());
+    }
+  }
+  EXPECT_EQ(located, kJumpAt);
+  // A site that settled is looked at every ten seconds, so five spots pass before the first look.
+  EXPECT_GE(named, (kBursts - kJumpAt) / 3);
+  ASSERT_EQ(estimator->calibration_warnings().size(), 1U);
+  const CalibrationWarning warning = estimator->calibration_warnings().front();
+  EXPECT_EQ(warning.problem, CalibrationProblem::kChainPhaseJump);
+  EXPECT_EQ(warning.core, 3);
+  EXPECT_NEAR(warning.phase, kQuarter, 1e-9);
+
+  Estimates none;
+  estimator->restart("moved", none);
+  EXPECT_TRUE(estimator->calibration_warnings().empty());
+}
+
+}  // namespace
+}  // namespace rayloc
