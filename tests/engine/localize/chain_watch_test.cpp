@@ -89,6 +89,22 @@ TEST(ChainWatch, FollowsWhatChanges) {
   EXPECT_TRUE(watch.turned().empty());
 }
 
+// Two outvote the third, and nothing is looked at.
+TEST(ChainWatch, LeavesThreeAccessPointsToEachOther) {
+  const auto three = std::make_shared<const Localizer>(
+      *Localizer::create(std::make_shared<const RoomModel>(test::make_room()), {}));
+  ChainWatch watch(three);
+  for (int i = 0; i < 8; ++i) {
+    auto frames = test::frames_at(three->room(), {0.2 * i - 0.7, 0.1 * i - 0.4, 1.2});
+    for (CsiFrame& frame : frames) {
+      frame.time += std::chrono::seconds(2 * i);
+    }
+    test::turn_chain(frames, 0, three->room().access_points[0].cores[1], kQuarter);
+    watch.hear(frames);
+  }
+  EXPECT_TRUE(watch.turned().empty());
+}
+
 // A device that lies at a place which looks more like another with turned chains says so once.
 TEST(ChainWatch, TheSameAgainIsNoFurtherEvidence) {
   ChainWatch watch(localizer());
