@@ -30,6 +30,26 @@ std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, con
   return levels;
 }
 
+// What was found of an access point, added to what was surveyed.
+void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& site) {
+  Pose& pose = ap.array.pose;
+  pose.position =
+      pose.position + Vec3d{found.position_x.value, found.position_y.value, found.position_z.value};
+  pose.orientation.yaw += found.yaw_offset.value;
+  pose.orientation.pitch += found.pitch_offset.value;
+  pose.orientation.roll += found.roll_offset.value;
+  for (std::size_t e = 0; e < ap.array.element_offset.size(); ++e) {
+    ap.array.element_offset[e].y += found.element_y.at(e);
+  }
+  ap.error = {found.plan_tolerance.value,
+              found.diffuse.value,
+              found.diffuse_exponent.value,
+              found.diffuse_decay.value,
+              found.noise.value};
+  ap.gains = std::move(found.gains);
+  ap.levels = believed(std::move(found.levels), site);
+}
+
 Expected<void> apply_calibration(const Site& site, RoomModel& room) {
   const std::filesystem::path& file = *site.calibration_file;
   auto calibration = load_calibration_file(file);
@@ -73,22 +93,7 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
                             "' was calibrated with other cores or tones than site.toml states; "
                             "calibrate again");
     }
-    Pose& pose = ap->array.pose;
-    pose.position = pose.position +
-                    Vec3d{found.position_x.value, found.position_y.value, found.position_z.value};
-    pose.orientation.yaw += found.yaw_offset.value;
-    pose.orientation.pitch += found.pitch_offset.value;
-    pose.orientation.roll += found.roll_offset.value;
-    for (std::size_t e = 0; e < ap->array.element_offset.size(); ++e) {
-      ap->array.element_offset[e].y += found.element_y.at(e);
-    }
-    ap->error = {found.plan_tolerance.value,
-                 found.diffuse.value,
-                 found.diffuse_exponent.value,
-                 found.diffuse_decay.value,
-                 found.noise.value};
-    ap->gains = std::move(found.gains);
-    ap->levels = believed(std::move(found.levels), site);
+    apply_to(*ap, std::move(found), site);
   }
   return {};
 }

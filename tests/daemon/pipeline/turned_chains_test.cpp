@@ -55,8 +55,9 @@ constexpr int kBursts = 60;
 std::string points(int begin, int columns, int rows, double shift) {
   std::string text = "t_start,t_end,x,y,z\n";
   for (int i = 0; i < columns * rows; ++i) {
+    const int row = i / columns;
     const double x = -1.05 + shift + 2.0 * (i % columns) / columns;
-    const double y = -0.85 + shift + 1.6 * (i / columns) / rows;
+    const double y = -0.85 + shift + 1.6 * row / rows;
     text += std::to_string(begin + 2 * i) + "," + std::to_string(begin + 2 * i) + ".5," +
             std::to_string(x) + "," + std::to_string(y) + ",1.2\n";
   }
