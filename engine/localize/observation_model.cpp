@@ -229,7 +229,7 @@ PlaceModel ObservationModel::nowhere(const ModelError& error) const {
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
   add_rest(1.0 / static_cast<double>(antennas_),
            error.noise,
-           diffuse_covariance(error.diffuse_decay),
+           diffuse_covariance(kDiffuseDecay),
            sigma);
   return factorise(sigma, Eigen::VectorXcd::Zero(size));
 }

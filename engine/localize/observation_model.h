@@ -106,7 +106,8 @@ class ObservationModel {
   RayTerms ray_terms(const Place& place, const ModelError& error) const;
   double wave_number() const { return wave_number_; }  // [rad/m]
 
-  // Nothing known but the diffuse tail: what every place is compared with.
+  // Nothing known but a diffuse tail: what every place is compared with. It lasts as long as usual,
+  // not as long as in this room, for what is no channel of it may come from any.
   PlaceModel nowhere(const ModelError& error) const;
 
   // h: [antenna][tone], chain gains removed.
