@@ -227,10 +227,8 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
   const auto size = static_cast<Index>(dimension());
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
-  add_rest(1.0 / static_cast<double>(antennas_),
-           error.noise,
-           diffuse_covariance(kDiffuseDecay),
-           sigma);
+  add_rest(
+      1.0 / static_cast<double>(antennas_), error.noise, diffuse_covariance(kDiffuseDecay), sigma);
   return factorise(sigma, Eigen::VectorXcd::Zero(size));
 }
 
