@@ -7,6 +7,7 @@
   const {showCalibration, showChannel} = await import('/map/panels.js');
   const {dotOf, pointsOf} = await import('/map/fits.js');
   const {showSources} = await import('/map/sources.js');
+  const {View} = await import('/map/view.js');
 
   const same = (found, wanted, what) => {
     if (JSON.stringify(found) !== JSON.stringify(wanted)) {
@@ -241,6 +242,12 @@
       same(document.querySelectorAll('#csi-charts svg').length, 1, 'charts');
       showChannel([], null, model);
       same(document.querySelectorAll('#csi-charts svg').length, 0, 'charts of nothing');
+    },
+
+    'a view has places before its observer has told its size'() {
+      const view = new View(document.querySelector('#map'), () => {});
+      same(view.toPixel(1, 2).every(Number.isFinite), true, 'pixels');
+      same(view.mark(1, 2).includes('NaN'), false, 'the place of a mark');
     },
 
     'what is told again after a reconnection counts once'() {

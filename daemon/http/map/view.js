@@ -14,15 +14,20 @@ export class View {
     this.unit = 1;  // pixels of the drawing that a mark's own pixel takes: large screens are seen from afar
     this.centre = [0, 0];
     this.bounds = {min: [0, 0], max: [1, 1]};
+    this.measure();  // what is drawn before the observer's first word has a place, too
     new ResizeObserver(() => this.resize()).observe(element);
     this.listen();
   }
 
-  resize() {
+  measure() {
     const box = this.element.getBoundingClientRect();
     this.width = box.width;
     this.height = box.height;
     this.unit = parseFloat(getComputedStyle(document.documentElement).fontSize) / 16;
+  }
+
+  resize() {
+    this.measure();
     if (this.fitting) this.fit();
     this.changed();
   }
