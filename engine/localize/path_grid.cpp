@@ -4,12 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <numbers>
 #include <span>
 #include <type_traits>
 
 #include "engine/base/content_hash.h"
 #include "engine/base/parallel.h"
+#include "engine/em/antenna_hash.h"
 #include "engine/scene/scene.h"
 #include "engine/scene/scene_hash.h"
 
@@ -21,21 +21,6 @@ constexpr std::uint64_t kVersion = 1;
 constexpr std::size_t kSamples = 24;  // cells that are traced again
 
 static_assert(std::is_trivially_copyable_v<Ray>);
-
-void add_antenna(ContentHash& hash, const AntennaPattern& pattern, Polarization polarization) {
-  hash.add(static_cast<std::uint64_t>(pattern.kind()));
-  hash.add(static_cast<std::uint64_t>(polarization));
-  if (pattern.kind() != AntennaPattern::kTable) {
-    return;
-  }
-  // A table is smooth between its samples, which are as fine as a degree at most.
-  constexpr double kDegree = std::numbers::pi / 180.0;
-  for (int theta = 0; theta <= 180; ++theta) {
-    for (int phi = 0; phi < 360; ++phi) {
-      hash.add(pattern.table().at(theta * kDegree, phi * kDegree).dbi);
-    }
-  }
-}
 
 void add_count(std::string& bytes, std::uint64_t count) {
   std::array<char, sizeof(count)> raw{};

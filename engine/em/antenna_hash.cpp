@@ -1,0 +1,23 @@
+#include "engine/em/antenna_hash.h"
+
+#include <cstdint>
+#include <numbers>
+
+namespace rayloc {
+
+void add_antenna(ContentHash& hash, const AntennaPattern& pattern, Polarization polarization) {
+  hash.add(static_cast<std::uint64_t>(pattern.kind()));
+  hash.add(static_cast<std::uint64_t>(polarization));
+  if (pattern.kind() != AntennaPattern::kTable) {
+    return;
+  }
+  // A table is smooth between its samples, which are as fine as a degree at most.
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  for (int theta = 0; theta <= 180; ++theta) {
+    for (int phi = 0; phi < 360; ++phi) {
+      hash.add(pattern.table().at(theta * kDegree, phi * kDegree).dbi);
+    }
+  }
+}
+
+}  // namespace rayloc
