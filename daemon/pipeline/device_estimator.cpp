@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -184,21 +185,27 @@ void DeviceEstimator::state_warnings() {
   warnings_ = std::move(warnings);
 }
 
-// The frames of the access points whose chains are as they were.
-std::vector<CsiFrame> DeviceEstimator::believed(const Burst& burst, Room& room) {
-  std::vector<CsiFrame> frames = burst.frames;
+// The frames of the access points whose chains are as they were: those of the burst, or what is
+// left of them in `kept`.
+std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
+                                                    Room& room,
+                                                    std::vector<CsiFrame>& kept) {
   if (!room.chains) {
-    return frames;
+    return burst.frames;
   }
   room.chains->hear(burst.frames);
   state_warnings();
   const auto turned = room.chains->turned();
-  std::erase_if(frames, [&](const CsiFrame& frame) {
-    return std::any_of(turned.begin(), turned.end(), [&](const ChainWatch::Turn& turn) {
-      return turn.access_point == static_cast<std::size_t>(frame.access_point);
-    });
-  });
-  return frames;
+  if (turned.empty()) {
+    return burst.frames;
+  }
+  std::copy_if(
+      burst.frames.begin(), burst.frames.end(), std::back_inserter(kept), [&](const auto& frame) {
+        return std::none_of(turned.begin(), turned.end(), [&](const ChainWatch::Turn& turn) {
+          return turn.access_point == static_cast<std::size_t>(frame.access_point);
+        });
+      });
+  return kept;
 }
 
 std::vector<CalibrationWarning> DeviceEstimator::calibration_warnings() const {
@@ -237,7 +244,8 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
     return candidate.device == device;
   });
   const std::size_t first = out.locations.size();
-  const std::vector<CsiFrame> frames = believed(burst, *room);
+  std::vector<CsiFrame> kept;
+  const std::span<const CsiFrame> frames = believed(burst, *room, kept);
   const LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
   out.locations.push_back(
       location_message(snapshot, context_of(burst.transmitter, snapshot.time, *room)));

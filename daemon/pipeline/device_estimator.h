@@ -80,7 +80,7 @@ class DeviceEstimator : public Estimator {
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   Expected<void> watch_calibration(const RoomModel& room);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
-  std::vector<CsiFrame> believed(const Burst& burst, Room& room);
+  std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
   void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;
   void show_channel(const Burst& burst, const Room& room, const v1::Location& location);
