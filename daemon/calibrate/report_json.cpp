@@ -37,7 +37,10 @@ Json written_heldout_json(const CalibrationReport& report) {
   Json all = heldout_json(report, report.methods.front().calibration);
   for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
     const auto located = summarize_located(report, ap);
-    all[report.access_points[ap]]["after_as_located"] = located ? Json(located->median) : Json();
+    Json& one = all[report.access_points[ap]];
+    one["after_as_located"] = located ? Json(located->median) : Json();
+    one["quartiles_after_as_located"] =
+        located ? Json{located->lower_quartile, located->upper_quartile} : Json();
   }
   return all;
 }

@@ -111,9 +111,12 @@ std::optional<UsualFit> usual_fit(const Json& heldout, const std::string& access
   if (!heldout.is_object() || !heldout.contains(access_point)) {
     return std::nullopt;
   }
+  // With the rays that chains are refitted with; a report of before has only those of its method.
   const Json& one = heldout[access_point];
-  const Json median = one.value("after", Json());
-  const Json quartiles = one.value("quartiles_after", Json());
+  const std::string after =
+      one.contains("quartiles_after_as_located") ? "after_as_located" : "after";
+  const Json median = one.value(after, Json());
+  const Json quartiles = one.value("quartiles_" + after, Json());
   if (!median.is_number() || !quartiles.is_array() || quartiles.size() != 2 ||
       !quartiles[0].is_number() || !quartiles[1].is_number()) {
     return std::nullopt;

@@ -118,6 +118,9 @@ Expected<void> Reference::read() {
                           ": is not calibrated, and a person is found in a calibrated room only: "
                           "run `rayloc calibrate` first");
   }
+  if (auto checked = check_output(options_.out, site_.directory, options_.force); !checked) {
+    return checked;
+  }
   if (std::none_of(site_.transmitters.begin(), site_.transmitters.end(), [](const auto& one) {
         return one.role == TransmitterRole::kFixed;
       })) {

@@ -51,6 +51,8 @@ TEST(CalibrationReportJson, GivesTheMedianOfThePointsHeldOut) {
 TEST(CalibrationReportJson, TellsWhatTheMethodSawFromWhatAFixSees) {
   const auto json = to_json(test::sample_report());
   EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("after_as_located"), 0.88);
+  EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("quartiles_after_as_located").at(0), 0.87);
+  EXPECT_DOUBLE_EQ(json.at("heldout").at("a").at("quartiles_after_as_located").at(1), 0.89);
   EXPECT_TRUE(json.at("heldout").at("b").at("after_as_located").is_null());
   EXPECT_EQ(json.at("methods").at("joint").at("rays").at("max_depth"), 4);
   EXPECT_TRUE(json.at("methods").at("joint").at("rays").at("transmission").get<bool>());

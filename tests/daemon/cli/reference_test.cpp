@@ -310,6 +310,16 @@ TEST_F(ReferenceVerb, RefusesWhatCannotBeAReference) {
   EXPECT_EQ(moving.status, 65);
   EXPECT_THAT(moving.err, HasSubstr("changes during the recording"));
   EXPECT_FALSE(fs::exists(path("refused")));
+  const Finished itself = rayloc({"reference",
+                                  path("calibrated"),
+                                  "--capture",
+                                  capture(1, "empty"),
+                                  "--force",
+                                  "--out",
+                                  path("calibrated")});
+  EXPECT_EQ(itself.status, 64);
+  EXPECT_THAT(itself.err, HasSubstr("is the site that is read"));
+  EXPECT_FALSE(fs::exists(path("calibrated") + "/reference.toml"));
 }
 
 TEST_F(ReferenceVerb, RefusesAReferenceOfAnotherCalibration) {
