@@ -20,11 +20,11 @@
 
 namespace rayloc {
 
-// Probabilities before anything is heard. One burst in fifty of a single access point says nothing
-// of the place, as a track takes it (MotionModel::outlier).
+// Probabilities before anything is heard. A direct way that is covered is no fault: the likelihood
+// itself allows for it (kCovered).
 struct FaultPrior {
-  double access_point = 0.01;  // an access point says nothing of the place
-  double elsewhere = 0.01;     // the device is not in the area
+  double access_point = 0.02;  // an access point says nothing of the place
+  double elsewhere = 0.02;     // the device is not in the area
 };
 
 class AccessPointFusion {

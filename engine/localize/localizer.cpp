@@ -28,13 +28,14 @@ namespace {
 // search misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;
-constexpr double kMostElsewhere = 0.5;  // more, and there is no fix
+constexpr double kMostElsewhere = 2.0 / 3.0;  // more, and there is no fix
 // The best cells are looked at closely, place by place: those whose
 // tempered log-likelihood is within this of the best.
 constexpr double kRefinedMargin = 6.0;
 constexpr std::size_t kMostRefined = 100;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
+constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
 constexpr double kLeastResidual = 1e-30;
 
 // What every access point says of every cell, above being nowhere in particular.
@@ -109,6 +110,7 @@ class Localizer::Impl {
                         const RoomMap& map,
                         double temper,
                         LocationEstimate& estimate) const;
+  std::vector<double> doubts(const RoomMap& map, double temper) const;
   std::vector<double> faults(const std::vector<HeardArray>& heard) const {
     std::vector<double> result(heard.size(), options_.faults.access_point);
     return result;
@@ -357,24 +359,40 @@ RoomMap Localizer::Impl::fuse(const StationMaps& maps, const AccessPointFusion& 
   return map;
 }
 
+// Of each access point the probability that what it hears says nothing of the place.
+std::vector<double> Localizer::Impl::doubts(const RoomMap& map, double temper) const {
+  const double log_sum = log_mean_exp(map.log_likelihood, temper) +
+                         std::log(static_cast<double>(map.log_likelihood.size()));
+  std::vector<double> result;
+  for (const std::vector<double>& of_cell : map.doubt) {
+    double doubt = 0.0;
+    for (std::size_t cell = 0; cell < of_cell.size(); ++cell) {
+      doubt += std::exp(temper * map.log_likelihood[cell] - log_sum) * of_cell[cell];
+    }
+    result.push_back(doubt);
+  }
+  return result;
+}
+
+// Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
 void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
                                        const RoomMap& map,
                                        double temper,
                                        LocationEstimate& estimate) const {
-  if (heard.size() < 2) {
-    return;
-  }
-  const double log_sum = log_mean_exp(map.log_likelihood, temper) +
-                         std::log(static_cast<double>(map.log_likelihood.size()));
+  const std::vector<double> doubt = doubts(map, temper);
   for (std::size_t i = 0; i < heard.size(); ++i) {
-    double doubt = 0.0;
-    for (std::size_t cell = 0; cell < map.log_likelihood.size(); ++cell) {
-      doubt += std::exp(temper * map.log_likelihood[cell] - log_sum) * map.doubt[i][cell];
-    }
-    if (doubt > 0.5) {
-      estimate.warnings.push_back("access point " + heard[i].map->access_point().id +
+    const std::string name = "access point " + heard[i].map->access_point().id;
+    if (heard.size() > 1 && doubt[i] > 0.5) {
+      estimate.warnings.push_back(name +
                                   " contradicts the others: it is covered, was moved or has "
                                   "changed; what it hears is not believed");
+      continue;
+    }
+    const auto odds = heard[i].map->covered_log_odds(*estimate.position, heard[i].observed);
+    if (odds && temper * *odds > kCoveredForCertain) {
+      estimate.warnings.push_back(name +
+                                  ": the direct way to the device is not as the plan has it: it is "
+                                  "covered, or the chains have changed");
     }
   }
 }

@@ -17,10 +17,29 @@ using Value = std::complex<double>;
 constexpr std::size_t kDelaysBeside = 1;
 constexpr double kLeastPower = 1e-12;
 constexpr double kLeftOut = 1e-6;  // of the known power
+const double kLogCovered = std::log(kCovered);
 
 // Products written out: those of std::complex check for infinities.
 Value times(const Value& a, const Value& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+LaneSums turned(const LaneSums& row, std::complex<float> turn) {
+  LaneSums result;
+  for (std::size_t t = 0; t < kLaneCount; ++t) {
+    result.re[t] = row.re[t] * turn.real() - row.im[t] * turn.imag();
+    result.im[t] = row.re[t] * turn.imag() + row.im[t] * turn.real();
+  }
+  return result;
+}
+
+// a^H b
+Value product(const std::vector<Value>& a, const std::vector<Value>& b) {
+  Value sum;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    sum += times(std::conj(a[i]), b[i]);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -64,6 +83,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     observed_.insert(observed_.end(), delay.observed.begin(), delay.observed.end());
     delays_.push_back(std::move(delay));
   }
+  keep_direct(observation_model.coverable(place.rays));
 }
 
 // Most rays are uncertain or weak: what is left out is far below the noise.
@@ -88,6 +108,36 @@ void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
   }
 }
 
+// REQUIRES: sources and delays are there.
+void NearbyLikelihood::keep_direct(std::size_t ray) {
+  const std::size_t antennas = size_ / coordinates_;
+  const std::size_t of_antenna = sources_.size() / antennas;
+  while (direct_source_ < of_antenna && sources_[direct_source_].mean != ray * coordinates_) {
+    ++direct_source_;
+  }
+  if (direct_source_ == of_antenna) {
+    return;
+  }
+  for (std::size_t m = 0; m < antennas; ++m) {
+    std::vector<Value> of(size_);
+    std::copy_n(means_.begin() + static_cast<std::ptrdiff_t>(ray * coordinates_),
+                coordinates_,
+                of.begin() + static_cast<std::ptrdiff_t>(m * coordinates_));
+    direct_.of.push_back(whitened(of));
+    observed_.insert(observed_.end(), direct_.of[m].begin(), direct_.of[m].end());
+  }
+  for (const Delay& delay : delays_) {
+    for (const auto& of : direct_.of) {
+      direct_.observed.emplace_back(product(of, delay.observed));
+    }
+  }
+  for (const auto& a : direct_.of) {
+    for (const auto& b : direct_.of) {
+      direct_.gram.emplace_back(product(a, b));
+    }
+  }
+}
+
 std::vector<Value> NearbyLikelihood::whitened(const std::vector<Value>& v) const {
   std::vector<Value> result(size_);
   const std::complex<float>* w = model_.whitener.data();
@@ -107,11 +157,14 @@ double NearbyLikelihood::log_likelihood(double along, const Delay& delay) const 
   return 2.0 * d * std::log(r) - a * r * r + 2.0 * along * r;
 }
 
-NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
-  std::vector<Value> mean(size_);
-  std::vector<Value> by_x(size_);
-  std::vector<Value> by_y(size_);
-  for (const Source& source : sources_) {
+NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool covered) const {
+  Means means{std::vector<Value>(size_), std::vector<Value>(size_), std::vector<Value>(size_)};
+  const std::size_t of_antenna = sources_.size() / (size_ / coordinates_);
+  for (std::size_t s = 0; s < sources_.size(); ++s) {
+    if (covered && s % of_antenna == direct_source_) {
+      continue;
+    }
+    const Source& source = sources_[s];
     const Vec3d way = source.image - moved;
     const double length = norm(way);
     const Value phase = std::polar(1.0, -wave_number_ * (length - first_length_));
@@ -120,26 +173,20 @@ NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
     const Value turn_y(0.0, wave_number_ * way.y / length);
     for (std::size_t i = 0; i < coordinates_; ++i) {
       const Value one = times(phase, means_[source.mean + i]);
-      mean[source.antenna * coordinates_ + i] += one;
-      by_x[source.antenna * coordinates_ + i] += times(turn_x, one);
-      by_y[source.antenna * coordinates_ + i] += times(turn_y, one);
+      means.value[source.antenna * coordinates_ + i] += one;
+      means.by_x[source.antenna * coordinates_ + i] += times(turn_x, one);
+      means.by_y[source.antenna * coordinates_ + i] += times(turn_y, one);
     }
   }
-  mean = whitened(mean);
-  by_x = whitened(by_x);
-  by_y = whitened(by_y);
-  const auto product = [](const std::vector<Value>& a, const std::vector<Value>& b) {
-    Value sum;  // a^H b
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      sum += times(std::conj(a[i]), b[i]);
-    }
-    return sum;
-  };
+  return {whitened(means.value), whitened(means.by_x), whitened(means.by_y)};
+}
+
+NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
   const Delay* best = &delays_.front();
   double best_value = -std::numeric_limits<double>::infinity();
   Value best_along;
   for (const Delay& delay : delays_) {
-    const Value along = product(mean, delay.observed);
+    const Value along = product(means.value, delay.observed);
     const double value = log_likelihood(std::abs(along), delay);
     if (value > best_value) {
       best = &delay;
@@ -153,11 +200,22 @@ NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
   const Value turn = b > 0.0 ? std::conj(best_along) / b : Value();
   std::vector<Value> residual(size_);  // r e W y - W mu
   for (std::size_t i = 0; i < size_; ++i) {
-    residual[i] = r * times(turn, best->observed[i]) - mean[i];
+    residual[i] = r * times(turn, best->observed[i]) - means.value[i];
   }
-  return {best_value - product(mean, mean).real() - static_cast<double>(model_.log_determinant),
-          2.0 * product(by_x, residual).real(),
-          2.0 * product(by_y, residual).real()};
+  return {best_value - product(means.value, means.value).real() -
+              static_cast<double>(model_.log_determinant),
+          2.0 * product(means.by_x, residual).real(),
+          2.0 * product(means.by_y, residual).real()};
+}
+
+NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
+  const Slope open = slope(means_at(moved, false));
+  if (direct_.of.empty()) {
+    return open;
+  }
+  Slope covered = slope(means_at(moved, true));
+  covered.value += kLogCovered;
+  return covered.value > open.value ? covered : open;
 }
 
 std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
@@ -169,6 +227,7 @@ std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
   std::vector<TurnedMean> terms(sources_.size());
   const std::size_t antennas = size_ / coordinates_;
   const std::size_t of_antenna = sources_.size() / antennas;
+  std::vector<LaneSums> direct(direct_.of.size());
   for (std::size_t x = 0; x < lattice.count_x; ++x) {
     for (std::size_t row = 0; row < rows; ++row) {
       std::fill(re.begin(), re.end(), LaneRow{});
@@ -183,7 +242,11 @@ std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
                    std::span(re).subspan(m * coordinates_, coordinates_),
                    std::span(im).subspan(m * coordinates_, coordinates_));
       }
-      const LaneRow chunk = log_likelihoods(re, im);
+      for (std::size_t m = 0; m < direct.size(); ++m) {
+        const TurnedMean& term = terms[m * of_antenna + direct_source_];
+        direct[m] = turned(*term.turns, term.turn);
+      }
+      const LaneRow chunk = log_likelihoods(re, im, direct);
       for (std::size_t t = 0; t < kLaneCount && row * kLaneCount + t < lattice.count_y; ++t) {
         values[x * lattice.count_y + row * kLaneCount + t] = static_cast<double>(chunk[t]);
       }
@@ -222,9 +285,30 @@ NearbyLikelihood::Turns NearbyLikelihood::turns_on(const Lattice& lattice, std::
 }
 
 LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,
-                                          std::span<const LaneRow> im) const {
-  std::vector<LaneSums> along(delays_.size());
+                                          std::span<const LaneRow> im,
+                                          std::span<const LaneSums> direct) const {
+  std::vector<LaneSums> along(delays_.size() + direct.size());
   const LaneRow power = whiten(model_.whitener.data(), re, im, observed_, along);
+  LaneRow values = best_of_delays(power, std::span(along).first(delays_.size()));
+  if (!direct.empty()) {
+    const LaneRow less = covered_power(power, std::span(along).subspan(delays_.size()), direct);
+    for (std::size_t k = 0; k < delays_.size(); ++k) {
+      take_direct(k, direct, along[k]);
+    }
+    const LaneRow covered = best_of_delays(less, std::span(along).first(delays_.size()));
+    for (std::size_t t = 0; t < kLaneCount; ++t) {
+      values[t] = std::max(values[t], covered[t] + static_cast<float>(kLogCovered));
+    }
+  }
+  for (float& value : values) {
+    value -= model_.log_determinant;
+  }
+  return values;
+}
+
+// power: of the mean; along: (W mu)^H W y, [delay].
+LaneRow NearbyLikelihood::best_of_delays(const LaneRow& power,
+                                         std::span<const LaneSums> along) const {
   LaneRow values{};
   for (std::size_t k = 0; k < delays_.size(); ++k) {
     LaneRow observed;
@@ -235,9 +319,45 @@ LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,
     }
   }
   for (std::size_t t = 0; t < kLaneCount; ++t) {
-    values[t] -= power[t] + model_.log_determinant;
+    values[t] -= power[t];
   }
   return values;
+}
+
+// |W mu - W d|^2; along: (W mu)^H w_m, [antenna].
+LaneRow NearbyLikelihood::covered_power(const LaneRow& power,
+                                        std::span<const LaneSums> along,
+                                        std::span<const LaneSums> direct) const {
+  LaneRow result = power;
+  for (std::size_t m = 0; m < direct.size(); ++m) {
+    for (std::size_t t = 0; t < kLaneCount; ++t) {
+      result[t] -= 2.0F * (along[m].re[t] * direct[m].re[t] - along[m].im[t] * direct[m].im[t]);
+    }
+    for (std::size_t n = 0; n < direct.size(); ++n) {
+      const std::complex<float> g = direct_.gram[m * direct.size() + n];
+      for (std::size_t t = 0; t < kLaneCount; ++t) {
+        // The real part of conj(t_m) g t_n: the sum over all m and n is real.
+        const float re = direct[m].re[t] * direct[n].re[t] + direct[m].im[t] * direct[n].im[t];
+        const float im = direct[m].re[t] * direct[n].im[t] - direct[m].im[t] * direct[n].re[t];
+        result[t] += re * g.real() - im * g.imag();
+      }
+    }
+  }
+  return result;
+}
+
+// (W mu - W d)^H W y of delay k from (W mu)^H W y.
+void NearbyLikelihood::take_direct(std::size_t k,
+                                   std::span<const LaneSums> direct,
+                                   LaneSums& along) const {
+  for (std::size_t m = 0; m < direct.size(); ++m) {
+    const std::complex<float> g = direct_.observed[k * direct.size() + m];
+    for (std::size_t t = 0; t < kLaneCount; ++t) {
+      // conj(t_m) g
+      along.re[t] -= direct[m].re[t] * g.real() + direct[m].im[t] * g.imag();
+      along.im[t] -= direct[m].re[t] * g.imag() - direct[m].im[t] * g.real();
+    }
+  }
 }
 
 }  // namespace rayloc

@@ -10,6 +10,10 @@
 //                                           - mu(x)^H S^-1 mu(x) - ln |S|,
 //   d ll  = 2 Re( dmu^H (r e y~ - mu~) ),   y~ = S^-1 y, mu~ = S^-1 mu, e = (y~^H mu) / |.|.
 //
+// With the direct way covered mu has one ray less: d = sum_m t_m w_m, t_m its phasor at antenna m
+// and w_m whitened once, so that W (mu - d) costs three products of W mu more and nothing is
+// whitened twice.
+//
 // Thread safety: const members may be used from many threads.
 #pragma once
 
@@ -84,7 +88,26 @@ class NearbyLikelihood {
 
   void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
   Turns turns_on(const Lattice& lattice, std::size_t rows) const;
-  LaneRow log_likelihoods(std::span<const LaneRow> re, std::span<const LaneRow> im) const;
+  struct Direct {                                       // the way that may be covered
+    std::vector<std::vector<std::complex<double>>> of;  // [antenna], w_m
+    std::vector<std::complex<float>> observed;          // [delay][antenna], w_m^H W y
+    std::vector<std::complex<float>> gram;              // [antenna][antenna], w_m^H w_n
+  };
+  struct Means {
+    std::vector<std::complex<double>> value, by_x, by_y;  // W mu and its derivatives
+  };
+
+  void keep_direct(std::size_t ray);
+  Means means_at(const Vec3d& moved, bool covered) const;
+  Slope slope(const Means& means) const;
+  LaneRow log_likelihoods(std::span<const LaneRow> re,
+                          std::span<const LaneRow> im,
+                          std::span<const LaneSums> direct) const;
+  LaneRow best_of_delays(const LaneRow& power, std::span<const LaneSums> along) const;
+  LaneRow covered_power(const LaneRow& power,
+                        std::span<const LaneSums> along,
+                        std::span<const LaneSums> direct) const;
+  void take_direct(std::size_t k, std::span<const LaneSums> direct, LaneSums& along) const;
   std::vector<std::complex<double>> whitened(const std::vector<std::complex<double>>& v) const;
   double log_likelihood(double along, const Delay& delay) const;
 
@@ -95,9 +118,12 @@ class NearbyLikelihood {
   double first_length_ = 0.0;
   std::vector<std::complex<double>> means_;  // [ray][coordinate of one antenna]
   std::vector<std::complex<float>> single_means_;
-  std::vector<Source> sources_;                // by antenna
-  std::vector<Delay> delays_;                  // around the best in the middle
-  std::vector<std::complex<float>> observed_;  // Delay::observed, [delay][coordinate]
+  std::vector<Source> sources_;    // by antenna
+  std::vector<Delay> delays_;      // around the best in the middle
+  Direct direct_;                  // empty: none
+  std::size_t direct_source_ = 0;  // its source, of those of each antenna
+  std::vector<std::complex<float>>
+      observed_;  // Delay::observed, [delay][coordinate]; then Direct::of
 };
 
 }  // namespace rayloc

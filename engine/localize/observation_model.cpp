@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <Eigen/Cholesky>
@@ -25,6 +26,7 @@ constexpr int kDecaysAbove = 8;
 constexpr double kDecaysAnOctave = 4.0;
 constexpr double kDiffuseReference = 3.0;  // [m]
 constexpr float kLeastPower = 1e-12F;
+const float kLogCovered = static_cast<float>(std::log(kCovered));
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
 constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
 
@@ -39,7 +41,10 @@ const Ray& first_of(std::span<const Ray> rays) {
       rays.begin(), rays.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
 }
 
-PlaceModel factorise(const Eigen::MatrixXcd& sigma, const Eigen::VectorXcd& mu) {
+// covered: mu without the direct way; of size 0: there is none.
+PlaceModel factorise(const Eigen::MatrixXcd& sigma,
+                     const Eigen::VectorXcd& mu,
+                     const Eigen::VectorXcd& covered) {
   const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
   RAYLOC_CHECK(cholesky.info() == Eigen::Success);
   const Index size = mu.size();
@@ -57,6 +62,13 @@ PlaceModel factorise(const Eigen::MatrixXcd& sigma, const Eigen::VectorXcd& mu) 
     log_determinant -= 2.0 * std::log(whitener(i, i).real());
   }
   place.mean_power = static_cast<float>(mean.squaredNorm());
+  if (covered.size() > 0) {
+    const Eigen::VectorXcd without = whitener * covered;
+    for (const Value& v : without) {
+      place.mean.emplace_back(v);
+    }
+    place.covered_power = static_cast<float>(without.squaredNorm());
+  }
   place.log_determinant = static_cast<float>(log_determinant);
   place.reachable = true;
   return place;
@@ -79,15 +91,44 @@ void add_rest(double diffuse,
   }
 }
 
-// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| at the best gain r.
-LaneRow profile(const PlaceModel& place, const ObservedArray::Block& block) {
-  LaneSums along;  // (W y)^H W mu
+// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| - |W mu|^2 at the best
+// gain r, of the direct way open and covered.
+struct Profile {
+  LaneRow open;
+  LaneRow covered;  // with what is known of it before; lowest() where it cannot be
+};
+
+Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
+  const std::size_t size = block.re.size();
+  const std::size_t means = place.mean.size() / size;
+  std::array<LaneSums, 2> along;  // (W y)^H W mu
   LaneRow power =
-      whiten(place.whitener.data(), block.re, block.im, place.mean, std::span(&along, 1));
+      whiten(place.whitener.data(), block.re, block.im, place.mean, std::span(along).first(means));
   for (float& one : power) {
     one = std::max(one, kLeastPower);
   }
-  return at_best_gain(power, along, place.mean.size());
+  Profile result{at_best_gain(power, along[0], size), {}};
+  for (float& value : result.open) {
+    value -= place.mean_power;
+  }
+  if (means > 1) {
+    result.covered = at_best_gain(power, along[1], size);
+    for (float& value : result.covered) {
+      value += kLogCovered - place.covered_power;
+    }
+  } else {
+    result.covered.fill(std::numeric_limits<float>::lowest());
+  }
+  return result;
+}
+
+// The better of both.
+LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
+  Profile both = profile(place, block);
+  for (std::size_t i = 0; i < both.open.size(); ++i) {
+    both.open[i] = std::max(both.open[i], both.covered[i]);
+  }
+  return both.open;
 }
 
 // The same in the order of the delays.
@@ -95,7 +136,7 @@ std::array<double, ObservedArray::kDelays> profiles(const PlaceModel& place,
                                                     const ObservedArray& observed) {
   std::array<double, ObservedArray::kDelays> values{};
   for (std::size_t b = 0; b < ObservedArray::kBlocks; ++b) {
-    const auto block = profile(place, observed.blocks[b]);
+    const auto block = better(place, observed.blocks[b]);
     for (std::size_t i = 0; i < block.size(); ++i) {
       values[i * ObservedArray::kBlocks + b] = static_cast<double>(block[i]);
     }
@@ -189,6 +230,15 @@ ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
   return terms;
 }
 
+std::size_t ObservationModel::coverable(std::span<const Ray> rays) const {
+  if (knowledge_ != PathKnowledge::kPartial || rays.size() < 2) {
+    return rays.size();
+  }
+  return static_cast<std::size_t>(
+      std::find_if(rays.begin(), rays.end(), [](const Ray& ray) { return ray.reflections == 0; }) -
+      rays.begin());
+}
+
 double diffuse_share(const ModelError& error, double first_length) {
   return error.diffuse * std::pow(first_length / kDiffuseReference, error.diffuse_exponent);
 }
@@ -204,6 +254,8 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
   Eigen::VectorXcd mu = Eigen::VectorXcd::Zero(size);
   Eigen::VectorXcd s(size);
+  Eigen::VectorXcd direct;
+  const std::size_t coverable = this->coverable(place.rays);
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
     const Ray& ray = place.rays[p];
     for (std::size_t m = 0; m < antennas_; ++m) {
@@ -214,6 +266,9 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
       }
     }
     mu += terms.parts[p].known * s;
+    if (p == coverable) {
+      direct = terms.parts[p].known * s;
+    }
     sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, terms.parts[p].unknown);
   }
   const double diffuse = diffuse_share(error, terms.first_length);
@@ -221,7 +276,7 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
            error.noise,
            diffuse_covariance(error.diffuse_decay),
            sigma);
-  return factorise(sigma, mu);
+  return factorise(sigma, mu, direct.size() > 0 ? Eigen::VectorXcd(mu - direct) : direct);
 }
 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
@@ -229,7 +284,7 @@ PlaceModel ObservationModel::nowhere(const ModelError& error) const {
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
   add_rest(
       1.0 / static_cast<double>(antennas_), error.noise, diffuse_covariance(kDiffuseDecay), sigma);
-  return factorise(sigma, Eigen::VectorXcd::Zero(size));
+  return factorise(sigma, Eigen::VectorXcd::Zero(size), {});
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {
@@ -330,14 +385,29 @@ double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedA
       peak -= 0.5 * slope * slope / curvature;
     }
   }
-  return peak - static_cast<double>(place.mean_power) - static_cast<double>(place.log_determinant);
+  return peak - static_cast<double>(place.log_determinant);
 }
 
 double ObservationModel::coarse_log_likelihood(const PlaceModel& place,
                                                const ObservedArray& observed) {
-  const auto block = profile(place, observed.blocks[ObservedArray::kBlocks / 2]);
+  const auto block = better(place, observed.blocks[ObservedArray::kBlocks / 2]);
   return static_cast<double>(*std::max_element(block.begin(), block.end())) -
-         static_cast<double>(place.mean_power) - static_cast<double>(place.log_determinant);
+         static_cast<double>(place.log_determinant);
+}
+
+std::optional<double> ObservationModel::covered_log_odds(const PlaceModel& place,
+                                                         const ObservedArray& observed) {
+  if (place.mean.size() <= observed.blocks[0].re.size()) {
+    return std::nullopt;
+  }
+  float open = std::numeric_limits<float>::lowest();
+  float covered = open;
+  for (const ObservedArray::Block& block : observed.blocks) {
+    const Profile both = profile(place, block);
+    open = std::max(open, *std::max_element(both.open.begin(), both.open.end()));
+    covered = std::max(covered, *std::max_element(both.covered.begin(), both.covered.end()));
+  }
+  return static_cast<double>(covered) - static_cast<double>(open);
 }
 
 std::vector<Value> ObservationModel::expected(const Place& place, const ModelError& error) const {

@@ -12,12 +12,17 @@
 //
 // The measurement is known up to a complex factor and a delay: the factor is profiled out in closed
 // form, the delay by a search over the delays of ObservedArray.
+//
+// Somebody may stand in the direct way, or something that the plan does not have: with a
+// probability of kCovered its mean is not in mu (what is unknown of its power stays). A place is as
+// likely as the better of both makes it.
 #pragma once
 
 #include <array>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,10 +60,11 @@ struct ObservedArray {
 // Distribution of the measurement at one place: the inverse Cholesky factor W of Sigma, and W mu.
 struct PlaceModel {
   std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;
-  float mean_power = 0.0F;       // |W mu|^2
-  float log_determinant = 0.0F;  // of Sigma
-  bool reachable = false;        // there is a ray
+  std::vector<std::complex<float>> mean;      // W mu; behind it, where there is one, W mu_covered
+  float mean_power = 0.0F;                    // |W mu|^2
+  float covered_power = 0.0F;                 // |W mu_covered|^2
+  float log_determinant = 0.0F;               // of Sigma
+  bool reachable = false;                     // there is a ray
 };
 
 // How much of a ray is known. With v_p the unknown share of its power, mu = sum sqrt(1 - v_p) a_p
@@ -68,6 +74,9 @@ enum class PathKnowledge : std::uint8_t {
   kFull,   // sigma_s = 0, u_p = 0: the correlation with what is expected
   kPower,  // c_p = 0, u_p = 0: nothing depends on the rays' phases
 };
+
+// Probability that a direct way is covered, before anything is heard.
+inline constexpr double kCovered = 0.02;
 
 // Power of what is not traced, share of the traced, where the first ray is so long [m].
 double diffuse_share(const ModelError& error, double first_length);
@@ -105,6 +114,9 @@ class ObservationModel {
   };
   RayTerms ray_terms(const Place& place, const ModelError& error) const;
   double wave_number() const { return wave_number_; }  // [rad/m]
+  // The ray that may be covered: the direct one, where there are others and means are known in
+  // part. Else rays.size().
+  std::size_t coverable(std::span<const Ray> rays) const;
 
   // Nothing known but a diffuse tail: what every place is compared with. It lasts as long as usual,
   // not as long as in this room, for what is no channel of it may come from any.
@@ -117,6 +129,10 @@ class ObservationModel {
   static double log_likelihood(const PlaceModel& place, const ObservedArray& observed);
   // The same over every fourth delay: a lower bound, at a quarter of the cost.
   static double coarse_log_likelihood(const PlaceModel& place, const ObservedArray& observed);
+
+  // Logarithm of the odds that the direct way is covered; nothing where it cannot be.
+  static std::optional<double> covered_log_odds(const PlaceModel& place,
+                                                const ObservedArray& observed);
 
   // The expected array at a place, [antenna][tone], without the unknown parts: for correlation.
   std::vector<std::complex<double>> expected(const Place& place, const ModelError& error) const;

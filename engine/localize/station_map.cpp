@@ -145,6 +145,18 @@ std::unique_ptr<const NearbyLikelihood> StationMap::nearby(std::size_t cell,
       {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], access_point().error, observed);
 }
 
+std::optional<double> StationMap::covered_log_odds(const Vec3d& position,
+                                                   const ObservedBurst& observed) const {
+  if (source_.likelihood != LikelihoodKind::kPartial) {
+    return std::nullopt;
+  }
+  const auto rays = tracing_->rays_to(position);
+  return rays.empty()
+             ? std::nullopt
+             : ObservationModel::covered_log_odds(
+                   model_.place({rays, offsets_, 0.0}, access_point().error), observed.array);
+}
+
 std::vector<std::complex<double>> StationMap::expected(const Vec3d& position) const {
   const auto rays = tracing_->rays_to(position);
   return model_.expected({rays, offsets_, 0.0}, access_point().error);

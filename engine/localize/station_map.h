@@ -7,6 +7,7 @@
 #include <complex>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,6 +62,11 @@ class StationMap {
   // REQUIRES: is_reachable(cell).
   std::unique_ptr<const NearbyLikelihood> nearby(std::size_t cell,
                                                  const ObservedBurst& observed) const;
+
+  // Of a device at a place: logarithm of the odds that its direct way to the array is covered;
+  // nothing where there is no such way, and where the likelihood does not ask.
+  std::optional<double> covered_log_odds(const Vec3d& position,
+                                         const ObservedBurst& observed) const;
 
   // The expected array of a device at a place: [antenna][tone].
   std::vector<std::complex<double>> expected(const Vec3d& position) const;
