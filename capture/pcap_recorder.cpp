@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "capture/pcap_format.h"
+#include "engine/base/spare_capacity.h"
 
 namespace rayloc {
 namespace {
@@ -105,8 +106,8 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
   if (batch.empty()) {
     return {};
   }
-  records_.clear();
-  record_ends_.clear();
+  clear_without_spare(records_);
+  clear_without_spare(record_ends_);
   Expected<void> result;
   for (const Datagram& datagram : batch) {
     if (!append_pcap_record(datagram, records_)) {

@@ -3,6 +3,8 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/spare_capacity.h"
+
 namespace rayloc {
 namespace {
 
@@ -12,8 +14,8 @@ constexpr std::size_t kWakeBytes = std::size_t{1} << 20U;
 }  // namespace
 
 void RecorderStage::Buffer::clear() {
-  entries.clear();
-  bytes.clear();
+  clear_without_spare(entries);
+  clear_without_spare(bytes);
   dropped = 0;
 }
 
