@@ -17,6 +17,7 @@
 #include "daemon/service/run_loop.h"
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
+#include "daemon/service/spare_memory.h"
 #include "daemon/service/start_watch.h"
 
 namespace rayloc {
@@ -117,6 +118,7 @@ int run(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   try {
+    rayloc::bound_spare_memory();
     return rayloc::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "raylocd: internal error: %s\n", error.what());

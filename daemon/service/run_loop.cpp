@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/service/log.h"
+#include "daemon/service/spare_memory.h"
 
 namespace rayloc {
 namespace {
@@ -86,6 +87,10 @@ void RunLoop::tick() {
   if (now >= next_status_) {
     manager_.status(service_.status_line());
     next_status_ = now + kStatusInterval;
+  }
+  if (now >= next_spare_) {
+    give_spare_memory_back();
+    next_spare_ = now + kSpareInterval;
   }
 }
 

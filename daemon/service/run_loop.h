@@ -1,5 +1,5 @@
 // RunLoop: what raylocd's main thread does while the others work: signals, the watchdog, the log of
-// what went wrong, the state for the service manager.
+// what went wrong, the state for the service manager, memory that nobody uses any more.
 //
 //   SIGTERM, SIGINT   the loop ends; a second one ends the process at once
 //   SIGHUP            the configuration is read again (reloader.h)
@@ -42,6 +42,7 @@ class RunLoop {
   Watchdog watchdog_;
   std::chrono::milliseconds period_;  // between two ticks
   std::chrono::steady_clock::time_point next_status_{};
+  std::chrono::steady_clock::time_point next_spare_{};  // memory that is given back
   bool stuck_ = false;
   LimitedLog log_{log_event};  // of errors: some come and go with every second
 };
