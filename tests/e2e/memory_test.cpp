@@ -1,17 +1,21 @@
 // Memory and descriptors of a raylocd that locates, records, answers over HTTP and has subscribers
-// that come and go: they stay as they are.
+// that come and go: they stay as they are, also where the machine is busy with something else now
+// and then, which the tests see to by stopping the process.
 // RAYLOC_MEMORY_SECONDS: how long they are watched, in seconds; from 600 on their slope is
 // asserted. RAYLOC_MEMORY_RATE: datagrams a second of a second device meanwhile, 5000 unless
 // stated.
 #include <algorithm>
 #include <atomic>
+#include <csignal>
 #include <cstdio>
+#include <memory>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "daemon/publish/late_subscriber.h"
+#include "engine/base/median.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/device_recording.h"
 #include "tests/e2e/live_daemon.h"
@@ -25,6 +29,17 @@ using ::testing::StartsWith;
 constexpr std::chrono::seconds kPatience{60};
 constexpr int kLong = 600;          // seconds, from which on the slope says something
 constexpr double kMaxSlope = 30.0;  // [KiB/min], of the second half of a long run
+
+// How long the process gets no time of a processor. Its sockets hold what comes meanwhile, 8 MiB at
+// most; every stage then has to do with all of that at once.
+constexpr std::chrono::seconds kStarved{2};
+constexpr int kStarvedEvery = 120;  // seconds of a long run
+// What may stay behind backlogs. Three of 10,000 datagrams leave 36 MiB where nothing is given
+// back. In bursts that are cut differently an antenna may be dead for the first time: the map
+// without it takes 7 MiB, which stay.
+constexpr double kMaxKeptKib = 16 * 1024;
+constexpr int kBacklogs = 3;
+constexpr std::chrono::seconds kWarmUp{5};  // the ring is full, and its recordings are rotated
 
 struct Sample {
   double seconds = 0.0;
@@ -47,9 +62,10 @@ Sample sample(const LiveDaemon& daemon, std::chrono::steady_clock::time_point be
 struct Course {
   double least_kib = 0.0;
   double most_kib = 0.0;
+  double median_kib = 0.0;
   // Of resident memory [KiB/min]: of a straight line, and the median of those between any two
-  // moments. A queue that a busy machine lets fill once leaves a step, which the median does not
-  // see; what grows, even by steps, it sees.
+  // moments, which does not see what a queue holds for a moment; what stays, even in steps, it
+  // sees.
   double line = 0.0;
   double slope = 0.0;
   std::size_t least_descriptors = 0;
@@ -73,8 +89,13 @@ double median_slope(const std::vector<Sample>& samples, std::size_t begin, std::
 
 Course course_of(const std::vector<Sample>& samples, std::size_t begin, std::size_t end) {
   const auto count = static_cast<double>(end - begin);
+  std::vector<double> rss_kib;
+  for (std::size_t i = begin; i < end; ++i) {
+    rss_kib.push_back(samples[i].rss_kib);
+  }
   Course course{samples[begin].rss_kib,
                 samples[begin].rss_kib,
+                median(rss_kib),
                 0.0,
                 median_slope(samples, begin, end),
                 samples[begin].descriptors,
@@ -102,11 +123,12 @@ Course course_of(const std::vector<Sample>& samples, std::size_t begin, std::siz
 
 void print(const char* what, const Course& course) {
   std::printf(
-      "%s: resident %.0f to %.0f KiB, slope %.1f KiB/min (of a line %.1f); %zu to %zu "
+      "%s: resident %.0f to %.0f KiB, median %.0f, slope %.1f KiB/min (of a line %.1f); %zu to %zu "
       "descriptors\n",
       what,
       course.least_kib,
       course.most_kib,
+      course.median_kib,
       course.slope,
       course.line,
       course.least_descriptors,
@@ -161,23 +183,6 @@ class Visitors {
   std::thread thread_;
 };
 
-// Until the test ends, `recordings` to the access points `to`.
-std::vector<std::string> without_end(const std::vector<std::string>& recordings,
-                                     const std::vector<std::string>& to,
-                                     int rate) {
-  std::vector<std::string> words = {"send"};
-  words.insert(words.end(), recordings.begin(), recordings.end());
-  for (const std::string& address : to) {
-    words.insert(words.end(), {"--to", address});
-  }
-  words.insert(words.end(), {"--rate", std::to_string(rate), "--duration", "1000000"});
-  return words;
-}
-
-std::uint64_t fixes(const LiveDaemon& daemon) {
-  return number(daemon.bodies("heartbeat").back().at("estimation").at("fixes"));
-}
-
 void expect_bounded(const std::filesystem::path& recordings) {
   std::uint64_t recorded = 0;
   for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
@@ -188,13 +193,22 @@ void expect_bounded(const std::filesystem::path& recordings) {
   EXPECT_LT(recorded, std::uint64_t{64} << 20U);
 }
 
-// One a second.
-std::vector<Sample> watch(const LiveDaemon& daemon, int seconds) {
+void starve(LiveDaemon& daemon) {
+  daemon.signal(SIGSTOP);
+  std::this_thread::sleep_for(kStarved);
+  daemon.signal(SIGCONT);
+}
+
+// One a second. In a long run the daemon is starved now and then, equally often in each part.
+std::vector<Sample> watch(LiveDaemon& daemon, int seconds) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<Sample> samples;
   for (int i = 1; i <= seconds; ++i) {
     std::this_thread::sleep_for(std::chrono::seconds(1));
     samples.push_back(sample(daemon, begin));
+    if (seconds >= kLong && i % kStarvedEvery == kStarvedEvery / 2) {
+      starve(daemon);
+    }
     if (i % kLong == 0) {
       print((std::to_string(i) + " s").c_str(),
             course_of(samples, samples.size() - kLong, samples.size()));
@@ -203,36 +217,74 @@ std::vector<Sample> watch(const LiveDaemon& daemon, int seconds) {
   return samples;
 }
 
+// A calibrated room in which a device walks and is located, at the pace of its recording, and
+// another says much.
+class LocatedRoom {
+ public:
+  LocatedRoom()
+      : daemon_(path(),
+                {.site = calibrated_site(path()),
+                 // A ring that is soon full, and recordings that are soon removed.
+                 .more_configuration = "[record]\ndirectory = \"" + recordings().string() +
+                                       "\"\nrotate_mb = 1\nmax_total_mb = 16\n"
+                                       "min_free_mb = 0\nring_mb = 4\n",
+                 .subscriptions = {"v1/heartbeat/"}}) {}
+
+  // False when the device is not located.
+  bool begin() {
+    if (!daemon_.ready()) {
+      return false;
+    }
+    const std::vector<std::string> walk = {bundled_recording("walk", "ap1"),
+                                           bundled_recording("walk", "ap2"),
+                                           bundled_recording("walk", "ap3")};
+    send("walker", walk, {daemon_.address(0), daemon_.address(1), daemon_.address(2)}, 90);
+    send("other",
+         {recording_of_devices(path(), "ap2", 7, 1)},
+         {daemon_.address(1)},
+         stated("RAYLOC_MEMORY_RATE", 5000));
+    return eventually(kPatience, [&] { return fixes() > 0; });
+  }
+
+  LiveDaemon& daemon() { return daemon_; }
+  std::filesystem::path recordings() const { return path() / "rec"; }
+  std::uint64_t fixes() const {
+    return number(daemon_.bodies("heartbeat").back().at("estimation").at("fixes"));
+  }
+  bool all_run() {
+    return daemon_.running() && std::all_of(senders_.begin(), senders_.end(), [](const auto& one) {
+             return one->running();
+           });
+  }
+
+ private:
+  const std::filesystem::path& path() const { return folder_.path(); }
+
+  // Until this is destroyed.
+  void send(const std::string& name,
+            const std::vector<std::string>& recordings,
+            const std::vector<std::string>& to,
+            int rate) {
+    std::vector<std::string> words = {"send"};
+    words.insert(words.end(), recordings.begin(), recordings.end());
+    for (const std::string& address : to) {
+      words.insert(words.end(), {"--to", address});
+    }
+    words.insert(words.end(), {"--rate", std::to_string(rate), "--duration", "1000000"});
+    senders_.push_back(std::make_unique<Process>(path(), name, "rayloc", words));
+  }
+
+  const TemporaryFolder folder_;
+  LiveDaemon daemon_;
+  std::vector<std::unique_ptr<Process>> senders_;
+};
+
 TEST(Endurance, MemoryAndDescriptorsStayAsTheyAre) {
-  const TemporaryFolder folder;
-  // A ring that is soon full, and recordings that are soon removed.
-  const std::filesystem::path recordings = folder.path() / "rec";
-  LiveDaemon daemon(folder.path(),
-                    {.site = calibrated_site(folder.path()),
-                     .more_configuration = "[record]\ndirectory = \"" + recordings.string() +
-                                           "\"\nrotate_mb = 1\nmax_total_mb = 16\n"
-                                           "min_free_mb = 0\nring_mb = 4\n",
-                     .subscriptions = {"v1/heartbeat/"}});
-  ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  // A device that walks and is located, at the pace of its recording, and one that says much.
-  Process walker(folder.path(),
-                 "walker",
-                 "rayloc",
-                 without_end({bundled_recording("walk", "ap1"),
-                              bundled_recording("walk", "ap2"),
-                              bundled_recording("walk", "ap3")},
-                             {daemon.address(0), daemon.address(1), daemon.address(2)},
-                             90));
-  Process other(folder.path(),
-                "other",
-                "rayloc",
-                without_end({recording_of_devices(folder.path(), "ap2", 7, 1)},
-                            {daemon.address(1)},
-                            stated("RAYLOC_MEMORY_RATE", 5000)));
-  ASSERT_TRUE(eventually(kPatience, [&] { return fixes(daemon) > 0; })) << daemon.errors();
-  Visitors visitors(daemon);
+  LocatedRoom room;
+  ASSERT_TRUE(room.begin()) << room.daemon().errors();
+  Visitors visitors(room.daemon());
   const int seconds = stated("RAYLOC_MEMORY_SECONDS", 6);
-  const std::vector<Sample> samples = watch(daemon, seconds);
+  const std::vector<Sample> samples = watch(room.daemon(), seconds);
   const int visits = visitors.end();
   ASSERT_GE(samples.size(), 4U);
   // The first quarter fills what has a bound.
@@ -243,8 +295,8 @@ TEST(Endurance, MemoryAndDescriptorsStayAsTheyAre) {
   std::printf("%d s: %d visits, %llu fixes\n",
               seconds,
               visits,
-              static_cast<unsigned long long>(fixes(daemon)));  // NOLINT(google-runtime-int)
-  EXPECT_TRUE(daemon.running() && walker.running() && other.running());
+              static_cast<unsigned long long>(room.fixes()));  // NOLINT(google-runtime-int)
+  EXPECT_TRUE(room.all_run());
   EXPECT_LE(second.most_descriptors, first.least_descriptors + 12)
       << "a rotation, a request and a visitor are open";
   EXPECT_LT(second.most_kib, first.most_kib * 1.1 + 16 * 1024);
@@ -252,8 +304,32 @@ TEST(Endurance, MemoryAndDescriptorsStayAsTheyAre) {
     EXPECT_LT(second.slope, kMaxSlope) << "KiB/min";
     EXPECT_EQ(second.least_descriptors, first.least_descriptors);
   }
-  expect_bounded(recordings);
-  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+  expect_bounded(room.recordings());
+  EXPECT_EQ(room.daemon().stop(), 0) << room.daemon().errors();
+}
+
+TEST(Endurance, MemoryOfABacklogGoesBack) {
+  if (slower() > 1) {
+    GTEST_SKIP() << "a sanitizer has an allocator of its own";
+  }
+  LocatedRoom room;
+  ASSERT_TRUE(room.begin()) << room.daemon().errors();
+  std::this_thread::sleep_for(kWarmUp);
+  const double before = room.daemon().resident_kib();
+  for (int i = 1; i <= kBacklogs; ++i) {
+    starve(room.daemon());
+    std::this_thread::sleep_for(kStarved);  // it is worked off
+    double kept = 0.0;
+    ASSERT_TRUE(eventually(kPatience,
+                           [&] {
+                             std::this_thread::sleep_for(std::chrono::milliseconds(500));
+                             kept = room.daemon().resident_kib() - before;
+                             return kept < kMaxKeptKib;
+                           }))
+        << "backlog " << i << ": " << kept << " KiB more than before";
+  }
+  EXPECT_TRUE(room.all_run());
+  EXPECT_EQ(room.daemon().stop(), 0) << room.daemon().errors();
 }
 
 }  // namespace
