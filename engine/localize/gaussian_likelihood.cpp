@@ -41,14 +41,15 @@ ObservedBurst GaussianLikelihood::observe(std::span<const std::complex<double>> 
   return {model_.observe(h), {}, 0.0F};
 }
 
-double GaussianLikelihood::log_likelihood(const PlaceLikelihood& place,
-                                          const ObservedBurst& observed) const {
-  return ObservationModel::log_likelihood(place.model, observed.array);
+Likelihood::Coarse GaussianLikelihood::coarse(const PlaceLikelihood& place,
+                                              const ObservedBurst& observed) const {
+  return ObservationModel::coarse(place.model, observed.array);
 }
 
-double GaussianLikelihood::coarse_log_likelihood(const PlaceLikelihood& place,
-                                                 const ObservedBurst& observed) const {
-  return ObservationModel::coarse_log_likelihood(place.model, observed.array);
+double GaussianLikelihood::log_likelihood(const PlaceLikelihood& place,
+                                          const ObservedBurst& observed,
+                                          std::uint8_t windows) const {
+  return ObservationModel::log_likelihood(place.model, observed.array, windows);
 }
 
 std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
@@ -70,8 +71,10 @@ Likelihood::Place GaussianLikelihood::sharp(Place place) const {
   return place;
 }
 
-double GaussianLikelihood::nowhere(const ModelError& error, const ObservedBurst& observed) const {
-  return ObservationModel::log_likelihood(model_.nowhere(error), observed.array);
+PlaceLikelihood GaussianLikelihood::nowhere(const ModelError& error) const {
+  PlaceLikelihood result;
+  result.model = model_.nowhere(error);
+  return result;
 }
 
 }  // namespace rayloc

@@ -13,14 +13,16 @@ class GaussianLikelihood : public Likelihood {
 
   PlaceLikelihood place(const Place& place, const ModelError& error) const override;
   ObservedBurst observe(std::span<const std::complex<double>> h) const override;
-  double log_likelihood(const PlaceLikelihood& place, const ObservedBurst& observed) const override;
-  double coarse_log_likelihood(const PlaceLikelihood& place,
-                               const ObservedBurst& observed) const override;
+  Coarse coarse(const PlaceLikelihood& place, const ObservedBurst& observed) const override;
+  using Likelihood::log_likelihood;
+  double log_likelihood(const PlaceLikelihood& place,
+                        const ObservedBurst& observed,
+                        std::uint8_t windows) const override;
   std::unique_ptr<const NearbyLikelihood> nearby(const Place& place,
                                                  const PlaceLikelihood& of,
                                                  const ModelError& error,
                                                  const ObservedBurst& observed) const override;
-  double nowhere(const ModelError& error, const ObservedBurst& observed) const override;
+  PlaceLikelihood nowhere(const ModelError& error) const override;
 
  private:
   Place sharp(Place place) const;

@@ -85,20 +85,24 @@ class Likelihood {
   // h: [antenna][tone], chain gains removed.
   virtual ObservedBurst observe(std::span<const std::complex<double>> h) const = 0;
 
-  // Up to a constant of the burst.
+  // Cheaper than log_likelihood(), a lower bound, and what is worth a closer look.
+  using Coarse = ObservationModel::Coarse;
+  virtual Coarse coarse(const PlaceLikelihood& place, const ObservedBurst& observed) const = 0;
+  // Up to a constant of the burst. `windows`: those of coarse().
   virtual double log_likelihood(const PlaceLikelihood& place,
-                                const ObservedBurst& observed) const = 0;
-  // Cheaper, a lower bound.
-  virtual double coarse_log_likelihood(const PlaceLikelihood& place,
-                                       const ObservedBurst& observed) const = 0;
+                                const ObservedBurst& observed,
+                                std::uint8_t windows) const = 0;
+  double log_likelihood(const PlaceLikelihood& place, const ObservedBurst& observed) const {
+    return log_likelihood(place, observed, coarse(place, observed).windows);
+  }
   // Of the places in the cell of `of`, made from `place`; nothing where the kind does not tell them
   // apart. The arguments outlive it. REQUIRES: of.reachable.
   virtual std::unique_ptr<const NearbyLikelihood> nearby(const Place& place,
                                                          const PlaceLikelihood& of,
                                                          const ModelError& error,
                                                          const ObservedBurst& observed) const = 0;
-  // When the device may be anywhere: what every place is compared with.
-  virtual double nowhere(const ModelError& error, const ObservedBurst& observed) const = 0;
+  // The device anywhere: what every place is compared with.
+  virtual PlaceLikelihood nowhere(const ModelError& error) const = 0;
 
  protected:
   Likelihood() = default;

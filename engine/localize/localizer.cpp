@@ -185,6 +185,8 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
     maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
   maps.cell.assign(heard.size(), std::vector<double>(grid_.size()));
+  std::vector<std::vector<std::uint8_t>> windows(heard.size(),
+                                                 std::vector<std::uint8_t>(grid_.size()));
   std::vector<double> sum(grid_.size());
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
     return heard[i].weight * (log_likelihood - maps.nowhere[i]) + heard[i].level_at(cell, temper);
@@ -193,7 +195,9 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
     for (std::size_t i = 0; i < heard.size(); ++i) {
       const StationMap& station = *heard[i].map;
       if (station.is_reachable(cell)) {
-        maps.cell[i][cell] = above(i, cell, station.coarse_log_likelihood(cell, heard[i].observed));
+        const auto coarse = station.coarse(cell, heard[i].observed);
+        windows[i][cell] = coarse.windows;
+        maps.cell[i][cell] = above(i, cell, coarse.log_likelihood);
       }
       sum[cell] += maps.cell[i][cell];
     }
@@ -209,7 +213,8 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
       if (sum[cell] < least && value < least_of_one[i]) {
         value -= far_below;
       } else if (heard[i].map->is_reachable(cell)) {
-        value = above(i, cell, heard[i].map->log_likelihood(cell, heard[i].observed));
+        const double fine = heard[i].map->log_likelihood(cell, heard[i].observed, windows[i][cell]);
+        value = above(i, cell, fine);
       }
     }
   });

@@ -131,24 +131,47 @@ LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   return both.open;
 }
 
-// The same in the order of the delays.
-std::array<double, ObservedArray::kDelays> profiles(const PlaceModel& place,
-                                                    const ObservedArray& observed) {
-  std::array<double, ObservedArray::kDelays> values{};
-  for (std::size_t b = 0; b < ObservedArray::kBlocks; ++b) {
-    const auto block = better(place, observed.blocks[b]);
-    for (std::size_t i = 0; i < block.size(); ++i) {
-      values[i * ObservedArray::kBlocks + b] = static_cast<double>(block[i]);
+// Peaks of the coarse search that may be the best of the fine one: it misses a delay by 3 ns at
+// most, which costs about 10.
+constexpr float kCoarseMiss = 10.0F;
+std::uint8_t worth_a_look(const LaneRow& values) {
+  const float least = *std::max_element(values.begin(), values.end()) - kCoarseMiss;
+  unsigned windows = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const bool is_peak = (i == 0 || values[i] >= values[i - 1]) &&
+                         (i + 1 == values.size() || values[i] >= values[i + 1]);
+    windows |= is_peak && values[i] >= least ? 1U << i : 0U;
+  }
+  return static_cast<std::uint8_t>(windows);
+}
+
+// Calls with every window of these and the likelihoods of its delays.
+template <typename Call>
+void for_windows(const PlaceModel& place,
+                 const ObservedArray& observed,
+                 std::uint8_t windows,
+                 const Call& call) {
+  for (std::size_t w = 0; w < ObservedArray::kWindows; ++w) {
+    if ((windows >> w & 1U) != 0) {
+      call(w, better(place, observed.windows[w]));
     }
   }
-  return values;
 }
 
 }  // namespace
 
 std::size_t best_delay(const PlaceModel& place, const ObservedArray& observed) {
-  const auto values = profiles(place, observed);
-  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+  std::size_t best = 0;
+  float top = std::numeric_limits<float>::lowest();
+  const std::uint8_t windows = ObservationModel::coarse(place, observed).windows;
+  for_windows(place, observed, windows, [&](std::size_t w, const LaneRow& values) {
+    const auto peak = std::max_element(values.begin(), values.end());
+    if (*peak > top) {
+      top = *peak;
+      best = ObservedArray::first_of(w) + static_cast<std::size_t>(peak - values.begin());
+    }
+  });
+  return best;
 }
 
 ObservationModel::ObservationModel(const OfdmGrid& grid,
@@ -327,11 +350,7 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   for (const Value& v : h) {
     power += std::norm(v);
   }
-  ObservedArray observed;
-  for (auto& block : observed.blocks) {
-    block.re.resize(dimension());
-    block.im.resize(dimension());
-  }
+  ObservedArray observed(dimension());
   if (power <= 0.0) {
     return observed;
   }
@@ -349,16 +368,13 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
     }
   }
   std::vector<Value> coordinates(basis_.size());
-  for (std::size_t t = 0; t < ObservedArray::kBlocks * ObservedArray::kBlockSize; ++t) {
-    ObservedArray::Block& block = observed.blocks[t % ObservedArray::kBlocks];
-    const std::size_t entry = t / ObservedArray::kBlocks;
+  for (std::size_t t = 0; t < ObservedArray::kDelays; ++t) {
     double captured = 0.0;
     for (std::size_t m = 0; m < antennas_; ++m) {
       basis_.project({moved.data() + m * tones, tones}, coordinates);
       for (std::size_t i = 0; i < basis_.size(); ++i) {
         const Value v = coordinates[i];
-        block.re[m * basis_.size() + i][entry] = static_cast<float>(v.real());
-        block.im[m * basis_.size() + i][entry] = static_cast<float>(v.imag());
+        observed.set(m * basis_.size() + i, t, v);
         captured += std::norm(v);
       }
       for (std::size_t k = 0; k < tones; ++k) {
@@ -373,36 +389,48 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
 }
 
 double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedArray& observed) {
-  const auto values = profiles(place, observed);
-  const auto best =
-      static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
-  double peak = values[best];
-  if (best > 0 && best + 1 < values.size()) {
-    // The top of the parabola through the best delay and its neighbours.
-    const double slope = 0.5 * (values[best + 1] - values[best - 1]);
-    const double curvature = values[best + 1] - 2.0 * values[best] + values[best - 1];
-    if (curvature < 0.0) {
-      peak -= 0.5 * slope * slope / curvature;
-    }
-  }
-  return peak - static_cast<double>(place.log_determinant);
+  return log_likelihood(place, observed, coarse(place, observed).windows);
 }
 
-double ObservationModel::coarse_log_likelihood(const PlaceModel& place,
-                                               const ObservedArray& observed) {
-  const auto block = better(place, observed.blocks[ObservedArray::kBlocks / 2]);
-  return static_cast<double>(*std::max_element(block.begin(), block.end())) -
-         static_cast<double>(place.log_determinant);
+double ObservationModel::log_likelihood(const PlaceModel& place,
+                                        const ObservedArray& observed,
+                                        std::uint8_t windows) {
+  double best = std::numeric_limits<double>::lowest();
+  for_windows(place, observed, windows, [&](std::size_t, const LaneRow& values) {
+    const auto at =
+        static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+    auto peak = static_cast<double>(values[at]);
+    if (at > 0 && at + 1 < values.size()) {
+      // The top of the parabola through the best delay and its neighbours.
+      const auto before = static_cast<double>(values[at - 1]);
+      const auto after = static_cast<double>(values[at + 1]);
+      const double slope = 0.5 * (after - before);
+      const double curvature = after - 2.0 * peak + before;
+      if (curvature < 0.0) {
+        peak -= 0.5 * slope * slope / curvature;
+      }
+    }
+    best = std::max(best, peak);
+  });
+  return best - static_cast<double>(place.log_determinant);
+}
+
+ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
+                                                  const ObservedArray& observed) {
+  const LaneRow values = better(place, observed.coarse);
+  return {static_cast<double>(*std::max_element(values.begin(), values.end())) -
+              static_cast<double>(place.log_determinant),
+          worth_a_look(values)};
 }
 
 std::optional<double> ObservationModel::covered_log_odds(const PlaceModel& place,
                                                          const ObservedArray& observed) {
-  if (place.mean.size() <= observed.blocks[0].re.size()) {
+  if (place.mean.size() <= observed.coordinates()) {
     return std::nullopt;
   }
   float open = std::numeric_limits<float>::lowest();
   float covered = open;
-  for (const ObservedArray::Block& block : observed.blocks) {
+  for (const ObservedArray::Block& block : observed.windows) {
     const Profile both = profile(place, block);
     open = std::max(open, *std::max_element(both.open.begin(), both.open.end()));
     covered = std::max(covered, *std::max_element(both.covered.begin(), both.covered.end()));

@@ -29,33 +29,12 @@
 #include "engine/base/vec3.h"
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
-#include "engine/localize/lane_kernel.h"
+#include "engine/localize/observed_array.h"
 #include "engine/localize/ray.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/burst.h"
 
 namespace rayloc {
-
-// A burst in the coordinates of the basis, at every delay of the search.
-struct ObservedArray {
-  // Delays 1.5 ns apart in kBlocks interleaved blocks: entry i of block b is delay i kBlocks + b.
-  static constexpr std::size_t kBlocks = 4;
-  static constexpr std::size_t kBlockSize = kLaneCount;
-  static constexpr std::size_t kDelays = kBlocks * kBlockSize;
-  using Row = LaneRow;
-  struct Block {
-    std::vector<Row> re;  // [coordinate][delay]
-    std::vector<Row> im;
-  };
-  std::array<Block, kBlocks> blocks;
-  double captured = 0.0;  // largest share of the power that lies in the basis
-
-  std::complex<double> value(std::size_t coordinate, std::size_t delay) const {
-    const Block& block = blocks[delay % kBlocks];
-    return {static_cast<double>(block.re[coordinate][delay / kBlocks]),
-            static_cast<double>(block.im[coordinate][delay / kBlocks])};
-  }
-};
 
 // Distribution of the measurement at one place: the inverse Cholesky factor W of Sigma, and W mu.
 struct PlaceModel {
@@ -127,8 +106,16 @@ class ObservationModel {
 
   // Log-likelihood, maximised over gain, phase and delay; up to a constant of the measurement.
   static double log_likelihood(const PlaceModel& place, const ObservedArray& observed);
-  // The same over every fourth delay: a lower bound, at a quarter of the cost.
-  static double coarse_log_likelihood(const PlaceModel& place, const ObservedArray& observed);
+  // The same over every fourth delay: a lower bound, at half of the cost.
+  struct Coarse {
+    double log_likelihood = 0.0;
+    std::uint8_t windows = 0;  // a bit for each window of ObservedArray that may hold the best
+  };
+  static Coarse coarse(const PlaceModel& place, const ObservedArray& observed);
+  // In these windows: what log_likelihood() adds to coarse().
+  static double log_likelihood(const PlaceModel& place,
+                               const ObservedArray& observed,
+                               std::uint8_t windows);
 
   // Logarithm of the odds that the direct way is covered; nothing where it cannot be.
   static std::optional<double> covered_log_odds(const PlaceModel& place,

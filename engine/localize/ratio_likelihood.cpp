@@ -149,8 +149,18 @@ double RatioLikelihood::of_residual(double share) const {
   return -0.5 * static_cast<double>((antennas_ - 1) * per_pair) * std::log(share + kFloor);
 }
 
+// It has no delay to look for.
+Likelihood::Coarse RatioLikelihood::coarse(const PlaceLikelihood& place,
+                                           const ObservedBurst& observed) const {
+  return {log_likelihood(place, observed, 0), 0};
+}
+
 double RatioLikelihood::log_likelihood(const PlaceLikelihood& place,
-                                       const ObservedBurst& observed) const {
+                                       const ObservedBurst& observed,
+                                       std::uint8_t /*windows*/) const {
+  if (place.features.empty()) {  // nowhere()
+    return of_residual(kWorst);
+  }
   const auto scale = static_cast<double>(observed.scale);
   std::vector<double> each;
   for (std::size_t first = 0; first < place.features.size(); first += feature_count_) {
@@ -166,11 +176,6 @@ double RatioLikelihood::log_likelihood(const PlaceLikelihood& place,
   return top + std::log(sum / static_cast<double>(each.size()));
 }
 
-double RatioLikelihood::coarse_log_likelihood(const PlaceLikelihood& place,
-                                              const ObservedBurst& observed) const {
-  return log_likelihood(place, observed);
-}
-
 // place() has looked closely already.
 std::unique_ptr<const NearbyLikelihood> RatioLikelihood::nearby(
     const Place& /*place*/,
@@ -180,9 +185,6 @@ std::unique_ptr<const NearbyLikelihood> RatioLikelihood::nearby(
   return nullptr;
 }
 
-double RatioLikelihood::nowhere(const ModelError& /*error*/,
-                                const ObservedBurst& /*observed*/) const {
-  return of_residual(kWorst);
-}
+PlaceLikelihood RatioLikelihood::nowhere(const ModelError& /*error*/) const { return {}; }
 
 }  // namespace rayloc

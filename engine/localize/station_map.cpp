@@ -60,7 +60,8 @@ StationMap::StationMap(const Source& source,
       offsets_(std::move(offsets)),
       likelihood_(Likelihood::make(source.likelihood, source.room->grid, offsets_.size())),
       model_(source.room->grid, offsets_.size()),
-      tracing_(std::move(tracing)) {
+      tracing_(std::move(tracing)),
+      nowhere_(likelihood_->nowhere(access_point().error)) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<StationMap>>());
@@ -108,12 +109,14 @@ ObservedBurst StationMap::observe(std::span<const std::complex<double>> h) const
   return likelihood_->observe(h);
 }
 
-double StationMap::log_likelihood(std::size_t cell, const ObservedBurst& observed) const {
-  return likelihood_->log_likelihood(cells_[cell], observed);
+Likelihood::Coarse StationMap::coarse(std::size_t cell, const ObservedBurst& observed) const {
+  return likelihood_->coarse(cells_[cell], observed);
 }
 
-double StationMap::coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const {
-  return likelihood_->coarse_log_likelihood(cells_[cell], observed);
+double StationMap::log_likelihood(std::size_t cell,
+                                  const ObservedBurst& observed,
+                                  std::uint8_t windows) const {
+  return likelihood_->log_likelihood(cells_[cell], observed, windows);
 }
 
 std::vector<double> StationMap::level_log_likelihood(const HeardLevel& heard) const {
@@ -136,7 +139,7 @@ std::vector<double> StationMap::level_log_likelihood(const HeardLevel& heard) co
 }
 
 double StationMap::nowhere(const ObservedBurst& observed) const {
-  return likelihood_->nowhere(access_point().error, observed);
+  return likelihood_->log_likelihood(nowhere_, observed);
 }
 
 std::unique_ptr<const NearbyLikelihood> StationMap::nearby(std::size_t cell,

@@ -6,6 +6,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -49,10 +50,12 @@ class StationMap {
   // h: [antenna][tone], chain gains removed.
   ObservedBurst observe(std::span<const std::complex<double>> h) const;
 
-  // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound.
+  // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound, and where to look.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
-  double log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
-  double coarse_log_likelihood(std::size_t cell, const ObservedBurst& observed) const;
+  Likelihood::Coarse coarse(std::size_t cell, const ObservedBurst& observed) const;
+  double log_likelihood(std::size_t cell,
+                        const ObservedBurst& observed,
+                        std::uint8_t windows) const;
   // Of the burst's level in every cell, less the logarithm of its mean over the cells that are
   // reachable: a level tells nothing of a device that may be anywhere. 0 elsewhere.
   std::vector<double> level_log_likelihood(const HeardLevel& heard) const;
@@ -84,6 +87,7 @@ class StationMap {
   std::unique_ptr<const Likelihood> likelihood_;
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
+  PlaceLikelihood nowhere_;
   std::vector<PlaceLikelihood> cells_;
   std::vector<double> level_db_;                            // of each cell that a ray leads to
   std::vector<std::unique_ptr<Lazy<StationMap>>> without_;  // [antenna]

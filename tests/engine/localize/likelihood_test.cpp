@@ -94,7 +94,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds,
 TEST_P(EachLikelihood, IsHighestWhereTheDeviceIs) {
   const auto observed = likelihood_->observe(link().channel(kTruth));
   const double here = at(kTruth, observed);
-  EXPECT_GT(here, likelihood_->nowhere(link().error(), observed) + 5.0);
+  EXPECT_GT(here,
+            likelihood_->log_likelihood(likelihood_->nowhere(link().error()), observed) + 5.0);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> x(-1.4, 1.4);
   std::uniform_real_distribution<double> y(-1.1, 1.1);
@@ -127,7 +128,7 @@ TEST_P(EachLikelihood, CoarseIsALowerBound) {
   for (const Vec3d place : {kTruth, Vec3d{-0.3, 0.4, 1.2}, Vec3d{1.1, 0.2, 1.2}}) {
     const auto rays = link().rays(place);
     const auto of = likelihood_->place({rays, link().offsets(), 0.05}, link().error());
-    EXPECT_LE(likelihood_->coarse_log_likelihood(of, observed),
+    EXPECT_LE(likelihood_->coarse(of, observed).log_likelihood,
               likelihood_->log_likelihood(of, observed));
   }
 }
@@ -219,15 +220,13 @@ double on_delays(LikelihoodKind kind,
   const auto place = likelihood->place({rays, link().offsets(), 0.0}, error);
   const double found = likelihood->log_likelihood(place, observed);
   double best = -1e300;
-  std::vector<Value> y(observed.array.blocks[0].re.size());
+  std::vector<Value> y(observed.array.coordinates());
   for (std::size_t t = 0; t < ObservedArray::kDelays; ++t) {
-    // All blocks hold the same delay, so that there is nothing to search between.
+    // The same at every delay, so that there is nothing to search between.
     ObservedArray one = observed.array;
-    for (auto& block : one.blocks) {
-      for (std::size_t i = 0; i < y.size(); ++i) {
-        const Value v = observed.array.value(i, t);
-        block.re[i].fill(static_cast<float>(v.real()));
-        block.im[i].fill(static_cast<float>(v.imag()));
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      for (std::size_t other = 0; other < ObservedArray::kDelays; ++other) {
+        one.set(i, other, observed.array.value(i, t));
       }
     }
     best = std::max(best, ObservationModel::log_likelihood(place.model, one));

@@ -108,7 +108,7 @@ TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
   const PlaceModel place = model.place({rays, offsets, 0.05}, {});
   const auto observed = model.observe(model.expected({rays, offsets, 0.0}, {}));
   const double full = ObservationModel::log_likelihood(place, observed);
-  const double coarse = ObservationModel::coarse_log_likelihood(place, observed);
+  const double coarse = ObservationModel::coarse(place, observed).log_likelihood;
   EXPECT_LE(coarse, full);
   EXPECT_GT(coarse, full - 35.0);
 }
