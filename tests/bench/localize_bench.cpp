@@ -5,15 +5,13 @@
 //   kept start   reading the kept bytes once, as a checksum does
 //   snapshot     and step: for every cell, access point and delay looked at coarsely, the
 //                multiply-adds that whitening a burst takes, and nothing else
-// Then how long single fixes take, p50 to p99, since a mean hides what a live system feels.
+// Then how long single fixes and steps take, p50 to p99.
 // Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <map>
-#include <numeric>
 #include <string>
 #include <vector>
 
@@ -23,6 +21,7 @@
 #include "engine/trace/path_tracer.h"
 #include "engine/track/device_tracker.h"
 #include "tests/bench/best_times.h"
+#include "tests/bench/laboratory_room.h"
 #include "tests/bench/memory.h"
 #include "tests/support/laboratory.h"
 #include "tests/support/synthetic_room.h"
@@ -44,35 +43,7 @@ class MemoryStore : public PathGridStore {
   std::map<std::string, std::string> kept;
 };
 
-struct Size {
-  int depth = 3;
-  int access_points = 1;
-  double length = 10.8;  // [m], of the part of the room that is looked at
-  friend auto operator<=>(const Size&, const Size&) = default;
-};
-
-// The laboratory, access points along its northern wall and opposite.
-RoomModel room_of(const Size& size) {
-  RoomModel room = test::make_room();
-  const std::vector<RoomAccessPoint> radios = room.access_points;
-  room.name = "laboratory";
-  room.scene = test::laboratory();
-  room.bounds_min = {0.0, 0.0, 0.0};
-  room.bounds_max = {size.length, 5.6, 3.0};
-  room.trace.max_depth = size.depth;
-  room.access_points.clear();
-  const std::vector<Vec3d> places = {{1.2, 4.7, 1.9}, {9.0, 0.9, 1.9}, {5.2, 5.2, 1.9}};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(size.access_points); ++i) {
-    RoomAccessPoint ap = radios[i];
-    ap.array = test::laboratory_access_point();
-    ap.array.pose.position = places[i];
-    room.access_points.push_back(std::move(ap));
-  }
-  for (std::size_t i = 0; i < room.access_points.size(); ++i) {
-    room.access_points[i].gains = test::make_gains(room, i);
-  }
-  return room;
-}
+using Size = LaboratorySize;
 
 Size size_of(const benchmark::State& state) {
   return {static_cast<int>(state.range(0)),
@@ -98,7 +69,7 @@ const Prepared& prepared(const Size& size) {
   static std::map<Size, Prepared> all;
   Prepared& one = all[size];
   if (one.localizer == nullptr) {
-    one.room = std::make_shared<const RoomModel>(room_of(size));
+    one.room = std::make_shared<const RoomModel>(laboratory_room(size));
     one.localizer =
         std::make_shared<const Localizer>(*Localizer::create(one.room, with(one.store)));
     for (Vec3d place : test::laboratory_positions(40)) {
@@ -268,34 +239,27 @@ BENCHMARK(BM_TrackerStepOfMany)
     ->Unit(benchmark::kMillisecond)
     ->MeasureProcessCPUTime();
 
-// [ms] of single calls, in order.
-template <typename Call>
-std::vector<double> times_of(int count, const Call& call) {
-  std::vector<double> times;
-  for (int i = 0; i < count; ++i) {
-    const auto begin = std::chrono::steady_clock::now();
-    call(i);
-    times.push_back(
-        1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
-  }
-  std::sort(times.begin(), times.end());
-  return times;
-}
-
-void print_latency() {
+void print_latencies() {
   const Prepared& p = prepared({});
-  const auto times = times_of(400, [&](int i) {
-    benchmark::DoNotOptimize(
-        p.localizer->locate(p.bursts[static_cast<std::size_t>(i) % p.bursts.size()]));
-  });
-  const auto at = [&](double share) {
-    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  const auto burst = [&](int i) -> const std::vector<CsiFrame>& {
+    return p.bursts[static_cast<std::size_t>(i) % p.bursts.size()];
   };
-  std::printf("snapshot, one access point, wall: p50 %.1f, p90 %.1f, p99 %.1f, max %.1f ms\n",
-              at(0.5),
-              at(0.9),
-              at(0.99),
-              times.back());
+  print_latency("a burst heard, of a snapshot", 400, [&](int i) {
+    benchmark::DoNotOptimize(p.localizer->hear(burst(i)));
+  });
+  print_latency("snapshot, one access point", 400, [&](int i) {
+    benchmark::DoNotOptimize(p.localizer->locate(burst(i)));
+  });
+  DeviceTracker tracker(p.localizer, {});
+  std::vector<DeviceUpdate> updates;
+  print_latency("tracker step, one access point", 400, [&](int i) {
+    std::vector<CsiFrame> moment = burst(i);
+    for (CsiFrame& frame : moment) {
+      frame.time = Timestamp(std::chrono::milliseconds(50) * i);
+    }
+    tracker.hear(MacAddress{{2, 0, 0, 0, 0, 1}}, moment, updates);
+    updates.clear();
+  });
 }
 
 void print_summary(const BestTimes& best) {
@@ -333,7 +297,7 @@ void print_summary(const BestTimes& best) {
         snapshot->cpu / whitening->cpu,
         step->cpu / whitening->cpu);
   }
-  print_latency();
+  print_latencies();
   print_peak_memory();
 }
 

@@ -1,0 +1,48 @@
+// The laboratory (10.8 x 5.6 x 3 m) as a calibrated room at 40 MHz, for what locates in it; and how
+// long single calls take, since a mean hides what a live system feels.
+#pragma once
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <vector>
+
+#include "engine/localize/room_model.h"
+
+namespace rayloc::bench {
+
+struct LaboratorySize {
+  int depth = 3;
+  int access_points = 1;
+  double length = 10.8;  // [m], of the part of the room that is looked at
+  friend auto operator<=>(const LaboratorySize&, const LaboratorySize&) = default;
+};
+
+// Access points stand along its northern wall and opposite; chain gains are those that
+// test::frames_of() applies.
+RoomModel laboratory_room(const LaboratorySize& size);
+
+// Milliseconds of CPU of single calls, all threads together: what a call takes on one core that
+// nothing else uses. Prints p50 to the most.
+template <typename Call>
+void print_latency(const char* name, int count, const Call& call) {
+  std::vector<double> times;
+  for (int i = 0; i < count; ++i) {
+    const std::clock_t begin = std::clock();
+    call(i);
+    times.push_back(1e3 * static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+  std::sort(times.begin(), times.end());
+  const auto at = [&](double share) {
+    return times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
+  };
+  std::printf("%s, milliseconds of CPU of %d: p50 %.1f, p90 %.1f, p99 %.1f, most %.1f\n",
+              name,
+              count,
+              at(0.5),
+              at(0.9),
+              at(0.99),
+              times.back());
+}
+
+}  // namespace rayloc::bench

@@ -1,0 +1,267 @@
+// The localization of people without a device in the laboratory (10.8 x 5.6 x 3 m), 40 MHz, between
+// a fixed transmitter and access points: cold start, a snapshot, a step of the tracker, and how
+// they grow; beside the least that each can cost, in the same run:
+//   cold start   the bare tracing of a body in the middle of every fourth cell, which is as many
+//                places as are traced
+//   snapshot     and step: one trace of a body with its derivatives, which a descent would pay for
+//                every step
+// Then how long single fixes and steps take, p50 to p99.
+// Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/calibrate/empty_room.h"
+#include "engine/localize/hearing.h"
+#include "engine/localize/person_localizer.h"
+#include "engine/trace/scattering.h"
+#include "engine/track/person_tracker.h"
+#include "tests/bench/best_times.h"
+#include "tests/bench/laboratory_room.h"
+#include "tests/bench/memory.h"
+#include "tests/support/laboratory.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc::bench {
+namespace {
+
+constexpr int kFrames = 10;  // of a burst and access point
+constexpr std::size_t kPlaces = 24;
+
+Transmitter transmitter() {
+  return {{{9.6, 3.6, 1.2}, {}, AntennaPattern::kHalfWaveDipole, Polarization::kVertical}};
+}
+
+// Links of the antennas of every access point past a body.
+std::vector<std::vector<TargetLink>> links_of(const RoomModel& room, int depth) {
+  ScatteringOptions options;
+  options.trace = room.trace;
+  options.trace.max_depth = depth;
+  const auto tracer = TargetTracer::create(room.scene, {}, options);
+  std::vector<std::vector<TargetLink>> links;
+  for (const RoomAccessPoint& ap : room.access_points) {
+    links.push_back(tracer->links(transmitter(), array_elements<Receiver>(ap.array)));
+  }
+  return links;
+}
+
+// Channels of every access point past a body, or of the empty room.
+std::vector<std::vector<std::complex<double>>> channels(
+    const RoomModel& room,
+    const std::vector<std::vector<TargetLink>>& links,
+    const TargetPosition* place) {
+  std::vector<std::vector<std::complex<double>>> result;
+  for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+    auto h = test::channel_at(room, room.access_points[a], transmitter().position);
+    for (std::size_t m = 0; place != nullptr && m < links[a].size(); ++m) {
+      const auto row = links[a][m].trace(*place)->cfr(room.grid);
+      for (std::size_t k = 0; k < row.size(); ++k) {
+        h[m * row.size() + k] += row[k];
+      }
+    }
+    result.push_back(std::move(h));
+  }
+  return result;
+}
+
+// depth: of the ways to and from the person together.
+struct Prepared {
+  std::shared_ptr<const RoomModel> room;
+  PersonReference reference;
+  PersonLocalizerOptions options;
+  std::shared_ptr<const PersonLocalizer> localizer;
+  std::vector<TargetPosition> places;
+  std::vector<std::vector<CsiFrame>> bursts;  // [place]
+};
+
+PersonReference reference_of(const RoomModel& room,
+                             const std::vector<std::vector<TargetLink>>& links) {
+  const auto frames =
+      test::frames_of(room, channels(room, links, nullptr), {.count = 20, .snr_db = 35.0});
+  std::vector<EmptyRoom> heard;
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < room.access_points.size(); ++i) {
+    heard.push_back({i, hear(room, i, frames, {}, warnings)->h});
+  }
+  return *fit_empty_room(room, transmitter(), heard);
+}
+
+const Prepared& prepared(const LaboratorySize& size) {
+  static std::map<LaboratorySize, Prepared> all;
+  Prepared& one = all[size];
+  if (one.localizer != nullptr) {
+    return one;
+  }
+  RoomModel room = laboratory_room(size);
+  room.trace.max_depth = 2;  // of the empty room
+  one.room = std::make_shared<const RoomModel>(std::move(room));
+  const auto links = links_of(*one.room, size.depth);
+  one.reference = reference_of(*one.room, links);
+  one.options.depth = size.depth;
+  one.localizer = std::make_shared<const PersonLocalizer>(
+      *PersonLocalizer::create(one.room, one.reference, one.options));
+  for (const Vec3d& place : test::laboratory_positions(kPlaces)) {
+    one.places.push_back({place.x * size.length / 10.8, place.y});
+    one.bursts.push_back(
+        test::frames_of(*one.room,
+                        channels(*one.room, links, &one.places.back()),
+                        {kFrames, 30.0, static_cast<unsigned>(one.bursts.size() + 1)}));
+  }
+  return one;
+}
+
+LaboratorySize size_of(const benchmark::State& state) {
+  return {static_cast<int>(state.range(0)),
+          static_cast<int>(state.range(1)),
+          1e-3 * static_cast<double>(state.range(2))};
+}
+
+void BM_ColdStart(benchmark::State& state) {
+  const Prepared& p = prepared(size_of(state));
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(PersonLocalizer::create(p.room, p.reference, p.options));
+  }
+}
+
+// To the centre of each array, as a localizer traces.
+std::vector<TargetLink> central_links(const Prepared& p) {
+  ScatteringOptions options;
+  options.trace = p.room->trace;
+  options.trace.max_depth = p.options.depth;
+  const auto tracer = TargetTracer::create(p.room->scene, {}, options);
+  std::vector<TargetLink> links;
+  for (const RoomAccessPoint& ap : p.room->access_points) {
+    links.push_back(tracer->link(transmitter(),
+                                 Receiver{{ap.array.pose.position,
+                                           ap.array.pose.orientation,
+                                           ap.array.pattern,
+                                           ap.array.polarization}}));
+  }
+  return links;
+}
+
+void BM_BareTracing(benchmark::State& state) {
+  const Prepared& p = prepared(size_of(state));
+  const double step = 2.0 * p.options.cell;
+  double places = 0.0;
+  for (auto _ : state) {
+    for (const TargetLink& link : central_links(p)) {
+      for (double x = p.room->bounds_min.x + step; x < p.room->bounds_max.x; x += step) {
+        for (double y = p.room->bounds_min.y + step; y < p.room->bounds_max.y; y += step) {
+          benchmark::DoNotOptimize(link.trace({x, y}));
+          places += 1.0;
+        }
+      }
+    }
+  }
+  state.counters["places"] = places / static_cast<double>(state.iterations());
+}
+
+void BM_OneTrace(benchmark::State& state) {
+  const Prepared& p = prepared(size_of(state));
+  const auto links = central_links(p);
+  std::size_t next = 0;
+  for (auto _ : state) {
+    for (const TargetLink& link : links) {
+      benchmark::DoNotOptimize(link.differentiate(p.places[next % p.places.size()]));
+    }
+    ++next;
+  }
+}
+
+void BM_Snapshot(benchmark::State& state) {
+  const Prepared& p = prepared(size_of(state));
+  std::size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(p.localizer->locate(p.bursts[next++ % p.bursts.size()]));
+  }
+}
+
+// Somebody who is somewhere else in every moment, so that nothing is left out.
+class Walk {
+ public:
+  explicit Walk(const Prepared& p) : p_(p), tracker_(p.localizer, {}) {}
+
+  void step(int number) {
+    std::vector<CsiFrame> moment = p_.bursts[static_cast<std::size_t>(number) % p_.bursts.size()];
+    moment.resize(p_.room->access_points.size());  // a frame of each
+    for (std::size_t i = 0; i < moment.size(); ++i) {
+      moment[i].time = Timestamp(std::chrono::milliseconds(80) * number);
+    }
+    tracker_.hear(moment, updates_);
+    updates_.clear();
+  }
+
+ private:
+  const Prepared& p_;
+  PersonTracker tracker_;
+  std::vector<PersonUpdate> updates_;
+};
+
+void BM_TrackerStep(benchmark::State& state) {
+  Walk walk(prepared(size_of(state)));
+  int next = 0;
+  for (auto _ : state) {
+    walk.step(next++);
+  }
+}
+
+// Arguments: depth, access points, length in millimetres.
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->Args({2, 1, 10800})->Args({1, 1, 10800})->Args({3, 1, 10800});
+  benchmark->Args({2, 1, 5400})->Args({2, 3, 10800});
+  benchmark->Unit(benchmark::kMillisecond)->MeasureProcessCPUTime();
+}
+void starts(benchmark::internal::Benchmark* benchmark) {
+  sizes(benchmark);
+  benchmark->Iterations(1);
+}
+BENCHMARK(BM_BareTracing)->Apply(starts);
+BENCHMARK(BM_ColdStart)->Apply(starts);
+BENCHMARK(BM_OneTrace)->Apply(sizes);
+BENCHMARK(BM_Snapshot)->Apply(sizes);
+BENCHMARK(BM_TrackerStep)->Apply(sizes);
+
+void print_summary(const BestTimes& best) {
+  for (const char* size : {"1/1/10800", "2/1/10800", "3/1/10800", "2/1/5400", "2/3/10800"}) {
+    const auto of = [&](const char* name) { return best.find(std::string(name) + "/" + size); };
+    const auto bare = of("BM_BareTracing");
+    const auto cold = of("BM_ColdStart");
+    const auto trace = of("BM_OneTrace");
+    const auto snapshot = of("BM_Snapshot");
+    const auto step = of("BM_TrackerStep");
+    if (!bare || !cold || !trace || !snapshot || !step) {
+      continue;
+    }
+    std::printf(
+        "depth/access points/length %s, CPU: cold start %.2f s (%.1f times bare tracing of %.0f "
+        "places), snapshot %.1f ms and tracker step %.1f ms (as long as %.0f and %.0f traces)\n",
+        size,
+        cold->cpu,
+        cold->cpu / bare->cpu,
+        bare->counters.at("places"),
+        1e3 * snapshot->cpu,
+        1e3 * step->cpu,
+        snapshot->cpu / trace->cpu,
+        step->cpu / trace->cpu);
+  }
+  const Prepared& p = prepared({.depth = 2});
+  print_latency("snapshot, one access point", 400, [&](int i) {
+    benchmark::DoNotOptimize(
+        p.localizer->locate(p.bursts[static_cast<std::size_t>(i) % p.bursts.size()]));
+  });
+  Walk walk(p);
+  print_latency("tracker step, one access point", 400, [&](int i) { walk.step(i); });
+  print_peak_memory();
+}
+
+}  // namespace
+}  // namespace rayloc::bench
+
+int main(int argc, char** argv) {
+  return rayloc::bench::run_benchmarks(argc, argv, rayloc::bench::print_summary);
+}
