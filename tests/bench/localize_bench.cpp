@@ -20,6 +20,7 @@
 #include "engine/localize/path_grid.h"
 #include "engine/trace/path_tracer.h"
 #include "engine/track/device_tracker.h"
+#include "engine/track/grid_filter.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/laboratory_room.h"
 #include "tests/bench/memory.h"
@@ -250,9 +251,25 @@ void print_latencies() {
   print_latency("snapshot, one access point", 400, [&](int i) {
     benchmark::DoNotOptimize(p.localizer->locate(burst(i)));
   });
+  std::vector<Localizer::Evidence> evidence;
+  for (const std::vector<CsiFrame>& frames : p.bursts) {
+    evidence.push_back(p.localizer->evidence(p.localizer->hear(frames)));
+  }
+  GridFilter filter(std::make_shared<const FreeSpace>(
+                        make_free_space(*p.room->scene,
+                                        p.localizer->grid(),
+                                        {p.room->access_points.front().array.pose.position})),
+                    {});
+  print_latency("the filter alone, of a tracker step", 400, [&](int i) {
+    const auto& heard = evidence[static_cast<std::size_t>(i) % evidence.size()];
+    filter.predict(std::chrono::milliseconds(50));
+    filter.weigh_change(1.0);
+    filter.update(heard.log_likelihood, p.room->temper, heard.elsewhere);
+    benchmark::DoNotOptimize(filter.mass());
+  });
   DeviceTracker tracker(p.localizer, {});
   std::vector<DeviceUpdate> updates;
-  print_latency("tracker step, one access point", 400, [&](int i) {
+  print_latency("tracker step with the burst's map, one access point", 400, [&](int i) {
     std::vector<CsiFrame> moment = burst(i);
     for (CsiFrame& frame : moment) {
       frame.time = Timestamp(std::chrono::milliseconds(50) * i);
