@@ -36,7 +36,7 @@ struct LocationEstimate {
 
   std::vector<Hypothesis> hypotheses;  // heaviest first, at most LocalizerOptions::max_hypotheses
   double residual_probability = 1.0;   // 1 - sum of the weights: somewhere else
-  bool ambiguous = false;              // another hypothesis is nearly as likely
+  bool ambiguous = false;              // a hypothesis of another place is nearly as likely
 
   // Negative log-likelihood of `position`, up to a constant of the site, or what else the method
   // makes least.

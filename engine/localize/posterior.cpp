@@ -10,12 +10,16 @@
 namespace rayloc {
 namespace {
 
-constexpr double kKernel = 0.1;             // [m], standard deviation
-constexpr double kPeakRadius = 0.15;        // [m], the position is the mean within it
-constexpr double kHypothesisRadius = 0.3;   // [m], mass that belongs to one hypothesis
-constexpr double kLeastWeight = 0.02;       // of a hypothesis worth stating
-constexpr double kLeastPart = 1e-9;         // of a hill's mass, of a cell that has a part in it
-constexpr double kAmbiguousRatio = 0.3;     // weight of the second hypothesis to the first
+constexpr double kKernel = 0.1;            // [m], standard deviation
+constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
+constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
+constexpr double kLeastWeight = 0.02;      // of a hypothesis worth stating
+constexpr double kLeastPart = 1e-9;        // of a hill's mass, of a cell that has a part in it
+constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothesis to the first
+// Pieces of one broad hill: no farther apart than this [m], and than so many of their spreads.
+// Neighbouring pieces are 1.5 to 2 apart, peaks with a valley between 3 and more.
+constexpr double kTouch = 0.65;
+constexpr double kSpreads = 2.3;
 constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
 constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
@@ -249,6 +253,36 @@ void sort_by_weight(std::vector<Hypothesis>& hypotheses) {
                    [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
 }
 
+bool touch(const Hypothesis& a, const Hypothesis& b) {
+  const double x = b.position.x - a.position.x;
+  const double y = b.position.y - a.position.y;
+  const double apart = std::hypot(x, y);
+  const auto spread = [&](const Hypothesis& one) {
+    const auto& c = one.covariance;
+    return std::sqrt(c[0] * x * x + 2.0 * c[1] * x * y + c[4] * y * y) / std::max(apart, 1e-9);
+  };
+  return apart < kTouch && apart < kSpreads * (spread(a) + spread(b));
+}
+
+// A place that the first does not touch, directly or by others, is nearly as likely.
+// REQUIRES: the heaviest is the first.
+bool is_ambiguous(const std::vector<Hypothesis>& hypotheses) {
+  if (hypotheses.empty()) {
+    return false;
+  }
+  std::vector<Hypothesis> others(hypotheses.begin() + 1, hypotheses.end());
+  std::vector<Hypothesis> same{hypotheses.front()};  // grows by what each of it touches
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    const auto apart = std::stable_partition(
+        others.begin(), others.end(), [&](const auto& one) { return !touch(same[i], one); });
+    same.insert(same.end(), apart, others.end());
+    others.erase(apart, others.end());
+  }
+  return std::any_of(others.begin(), others.end(), [&](const Hypothesis& one) {
+    return one.weight > kAmbiguousRatio * hypotheses.front().weight;
+  });
+}
+
 void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
   const double believed = 1.0 - options.outlier;
   double left = 1.0;
@@ -283,8 +317,7 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
   estimate.residual_probability = std::clamp(left, 0.0, 1.0);
   std::vector<Hypothesis>& hypotheses = estimate.hypotheses;
   sort_by_weight(hypotheses);
-  estimate.ambiguous =
-      hypotheses.size() > 1 && hypotheses[1].weight > kAmbiguousRatio * hypotheses[0].weight;
+  estimate.ambiguous = is_ambiguous(hypotheses);
   if (hypotheses.empty() || hypotheses.size() >= options.max_hypotheses) {
     return;
   }

@@ -145,6 +145,24 @@ TEST(Posterior, StatesBothOfTwoPlacesAndThatItIsAmbiguous) {
   EXPECT_GT(estimate.accuracy_m, 2.0);  // 95 % of the mass are not in one place
 }
 
+// A hypothesis reaches 0.3 m: a broader hill is stated in pieces, which are one place.
+TEST(Posterior, IsNotAmbiguousForABroadHill) {
+  const RoomGrid g = grid();
+  const auto ridge = [&](double gap) {
+    const auto map = map_of(g, [&](const Vec3d& p) {
+      return std::abs(p.x) < gap ? -60.0 : -p.x * p.x / 0.5 - p.y * p.y / 0.005;
+    });
+    LocationEstimate estimate;
+    summarise_posterior(g, map, {}, estimate);
+    return estimate;
+  };
+  const LocationEstimate broad = ridge(0.0);
+  ASSERT_GE(broad.hypotheses.size(), 3U);
+  EXPECT_GT(broad.hypotheses[1].weight, 0.3 * broad.hypotheses[0].weight);
+  EXPECT_FALSE(broad.ambiguous);
+  EXPECT_TRUE(ridge(0.4).ambiguous);
+}
+
 TEST(Posterior, PrefersAHillToASpike) {
   const RoomGrid g = grid();
   const auto map = map_of(g, [](const Vec3d& p) {
