@@ -13,6 +13,7 @@
 #include "capture/pcap_source.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/site/site.h"
+#include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -22,33 +23,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-constexpr const char* kPlan = R"(name = "closet"
-size = [3.0, 2.4, 2.5]
-corner = [-1.5, -1.2, 0]
-floor = "concrete"
-ceiling = "ceiling_board"
-walls = "brick"
-[carrier]
-channel = 36
-bandwidth_mhz = 40
-centre_hz = 5190000000
-tones = 128
-active = [[-58, -2], [2, 58]]
-[[access_point]]
-id = "ap1"
-position = [-1.3, 1.0, 1.2]
-yaw_deg = -38
-pattern = "half_wave_dipole"
-[[access_point.antenna]]
-core = 2
-offset = [0, -0.089, 0]
-[[access_point.antenna]]
-core = 0
-offset = [0, 0, 0]
-[[access_point.antenna]]
-core = 3
-offset = [0, 0.089, 0]
-)";
 constexpr const char* kFixed = R"(
 [[transmitter]]
 role = "fixed"
@@ -68,7 +42,7 @@ class RechainVerb : public ::testing::Test {
         (std::string("rechain_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::remove_all(folder_);
     fs::create_directories(folder_);
-    write("plan.toml", kPlan);
+    write("plan.toml", test::closet_plan());
     write("radio.toml", kRadio);
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     std::ofstream(path("site") + "/site.toml", std::ios::app) << kFixed;

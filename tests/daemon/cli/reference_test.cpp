@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -25,30 +26,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-constexpr const char* kPlan = R"(name = "closet"
-size = [3.0, 2.4, 2.5]
-corner = [-1.5, -1.2, 0]
-floor = "concrete"
-ceiling = "ceiling_board"
-walls = "brick"
-[carrier]
-channel = 36
-bandwidth_mhz = 40
-centre_hz = 5190000000
-tones = 128
-active = [[-58, -2], [2, 58]]
-)";
-constexpr const char* kAntennas = R"(pattern = "half_wave_dipole"
-[[access_point.antenna]]
-core = 2
-offset = [0, -0.089, 0]
-[[access_point.antenna]]
-core = 0
-offset = [0, 0, 0]
-[[access_point.antenna]]
-core = 3
-offset = [0, 0.089, 0]
-)";
 constexpr const char* kTransmitters = R"(
 [person]
 radius_m = 0.16
@@ -72,11 +49,8 @@ class ReferenceVerb : public ::testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(folder());
     fs::create_directories(folder());
-    std::string plan = kPlan;
-    plan += "[[access_point]]\nid = \"ap1\"\nposition = [-1.3, 1.0, 1.2]\nyaw_deg = -38\n";
-    plan += kAntennas;
-    plan += "[[access_point]]\nid = \"ap2\"\nposition = [1.3, 1.0, 1.2]\nyaw_deg = -142\n";
-    plan += kAntennas;
+    const std::string plan =
+        test::closet_plan() + test::closet_access_point("ap2", "[1.3, 1.0, 1.2]", -142);
     write("plan.toml", plan);
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     std::ofstream(path("site") + "/site.toml", std::ios::app) << kTransmitters;

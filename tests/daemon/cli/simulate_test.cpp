@@ -1,5 +1,4 @@
 // `rayloc simulate` as a process, and what the other verbs make of its recordings.
-#include <array>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -14,6 +13,7 @@
 
 #include "daemon/site/room_model.h"
 #include "engine/trace/array_tracer.h"
+#include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -24,37 +24,12 @@ using ::testing::HasSubstr;
 using Value = std::complex<double>;
 
 // A small room with three access points of three antennas.
-constexpr const char* kPlan = R"(name = "closet"
-size = [3.0, 2.4, 2.5]
-corner = [-1.5, -1.2, 0]
-floor = "concrete"
-ceiling = "ceiling_board"
-walls = "brick"
-[[box]]
+constexpr const char* kCabinet = R"([[box]]
 name = "cabinet"
 material = "metal"
 centre = [1.2, -0.9, 0.5]
 size = [0.5, 0.4, 1.0]
-[carrier]
-channel = 36
-bandwidth_mhz = 40
-centre_hz = 5190000000
-tones = 128
-active = [[-58, -2], [2, 58]]
 )";
-
-std::string access_point(const std::string& id, const std::string& position, int yaw_deg) {
-  std::string text = "[[access_point]]\nid = \"" + id + "\"\nposition = " + position +
-                     "\nyaw_deg = " + std::to_string(yaw_deg) +
-                     "\npattern = \"half_wave_dipole\"\n";
-  const std::array<std::string, 3> offsets = {"[0, -0.089, 0]", "[0, 0, 0]", "[0, 0.089, 0]"};
-  const std::array<int, 3> cores = {2, 0, 3};
-  for (std::size_t i = 0; i < 3; ++i) {
-    text += "[[access_point.antenna]]\ncore = " + std::to_string(cores[i]) +
-            "\noffset = " + offsets[i] + "\n";
-  }
-  return text;
-}
 
 // Half a second at each of columns x rows places, `shift` metres from a grid of 0.3 m.
 std::string points(int columns, int rows, double shift, int start) {
@@ -79,9 +54,10 @@ class SimulateVerb : public ::testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     write("plan.toml",
-          kPlan + access_point("ap1", "[-1.3, 1.0, 1.2]", -38) +
-              access_point("ap2", "[1.35, 0.9, 1.2]", -146) +
-              access_point("ap3", "[-0.2, -1.05, 1.2]", 79));
+          std::string(test::kCloset) + kCabinet +
+              test::closet_access_point("ap1", "[-1.3, 1.0, 1.2]", -38) +
+              test::closet_access_point("ap2", "[1.35, 0.9, 1.2]", -146) +
+              test::closet_access_point("ap3", "[-0.2, -1.05, 1.2]", 79));
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
   }
   void TearDown() override { fs::remove_all(folder_); }

@@ -19,6 +19,7 @@
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/paced_source.h"
 #include "daemon/publish/proto_time.h"
+#include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc {
@@ -26,33 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPlan = R"(name = "closet"
-size = [3.0, 2.4, 2.5]
-corner = [-1.5, -1.2, 0]
-floor = "concrete"
-ceiling = "ceiling_board"
-walls = "brick"
-[carrier]
-channel = 36
-bandwidth_mhz = 40
-centre_hz = 5190000000
-tones = 128
-active = [[-58, -2], [2, 58]]
-[[access_point]]
-id = "ap1"
-position = [-1.3, 1.0, 1.2]
-yaw_deg = -38
-pattern = "half_wave_dipole"
-[[access_point.antenna]]
-core = 2
-offset = [0, -0.089, 0]
-[[access_point.antenna]]
-core = 0
-offset = [0, 0, 0]
-[[access_point.antenna]]
-core = 3
-offset = [0, 0.089, 0]
-)";
 constexpr const char* kTransmitters = R"(
 [person]
 radius_m = 0.16
@@ -134,7 +108,7 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(folder());
     fs::create_directories(folder());
-    std::ofstream(path("plan.toml")) << kPlan;
+    std::ofstream(path("plan.toml")) << test::closet_plan();
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     std::ofstream(path("site") + "/site.toml", std::ios::app) << kTransmitters;
     std::string survey = kHeader;

@@ -12,6 +12,7 @@
 
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/pipeline/device_estimator.h"
+#include "tests/support/closet_plan.h"
 #include "tests/support/faulty_frames.h"
 #include "tests/support/rayloc_process.h"
 
@@ -20,33 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPlan = R"(name = "closet"
-size = [3.0, 2.4, 2.5]
-corner = [-1.5, -1.2, 0]
-floor = "concrete"
-ceiling = "ceiling_board"
-walls = "brick"
-[carrier]
-channel = 36
-bandwidth_mhz = 40
-centre_hz = 5190000000
-tones = 128
-active = [[-58, -2], [2, 58]]
-[[access_point]]
-id = "ap1"
-position = [-1.3, 1.0, 1.2]
-yaw_deg = -38
-pattern = "half_wave_dipole"
-[[access_point.antenna]]
-core = 2
-offset = [0, -0.089, 0]
-[[access_point.antenna]]
-core = 0
-offset = [0, 0, 0]
-[[access_point.antenna]]
-core = 3
-offset = [0, 0.089, 0]
-)";
 constexpr double kQuarter = 0.5 * std::numbers::pi;
 constexpr int kJumpAt = 30;  // the burst from which on the chain is turned
 constexpr int kBursts = 60;
@@ -69,7 +43,7 @@ class TurnedChains : public ::testing::Test {
   static void SetUpTestSuite() {
     fs::remove_all(folder());
     fs::create_directories(folder());
-    std::ofstream(path("plan.toml")) << kPlan;
+    std::ofstream(path("plan.toml")) << test::closet_plan();
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     simulate("survey", points(1000, 6, 5, 0.0));
     run({"calibrate",
