@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,10 @@ struct HeldOutFixes {
   double least_sigma = 0.0;  // [m]
   std::size_t points = 0;    // held out and heard
   std::size_t fixes = 0;
-  std::size_t within_accuracy = 0;  // truths within the stated 95 % radius
-  double median_error_m = 0.0;      // horizontal
-  double log_score = 0.0;           // mean logarithm of the density stated at the truth [1/m^2]
-  double dishonesty = 0.0;          // of the stated regions (Anderson and Darling); honest: about 1
+  std::size_t within_accuracy = 0;       // truths within the stated 95 % radius
+  std::optional<double> median_error_m;  // horizontal; nothing without a fix
+  double log_score = 0.0;   // mean logarithm of the density stated at the truth [1/m^2]
+  double dishonesty = 0.0;  // of the stated regions (Anderson and Darling); honest: about 1
 };
 
 struct CalibrationReport {

@@ -2,6 +2,8 @@
 
 #include <numeric>
 
+#include <spdlog/fmt/fmt.h>
+
 #include "daemon/evaluate/error_statistics.h"
 
 namespace rayloc {
@@ -48,6 +50,24 @@ FitSummary summarize_fit(const CalibrationReport& report,
 std::optional<CorrelationSummary> summarize_located(const CalibrationReport& report,
                                                     std::size_t access_point) {
   return summarize(heldout_correlations(report, report.located, access_point, &PointFit::after));
+}
+
+std::string to_text(const HeldOutFixes& fixes) {
+  if (fixes.points == 0) {
+    return "no point was held out: nothing tells how good the calibration is";
+  }
+  const std::string error = fixes.median_error_m
+                                ? fmt::format(
+                                      ", median error {:.3f} m, {} within the stated 95 % "
+                                      "radius",
+                                      *fixes.median_error_m,
+                                      fixes.within_accuracy)
+                                : "";
+  return fmt::format("{} of {} points{} (likelihood exponent {:g})",
+                     fixes.fixes,
+                     fixes.points,
+                     error,
+                     fixes.temper);
 }
 
 }  // namespace rayloc

@@ -125,7 +125,9 @@ HeldOutFixes fixes_with(const Localizer& localizer,
       dishonesty(estimates,
                  spots,
                  result.least_sigma * result.least_sigma - stated + survey_sigma * survey_sigma);
-  result.median_error_m = errors.empty() ? 0.0 : percentile(std::move(errors), 0.5);
+  if (!errors.empty()) {
+    result.median_error_m = percentile(std::move(errors), 0.5);
+  }
   return result;
 }
 

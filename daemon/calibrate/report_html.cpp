@@ -102,15 +102,7 @@ std::string headline(const CalibrationReport& report) {
       rays_text(written.calibration.room.trace) + "; the method saw it with " +
       rays_text(written.rays) + ".");
   if (!report.fixes.empty()) {
-    const HeldOutFixes& fixes = report.fixes.back();
-    html += paragraph(
-        fmt::format("Held-out fixes: {} of {} points, median error {:.3f} m, {} within the stated "
-                    "95 % radius (likelihood exponent {:g}).",
-                    fixes.fixes,
-                    fixes.points,
-                    fixes.median_error_m,
-                    fixes.within_accuracy,
-                    fixes.temper));
+    html += paragraph("Held-out fixes: " + to_text(report.fixes.back()) + ".");
   }
   return html;
 }

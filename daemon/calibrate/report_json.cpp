@@ -119,7 +119,7 @@ Json fixes_json(const std::vector<HeldOutFixes>& fixes) {
                    {"fixes", one.fixes},
                    {"within_accuracy_95", one.within_accuracy},
                    {"log_score", one.log_score},
-                   {"median_error_m", one.median_error_m}});
+                   {"median_error_m", one.median_error_m ? Json(*one.median_error_m) : Json()}});
   }
   return all;
 }

@@ -13,6 +13,11 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
     for (const AccessPointUse& one : used) {
       const FitSummary fit = summarize_fit(report, method.calibration, one.index);
       if (!fit.before || !fit.after) {
+        std::fprintf(stderr,
+                     "%s: %s: %zu points, none of them held out\n",
+                     method.method.c_str(),
+                     report.access_points[one.index].c_str(),
+                     one.points);
         continue;
       }
       const auto located = summarize_located(report, one.index);
@@ -28,15 +33,7 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
                    written ? fmt::format(", {:.3f} as located", located->median).c_str() : "");
     }
   }
-  const HeldOutFixes& last = report.fixes.back();
-  std::fprintf(stderr,
-               "held-out fixes: %zu of %zu points, median error %.3f m, %zu within the stated "
-               "95 %% radius (likelihood exponent %.2f)\n",
-               last.fixes,
-               last.points,
-               last.median_error_m,
-               last.within_accuracy,
-               last.temper);
+  std::fprintf(stderr, "held-out fixes: %s\n", to_text(report.fixes.back()).c_str());
   if (!report.refused.empty()) {
     std::fprintf(stderr,
                  "%zu inputs refused, the first: %s: %s; see report.json\n",

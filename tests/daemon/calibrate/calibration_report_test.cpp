@@ -1,6 +1,7 @@
 #include "daemon/calibrate/calibration_report.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -134,6 +135,16 @@ TEST(CalibrationReportHtml, ShowsTheFigures) {
   EXPECT_TRUE(page.says("+12 mm"));
   EXPECT_TRUE(page.says("12 ± 1 mm"));
   EXPECT_TRUE(page.says("300 MiB"));
+}
+
+// An error of 0.000 m would look like the best of all calibrations.
+TEST(CalibrationReport, StatesNoErrorWhereNothingWasFixed) {
+  CalibrationReport report = test::sample_report();
+  report.fixes.back() = {0.6, 0.005, 2, 0, 0, std::nullopt, 0.0};
+  EXPECT_TRUE(to_json(report).at("heldout_fixes").at(1).at("median_error_m").is_null());
+  EXPECT_TRUE(Page(report).says("Held-out fixes: 0 of 2 points (likelihood exponent 0.6)."));
+  report.fixes.back().points = 0;
+  EXPECT_TRUE(Page(report).says("no point was held out"));
 }
 
 TEST(CalibrationReportHtml, EscapesNames) {

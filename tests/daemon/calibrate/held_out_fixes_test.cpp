@@ -59,7 +59,7 @@ HeldOutFixes fit(double survey, double survey_sigma) {
 TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
   const HeldOutFixes fixes = fit(0.0, 0.0);
   EXPECT_EQ(fixes.fixes, static_cast<std::size_t>(kSpots));
-  EXPECT_LT(fixes.median_error_m, 0.01);
+  EXPECT_LT(fixes.median_error_m.value(), 0.01);
   EXPECT_LE(fixes.least_sigma, 0.007);
 }
 
@@ -88,11 +88,12 @@ TEST(HeldOutFixes, SpotsAtOtherHeightsDoNotCount) {
   }
   const HeldOutFixes fixes = fit_certainty_of(recorded().room, spots, 0.0).value().back();
   EXPECT_EQ(fixes.points, static_cast<std::size_t>(kSpots));
-  EXPECT_LT(fixes.median_error_m, 0.01);
+  EXPECT_LT(fixes.median_error_m.value(), 0.01);
   EXPECT_LE(fixes.least_sigma, 0.007);
   const std::vector<HeldOutSpot> elsewhere{spots[1], spots[3]};
   const HeldOutFixes none = fit_certainty_of(recorded().room, elsewhere, 0.0).value().back();
   EXPECT_EQ(none.points, 0U);
+  EXPECT_FALSE(none.median_error_m);
   EXPECT_EQ(none.least_sigma, recorded().room->least_sigma);
 }
 

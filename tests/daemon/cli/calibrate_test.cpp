@@ -260,6 +260,17 @@ TEST_F(CalibrateVerb, RefusesTooFewPoints) {
   EXPECT_NE(run.err.find("3 calibration points can be used"), std::string::npos) << run.err;
 }
 
+// As few as are taken leave none to check with.
+TEST_F(CalibrateVerb, SaysThatNoPointWasHeldOut) {
+  const Finished run =
+      calibrate({"--capture", "ap1=" + kSite + "/calibration-ap1.pcap.gz", "--points", points(4)});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("ap1: 4 points, none of them held out\n"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("nothing tells how good the calibration is"), std::string::npos)
+      << run.err;
+  EXPECT_EQ(run.err.find("median error"), std::string::npos) << run.err;
+}
+
 TEST_F(CalibrateVerb, SaysWhyNoPointCanBeUsed) {
   const fs::path site = copied_site();
   const std::string text = read_text(site / "site.toml");
