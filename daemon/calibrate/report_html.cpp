@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -107,9 +108,16 @@ std::string headline(const CalibrationReport& report) {
   return html;
 }
 
+std::string loss_text(const std::vector<CalibrationStep>& history) {
+  const auto least = std::min_element(
+      history.begin(), history.end(), [](const auto& a, const auto& b) { return a.loss < b.loss; });
+  return fmt::format("{:.5g} ({:.5g})", history.back().loss, least->loss);
+}
+
 std::string method_table(const CalibrationReport& report) {
-  HtmlTable table{{"method", "rays", "time", "iterations", "parameters", "last loss"}, {}};
+  HtmlTable table{{"method", "rays", "time", "iterations", "parameters", "last (least) loss"}, {}};
   for (const std::string& ap : report.access_points) {
+    table.columns.push_back(ap + " before");
     table.columns.push_back(ap + " after");
   }
   for (const CalibrationMethodResult& result : report.methods) {
@@ -121,15 +129,18 @@ std::string method_table(const CalibrationReport& report) {
          fmt::format("{:.1f} s", result.seconds),
          has_history ? std::to_string(calibration.history.back().iteration) : kNone,
          std::to_string(calibration.parameters.size()),
-         has_history ? fmt::format("{:.5g}", calibration.history.back().loss) : kNone});
+         has_history ? loss_text(calibration.history) : kNone});
     for (std::size_t ap = 0; ap < report.access_points.size(); ++ap) {
-      table.rows.back().push_back(summary_text(summarize_fit(report, calibration, ap).after));
+      const FitSummary fit = summarize_fit(report, calibration, ap);
+      table.rows.back().push_back(fit.before ? fmt::format("{:.3f}", fit.before->median) : kNone);
+      table.rows.back().push_back(summary_text(fit.after));
     }
   }
   return to_html(table) +
          paragraph(
-             "Median and quartiles at the points held out. A method's loss is its own; only the "
-             "correlations compare.");
+             "Median and quartiles at the points held out, before by the rays of each method. A "
+             "method's loss is its own; only the correlations compare. The paper's method keeps "
+             "the room of its least loss.");
 }
 
 std::string progress(const CalibrationReport& report) {

@@ -147,6 +147,20 @@ TEST(CalibrationReport, StatesNoErrorWhereNothingWasFixed) {
   EXPECT_TRUE(Page(report).says("no point was held out"));
 }
 
+// The paper's loss wanders, and its rays explain another share of the floor plan.
+TEST(CalibrationReportHtml, TellsWhereEachMethodStartedAndTheLossThatItKept) {
+  CalibrationReport report = test::sample_report();
+  RoomCalibration& paper = report.methods.back().calibration;
+  paper.points[1].before = 0.41;
+  paper.points[2].before = 0.43;
+  paper.history = {{"paper", 0, 1.5, 0.4}, {"paper", 1, 1.125, 0.7}, {"paper", 2, 1.25, 0.6}};
+  const Page page(report);
+  EXPECT_TRUE(page.says("8 (8)"));
+  EXPECT_TRUE(page.says("1.25 (1.125)"));
+  EXPECT_TRUE(page.says("0.550"));
+  EXPECT_TRUE(page.says("0.420"));
+}
+
 TEST(CalibrationReportHtml, EscapesNames) {
   const Page page(test::sample_report());
   EXPECT_TRUE(page.says("Calibration of office <3> & lab"));
