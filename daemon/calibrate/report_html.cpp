@@ -173,6 +173,9 @@ ReadableUnit readable(const std::string& unit) {
   if (unit == "rad") {
     return {"\u00b0", 180.0 / std::numbers::pi};
   }
+  if (unit == "deg") {
+    return {"\u00b0", 1.0};
+  }
   return {unit == "1" ? "" : unit, 1.0};
 }
 

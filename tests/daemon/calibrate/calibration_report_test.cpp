@@ -161,6 +161,15 @@ TEST(CalibrationReportHtml, TellsWhereEachMethodStartedAndTheLossThatItKept) {
   EXPECT_TRUE(page.says("0.420"));
 }
 
+TEST(CalibrationReportHtml, ReadsAnglesInDegrees) {
+  CalibrationReport report = test::sample_report();
+  report.methods.front().calibration.parameters.push_back(
+      {"a.core3/core2.phase", "deg", 141.0, 146.0, 17.0, 4.9});
+  const Page page(report);
+  EXPECT_TRUE(page.says("141 ± 4.9 °"));
+  EXPECT_FALSE(page.says("deg"));
+}
+
 TEST(CalibrationReportHtml, EscapesNames) {
   const Page page(test::sample_report());
   EXPECT_TRUE(page.says("Calibration of office <3> & lab"));
