@@ -171,6 +171,29 @@ std::string explain_outside(const Site& site,
   return "points are in metres in the frame of the site (its [bounds], or what its scene fills)";
 }
 
+// A device stands at one place at a time: of two rows that share theirs one is wrong.
+Expected<void> check_times(const std::string& file, const CalibrationInputs& inputs) {
+  for (std::size_t later = 1; later < inputs.points.size(); ++later) {
+    const SurveyPoint& point = inputs.points[later].point;
+    for (std::size_t i = 0; i < later; ++i) {
+      const SurveyPoint& other = inputs.points[i].point;
+      if (point.t_start + kClockSlack < other.t_end && other.t_start + kClockSlack < point.t_end) {
+        return bad_input(fmt::format(
+            "{}:{}: from {} to {} is in the time of row {} ({} to {}): the device stood at one "
+            "place at a time",
+            file,
+            point.line,
+            seconds_text(point.t_start),
+            seconds_text(point.t_end),
+            other.line,
+            seconds_text(other.t_start),
+            seconds_text(other.t_end)));
+      }
+    }
+  }
+  return {};
+}
+
 Expected<void> check_points(const Site& site,
                             const std::string& file,
                             const CalibrationInputs& inputs) {
@@ -284,6 +307,9 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
   }
   inputs.points_hash = points_hash.text();
   if (auto checked = check_points(site, points_file, inputs); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  if (auto checked = check_times(points_file, inputs); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
   std::map<int, Recorded> recorded;  // by access point

@@ -35,9 +35,9 @@ Site with_bounds(Site site, const RoomModel& room);
 // Reads the points and the recordings, of which an access point may have several. Only frames of
 // one device count, the same for the whole survey: one that the site lists, where it lists any. The
 // clocks of the access points may differ by `kClockSlack`. Errors name the row or the access point:
-// a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them), a recording
-// without the device or that shares no time with the points. Whether recordings and places fit
-// together is checked by check_calibration_inputs().
+// a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them) or at the time of
+// another, a recording without the device or that shares no time with the points. Whether
+// recordings and places fit together is checked by check_calibration_inputs().
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
                                                     const std::string& points_file);

@@ -81,6 +81,20 @@ TEST_F(CalibrationInputsTest, RecognisesATimeAmongTheCoordinates) {
   EXPECT_TRUE(says(message, "looks like a time"));
 }
 
+// Rows written by hand: the second was copied, and its times never changed.
+TEST_F(CalibrationInputsTest, NamesTwoRowsOfOneTime) {
+  const auto message = error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow +
+                                  "1718000125.6,1718000126.1,-1.1,-1.1,1.2\n");
+  EXPECT_TRUE(says(message, ".csv:3: from 1718000125.600 to 1718000126.100 "));
+  EXPECT_TRUE(says(message, "in the time of row 2 (1718000125.368 to 1718000125.870)"));
+}
+
+TEST_F(CalibrationInputsTest, ReadsRowsThatFollowEachOtherAtOnce) {
+  EXPECT_EQ(error_with(std::string("t_start,t_end,x,y,z\n") + kRightRow +
+                       "1718000125.8603,1718000126.1,-1.1,-1.1,1.2\n"),
+            "none");
+}
+
 TEST_F(CalibrationInputsTest, RefusesARecordingThatHeardOnlyFixedTransmitters) {
   Site site = bundled_site();
   for (SiteTransmitter& transmitter : site.transmitters) {
