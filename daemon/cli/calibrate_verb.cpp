@@ -67,10 +67,12 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--method",
                  options->calibrate.method,
                  "joint: surfaces, arrays, chains and materials together; paper: the published one")
-      ->check(CLI::IsMember({"joint", "paper"}));
+      ->check(CLI::IsMember({"joint", "paper"}))
+      ->capture_default_str();
   app.add_flag(
       "--plan", options->make_plan, "says where to stand in a survey, before there is one");
-  app.add_option("--plan-points", options->plan.points, "how many points to plan");
+  app.add_option("--plan-points", options->plan.points, "how many points to plan")
+      ->capture_default_str();
   app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
   app.add_flag("--rechain",
                options->rechain,
@@ -79,8 +81,10 @@ RunVerb declare(CLI::App& app) {
   app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
   app.add_flag(
       "--compare", options->calibrate.compare, "also runs the other method, for the report");
-  app.add_option("--holdout", options->calibrate.holdout, "share of the points kept for checking");
-  app.add_option("--seed", options->calibrate.seed, "of the draw of those points");
+  app.add_option("--holdout", options->calibrate.holdout, "share of the points kept for checking")
+      ->capture_default_str();
+  app.add_option("--seed", options->calibrate.seed, "of the draw of those points")
+      ->capture_default_str();
   app.add_flag("--resume", options->calibrate.resume, "goes on with what was interrupted in --out");
   app.add_flag("--force", options->calibrate.force, "write into a folder that is not empty");
   app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
@@ -92,7 +96,8 @@ RunVerb declare(CLI::App& app) {
 extern const Verb kCalibrate;
 const Verb kCalibrate = {"calibrate",
                          "Calibrate a site from a survey",
-                         "rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
+                         "rayloc calibrate --plan office --out plan.csv\n"
+                         "  rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
                          "--out office-calibrated\n"
                          "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
                          "--out office-today",
