@@ -17,8 +17,11 @@ namespace {
 constexpr std::size_t kLeastFixes = 10;
 constexpr double kSameHeight = 0.05;  // [m]
 // Tried from the first on, until the score has fallen twice.
-// 1 is the likelihood as it is; no burst says more than its model.
+// 1 is the likelihood as it is; no burst says more than its model. What is wrong with the map is
+// wrong for all access points at once, so that the likelihoods of several say less than their
+// product: never more than kMostOfSeveral.
 constexpr std::array kExponents = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
+constexpr double kMostOfSeveral = 0.8;
 constexpr std::size_t kFalls = 2;
 // Difference of the sums of log scores that tells exponents apart: two units of support, the
 // likelihood's own interval of 95 %.
@@ -138,6 +141,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
                                                      double survey_sigma) {
   const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
   const double usual = room->temper;
+  const double most = room->access_points.size() > 1 ? kMostOfSeveral : kExponents.front();
   const std::array usual_sigma{room->least_sigma};
   const auto localizer = Localizer::create(std::move(room), {});
   if (!localizer) {
@@ -150,6 +154,9 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   std::vector<HeldOutFixes> tried;
   std::size_t best = 0;
   for (const double exponent : kExponents) {
+    if (exponent > most) {
+      continue;
+    }
     tried.push_back(fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma));
     if (tried.back().fixes < kLeastFixes) {
       return std::vector<HeldOutFixes>{

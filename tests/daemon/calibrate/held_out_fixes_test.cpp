@@ -70,9 +70,10 @@ TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
 }
 
 // No burst says more than its model, and regions that hold what they say are no worse than chance.
-TEST(HeldOutFixes, TheExponentIsAtMostOneAndItsRegionsHonest) {
+// At most 0.8 of several access points: what is wrong with the map is wrong for them all.
+TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   const HeldOutFixes fixes = fit(0.01, 0.01);
-  EXPECT_LE(fixes.temper, 1.0);
+  EXPECT_LE(fixes.temper, 0.8);
   EXPECT_LT(fixes.dishonesty, 3.9);  // honest ones are below it in 99 of 100 cases
   // Spots that lie elsewhere than anybody says: as sure as the model is, the regions are wrong.
   const std::vector<HeldOutFixes> elsewhere = fit_all(0.3, 0.0);
@@ -80,7 +81,7 @@ TEST(HeldOutFixes, TheExponentIsAtMostOneAndItsRegionsHonest) {
       elsewhere.begin(), elsewhere.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
         return a.temper < b.temper;
       });
-  EXPECT_EQ(sure->temper, 1.0);
+  EXPECT_EQ(sure->temper, 0.8);
   EXPECT_GT(sure->dishonesty, 8.0);
   EXPECT_LT(elsewhere.back().temper, 0.2);
 }
