@@ -14,7 +14,7 @@ namespace {
 constexpr double kPrior = 1e-3;         // that chains have turned when nothing was heard yet
 constexpr double kFloor = -9.0;         // of log odds: a turn that comes later is found as soon
 constexpr double kMost = 20.0;          // of log odds
-constexpr double kMostOfABurst = 6;     // of one burst, whose model may be wrong
+constexpr double kMostOfABurst = 4;     // of one burst: of a device that moves it is of no place
 constexpr double kLeastEvidence = 3.0;  // of a burst that the room explains, in one state at least
 constexpr double kSame = 0.9;           // correlation of bursts that say the same
 constexpr std::size_t kRemembered = 24;

@@ -32,7 +32,7 @@ namespace rayloc {
 
 class ChainWatch {
  public:
-  static constexpr double kSure = 0.999;  // from which on chains count as turned
+  static constexpr double kSure = 0.9999;  // from which on chains count as turned
 
   explicit ChainWatch(std::shared_ptr<const Localizer> localizer);
 

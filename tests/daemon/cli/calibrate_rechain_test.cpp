@@ -180,8 +180,9 @@ TEST_F(RechainVerb, FindsTheNewPhasesFromOneSpotThreeSpotsAndTheFixedTransmitter
   EXPECT_EQ(finished.status, 0) << finished.err;
   expect_true_chains("plug", truth_plug);
 
-  // A complete site: what is heard in the new power cycle is located with it, and not without. Three
-  // places by one access point of a room as planned: what phases make of it, no claim of accuracy.
+  // A complete site: what is heard in the new power cycle is located with it, and not without.
+  // Three places by one access point of a room as planned: what phases make of it, no claim of
+  // accuracy.
   simulate("8", "again", three, "");
   const double renewed = median_error("three", "again", three);
   EXPECT_LT(renewed, 0.3);
