@@ -33,6 +33,8 @@ constexpr double kMostElsewhere = 2.0 / 3.0;  // more, and there is no fix
 // tempered log-likelihood is within this of the best.
 constexpr double kRefinedMargin = 6.0;
 constexpr std::size_t kMostRefined = 100;
+constexpr std::size_t kMostFine =
+    25;  // no more than these: at half of the distance, it costs as much
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
 constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
@@ -91,7 +93,7 @@ class Localizer::Impl {
                                      BurstObservation& burst,
                                      LocationEstimate& estimate) const;
   StationMaps maps_of(const std::vector<HeardArray>& heard, double temper, double far_below) const;
-  Lattice lattice() const;
+  Lattice lattice(std::size_t finer) const;
   std::vector<std::vector<double>> places_of(std::size_t cell,
                                              const Lattice& lattice,
                                              const std::vector<HeardArray>& heard,
@@ -221,8 +223,10 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   return maps;
 }
 
-Lattice Localizer::Impl::lattice() const {
-  const double most = NearbyLikelihood::kPlaceDistance * kSpeedOfLight / room_->grid.centre_hz;
+// finer: how many places stand for one in x and in y.
+Lattice Localizer::Impl::lattice(std::size_t finer) const {
+  const double most = NearbyLikelihood::kPlaceDistance * kSpeedOfLight /
+                      (room_->grid.centre_hz * static_cast<double>(finer));
   Lattice result;
   result.count_x = static_cast<std::size_t>(std::ceil(grid_.step_x / most));
   result.count_y = static_cast<std::size_t>(std::ceil(grid_.step_y / most));
@@ -275,7 +279,7 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
   while (cells[order.back()] < cells[order.front()] - kRefinedMargin / temper) {
     order.pop_back();
   }
-  const Lattice lattice_of_cell = lattice();
+  const Lattice lattice_of_cell = lattice(order.size() <= kMostFine ? 2 : 1);
   parallel_for(order.size(), 1, [&](std::size_t n) {
     const std::size_t cell = order[n];
     const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, temper);
