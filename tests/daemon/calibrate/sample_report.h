@@ -2,6 +2,8 @@
 // two of them held out.
 #pragma once
 
+#include <cstdint>
+
 #include "daemon/calibrate/calibration_report.h"
 #include "tests/support/synthetic_room.h"
 
@@ -17,7 +19,7 @@ inline CalibrationReport sample_report() {
   report.positions = {{-0.5, 0.1, 1.2}, {0.5, 0.2, 1.2}, {0.0, -0.4, 1.2}, {0.9, 0.7, 1.2}};
   report.held_out = {false, true, true, false};
   report.before = make_room();
-  report.peak_memory_bytes = 300U * 1024U * 1024U;
+  report.peak_memory_bytes = std::uint64_t{300} << 20U;
   report.fixes = {{1.0, 0.01, 2, 2, 1, 0.31, 0.0}, {0.6, 0.005, 2, 2, 2, 0.25, 0.4}};
   report.refused = {{"points.csv:9 a", "no frames at \"that\" time <1 s>"}};
 

@@ -41,7 +41,7 @@ class CalibrateVerb : public ::testing::Test {
 
   // A site of its own, which a test may change.
   fs::path copied_site() const {
-    const fs::path site = out_.string() + "_site";
+    fs::path site = out_.string() + "_site";
     fs::remove_all(site);
     fs::create_directories(site);
     fs::copy(kSite + "/meshes", site / "meshes");

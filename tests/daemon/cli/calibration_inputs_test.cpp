@@ -182,6 +182,7 @@ class SurveyOfTwoPoints : public CalibrationInputsTest {
   }
   Expected<CalibrationInputs> read(const Site& site, const std::vector<std::string>& names) const {
     std::vector<CaptureArgument> captures;
+    captures.reserve(names.size());
     for (const std::string& name : names) {
       captures.push_back({"ap1", file(name)});
     }
