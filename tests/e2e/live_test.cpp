@@ -162,7 +162,8 @@ TEST(Live, TellsTheLivesOfTracksAndAccountsForEveryMoment) {
   EXPECT_EQ(number(tracker.at("begun")), begun);
   EXPECT_EQ(number(tracker.at("lost")), lost);
   EXPECT_EQ(number(tracker.at("tracks")), begun - lost);
-  EXPECT_GT(number(tracker.at("used")), surveyed_spots().size());
+  // With sanitizers bursts are merged, to one for a spot at worst.
+  EXPECT_GE(number(tracker.at("used")), surveyed_spots().size() + (slower() == 1 ? 1U : 0U));
   EXPECT_EQ(number(tracker.at("moments")),
             number(tracker.at("used")) + number(tracker.at("out_of_order")) +
                 number(tracker.at("unusable")) + number(tracker.at("unexplained")));

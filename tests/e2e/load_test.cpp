@@ -81,12 +81,15 @@ TEST(Load, CountsEveryLossOfAnOverload) {
                     one_access_point("[limits]\nring_frames = 16\n[record]\ndirectory = \"" +
                                      recordings.string() + "\"\n"));
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  Process sender(folder.path(), "send", "rayloc", sender_arguments(daemon, kRate / slower(), 3));
+  // At a slower rate it stands still for as many datagrams.
+  const int second = slower();
+  Process sender(
+      folder.path(), "send", "rayloc", sender_arguments(daemon, kRate / slower(), second + 2));
   // A daemon that does not run for a second lets the kernel's queue overflow; afterwards the 16
   // frames that may wait are far too few for what comes at once.
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   daemon.signal(SIGSTOP);
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  std::this_thread::sleep_for(std::chrono::seconds(second));
   daemon.signal(SIGCONT);
   ASSERT_EQ(sender.wait(kPatience), 0) << sender.errors();
   const Tally tally = settled(daemon);
