@@ -39,6 +39,16 @@ std::pair<double, CellMoments> moments_of(const Lattice& lattice,
 
 }  // namespace
 
+Lattice places_of_cell(const RoomGrid& grid, double wavelength) {
+  const double most = NearbyLikelihood::kPlaceDistance * wavelength;
+  Lattice result;
+  result.count_x = static_cast<std::size_t>(std::ceil(grid.step_x / most));
+  result.count_y = static_cast<std::size_t>(std::ceil(grid.step_y / most));
+  result.step_x = grid.step_x / static_cast<double>(result.count_x);
+  result.step_y = grid.step_y / static_cast<double>(result.count_y);
+  return result;
+}
+
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
                                              const std::vector<double>& log_likelihood,
                                              double temper) {

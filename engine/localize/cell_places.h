@@ -9,6 +9,9 @@
 
 namespace rayloc {
 
+// Places that fill a cell, NearbyLikelihood::kPlaceDistance of a wavelength [m] apart at most.
+Lattice places_of_cell(const RoomGrid& grid, double wavelength);
+
 // The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
 // is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,

@@ -93,7 +93,6 @@ class Localizer::Impl {
                                      BurstObservation& burst,
                                      LocationEstimate& estimate) const;
   StationMaps maps_of(const std::vector<HeardArray>& heard, double temper, double far_below) const;
-  Lattice lattice(std::size_t finer) const;
   std::vector<std::vector<double>> places_of(std::size_t cell,
                                              const Lattice& lattice,
                                              const std::vector<HeardArray>& heard,
@@ -223,18 +222,6 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   return maps;
 }
 
-// finer: how many places stand for one in x and in y.
-Lattice Localizer::Impl::lattice(std::size_t finer) const {
-  const double most = NearbyLikelihood::kPlaceDistance * kSpeedOfLight /
-                      (room_->grid.centre_hz * static_cast<double>(finer));
-  Lattice result;
-  result.count_x = static_cast<std::size_t>(std::ceil(grid_.step_x / most));
-  result.count_y = static_cast<std::size_t>(std::ceil(grid_.step_y / most));
-  result.step_x = grid_.step_x / static_cast<double>(result.count_x);
-  result.step_y = grid_.step_y / static_cast<double>(result.count_y);
-  return result;
-}
-
 // Log-likelihoods of the places of a cell, [place][array]; empty where the likelihood does not tell
 // them apart.
 std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
@@ -279,7 +266,9 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
   while (cells[order.back()] < cells[order.front()] - kRefinedMargin / temper) {
     order.pop_back();
   }
-  const Lattice lattice_of_cell = lattice(order.size() <= kMostFine ? 2 : 1);
+  const double finer = order.size() <= kMostFine ? 0.5 : 1.0;
+  const Lattice lattice_of_cell =
+      places_of_cell(grid_, finer * kSpeedOfLight / room_->grid.centre_hz);
   parallel_for(order.size(), 1, [&](std::size_t n) {
     const std::size_t cell = order[n];
     const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, temper);
