@@ -32,8 +32,9 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{60};
 // Seconds instead of tens of them, and still no burst runs into the next.
-// With sanitizers so slow that an estimator of theirs is never behind: it would merge bursts.
-const double kSpeed = 8.0 / (slower() * slower());
+// With sanitizers so slow that an estimator of theirs is hardly behind: it would merge bursts. Not
+// below half of the pace, at which what was late would not be.
+const double kSpeed = std::max(0.5, 8.0 / (slower() * slower()));
 
 // Owns the port that the access point sends to, where the daemon itself does not: else the kernel
 // would answer that it is closed.
