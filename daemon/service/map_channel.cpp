@@ -94,7 +94,7 @@ std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
     const RoomAccessPoint& at = heard.map->access_point();
     auto simulated = simulate(tracer_at(sight, at), sight.localizer->room(), at, sight.position);
     if (simulated.size() != heard.h.size()) {  // it is heard without a chain that is dead
-      simulated = heard.map->expected(sight.position);
+      simulated = heard.map->expected(heard.map->rays_to(sight.position));
     }
     arrays.push_back(array_json(heard, std::move(simulated), grid));
   }

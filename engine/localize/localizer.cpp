@@ -46,6 +46,8 @@ struct StationMaps {
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
 
+using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, [array]
+
 // Cells by what is known of them.
 struct RoomMap {
   std::vector<double> log_likelihood;      // [cell]
@@ -110,13 +112,13 @@ class Localizer::Impl {
   void warn_of_doubtful(const std::vector<HeardArray>& heard,
                         const RoomMap& map,
                         double temper,
+                        const RaysOfEach& rays,
                         LocationEstimate& estimate) const;
   std::vector<double> doubts(const RoomMap& map, double temper) const;
   std::vector<double> faults(const std::vector<HeardArray>& heard) const {
-    std::vector<double> result(heard.size(), options_.faults.access_point);
-    return result;
+    return std::vector<double>(heard.size(), options_.faults.access_point);
   }
-  double model_residual(const std::vector<HeardArray>& heard, const Vec3d& position) const;
+  double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
   LocalizerOptions options_;
@@ -294,11 +296,11 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
-                                       const Vec3d& position) const {
+                                       const RaysOfEach& rays) const {
   double residual = 0.0;
   const Aligner aligner(room_->grid);
-  for (const HeardArray& one : heard) {
-    residual += 1.0 - aligner.align(one.map->expected(position), one.h).correlation;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    residual += 1.0 - aligner.align(heard[i].map->expected(rays[i]), heard[i].h).correlation;
   }
   return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
 }
@@ -376,6 +378,7 @@ std::vector<double> Localizer::Impl::doubts(const RoomMap& map, double temper) c
 void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
                                        const RoomMap& map,
                                        double temper,
+                                       const RaysOfEach& rays,
                                        LocationEstimate& estimate) const {
   const std::vector<double> doubt = doubts(map, temper);
   for (std::size_t i = 0; i < heard.size(); ++i) {
@@ -386,7 +389,7 @@ void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
                                   "changed; what it hears is not believed");
       continue;
     }
-    const auto odds = heard[i].map->covered_log_odds(*estimate.position, heard[i].observed);
+    const auto odds = heard[i].map->covered_log_odds(rays[i], heard[i].observed);
     if (odds && temper * *odds > kCoveredForCertain) {
       estimate.warnings.push_back(name +
                                   ": the direct way to the device is not as the plan has it: it is "
@@ -432,8 +435,12 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
                       estimate,
                       map.within);
   if (estimate.position) {
-    warn_of_doubtful(hearing.arrays, map, temper, estimate);
-    estimate.model_residual_db = model_residual(hearing.arrays, *estimate.position);
+    RaysOfEach rays;
+    for (const HeardArray& one : hearing.arrays) {
+      rays.push_back(one.map->rays_to(*estimate.position));
+    }
+    warn_of_doubtful(hearing.arrays, map, temper, rays, estimate);
+    estimate.model_residual_db = model_residual(hearing.arrays, rays);
   }
   return std::move(estimate);
 }

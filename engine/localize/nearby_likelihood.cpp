@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/localize/whitened_gaussian.h"
 
 namespace rayloc {
 namespace {
@@ -17,7 +18,6 @@ using Value = std::complex<double>;
 constexpr std::size_t kDelaysBeside = 1;
 constexpr double kLeastPower = 1e-12;
 constexpr double kLeftOut = 1e-6;  // of the known power
-const double kLogCovered = std::log(kCovered);
 
 // Products written out: those of std::complex check for infinities.
 Value times(const Value& a, const Value& b) {
@@ -31,15 +31,6 @@ LaneSums turned(const LaneSums& row, std::complex<float> turn) {
     result.im[t] = row.re[t] * turn.imag() + row.im[t] * turn.real();
   }
   return result;
-}
-
-// a^H b
-Value product(const std::vector<Value>& a, const std::vector<Value>& b) {
-  Value sum;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    sum += times(std::conj(a[i]), b[i]);
-  }
-  return sum;
 }
 
 }  // namespace
@@ -128,12 +119,12 @@ void NearbyLikelihood::keep_direct(std::size_t ray) {
   }
   for (const Delay& delay : delays_) {
     for (const auto& of : direct_.of) {
-      direct_.observed.emplace_back(product(of, delay.observed));
+      direct_.observed.emplace_back(inner_product(of, delay.observed));
     }
   }
   for (const auto& a : direct_.of) {
     for (const auto& b : direct_.of) {
-      direct_.gram.emplace_back(product(a, b));
+      direct_.gram.emplace_back(inner_product(a, b));
     }
   }
 }
@@ -186,7 +177,7 @@ NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
   double best_value = -std::numeric_limits<double>::infinity();
   Value best_along;
   for (const Delay& delay : delays_) {
-    const Value along = product(means.value, delay.observed);
+    const Value along = inner_product(means.value, delay.observed);
     const double value = log_likelihood(std::abs(along), delay);
     if (value > best_value) {
       best = &delay;
@@ -202,10 +193,10 @@ NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
   for (std::size_t i = 0; i < size_; ++i) {
     residual[i] = r * times(turn, best->observed[i]) - means.value[i];
   }
-  return {best_value - product(means.value, means.value).real() -
+  return {best_value - inner_product(means.value, means.value).real() -
               static_cast<double>(model_.log_determinant),
-          2.0 * product(means.by_x, residual).real(),
-          2.0 * product(means.by_y, residual).real()};
+          2.0 * inner_product(means.by_x, residual).real(),
+          2.0 * inner_product(means.by_y, residual).real()};
 }
 
 NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {

@@ -26,7 +26,6 @@ constexpr int kDecaysAbove = 8;
 constexpr double kDecaysAnOctave = 4.0;
 constexpr double kDiffuseReference = 3.0;  // [m]
 constexpr float kLeastPower = 1e-12F;
-const float kLogCovered = static_cast<float>(std::log(kCovered));
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
 constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
 
@@ -114,7 +113,7 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
   if (means > 1) {
     result.covered = at_best_gain(power, along[1], size);
     for (float& value : result.covered) {
-      value += kLogCovered - place.covered_power;
+      value += static_cast<float>(kLogCovered) - place.covered_power;
     }
   } else {
     result.covered.fill(std::numeric_limits<float>::lowest());

@@ -19,6 +19,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -56,6 +57,7 @@ enum class PathKnowledge : std::uint8_t {
 
 // Probability that a direct way is covered, before anything is heard.
 inline constexpr double kCovered = 0.02;
+inline const double kLogCovered = std::log(kCovered);
 
 // Power of what is not traced, share of the traced, where the first ray is so long [m].
 double diffuse_share(const ModelError& error, double first_length);

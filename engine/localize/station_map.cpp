@@ -148,20 +148,19 @@ std::unique_ptr<const NearbyLikelihood> StationMap::nearby(std::size_t cell,
       {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], access_point().error, observed);
 }
 
-std::optional<double> StationMap::covered_log_odds(const Vec3d& position,
+std::vector<Ray> StationMap::rays_to(const Vec3d& position) const {
+  return tracing_->rays_to(position);
+}
+
+std::optional<double> StationMap::covered_log_odds(std::span<const Ray> rays,
                                                    const ObservedBurst& observed) const {
-  if (source_.likelihood != LikelihoodKind::kPartial) {
-    return std::nullopt;
-  }
-  const auto rays = tracing_->rays_to(position);
-  return rays.empty()
+  return rays.empty() || source_.likelihood != LikelihoodKind::kPartial
              ? std::nullopt
              : ObservationModel::covered_log_odds(
                    model_.place({rays, offsets_, 0.0}, access_point().error), observed.array);
 }
 
-std::vector<std::complex<double>> StationMap::expected(const Vec3d& position) const {
-  const auto rays = tracing_->rays_to(position);
+std::vector<std::complex<double>> StationMap::expected(std::span<const Ray> rays) const {
   return model_.expected({rays, offsets_, 0.0}, access_point().error);
 }
 

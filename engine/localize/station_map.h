@@ -66,13 +66,15 @@ class StationMap {
   std::unique_ptr<const NearbyLikelihood> nearby(std::size_t cell,
                                                  const ObservedBurst& observed) const;
 
-  // Of a device at a place: logarithm of the odds that its direct way to the array is covered;
-  // nothing where there is no such way, and where the likelihood does not ask.
-  std::optional<double> covered_log_odds(const Vec3d& position,
+  // Traces those of a device at a place.
+  std::vector<Ray> rays_to(const Vec3d& position) const;
+  // Of a device at the place of these rays: logarithm of the odds that its direct way to the array
+  // is covered; nothing where there is no such way, and where the likelihood does not ask.
+  std::optional<double> covered_log_odds(std::span<const Ray> rays,
                                          const ObservedBurst& observed) const;
 
-  // The expected array of a device at a place: [antenna][tone].
-  std::vector<std::complex<double>> expected(const Vec3d& position) const;
+  // The expected array of a device at the place of these rays: [antenna][tone].
+  std::vector<std::complex<double>> expected(std::span<const Ray> rays) const;
 
  private:
   struct Tracing;

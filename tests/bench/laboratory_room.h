@@ -2,6 +2,8 @@
 // long single calls take, since a mean hides what a live system feels.
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -17,6 +19,13 @@ struct LaboratorySize {
   double length = 10.8;  // [m], of the part of the room that is looked at
   friend auto operator<=>(const LaboratorySize&, const LaboratorySize&) = default;
 };
+
+// Of a benchmark's arguments: depth, access points, length in millimetres.
+inline LaboratorySize size_of(const benchmark::State& state) {
+  return {static_cast<int>(state.range(0)),
+          static_cast<int>(state.range(1)),
+          1e-3 * static_cast<double>(state.range(2))};
+}
 
 // Access points stand along its northern wall and opposite; chain gains are those that
 // test::frames_of() applies.

@@ -46,12 +46,6 @@ class MemoryStore : public PathGridStore {
 
 using Size = LaboratorySize;
 
-Size size_of(const benchmark::State& state) {
-  return {static_cast<int>(state.range(0)),
-          static_cast<int>(state.range(1)),
-          1e-3 * static_cast<double>(state.range(2))};
-}
-
 // Built once, with the rays that it keeps.
 struct Prepared {
   std::shared_ptr<const RoomModel> room;

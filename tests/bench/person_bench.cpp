@@ -114,12 +114,6 @@ const Prepared& prepared(const LaboratorySize& size) {
   return one;
 }
 
-LaboratorySize size_of(const benchmark::State& state) {
-  return {static_cast<int>(state.range(0)),
-          static_cast<int>(state.range(1)),
-          1e-3 * static_cast<double>(state.range(2))};
-}
-
 void BM_ColdStart(benchmark::State& state) {
   const Prepared& p = prepared(size_of(state));
   for (auto _ : state) {

@@ -58,7 +58,7 @@ Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3
                         LikelihoodKind::kPartial},
                        nullptr);
   const RoomAccessPoint& ap = room.access_points[access_point];
-  Expected expected{map.expected(device), {}};
+  Expected expected{map.expected(map.rays_to(device)), {}};
   for (std::size_t m = 0; m < ap.cores.size(); ++m) {
     const double delay = norm(device - element_position(ap.array, m)) / kSpeedOfLight;
     for (std::size_t k = 0; k < room.grid.size(); ++k) {
