@@ -115,9 +115,6 @@ class Localizer::Impl {
                         const RaysOfEach& rays,
                         LocationEstimate& estimate) const;
   std::vector<double> doubts(const RoomMap& map, double temper) const;
-  std::vector<double> faults(const std::vector<HeardArray>& heard) const {
-    return std::vector<double>(heard.size(), options_.faults.access_point);
-  }
   double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
@@ -410,7 +407,8 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
     return std::move(estimate);
   }
   estimate.reason.clear();
-  const AccessPointFusion fusion(maps.cell, temper, faults(hearing.arrays));
+  const std::vector<double> faulty(hearing.arrays.size(), options_.faults.access_point);
+  const AccessPointFusion fusion(maps.cell, temper, faulty);
   RoomMap map = fuse(maps, fusion);
   refine(hearing.arrays, maps, fusion, temper, map);
   const double contradicted =
@@ -454,7 +452,8 @@ Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
   if (heard.empty()) {
     return {};
   }
-  const AccessPointFusion fusion(maps.cell, temper, faults(heard));
+  const std::vector<double> faulty(heard.size(), options_.faults.access_point);
+  const AccessPointFusion fusion(maps.cell, temper, faulty);
   Evidence result{fuse(maps, fusion).log_likelihood, 0.0};
   const double contradicted =
       fusion.elsewhere(log_mean_exp(result.log_likelihood, temper), options_.faults.elsewhere);
