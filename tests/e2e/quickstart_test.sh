@@ -22,14 +22,16 @@ until [ -n "$map" ] || ! kill -0 "$quickstart" 2>/dev/null; do
   sleep 0.1
   map=$(sed -nE 's|.*live map: (http://[0-9.:]+/)$|\1|p' "$work/err")
 done
-fetch() { # fetch PATH
-  /usr/bin/python3 -c 'import sys, urllib.request as web; print(web.urlopen(sys.argv[1]).read().decode())' \
-    "$map$1"
+# Read whole before it is looked at: a `grep -q` behind a pipe ends early, and its writer with it.
+holds() { # holds PATH TEXT
+  local page
+  page=$(/usr/bin/python3 -c 'import sys, urllib.request as web
+print(web.urlopen(sys.argv[1]).read().decode())' "$map$1") && [[ $page == *"$2"* ]]
 }
 shown=1
 if [ -n "$map" ]; then
-  { fetch '' | grep -q '<title>RayLoc live map</title>'; } || shown=
-  { fetch api/v1/map | grep -q '"ap3"'; } || shown=
+  holds '' '<title>RayLoc live map</title>' || shown=
+  holds api/v1/map '"ap3"' || shown=
 else
   shown=
 fi
