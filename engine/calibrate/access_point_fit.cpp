@@ -178,9 +178,14 @@ void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
 
 Expected<AccessPointFit> AccessPointCalibrator::start() const {
   if (samples_.size() < kLeastSamples) {
+    const std::size_t unreached = given_ - samples_.size();
     return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
                      " calibration points can be used, at least " + std::to_string(kLeastSamples) +
-                     " are needed");
+                     " are needed" +
+                     (unreached > 0 ? "; no ray of the plan leads from it to " +
+                                          std::to_string(unreached) +
+                                          " more: does it stand inside of a wall or of furniture?"
+                                    : std::string()));
   }
   AccessPointFit fit;
   fit.samples_used = samples_.size();

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCore>
 
+#include "engine/base/check.h"
 #include "engine/base/parallel.h"
 
 namespace rayloc {
@@ -337,7 +338,8 @@ std::vector<double> JointProblem::posterior(const JointOptions& options,
     }
   }
   ceres::CRSMatrix crs;
-  assembled.problem->Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  const bool evaluated = assembled.problem->Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  RAYLOC_CHECK(evaluated);  // every sample's residual is finite
   const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
       crs.num_rows,
       crs.num_cols,

@@ -287,6 +287,9 @@ MeasuredSample SampleModel::measured(const TracedSample& sample,
       result.origin = std::min(result.origin, ray.delay);
     }
   }
+  if (!std::isfinite(result.origin)) {  // no ray leads there: all of h is left over
+    result.origin = 0.0;
+  }
   // `expected` delayed by -delay fits h; so h delayed by +delay fits `expected`.
   double delay = -aligner_.align(h, expected_h).delay;
   result.y = coordinates(h, delay + result.origin);

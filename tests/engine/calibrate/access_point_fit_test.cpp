@@ -98,6 +98,18 @@ TEST(AccessPointCalibrator, RecoversTheChainGains) {
   EXPECT_GT(calibrator.correlation(&*fit), 0.9);
 }
 
+TEST(AccessPointCalibrator, SaysThatTheAccessPointIsShutIn) {
+  const RoomModel room = test::make_room();
+  RoomModel shut = uncalibrated(room);
+  shut.access_points[0].array.pose.position.z = -0.1;  // below the floor
+  const auto fit = AccessPointCalibrator(shut, 0, survey(room, 3)).fit();
+  ASSERT_FALSE(fit);
+  EXPECT_EQ(fit.error().message,
+            "access point " + shut.access_points[0].id +
+                ": 0 calibration points can be used, at least 4 are needed; no ray of the plan "
+                "leads from it to 9 more: does it stand inside of a wall or of furniture?");
+}
+
 // The gains are those behind a coupling that is known.
 TEST(AccessPointCalibrator, RecoversTheGainsOfCoupledAntennas) {
   RoomModel room = test::make_room();

@@ -148,6 +148,23 @@ double largest_share(const Eigen::MatrixXcd& left_over) {
   return eigen.eigenvalues().maxCoeff() / eigen.eigenvalues().sum();
 }
 
+// A device within a metal cabinet: it is heard, and the plan knows no way to it.
+TEST(SampleModel, WhereNoRayLeadsEverythingIsUnexplained) {
+  const Surveyed& in = surveyed();
+  TracedSample shut = in.traced[0];
+  for (auto& rays : shut.rays) {
+    rays.clear();
+  }
+  const MeasuredSample measured = in.model.measured(shut, in.at(), in.h(0));
+  EXPECT_GT(measured.y.norm(), 0.0);
+  const auto unknowns = in.all();
+  const SampleResidual residual = in.model.residual(shut, measured, in.at(), unknowns);
+  EXPECT_EQ(residual.value, measured.y);
+  EXPECT_EQ(residual.derivative.norm(), 0.0);
+  EXPECT_EQ(residual.by_survey.norm(), 0.0);
+  EXPECT_EQ(in.model.unexplained(shut, measured, in.at()), measured.y.squaredNorm());
+}
+
 TEST(SampleModel, WeighsCoordinatesByWhatIsLeftOfThem) {
   const Surveyed& in = surveyed();
   const Eigen::Index q = in.model.nothing_left_over().rows();
