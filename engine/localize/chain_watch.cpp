@@ -23,7 +23,6 @@ constexpr std::size_t kMostCores = 3;    // whose states are tried together
 constexpr auto kSoon = std::chrono::seconds(1);
 constexpr auto kLater = std::chrono::seconds(10);
 constexpr int kQuarters = 4;
-constexpr std::size_t kOutvoted = 3;  // access points, of which two outvote one that has turned
 
 // Quarters by which each chain but the first is turned, for every state but that of the
 // calibration: all of three cores, of more each core alone.
@@ -140,14 +139,11 @@ void ChainWatch::hear(std::span<const CsiFrame> frames) {
   const Timestamp time = frames.back().time;
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   std::vector<char> due(access_points.size());
-  std::vector<char> heard_it(access_points.size());
   for (const CsiFrame& frame : frames) {
     const auto a = static_cast<std::size_t>(frame.access_point);
-    heard_it[a] = 1;
     due[a] = is_due(a, time) ? 1 : 0;
   }
-  if (std::count(heard_it.begin(), heard_it.end(), 1) >= static_cast<std::ptrdiff_t>(kOutvoted) ||
-      std::find(due.begin(), due.end(), 1) == due.end()) {
+  if (std::find(due.begin(), due.end(), 1) == due.end()) {
     return;
   }
   const Hearing hearing = localizer_->hear(frames);

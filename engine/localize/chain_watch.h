@@ -9,9 +9,9 @@
 // before count, for a device that lies still says the same again and again.
 //
 // It looks at few bursts, because each costs some ten times a fix: one a second while something may
-// be wrong, one in ten seconds else, by the time of the frames. Where three access points or more
-// hear a burst it looks at none: the others outvote one whose chains have turned
-// (access_point_fusion.h).
+// be wrong, one in ten seconds else, by the time of the frames. Each access point is looked at by
+// itself, however many hear the burst: the others outvote one whose chains have turned where they
+// know the place well (access_point_fusion.h), and beside it where they do not.
 //
 // Thread safety: none; the owner's thread alone.
 #pragma once

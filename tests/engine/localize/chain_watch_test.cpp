@@ -89,20 +89,29 @@ TEST(ChainWatch, FollowsWhatChanges) {
   EXPECT_TRUE(watch.turned().empty());
 }
 
-// Two outvote the third, and nothing is looked at.
-TEST(ChainWatch, LeavesThreeAccessPointsToEachOther) {
-  const auto three = std::make_shared<const Localizer>(
-      *Localizer::create(std::make_shared<const RoomModel>(test::make_room()), {}));
-  ChainWatch watch(three);
-  for (int i = 0; i < 8; ++i) {
-    auto frames = test::frames_at(three->room(), {0.2 * i - 0.7, 0.1 * i - 0.4, 1.2});
+TEST(ChainWatch, OfSeveralAccessPointsTheOneThatTurnedIsNamed) {
+  RoomModel room = test::make_room();
+  for (RoomAccessPoint& ap : room.access_points) {
+    ap.error.plan_tolerance = 0.001;
+    ap.error.diffuse = 0.005;
+  }
+  ASSERT_GE(room.access_points.size(), 3U);
+  const auto several = std::make_shared<const Localizer>(
+      *Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {}));
+  ChainWatch watch(several);
+  for (int i = 0; i < 12; ++i) {
+    auto frames = test::frames_at(several->room(),
+                                  {0.2 * i - 1.1, 0.15 * (i % 7) - 0.5, 1.2},
+                                  {4, 30.0, static_cast<unsigned>(i + 1)});
     for (CsiFrame& frame : frames) {
       frame.time += std::chrono::seconds(2 * i);
     }
-    test::turn_chain(frames, 0, three->room().access_points[0].cores[1], kQuarter);
+    test::turn_chain(frames, 1, several->room().access_points[1].cores[1], kQuarter);
     watch.hear(frames);
   }
-  EXPECT_TRUE(watch.turned().empty());
+  const auto turned = watch.turned();
+  ASSERT_EQ(turned.size(), 1U);
+  EXPECT_EQ(turned[0].access_point, 1U);
 }
 
 // A device that lies at a place which looks more like another with turned chains says so once.
