@@ -17,6 +17,7 @@
 #include "engine/localize/level.h"
 #include "engine/localize/likelihood.h"
 #include "engine/localize/posterior.h"
+#include "engine/localize/room_map.h"
 #include "engine/localize/station_map.h"
 #include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
@@ -48,13 +49,6 @@ struct StationMaps {
 
 using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, [array]
 
-// Cells by what is known of them.
-struct RoomMap {
-  std::vector<double> log_likelihood;      // [cell]
-  std::vector<CellMass> within;            // [cell]
-  std::vector<std::vector<double>> doubt;  // [array][cell], that the access point is wrong there
-};
-
 }  // namespace
 
 class Localizer::Impl {
@@ -80,7 +74,7 @@ class Localizer::Impl {
   }
 
   Hearing hear_burst(std::span<const CsiFrame> frames) const;
-  Evidence evidence(const Hearing& hearing) const;
+  Evidence evidence(const Hearing& hearing, Look look) const;
   LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
   const RoomModel& room() const { return *room_; }
   const RoomGrid& grid() const { return grid_; }
@@ -108,13 +102,11 @@ class Localizer::Impl {
   void keep_explained(std::vector<HeardArray>& heard,
                       StationMaps& maps,
                       LocationEstimate& estimate) const;
-  RoomMap fuse(const StationMaps& maps, const AccessPointFusion& fusion) const;
   void warn_of_doubtful(const std::vector<HeardArray>& heard,
                         const RoomMap& map,
                         double temper,
                         const RaysOfEach& rays,
                         LocationEstimate& estimate) const;
-  std::vector<double> doubts(const RoomMap& map, double temper) const;
   double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
@@ -339,38 +331,6 @@ void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
   }
 }
 
-RoomMap Localizer::Impl::fuse(const StationMaps& maps, const AccessPointFusion& fusion) const {
-  RoomMap map;
-  map.log_likelihood.resize(grid_.size());
-  const CellMoments uniform = uniform_moments(grid_);
-  map.within.assign(grid_.size(), {uniform, uniform, 1.0});
-  map.doubt.assign(fusion.size(), std::vector<double>(grid_.size()));
-  parallel_for(grid_.size(), 256, [&](std::size_t cell) {
-    std::vector<double> of_each(fusion.size());
-    for (std::size_t i = 0; i < of_each.size(); ++i) {
-      of_each[i] = maps.cell[i][cell];
-      map.doubt[i][cell] = fusion.faulty(i, of_each[i]);
-    }
-    map.log_likelihood[cell] = fusion.log_likelihood(of_each);
-  });
-  return map;
-}
-
-// Of each access point the probability that what it hears says nothing of the place.
-std::vector<double> Localizer::Impl::doubts(const RoomMap& map, double temper) const {
-  const double log_sum = log_mean_exp(map.log_likelihood, temper) +
-                         std::log(static_cast<double>(map.log_likelihood.size()));
-  std::vector<double> result;
-  for (const std::vector<double>& of_cell : map.doubt) {
-    double doubt = 0.0;
-    for (std::size_t cell = 0; cell < of_cell.size(); ++cell) {
-      doubt += std::exp(temper * map.log_likelihood[cell] - log_sum) * of_cell[cell];
-    }
-    result.push_back(doubt);
-  }
-  return result;
-}
-
 // Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
 void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
                                        const RoomMap& map,
@@ -409,7 +369,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   estimate.reason.clear();
   const std::vector<double> faulty(hearing.arrays.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, temper, faulty);
-  RoomMap map = fuse(maps, fusion);
+  RoomMap map = fuse(grid_, maps.cell, fusion);
   refine(hearing.arrays, maps, fusion, temper, map);
   const double contradicted =
       fusion.elsewhere(log_mean_exp(map.log_likelihood, temper), options_.faults.elsewhere);
@@ -443,7 +403,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   return std::move(estimate);
 }
 
-Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
+Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing, Look look) const {
   std::vector<HeardArray> heard = hearing.arrays;
   const double temper = room_->temper;
   StationMaps maps = maps_of(heard, temper, 0.0);
@@ -454,7 +414,13 @@ Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing) const {
   }
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, temper, faulty);
-  Evidence result{fuse(maps, fusion).log_likelihood, 0.0};
+  RoomMap map = fuse(grid_, maps.cell, fusion);
+  Evidence result;
+  if (look == Look::kPlaces) {
+    refine(heard, maps, fusion, temper, map);
+    result.within = std::move(map.within);
+  }
+  result.log_likelihood = std::move(map.log_likelihood);
   const double contradicted =
       fusion.elsewhere(log_mean_exp(result.log_likelihood, temper), options_.faults.elsewhere);
   const double outside = take_outside(area_, temper, result.log_likelihood);
@@ -487,9 +453,9 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames, double temp
 Hearing Localizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear_burst(frames);
 }
-Localizer::Evidence Localizer::evidence(const Hearing& hearing) const {
+Localizer::Evidence Localizer::evidence(const Hearing& hearing, Look look) const {
   RAYLOC_CHECK(!hearing.arrays.empty());
-  return impl_->evidence(hearing);
+  return impl_->evidence(hearing, look);
 }
 
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }

@@ -78,14 +78,19 @@ class Localizer {
   Hearing hear(std::span<const CsiFrame> frames) const;
   // What a burst says of every cell of grid(). Cells that are far from the best are known less
   // precisely, as a lower bound. REQUIRES: hearing.arrays is not empty.
+  enum class Look {
+    kCells,   // as a whole
+    kPlaces,  // the best of them place by place, as locate() does
+  };
   struct Evidence {
     // Relative to the device being nowhere in particular, not tempered (what a level says is
     // divided by RoomModel::temper, which does not apply to it); empty when no place explains the
     // burst.
     std::vector<double> log_likelihood;
-    double elsewhere = 0.0;  // probability that the burst says nothing of the place
+    double elsewhere = 0.0;        // probability that the burst says nothing of the place
+    std::vector<CellMass> within;  // [cell], where in it; empty with kCells
   };
-  Evidence evidence(const Hearing& hearing) const;
+  Evidence evidence(const Hearing& hearing, Look look = Look::kCells) const;
   const RoomGrid& grid() const;
 
   const RoomModel& room() const;

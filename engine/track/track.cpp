@@ -69,7 +69,7 @@ bool Track::weigh(const Hearing& hearing, Duration elapsed) {
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    evidence = localizer_->evidence(hearing);
+    evidence = localizer_->evidence(hearing, Localizer::Look::kPlaces);
     if (map.empty()) {
       return false;
     }
@@ -80,6 +80,7 @@ bool Track::weigh(const Hearing& hearing, Duration elapsed) {
   credit_ = credit;
   if (!map.empty()) {
     filter_.update(map, weight * localizer_->room().temper, evidence.elsewhere);
+    within_ = std::move(evidence.within);
     credit_ += weight;
     const auto mass = filter_.mass();
     const auto peak = std::max_element(mass.begin(), mass.end()) - mass.begin();
@@ -108,7 +109,9 @@ void Track::enter(TrackState state,
   }
 }
 
-FilteredEstimate Track::summarise(LocationEstimate location) const {
+// `within`: empty where the last burst said nothing.
+FilteredEstimate Track::summarise(LocationEstimate location,
+                                  std::span<const CellMass> within) const {
   FilteredEstimate estimate;
   location.reason.clear();
   summarise_posterior(localizer_->grid(),
@@ -118,7 +121,8 @@ FilteredEstimate Track::summarise(LocationEstimate location) const {
                        localizer_->options().max_hypotheses,
                        0.0,
                        localizer_->room().least_sigma},
-                      location);
+                      location,
+                      within);
   location.loss = loss_;
   estimate.location = std::move(location);
   estimate.standing = filter_.standing();
@@ -169,7 +173,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   heard_ = time;
-  FilteredEstimate estimate = summarise(std::move(hearing.estimate));
+  FilteredEstimate estimate = summarise(std::move(hearing.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {
     enter(TrackState::kTentative, time, "heard for the first time", estimate);
@@ -189,7 +193,7 @@ FilteredEstimate Track::predict(Timestamp time) {
   location.time = time;
   location.capture_start = heard_;
   location.capture_end = heard_;
-  FilteredEstimate estimate = summarise(std::move(location));
+  FilteredEstimate estimate = summarise(std::move(location), {});
   estimate.predicted = true;
   return estimate;
 }

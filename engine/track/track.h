@@ -32,7 +32,7 @@ struct TrackOptions {
   MotionModel motion;
   // For which what is wrong with the model stays the same along a walk: the bursts within it weigh
   // as much as one snapshot, at any rate of frames.
-  Duration evidence_time = std::chrono::milliseconds(300);
+  Duration evidence_time = std::chrono::milliseconds(200);
   // Share of the power that differs between two bursts when the device has moved by a quarter of
   // the wavelength: that of a room where three quarters of the power come the direct way.
   double moved_change = 0.25;
@@ -101,7 +101,7 @@ class Track {
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
-  FilteredEstimate summarise(LocationEstimate location) const;
+  FilteredEstimate summarise(LocationEstimate location, std::span<const CellMass> within) const;
   void remember(FilteredEstimate& estimate);
 
   std::shared_ptr<const Localizer> localizer_;
@@ -114,6 +114,7 @@ class Track {
   std::size_t bursts_ = 0;           // usable ones
   double credit_ = 0.0;              // of a snapshot's weight, given to the present channel
   double loss_ = 0.0;                // at the last position
+  std::vector<CellMass> within_;     // where in each cell, of the last burst that was weighed
   std::vector<HeardArray> last_;     // of the last usable burst
   std::deque<Fix> fixes_;            // of the last second
 };

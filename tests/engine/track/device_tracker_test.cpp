@@ -118,6 +118,32 @@ TEST(DeviceTracker, RegionOfAStandingDeviceShrinks) {
   EXPECT_GT(last.standing, 0.9);
 }
 
+// Cells are centimetres wide, and three access points know a place to millimetres: also of a device
+// that stands, whose later bursts say nothing new.
+TEST(DeviceTracker, KnowsThePlaceWithinACell) {
+  RoomModel room = room_of(3);
+  for (RoomAccessPoint& ap : room.access_points) {  // as good as what is simulated of it
+    ap.error.plan_tolerance = 0.001;
+    ap.error.diffuse = 0.005;
+  }
+  const auto exact = std::make_shared<const Localizer>(
+      *Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {}));
+  const RoomGrid& grid = exact->grid();
+  const Vec3d centre = grid.centre((grid.count_x / 3) * grid.count_y + grid.count_y / 2);
+  for (const double side : {-0.4, 0.4}) {
+    DeviceTracker tracker(exact, {});
+    const Vec3d truth = centre + Vec3d{side * grid.step_x, -side * grid.step_y, 0.0};
+    std::vector<DeviceUpdate> updates;
+    for (int ms = 0; ms <= 1500; ms += 50) {
+      tracker.hear(kDevice, frames(exact->room(), truth, ms, 40.0), updates);
+    }
+    const LocationEstimate& last = updates.back().estimate.location;
+    ASSERT_TRUE(last.position);
+    EXPECT_LT(error_of(last, truth), 0.2 * grid.step_x);
+    EXPECT_LE(error_of(last, truth), last.accuracy_m);
+  }
+}
+
 TEST(DeviceTracker, SameChannelHeardAgainIsNoMoreThanASnapshot) {
   DeviceTracker tracker(localizer(), {});
   std::vector<DeviceUpdate> updates;
