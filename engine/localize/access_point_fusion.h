@@ -23,8 +23,8 @@ namespace rayloc {
 // Probabilities before anything is heard. A direct way that is covered is no fault: the likelihood
 // itself allows for it (kCovered).
 struct FaultPrior {
-  double access_point = 0.02;  // an access point says nothing of the place
-  double elsewhere = 0.02;     // the device is not in the area
+  double access_point = 0.015;  // an access point says nothing of the place
+  double elsewhere = 0.015;    // the device is not in the area
 };
 
 class AccessPointFusion {
