@@ -182,10 +182,10 @@ Expected<AccessPointFit> AccessPointCalibrator::start() const {
     return bad_input("access point " + access_point_.id + ": " + std::to_string(samples_.size()) +
                      " calibration points can be used, at least " + std::to_string(kLeastSamples) +
                      " are needed" +
-                     (unreached > 0 ? "; no ray of the plan leads from it to " +
-                                          std::to_string(unreached) +
-                                          " more: does it stand inside of a wall or of furniture?"
-                                    : std::string()));
+                     (unreached > 0
+                          ? "; no ray of the plan leads from it to " + std::to_string(unreached) +
+                                " more: does it stand inside of a wall or of furniture?"
+                          : std::string()));
   }
   AccessPointFit fit;
   fit.samples_used = samples_.size();

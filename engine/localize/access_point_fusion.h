@@ -24,7 +24,7 @@ namespace rayloc {
 // itself allows for it (kCovered).
 struct FaultPrior {
   double access_point = 0.015;  // an access point says nothing of the place
-  double elsewhere = 0.015;    // the device is not in the area
+  double elsewhere = 0.015;     // the device is not in the area
 };
 
 class AccessPointFusion {
