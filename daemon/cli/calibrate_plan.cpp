@@ -27,10 +27,11 @@ constexpr double kPngScale = 2.0;  // pixels of the image for one of the drawing
 // Points at one height hardly tell how high the access points hang: every third one is above or
 // below, in turn. The others are where fixes will be, which say how sure these may be.
 constexpr std::size_t kOtherHeight = 3;
-constexpr double kOffHeight = 0.3;  // [m]
+constexpr double kOffHeight = 0.6;  // [m]
+constexpr double kClearance = 0.3;  // [m], of floor and ceiling
 
 bool is_possible(const RoomModel& room, const Vec3d& p) {
-  return p.z > room.bounds_min.z + kOffHeight && p.z < room.bounds_max.z - kOffHeight &&
+  return p.z > room.bounds_min.z + kClearance && p.z < room.bounds_max.z - kClearance &&
          !solid_around(*room.scene, p);
 }
 
