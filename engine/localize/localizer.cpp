@@ -94,11 +94,11 @@ class Localizer::Impl {
                                              const std::vector<HeardArray>& heard,
                                              const std::vector<double>& nowhere,
                                              double temper) const;
-  void refine(const std::vector<HeardArray>& heard,
-              const StationMaps& maps,
-              const AccessPointFusion& fusion,
-              double temper,
-              RoomMap& map) const;
+  std::vector<std::size_t> refine(const std::vector<HeardArray>& heard,
+                                  const StationMaps& maps,
+                                  const AccessPointFusion& fusion,
+                                  double temper,
+                                  RoomMap& map) const;
   void keep_explained(std::vector<HeardArray>& heard,
                       StationMaps& maps,
                       LocationEstimate& estimate) const;
@@ -238,11 +238,12 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
 }
 
 // Looks closely at the best cells: their log-likelihood becomes that of the mean over their places.
-void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
-                             const StationMaps& maps,
-                             const AccessPointFusion& fusion,
-                             double temper,
-                             RoomMap& map) const {
+// Gives these cells.
+std::vector<std::size_t> Localizer::Impl::refine(const std::vector<HeardArray>& heard,
+                                                 const StationMaps& maps,
+                                                 const AccessPointFusion& fusion,
+                                                 double temper,
+                                                 RoomMap& map) const {
   std::vector<double>& cells = map.log_likelihood;
   std::vector<std::size_t> order(cells.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -282,6 +283,7 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
       map.doubt[i][cell] = doubt / static_cast<double>(places.size());
     }
   });
+  return order;
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
@@ -417,8 +419,9 @@ Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing, Look look)
   RoomMap map = fuse(grid_, maps.cell, fusion);
   Evidence result;
   if (look == Look::kPlaces) {
-    refine(heard, maps, fusion, temper, map);
-    result.within = std::move(map.within);
+    for (const std::size_t cell : refine(heard, maps, fusion, temper, map)) {
+      result.within.emplace_back(cell, map.within[cell]);
+    }
   }
   result.log_likelihood = std::move(map.log_likelihood);
   const double contradicted =

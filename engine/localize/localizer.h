@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/base/expected.h"
@@ -87,8 +88,8 @@ class Localizer {
     // divided by RoomModel::temper, which does not apply to it); empty when no place explains the
     // burst.
     std::vector<double> log_likelihood;
-    double elsewhere = 0.0;        // probability that the burst says nothing of the place
-    std::vector<CellMass> within;  // [cell], where in it; empty with kCells
+    double elsewhere = 0.0;  // probability that the burst says nothing of the place
+    std::vector<std::pair<std::size_t, CellMass>> within;  // where in a cell, of the best; kPlaces
   };
   Evidence evidence(const Hearing& hearing, Look look = Look::kCells) const;
   const RoomGrid& grid() const;

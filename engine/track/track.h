@@ -14,6 +14,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -101,7 +102,7 @@ class Track {
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
-  FilteredEstimate summarise(LocationEstimate location, std::span<const CellMass> within) const;
+  FilteredEstimate summarise(LocationEstimate location, bool heard) const;
   void remember(FilteredEstimate& estimate);
 
   std::shared_ptr<const Localizer> localizer_;
@@ -114,9 +115,10 @@ class Track {
   std::size_t bursts_ = 0;           // usable ones
   double credit_ = 0.0;              // of a snapshot's weight, given to the present channel
   double loss_ = 0.0;                // at the last position
-  std::vector<CellMass> within_;     // where in each cell, of the last burst that was weighed
-  std::vector<HeardArray> last_;     // of the last usable burst
-  std::deque<Fix> fixes_;            // of the last second
+  // Where in a cell its mass is, of the best cells of the last burst that was weighed.
+  std::vector<std::pair<std::size_t, CellMass>> within_;
+  std::vector<HeardArray> last_;  // of the last usable burst
+  std::deque<Fix> fixes_;         // of the last second
 };
 
 }  // namespace rayloc
