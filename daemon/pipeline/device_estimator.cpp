@@ -199,12 +199,7 @@ std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
   if (turned.empty()) {
     return burst.frames;
   }
-  std::copy_if(
-      burst.frames.begin(), burst.frames.end(), std::back_inserter(kept), [&](const auto& frame) {
-        return std::none_of(turned.begin(), turned.end(), [&](const ChainWatch::Turn& turn) {
-          return turn.access_point == static_cast<std::size_t>(frame.access_point);
-        });
-      });
+  kept = ChainWatch::believed(burst.frames, turned);
   return kept;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -163,6 +164,17 @@ void ChainWatch::hear(std::span<const CsiFrame> frames) {
       weigh(heard, station);
     }
   }
+}
+
+std::vector<CsiFrame> ChainWatch::believed(std::span<const CsiFrame> frames,
+                                           std::span<const Turn> turned) {
+  std::vector<CsiFrame> kept;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(kept), [&](const CsiFrame& frame) {
+    return std::none_of(turned.begin(), turned.end(), [&](const Turn& turn) {
+      return turn.access_point == static_cast<std::size_t>(frame.access_point);
+    });
+  });
+  return kept;
 }
 
 std::vector<ChainWatch::Turn> ChainWatch::turned() const {

@@ -51,6 +51,9 @@ class ChainWatch {
     std::size_t bursts = 0;  // that counted
   };
   std::vector<Turn> turned() const;
+  // The frames of all other access points.
+  static std::vector<CsiFrame> believed(std::span<const CsiFrame> frames,
+                                        std::span<const Turn> turned);
 
  private:
   using Array = std::vector<std::complex<double>>;

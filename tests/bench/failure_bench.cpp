@@ -166,12 +166,13 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
                          0.5 * std::numbers::pi * static_cast<double>(quarters));
         watch.hear(frames);
         const auto turned = watch.turned();
-        std::erase_if(frames, [&](const CsiFrame& frame) {
-          return std::any_of(turned.begin(), turned.end(), [&](const ChainWatch::Turn& turn) {
-            return turn.access_point == static_cast<std::size_t>(frame.access_point);
-          });
-        });
-        judge(verbose, "chain's phase jumped", *localizer, spot, frames, tally, !turned.empty());
+        judge(verbose,
+              "chain's phase jumped",
+              *localizer,
+              spot,
+              ChainWatch::believed(frames, turned),
+              tally,
+              !turned.empty());
       }
     }
   }
