@@ -94,11 +94,11 @@ class Localizer::Impl {
                                              const std::vector<HeardArray>& heard,
                                              const std::vector<double>& nowhere,
                                              double temper) const;
-  std::vector<std::size_t> refine(const std::vector<HeardArray>& heard,
-                                  const StationMaps& maps,
-                                  const AccessPointFusion& fusion,
-                                  double temper,
-                                  RoomMap& map) const;
+  void refine(const std::vector<HeardArray>& heard,
+              const StationMaps& maps,
+              const AccessPointFusion& fusion,
+              double temper,
+              RoomMap& map) const;
   void keep_explained(std::vector<HeardArray>& heard,
                       StationMaps& maps,
                       LocationEstimate& estimate) const;
@@ -238,12 +238,11 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
 }
 
 // Looks closely at the best cells: their log-likelihood becomes that of the mean over their places.
-// Gives these cells.
-std::vector<std::size_t> Localizer::Impl::refine(const std::vector<HeardArray>& heard,
-                                                 const StationMaps& maps,
-                                                 const AccessPointFusion& fusion,
-                                                 double temper,
-                                                 RoomMap& map) const {
+void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
+                             const StationMaps& maps,
+                             const AccessPointFusion& fusion,
+                             double temper,
+                             RoomMap& map) const {
   std::vector<double>& cells = map.log_likelihood;
   std::vector<std::size_t> order(cells.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -257,6 +256,10 @@ std::vector<std::size_t> Localizer::Impl::refine(const std::vector<HeardArray>& 
   order.resize(most);
   while (cells[order.back()] < cells[order.front()] - kRefinedMargin / temper) {
     order.pop_back();
+  }
+  const CellMoments uniform = uniform_moments(grid_);
+  for (const std::size_t cell : order) {
+    map.within.push_back({cell, {uniform, uniform, 1.0}});
   }
   const double finer = order.size() <= kMostFine ? 0.5 : 1.0;
   const Lattice lattice_of_cell =
@@ -274,7 +277,7 @@ std::vector<std::size_t> Localizer::Impl::refine(const std::vector<HeardArray>& 
     }
     const auto [log_mean, mass] = summarise_places(lattice_of_cell, fused, temper);
     cells[cell] = log_mean;
-    map.within[cell] = mass;
+    map.within[n].second = mass;
     for (std::size_t i = 0; i < heard.size(); ++i) {
       double doubt = 0.0;
       for (std::size_t j = 0; j < places.size(); ++j) {
@@ -283,7 +286,6 @@ std::vector<std::size_t> Localizer::Impl::refine(const std::vector<HeardArray>& 
       map.doubt[i][cell] = doubt / static_cast<double>(places.size());
     }
   });
-  return order;
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
@@ -371,7 +373,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   estimate.reason.clear();
   const std::vector<double> faulty(hearing.arrays.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, temper, faulty);
-  RoomMap map = fuse(grid_, maps.cell, fusion);
+  RoomMap map = fuse(maps.cell, fusion);
   refine(hearing.arrays, maps, fusion, temper, map);
   const double contradicted =
       fusion.elsewhere(log_mean_exp(map.log_likelihood, temper), options_.faults.elsewhere);
@@ -416,12 +418,11 @@ Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing, Look look)
   }
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, temper, faulty);
-  RoomMap map = fuse(grid_, maps.cell, fusion);
+  RoomMap map = fuse(maps.cell, fusion);
   Evidence result;
   if (look == Look::kPlaces) {
-    for (const std::size_t cell : refine(heard, maps, fusion, temper, map)) {
-      result.within.emplace_back(cell, map.within[cell]);
-    }
+    refine(heard, maps, fusion, temper, map);
+    result.within = std::move(map.within);
   }
   result.log_likelihood = std::move(map.log_likelihood);
   const double contradicted =

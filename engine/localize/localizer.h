@@ -14,7 +14,6 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "engine/base/expected.h"
@@ -89,7 +88,7 @@ class Localizer {
     // burst.
     std::vector<double> log_likelihood;
     double elsewhere = 0.0;  // probability that the burst says nothing of the place
-    std::vector<std::pair<std::size_t, CellMass>> within;  // where in a cell, of the best; kPlaces
+    KnownCells within;       // where in the best cells; empty with kCells
   };
   Evidence evidence(const Hearing& hearing, Look look = Look::kCells) const;
   const RoomGrid& grid() const;

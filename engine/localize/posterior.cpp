@@ -91,7 +91,7 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
 struct Masses {
   const RoomGrid& grid;
   std::vector<double> mass;
-  std::span<const CellMass> within;  // empty: uniform
+  std::vector<CellMass> within;  // of every cell; empty: uniform
   CellMoments uniform;
   double least_sigma;
 
@@ -103,6 +103,19 @@ struct Masses {
     return grid.centre(i) + Vec3d{m.x, m.y, 0.0};
   }
 };
+
+// Nothing where nothing is known.
+std::vector<CellMass> of_every_cell(const RoomGrid& grid, const KnownCells& known) {
+  std::vector<CellMass> all;
+  if (!known.empty()) {
+    const CellMoments uniform = uniform_moments(grid);
+    all.assign(grid.size(), {uniform, uniform, 1.0});
+    for (const auto& [cell, mass] : known) {
+      all.at(cell) = mass;
+    }
+  }
+  return all;
+}
 
 struct Mean {
   double mass = 0.0;
@@ -350,12 +363,11 @@ void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
-                         std::span<const CellMass> within) {
+                         const KnownCells& within) {
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
-  RAYLOC_CHECK(within.empty() || within.size() == grid.size());
   const Masses masses{grid,
                       weights_of(log_likelihood, options.temper),
-                      within,
+                      of_every_cell(grid, within),
                       uniform_moments(grid),
                       options.least_sigma};
   if (effective_cells(masses.mass) > kMostSpread * static_cast<double>(grid.size())) {

@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
+#include <utility>
 #include <vector>
 
 #include "engine/base/vec3.h"
@@ -50,6 +50,9 @@ struct CellMass {
   double best_share = 1.0;
 };
 
+// Cells of which that is known; in all others the mass is anywhere.
+using KnownCells = std::vector<std::pair<std::size_t, CellMass>>;
+
 struct PosteriorOptions {
   double temper = 1.0;  // exponent of the likelihood
   double accuracy_confidence = 0.95;
@@ -63,11 +66,11 @@ struct PosteriorOptions {
 // estimate. Hypotheses are the hills of the map; of the heaviest, where there is room for one more,
 // core and foot (core_and_foot.h) where these are two. The position is the maximum of the posterior
 // mass in a kernel of 0.1 m, not the highest cell: a spike is more often wrong than a hill. Without
-// a position, `reason` says that the map is flat. `within`: of every cell; empty: all are uniform.
+// a position, `reason` says that the map is flat.
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,
                          LocationEstimate& estimate,
-                         std::span<const CellMass> within = {});
+                         const KnownCells& within = {});
 
 }  // namespace rayloc

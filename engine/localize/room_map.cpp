@@ -7,15 +7,12 @@
 
 namespace rayloc {
 
-RoomMap fuse(const RoomGrid& grid,
-             std::span<const std::vector<double>> maps,
-             const AccessPointFusion& fusion) {
+RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion& fusion) {
+  const std::size_t cells = maps.front().size();
   RoomMap map;
-  map.log_likelihood.resize(grid.size());
-  const CellMoments uniform = uniform_moments(grid);
-  map.within.assign(grid.size(), {uniform, uniform, 1.0});
-  map.doubt.assign(fusion.size(), std::vector<double>(grid.size()));
-  parallel_for(grid.size(), 256, [&](std::size_t cell) {
+  map.log_likelihood.resize(cells);
+  map.doubt.assign(fusion.size(), std::vector<double>(cells));
+  parallel_for(cells, 256, [&](std::size_t cell) {
     std::vector<double> of_each(fusion.size());
     for (std::size_t i = 0; i < of_each.size(); ++i) {
       of_each[i] = maps[i][cell];

@@ -11,14 +11,12 @@ namespace rayloc {
 
 struct RoomMap {
   std::vector<double> log_likelihood;      // [cell]
-  std::vector<CellMass> within;            // [cell]
+  KnownCells within;                       // of those looked at closely
   std::vector<std::vector<double>> doubt;  // [access point][cell], that it is wrong there
 };
 
-// maps: [access point][cell], those that `fusion` is of. Within a cell all places are alike.
-RoomMap fuse(const RoomGrid& grid,
-             std::span<const std::vector<double>> maps,
-             const AccessPointFusion& fusion);
+// maps: [access point][cell], those that `fusion` is of. No cell is looked at closely.
+RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion& fusion);
 
 // Of each access point the probability that what it hears says nothing of the place.
 std::vector<double> doubts(const RoomMap& map, double temper);

@@ -109,17 +109,8 @@ void Track::enter(TrackState state,
   }
 }
 
-// `heard`: the time is that of a burst, and what it said of places within cells still holds.
-FilteredEstimate Track::summarise(LocationEstimate location, bool heard) const {
+FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& within) const {
   FilteredEstimate estimate;
-  std::vector<CellMass> within;
-  if (heard && !within_.empty()) {
-    const CellMoments uniform = uniform_moments(localizer_->grid());
-    within.assign(localizer_->grid().size(), {uniform, uniform, 1.0});
-    for (const auto& [cell, mass] : within_) {
-      within[cell] = mass;
-    }
-  }
   location.reason.clear();
   summarise_posterior(localizer_->grid(),
                       logarithm(filter_.mass()),
@@ -180,7 +171,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   heard_ = time;
-  FilteredEstimate estimate = summarise(std::move(hearing.estimate), true);
+  FilteredEstimate estimate = summarise(std::move(hearing.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {
     enter(TrackState::kTentative, time, "heard for the first time", estimate);
@@ -200,7 +191,7 @@ FilteredEstimate Track::predict(Timestamp time) {
   location.time = time;
   location.capture_start = heard_;
   location.capture_end = heard_;
-  FilteredEstimate estimate = summarise(std::move(location), false);
+  FilteredEstimate estimate = summarise(std::move(location), {});
   estimate.predicted = true;
   return estimate;
 }

@@ -14,7 +14,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -102,7 +101,7 @@ class Track {
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
-  FilteredEstimate summarise(LocationEstimate location, bool heard) const;
+  FilteredEstimate summarise(LocationEstimate location, const KnownCells& within) const;
   void remember(FilteredEstimate& estimate);
 
   std::shared_ptr<const Localizer> localizer_;
@@ -116,7 +115,7 @@ class Track {
   double credit_ = 0.0;              // of a snapshot's weight, given to the present channel
   double loss_ = 0.0;                // at the last position
   // Where in a cell its mass is, of the best cells of the last burst that was weighed.
-  std::vector<std::pair<std::size_t, CellMass>> within_;
+  KnownCells within_;
   std::vector<HeardArray> last_;  // of the last usable burst
   std::deque<Fix> fixes_;         // of the last second
 };

@@ -82,8 +82,7 @@ TEST(Posterior, KnowsWhereInTheCellsTheMassIs) {
   const std::size_t cell = 1000;
   map[cell] = 0.0;
   const CellMoments moments{0.012, -0.017, 4e-6, 0.0, 1e-6};
-  std::vector<CellMass> within(g.size(), {uniform_moments(g), uniform_moments(g), 1.0});
-  within[cell] = {moments, moments, 1.0};
+  const KnownCells within{{cell, {moments, moments, 1.0}}};
   LocationEstimate estimate;
   summarise_posterior(g, map, {}, estimate, within);
   ASSERT_TRUE(estimate.position);
@@ -103,8 +102,7 @@ TEST(Posterior, StatesTheCoreOfAHillAndItsFoot) {
   const CellMoments best{0.01, 0.0, 9e-6, 0.0, 9e-6};
   CellMoments all{0.009, 0.0, 0.0, 0.0, 0.9 * best.yy + 0.1 * uniform.yy};
   all.xx = 0.9 * (best.xx + best.x * best.x) + 0.1 * uniform.xx - all.x * all.x;
-  std::vector<CellMass> within(g.size(), {uniform, uniform, 1.0});
-  within[cell] = {all, best, 0.9};
+  const KnownCells within{{cell, {all, best, 0.9}}};
   PosteriorOptions options;
   options.least_sigma = 0.001;
   LocationEstimate estimate;
