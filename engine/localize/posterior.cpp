@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "engine/base/check.h"
@@ -91,7 +92,7 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
 struct Masses {
   const RoomGrid& grid;
   std::vector<double> mass;
-  std::vector<CellMass> within;  // of every cell; empty: uniform
+  std::span<const CellMass> within;  // of every cell; empty: uniform
   CellMoments uniform;
   double least_sigma;
 
@@ -365,9 +366,10 @@ void summarise_posterior(const RoomGrid& grid,
                          LocationEstimate& estimate,
                          const KnownCells& within) {
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
+  const std::vector<CellMass> of_cells = of_every_cell(grid, within);
   const Masses masses{grid,
                       weights_of(log_likelihood, options.temper),
-                      of_every_cell(grid, within),
+                      of_cells,
                       uniform_moments(grid),
                       options.least_sigma};
   if (effective_cells(masses.mass) > kMostSpread * static_cast<double>(grid.size())) {
