@@ -64,7 +64,9 @@ HeardArray turned_back(const HeardArray& heard, const std::vector<int>& quarters
       turned.h[core * tones + k] *= turn;
     }
   }
+  const double noise = turned.observed.array.noise;
   turned.observed = turned.map->observe(turned.h);
+  turned.observed.array.noise = noise;
   return turned;
 }
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "engine/base/check.h"
+#include "engine/localize/burst_noise.h"
 
 namespace rayloc {
 namespace {
@@ -57,11 +58,20 @@ std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
     const PlaceLikelihood& of,
     const ModelError& error,
     const ObservedBurst& observed) const {
-  // Without phases, centimetres change nothing.
-  return kind_ == LikelihoodKind::kPathCovariance
-             ? nullptr
-             : std::make_unique<const NearbyLikelihood>(
-                   model_, sharp(place), error, of.sharp, observed.array);
+  if (kind_ == LikelihoodKind::kPathCovariance) {
+    return nullptr;  // without phases, centimetres change nothing
+  }
+  const Place middle = sharp(place);
+  if (!counts_noise(error.noise, observed.array)) {
+    return std::make_unique<const NearbyLikelihood>(
+        model_, middle, error, of.sharp, observed.array);
+  }
+  return std::make_unique<const NearbyLikelihood>(
+      model_,
+      middle,
+      error,
+      std::make_unique<const PlaceModel>(model_.place_of_burst(middle, error, observed.array)),
+      observed.array);
 }
 
 // The device within half the distance between places of the middle.

@@ -135,16 +135,14 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
     burst = without_row(std::move(burst), dead->row);
     station = &station->without(dead->row);
   }
-  HeardArray heard{number, station, station->observe(burst.h), burst.h, 1.0, {}};
+  HeardArray heard{number, station, station->observe(burst.h), burst.h, {}};
   if (heard.observed.array.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
-  // The map's covariances hold the model's noise only; a weak burst counts less.
-  const double in_basis = burst.noise_variance * static_cast<double>(station->dimension()) /
-                          static_cast<double>(heard.h.size());
-  heard.weight = ap.error.noise / (ap.error.noise + in_basis);
+  heard.observed.array.noise = burst.noise_variance * static_cast<double>(station->dimension()) /
+                               static_cast<double>(heard.h.size());
   if (const auto level = heard_level(ap, burst)) {
     heard.level = station->level_log_likelihood(*level);
   }
@@ -181,7 +179,7 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
                                                  std::vector<std::uint8_t>(grid_.size()));
   std::vector<double> sum(grid_.size());
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
-    return heard[i].weight * (log_likelihood - maps.nowhere[i]) + heard[i].level_at(cell, temper);
+    return log_likelihood - maps.nowhere[i] + heard[i].level_at(cell, temper);
   };
   parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
@@ -231,7 +229,7 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
     }
     const auto values = nearby->on(lattice);
     for (std::size_t j = 0; j < places.size(); ++j) {
-      places[j][i] = heard[i].weight * (values[j] - nowhere[i]) + heard[i].level_at(cell, temper);
+      places[j][i] = values[j] - nowhere[i] + heard[i].level_at(cell, temper);
     }
   }
   return places;

@@ -45,7 +45,6 @@ struct HeardArray {
   const StationMap* map = nullptr;  // of the antennas that work; the localizer's
   ObservedBurst observed;
   std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
-  double weight = 1.0;                  // of its log-likelihood; 1 when noise is negligible
   std::vector<double> level;            // [cell], StationMap::level_log_likelihood(); empty: none
 
   // To add to what is then raised to the power of `temper`: that is of how well h is modelled, and

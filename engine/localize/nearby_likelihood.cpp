@@ -77,6 +77,15 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
   keep_direct(observation_model.coverable(place.rays));
 }
 
+NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
+                                   const ObservationModel::Place& place,
+                                   const ModelError& error,
+                                   std::unique_ptr<const PlaceModel> model,
+                                   const ObservedArray& observed)
+    : NearbyLikelihood(observation_model, place, error, *model, observed) {
+  own_ = std::move(model);
+}
+
 // Most rays are uncertain or weak: what is left out is far below the noise.
 void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
                                       std::vector<double> power) {

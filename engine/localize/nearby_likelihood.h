@@ -20,6 +20,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -52,6 +53,12 @@ class NearbyLikelihood {
                    const ObservationModel::Place& place,
                    const ModelError& error,
                    const PlaceModel& model,
+                   const ObservedArray& observed);
+  // The same with ObservationModel::place_of_burst(), which it keeps.
+  NearbyLikelihood(const ObservationModel& observation_model,
+                   const ObservationModel::Place& place,
+                   const ModelError& error,
+                   std::unique_ptr<const PlaceModel> model,
                    const ObservedArray& observed);
 
   // Share of the wavelength that places should be apart.
@@ -111,8 +118,9 @@ class NearbyLikelihood {
   std::vector<std::complex<double>> whitened(const std::vector<std::complex<double>>& v) const;
   double log_likelihood(double along, const Delay& delay) const;
 
-  std::size_t size_;         // D
-  std::size_t coordinates_;  // of one antenna
+  std::unique_ptr<const PlaceModel> own_;  // null: model_ is somebody else's
+  std::size_t size_;                       // D
+  std::size_t coordinates_;                // of one antenna
   double wave_number_;
   const PlaceModel& model_;
   double first_length_ = 0.0;

@@ -9,6 +9,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
+#include "engine/localize/burst_noise.h"
 
 namespace rayloc {
 namespace {
@@ -43,7 +44,8 @@ const Ray& first_of(std::span<const Ray> rays) {
 // covered: mu without the direct way; of size 0: there is none.
 PlaceModel factorise(const Eigen::MatrixXcd& sigma,
                      const Eigen::VectorXcd& mu,
-                     const Eigen::VectorXcd& covered) {
+                     const Eigen::VectorXcd& covered,
+                     double noise) {
   const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
   RAYLOC_CHECK(cholesky.info() == Eigen::Success);
   const Index size = mu.size();
@@ -60,15 +62,20 @@ PlaceModel factorise(const Eigen::MatrixXcd& sigma,
     place.mean.emplace_back(mean(i));
     log_determinant -= 2.0 * std::log(whitener(i, i).real());
   }
-  place.mean_power = static_cast<float>(mean.squaredNorm());
+  const auto powers_of = [&](const Eigen::VectorXcd& whitened) {
+    return PlaceModel::Powers{static_cast<float>(whitened.squaredNorm()),
+                              static_cast<float>((whitener.adjoint() * whitened).squaredNorm())};
+  };
+  place.open = powers_of(mean);
   if (covered.size() > 0) {
     const Eigen::VectorXcd without = whitener * covered;
     for (const Value& v : without) {
       place.mean.emplace_back(v);
     }
-    place.covered_power = static_cast<float>(without.squaredNorm());
+    place.covered = powers_of(without);
   }
   place.log_determinant = static_cast<float>(log_determinant);
+  place.noise = static_cast<float>(noise);
   place.reachable = true;
   return place;
 }
@@ -108,12 +115,12 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
   }
   Profile result{at_best_gain(power, along[0], size), {}};
   for (float& value : result.open) {
-    value -= place.mean_power;
+    value -= place.open.whitened;
   }
   if (means > 1) {
     result.covered = at_best_gain(power, along[1], size);
     for (float& value : result.covered) {
-      value += static_cast<float>(kLogCovered) - place.covered_power;
+      value += static_cast<float>(kLogCovered) - place.covered.whitened;
     }
   } else {
     result.covered.fill(std::numeric_limits<float>::lowest());
@@ -128,6 +135,10 @@ LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
     both.open[i] = std::max(both.open[i], both.covered[i]);
   }
   return both.open;
+}
+
+bool lacks_noise(const PlaceModel& place, const ObservedArray& observed) {
+  return place.noise > 0.0F && counts_noise(static_cast<double>(place.noise), observed);
 }
 
 // Peaks of the coarse search that may be the best of the fine one: it misses a delay by 3 ns at
@@ -298,7 +309,16 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
            error.noise,
            diffuse_covariance(error.diffuse_decay),
            sigma);
-  return factorise(sigma, mu, direct.size() > 0 ? Eigen::VectorXcd(mu - direct) : direct);
+  return factorise(
+      sigma, mu, direct.size() > 0 ? Eigen::VectorXcd(mu - direct) : direct, error.noise);
+}
+
+PlaceModel ObservationModel::place_of_burst(const Place& place,
+                                            const ModelError& error,
+                                            const ObservedArray& observed) const {
+  PlaceModel model = this->place(place, with_noise(error, observed));
+  model.noise = 0.0F;
+  return model;
 }
 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
@@ -306,7 +326,7 @@ PlaceModel ObservationModel::nowhere(const ModelError& error) const {
   Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
   add_rest(
       1.0 / static_cast<double>(antennas_), error.noise, diffuse_covariance(kDiffuseDecay), sigma);
-  return factorise(sigma, Eigen::VectorXcd::Zero(size), {});
+  return factorise(sigma, Eigen::VectorXcd::Zero(size), {}, error.noise);
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {
@@ -394,10 +414,15 @@ double ObservationModel::log_likelihood(const PlaceModel& place, const ObservedA
 double ObservationModel::log_likelihood(const PlaceModel& place,
                                         const ObservedArray& observed,
                                         std::uint8_t windows) {
+  const bool is_weak = lacks_noise(place, observed);
   double best = std::numeric_limits<double>::lowest();
-  for_windows(place, observed, windows, [&](std::size_t, const LaneRow& values) {
+  for_windows(place, observed, windows, [&](std::size_t w, const LaneRow& values) {
     const auto at =
         static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+    if (is_weak) {
+      best = std::max(best, log_likelihood_with_noise(place, observed, observed.windows[w], at));
+      return;
+    }
     auto peak = static_cast<double>(values[at]);
     if (at > 0 && at + 1 < values.size()) {
       // The top of the parabola through the best delay and its neighbours.
@@ -409,16 +434,19 @@ double ObservationModel::log_likelihood(const PlaceModel& place,
         peak -= 0.5 * slope * slope / curvature;
       }
     }
-    best = std::max(best, peak);
+    best = std::max(best, peak - static_cast<double>(place.log_determinant));
   });
-  return best - static_cast<double>(place.log_determinant);
+  return best;
 }
 
 ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
                                                   const ObservedArray& observed) {
   const LaneRow values = better(place, observed.coarse);
-  return {static_cast<double>(*std::max_element(values.begin(), values.end())) -
-              static_cast<double>(place.log_determinant),
+  const auto top = std::max_element(values.begin(), values.end());
+  const auto at = static_cast<std::size_t>(top - values.begin());
+  return {lacks_noise(place, observed)
+              ? log_likelihood_with_noise(place, observed, observed.coarse, at)
+              : static_cast<double>(*top) - static_cast<double>(place.log_determinant),
           worth_a_look(values)};
 }
 

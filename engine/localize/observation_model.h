@@ -13,13 +13,14 @@
 // The measurement is known up to a complex factor and a delay: the factor is profiled out in closed
 // form, the delay by a search over the delays of ObservedArray.
 //
+// n is what bursts of a strong device have. What a weak one has beside it is in burst_noise.h.
+//
 // Somebody may stand in the direct way, or something that the plan does not have: with a
 // probability of kCovered its mean is not in mu (what is unknown of its power stays). A place is as
 // likely as the better of both makes it.
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <cstdint>
@@ -31,21 +32,12 @@
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
 #include "engine/localize/observed_array.h"
+#include "engine/localize/place_model.h"
 #include "engine/localize/ray.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/burst.h"
 
 namespace rayloc {
-
-// Distribution of the measurement at one place: the inverse Cholesky factor W of Sigma, and W mu.
-struct PlaceModel {
-  std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;      // W mu; behind it, where there is one, W mu_covered
-  float mean_power = 0.0F;                    // |W mu|^2
-  float covered_power = 0.0F;                 // |W mu_covered|^2
-  float log_determinant = 0.0F;               // of Sigma
-  bool reachable = false;                     // there is a ray
-};
 
 // How much of a ray is known. With v_p the unknown share of its power, mu = sum sqrt(1 - v_p) a_p
 // s_p: the limits of the partial model are v_p = 0 and v_p = 1 for all rays.
@@ -54,10 +46,6 @@ enum class PathKnowledge : std::uint8_t {
   kFull,   // sigma_s = 0, u_p = 0: the correlation with what is expected
   kPower,  // c_p = 0, u_p = 0: nothing depends on the rays' phases
 };
-
-// Probability that a direct way is covered, before anything is heard.
-inline constexpr double kCovered = 0.02;
-inline const double kLogCovered = std::log(kCovered);
 
 // Power of what is not traced, share of the traced, where the first ray is so long [m].
 double diffuse_share(const ModelError& error, double first_length);
@@ -79,6 +67,10 @@ class ObservationModel {
     double cell_size = 0.0;
   };
   PlaceModel place(const Place& place, const ModelError& error) const;
+  // The same for one burst alone: Sigma has its noise.
+  PlaceModel place_of_burst(const Place& place,
+                            const ModelError& error,
+                            const ObservedArray& observed) const;
 
   // Of a ray's mean what is known, and of its power what is not: c_p and 1 - c_p^2 + u_p.
   struct Parts {

@@ -27,6 +27,7 @@ struct ObservedArray {
   Block coarse;                         // entry i: delay 4 i + 2
   std::array<Block, kWindows> windows;  // of entry i: eight delays, from first_of(i) on
   double captured = 0.0;                // largest share of the power that lies in the basis
+  double noise = 0.0;                   // the burst's own, as ModelError::noise; 0: negligible
 
   explicit ObservedArray(std::size_t coordinates = 0);
 

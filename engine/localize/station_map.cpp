@@ -157,7 +157,9 @@ std::optional<double> StationMap::covered_log_odds(std::span<const Ray> rays,
   return rays.empty() || source_.likelihood != LikelihoodKind::kPartial
              ? std::nullopt
              : ObservationModel::covered_log_odds(
-                   model_.place({rays, offsets_, 0.0}, access_point().error), observed.array);
+                   model_.place_of_burst(
+                       {rays, offsets_, 0.0}, access_point().error, observed.array),
+                   observed.array);
 }
 
 std::vector<std::complex<double>> StationMap::expected(std::span<const Ray> rays) const {

@@ -183,6 +183,29 @@ TEST(Fault, DeadChainIsNamedAndLeftOut) {
   expect_honest(all);
 }
 
+// The noise of a burst that is weaker than those that the room was calibrated by.
+TEST(Fault, WeakDevice) {
+  Tally all;
+  for (const std::size_t access_points : {1U, 3U}) {
+    const Localizer& by = localizer(access_points);
+    for (const double snr_db : {20.0, 10.0, 3.0}) {
+      const Tally tally =
+          study("frames of " + std::to_string(std::lround(snr_db)) + " dB",
+                by,
+                [&](std::size_t spot, Frames& frames) {
+                  auto channels = calibrated().spots[spot].h;
+                  channels.resize(by.room().access_points.size());
+                  frames = test::frames_of(
+                      by.room(), channels, {10, snr_db, static_cast<unsigned>(spot + 1)});
+                  return std::string();
+                });
+      EXPECT_LE(tally.no_fix, 2U);
+      all += tally;
+    }
+  }
+  expect_honest(all);
+}
+
 // Chips start in states a quarter turn apart.
 TEST(Fault, JumpedPhaseOfAChain) {
   Tally all;
