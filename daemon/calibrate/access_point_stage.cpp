@@ -59,7 +59,7 @@ Expected<AccessPointResult> fit_access_point(const RoomModel& room,
 
 void apply(const AccessPointFit& fit, RoomAccessPoint& access_point) {
   access_point.gains = fit.gains;
-  access_point.error = fit.error();
+  access_point.error = fit.error.value();
   access_point.array.pose.orientation.yaw += fit.yaw_offset.value;
 }
 

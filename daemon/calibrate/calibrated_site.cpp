@@ -71,11 +71,11 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
     ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, "pitch");
     ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, "roll");
-    ap.plan_tolerance = stated(result.fit.plan_tolerance);
-    ap.diffuse = stated(result.fit.diffuse);
-    ap.diffuse_exponent = stated(result.fit.diffuse_exponent);
-    ap.diffuse_decay = stated(result.fit.diffuse_decay);
-    ap.noise = stated(result.fit.noise);
+    ap.plan_tolerance = stated(result.fit.error.plan_tolerance);
+    ap.diffuse = stated(result.fit.error.diffuse);
+    ap.diffuse_exponent = stated(result.fit.error.diffuse_exponent);
+    ap.diffuse_decay = stated(result.fit.error.diffuse_decay);
+    ap.noise = stated(result.fit.error.noise);
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
     state_chains(calibrated.parameters, ap);

@@ -139,7 +139,7 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
   for (int i = -kYawSteps; i <= kYawSteps; ++i) {
     scan.push_back(kYawStep * i);
   }
-  const ModelError error = fit.error();
+  const ModelError error = fit.error.value();
   fit.yaw_offset = maximise(scan, 0.0, [&](double yaw) {
     const auto turned = offsets(yaw);
     const auto gains = principal_gains(turned, error, nullptr);
@@ -150,30 +150,12 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
   fit.gains = principal_gains(offsets(fit.yaw_offset.value), error, &fit.gain_sigma);
 }
 
-void AccessPointCalibrator::fit_errors(AccessPointFit& fit) const {
+void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
   const auto turned = offsets(fit.yaw_offset.value);
   const auto observed = observe(fit.gains);
-  const ModelError prior;
-  // Powers are scanned as logarithms to base 2: their scale is what is unknown.
-  const auto scan =
-      [&](FittedValue& value, double before, const std::vector<double>& steps, bool logarithmic) {
-        const auto found = maximise(steps, before, [&](double step) {
-          value.value = logarithmic ? std::exp2(step) : step;
-          return kEvidence * log_likelihood(observed, turned, fit.error());
-        });
-        value.value = logarithmic ? std::exp2(found.value) : found.value;
-        value.prior = before;
-        value.sigma = logarithmic ? value.value * std::numbers::ln2 * found.sigma : found.sigma;
-      };
-  scan(fit.diffuse, prior.diffuse, {-8, -7, -6, -5, -4, -3, -2, -1, 0}, true);
-  scan(fit.diffuse_exponent, prior.diffuse_exponent, {-0.5, 0, 0.5, 1, 1.5, 2}, false);
-  const double usual = std::log2(prior.diffuse_decay);
-  scan(fit.diffuse_decay,
-       prior.diffuse_decay,
-       {usual - 1.5, usual - 1.0, usual - 0.5, usual, usual + 0.5, usual + 1.0, usual + 1.5},
-       true);
-  scan(fit.plan_tolerance, prior.plan_tolerance, {-8, -7.5, -7, -6.5, -6, -5.5, -5, -4.5}, true);
-  scan(fit.noise, prior.noise, {-10.5, -10, -9.5, -9, -8.5, -8, -7.5, -7, -6.5, -6}, true);
+  fit.error = fit_model_error(
+      [&](const ModelError& error) { return kEvidence * log_likelihood(observed, turned, error); },
+      fit.error);
 }
 
 Expected<AccessPointFit> AccessPointCalibrator::start() const {
@@ -189,25 +171,21 @@ Expected<AccessPointFit> AccessPointCalibrator::start() const {
   }
   AccessPointFit fit;
   fit.samples_used = samples_.size();
-  const ModelError prior;
-  fit.plan_tolerance.value = prior.plan_tolerance;
-  fit.diffuse.value = prior.diffuse;
-  fit.diffuse_exponent.value = prior.diffuse_exponent;
-  fit.diffuse_decay.value = prior.diffuse_decay;
-  fit.noise.value = prior.noise;
+  fit.error = assumed_model_error();
   return fit;
 }
 
 Expected<AccessPointFit> AccessPointCalibrator::fit(ArrayFit array) const {
   auto fit = start();
-  for (int round = 0; fit && round < 2; ++round) {
+  const int rounds = array == ArrayFit::kFitted ? 2 : 1;
+  for (int round = 0; fit && round < rounds; ++round) {
     if (array == ArrayFit::kFitted) {
       fit_yaw(*fit);
     } else {
-      principal_gains(offsets(0.0), fit->error(), &fit->gain_sigma);
+      principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma);
       fit->gains = access_point_.gains;
     }
-    fit_errors(*fit);
+    fit_error(*fit);
   }
   return fit;
 }
@@ -215,7 +193,7 @@ Expected<AccessPointFit> AccessPointCalibrator::fit(ArrayFit array) const {
 Expected<AccessPointFit> AccessPointCalibrator::fit_gains() const {
   auto fit = start();
   if (fit) {
-    fit->gains = principal_gains(offsets(0.0), fit->error(), &fit->gain_sigma);
+    fit->gains = principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma);
   }
   return fit;
 }
@@ -224,7 +202,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
     const AccessPointFit* fit) const {
   const Aligner aligner(grid_);
   const auto turned = offsets(fit != nullptr ? fit->yaw_offset.value : 0.0);
-  const ModelError error = fit != nullptr ? fit->error() : ModelError{};
+  const ModelError error = fit != nullptr ? fit->error.value() : ModelError{};
   std::vector<std::optional<double>> each(given_);
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
     auto h = samples_[i].h;

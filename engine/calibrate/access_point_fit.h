@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/calibrate/model_error_fit.h"
 #include "engine/localize/observation_model.h"
 #include "engine/localize/room_model.h"
 #include "engine/observe/chain_gains.h"
@@ -28,31 +29,12 @@ struct CalibrationSample {
   std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
 };
 
-// A fitted number, with what was assumed before and how sure the fit is.
-struct FittedValue {
-  double value = 0.0;
-  double prior = 0.0;
-  double sigma = 0.0;  // standard deviation; 0 when the data do not bound it
-};
-
 struct AccessPointFit {
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core, relative to the gain's magnitude
   FittedValue yaw_offset;          // [rad], to be added to the surveyed yaw
-  FittedValue plan_tolerance;      // [m]
-  FittedValue diffuse;
-  FittedValue diffuse_exponent;
-  FittedValue diffuse_decay;  // [s]
-  FittedValue noise;
+  FittedModelError error;
   std::size_t samples_used = 0;
-
-  ModelError error() const {
-    return {plan_tolerance.value,
-            diffuse.value,
-            diffuse_exponent.value,
-            diffuse_decay.value,
-            noise.value};
-  }
 };
 
 // Whether an access point's yaw and chain gains are to be found, or known already.
@@ -99,7 +81,7 @@ class AccessPointCalibrator {
                         const std::vector<Vec3d>& offsets,
                         const ModelError& error) const;
   void fit_yaw(AccessPointFit& fit) const;
-  void fit_errors(AccessPointFit& fit) const;
+  void fit_error(AccessPointFit& fit) const;
 
   OfdmGrid grid_;
   RoomAccessPoint access_point_;

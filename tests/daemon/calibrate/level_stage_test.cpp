@@ -26,7 +26,7 @@ class LevelStage : public testing::Test {
   LevelStage() {
     result_.index = kHeardBy;
     result_.fit.gains = room_.access_points[kHeardBy].gains;
-    result_.fit.diffuse.value = kDiffuse;
+    result_.fit.error.diffuse.value = kDiffuse;
     const RoomAccessPoint& ap = room_.access_points[kHeardBy];
     const ReceiverTracer tracer = PathTracer(room_.scene, room_.trace)
                                       .at(Receiver{{ap.array.pose.position,

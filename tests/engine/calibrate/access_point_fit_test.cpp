@@ -145,9 +145,8 @@ TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
     const auto fit =
         AccessPointCalibrator(uncalibrated(room), 0, survey_with_tail(room, decay)).fit();
     ASSERT_TRUE(fit);
-    EXPECT_NEAR(fit->diffuse_decay.value, decay, 0.25 * decay);
-    EXPECT_GT(fit->diffuse_decay.sigma, 0.0);
-    EXPECT_EQ(fit->error().diffuse_decay, fit->diffuse_decay.value);
+    EXPECT_NEAR(fit->error.diffuse_decay.value, decay, 0.25 * decay);
+    EXPECT_GT(fit->error.diffuse_decay.sigma, 0.0);
   }
 }
 

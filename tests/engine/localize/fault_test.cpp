@@ -46,7 +46,7 @@ Calibrated calibrate() {
     const AccessPointFit fit = calibrator.fit().value();
     RoomAccessPoint& ap = result.room.access_points[a];
     ap.array.pose.orientation.yaw += fit.yaw_offset.value;
-    ap.error = fit.error();
+    ap.error = fit.error.value();
     ap.gains = fit.gains;
   }
   // frames_of() puts its own gains on top.
