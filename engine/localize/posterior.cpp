@@ -7,6 +7,7 @@
 
 #include "engine/base/check.h"
 #include "engine/localize/core_and_foot.h"
+#include "engine/localize/half_disc.h"
 
 namespace rayloc {
 namespace {
@@ -70,7 +71,13 @@ void smooth_line(const std::vector<double>& in,
   }
 }
 
-std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass) {
+double horizontal_distance(const Vec3d& a, const Vec3d& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+// The cell with the most mass about it, of those for which `take` holds.
+template <typename Take>
+std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
   std::vector<double> half(mass.size());
   std::vector<double> smooth(mass.size());
   const auto kernel_x = kernel_of(grid.step_x);
@@ -81,11 +88,14 @@ std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass) {
   for (std::size_t y = 0; y < grid.count_y; ++y) {
     smooth_line(half, smooth, y, grid.count_y, grid.count_x, kernel_x);
   }
-  return static_cast<std::size_t>(std::max_element(smooth.begin(), smooth.end()) - smooth.begin());
-}
-
-double horizontal_distance(const Vec3d& a, const Vec3d& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
+  std::size_t best = smooth.size();
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    if (take(i) && (best == smooth.size() || smooth[i] > smooth[best])) {
+      best = i;
+    }
+  }
+  RAYLOC_CHECK(best < smooth.size());
+  return best;
 }
 
 // The posterior: masses of the cells of a grid, and where in each.
@@ -303,7 +313,8 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
   std::vector<HillMass> heaviest;  // parts of the heaviest hill
   double most = 0.0;
   while (estimate.hypotheses.size() < options.max_hypotheses) {
-    const Vec3d peak = masses.grid.centre(peak_of(masses.grid, masses.mass));
+    const Vec3d peak =
+        masses.grid.centre(peak_of(masses.grid, masses.mass, [](std::size_t) { return true; }));
     const auto near = [&](std::size_t i) {
       return horizontal_distance(masses.grid.centre(i), peak) <= kHypothesisRadius;
     };
@@ -376,7 +387,9 @@ void summarise_posterior(const RoomGrid& grid,
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }
-  const Vec3d peak = grid.centre(peak_of(grid, masses.mass));
+  const Disc half = half_disc(grid, masses.mass, kPeakRadius);
+  const Vec3d peak = grid.centre(
+      peak_of(grid, masses.mass, [&](std::size_t i) { return half.contains(grid.centre(i)); }));
   const auto near = [&](std::size_t i) {
     return horizontal_distance(grid.centre(i), peak) <= kPeakRadius;
   };

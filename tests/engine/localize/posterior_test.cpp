@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "engine/localize/half_disc.h"
+
 namespace rayloc {
 namespace {
 
@@ -170,6 +172,41 @@ TEST(Posterior, PrefersAHillToASpike) {
   LocationEstimate estimate;
   summarise_posterior(g, map, {}, estimate);
   EXPECT_NEAR(estimate.position->x, 1.0, 0.05);
+}
+
+// The heaviest hill has two fifths, the others are side by side.
+TEST(Posterior, IsWhereHalfOfTheMassIsNear) {
+  const RoomGrid g = grid();
+  const auto map = map_of(g, [](const Vec3d& p) {
+    return std::log(4.0 * std::exp(gaussian(p, -1.0, 0.5, 0.05)) +
+                    3.1 * std::exp(gaussian(p, 1.0, -0.5, 0.05)) +
+                    2.9 * std::exp(gaussian(p, 1.0, -0.1, 0.05)) + 1e-30);
+  });
+  LocationEstimate estimate;
+  summarise_posterior(g, map, {}, estimate);
+  EXPECT_NEAR(estimate.position->x, 1.0, 0.03);
+  EXPECT_NEAR(estimate.position->y, -0.5, 0.03);
+  EXPECT_NEAR(estimate.hypotheses[0].position.x, -1.0, 0.03);
+}
+
+TEST(HalfDisc, HoldsHalfAndIsTheSmallest) {
+  const RoomGrid g = grid();
+  std::vector<double> mass(g.size());
+  const auto put = [&](std::size_t x, std::size_t y, double m) { mass[x * g.count_y + y] = m; };
+  // 0.3 m apart, and 1 m away.
+  put(10, 10, 0.3);
+  put(16, 10, 0.25);
+  put(40, 50, 0.45);
+  const Disc disc = half_disc(g, mass, 0.05);
+  EXPECT_TRUE(disc.contains(g.centre(10 * g.count_y + 10)));
+  EXPECT_TRUE(disc.contains(g.centre(16 * g.count_y + 10)));
+  EXPECT_GE(disc.radius, 0.15);
+  EXPECT_LE(disc.radius, 0.15 * 1.2 + g.step_x);
+  // No smaller than was asked for; and at the edge of the grid.
+  std::vector<double> corner(g.size());
+  corner.back() = 1.0;
+  EXPECT_EQ(half_disc(g, corner, 0.12).radius, 0.12);
+  EXPECT_TRUE(half_disc(g, corner, 0.12).contains(g.centre(g.size() - 1)));
 }
 
 TEST(Posterior, OfAFlatMapIsNoPosition) {
