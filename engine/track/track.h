@@ -32,7 +32,7 @@ struct TrackOptions {
   MotionModel motion;
   // For which what is wrong with the model stays the same along a walk: the bursts within it weigh
   // as much as one snapshot, at any rate of frames.
-  Duration evidence_time = std::chrono::milliseconds(200);
+  Duration evidence_time = std::chrono::milliseconds(400);
   // Share of the power that differs between two bursts when the device has moved by a quarter of
   // the wavelength: that of a room where three quarters of the power come the direct way.
   double moved_change = 0.25;
