@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "daemon/evaluate/credible_region.h"
@@ -23,9 +25,6 @@ constexpr double kSameHeight = 0.05;  // [m]
 constexpr std::array kExponents = {1.0, 0.8, 0.6, 0.45, 0.35, 0.25, 0.18, 0.13, 0.09, 0.06};
 constexpr double kMostOfSeveral = 0.8;
 constexpr std::size_t kFalls = 2;
-// Difference of the sums of log scores that tells exponents apart: two units of support, the
-// likelihood's own interval of 95 %.
-constexpr double kTold = 2.0;
 // Standard deviation of what dishonesty() says of honest regions.
 constexpr double kSpreadOfHonest = 0.76;
 constexpr std::array kLeastSigmas = {
@@ -44,16 +43,37 @@ LocationEstimate widened(LocationEstimate estimate, double more) {
   return estimate;
 }
 
-// Mean over the spots. A spot without a fix is one that may be anywhere.
-double log_score(std::span<const LocationEstimate> estimates,
-                 std::span<const HeldOutSpot> spots,
-                 double area,
-                 double more) {
-  double score = 0.0;
+// Of each spot. One without a fix is one that may be anywhere.
+std::vector<double> log_scores(std::span<const LocationEstimate> estimates,
+                               std::span<const HeldOutSpot> spots,
+                               double area,
+                               double more) {
+  std::vector<double> scores;
+  scores.reserve(spots.size());
   for (std::size_t i = 0; i < spots.size(); ++i) {
-    score += std::log(stated_density(widened(estimates[i], more), spots[i].position, area));
+    scores.push_back(
+        std::log(stated_density(widened(estimates[i], more), spots[i].position, area)));
   }
-  return score / static_cast<double>(spots.size());
+  return scores;
+}
+
+double mean_of(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Whether the mean of `better` is above that of `other` by no more than the standard error of the
+// difference, spot by spot.
+bool is_within_error(std::span<const double> better, std::span<const double> other) {
+  std::vector<double> differences(better.size());
+  std::transform(
+      better.begin(), better.end(), other.begin(), differences.begin(), std::minus<double>());
+  const double mean = mean_of(differences);
+  double squares = 0.0;
+  for (const double difference : differences) {
+    squares += (difference - mean) * (difference - mean);
+  }
+  const auto n = static_cast<double>(differences.size());
+  return mean <= std::sqrt(squares / (n * (n - 1.0)));
 }
 
 // How far the stated regions are from honest: the statistic of Anderson and Darling of the
@@ -88,12 +108,18 @@ std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double he
   return there;
 }
 
-HeldOutFixes fixes_with(const Localizer& localizer,
-                        std::span<const HeldOutSpot> spots,
-                        double temper,
-                        std::span<const double> sigmas,
-                        double survey_sigma) {
+struct Tried {
+  HeldOutFixes fixes;
+  std::vector<double> scores;  // of each spot
+};
+
+Tried fixes_with(const Localizer& localizer,
+                 std::span<const HeldOutSpot> spots,
+                 double temper,
+                 std::span<const double> sigmas,
+                 double survey_sigma) {
   HeldOutFixes result;
+  std::vector<double> scores;
   result.temper = temper;
   result.points = spots.size();
   std::vector<double> errors;
@@ -117,11 +143,13 @@ HeldOutFixes fixes_with(const Localizer& localizer,
   result.least_sigma = room.least_sigma;
   result.log_score = -std::numeric_limits<double>::infinity();
   for (const double sigma : sigmas) {
-    const double score =
-        log_score(estimates, spots, area, sigma * sigma - stated + survey_sigma * survey_sigma);
+    auto of_sigma =
+        log_scores(estimates, spots, area, sigma * sigma - stated + survey_sigma * survey_sigma);
+    const double score = mean_of(of_sigma);
     if (score > result.log_score) {
       result.log_score = score;
       result.least_sigma = sigma;
+      scores = std::move(of_sigma);
     }
   }
   result.dishonesty =
@@ -131,7 +159,7 @@ HeldOutFixes fixes_with(const Localizer& localizer,
   if (!errors.empty()) {
     result.median_error_m = percentile(std::move(errors), 0.5);
   }
-  return result;
+  return {std::move(result), std::move(scores)};
 }
 
 }  // namespace
@@ -149,18 +177,21 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   }
   if (spots.size() < kLeastFixes) {
     return std::vector<HeldOutFixes>{
-        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma)};
+        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).fixes};
   }
   std::vector<HeldOutFixes> tried;
+  std::vector<std::vector<double>> scores;
   std::size_t best = 0;
   for (const double exponent : kExponents) {
     if (exponent > most) {
       continue;
     }
-    tried.push_back(fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma));
+    auto [fixes, of_each] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
+    tried.push_back(std::move(fixes));
+    scores.push_back(std::move(of_each));
     if (tried.back().fixes < kLeastFixes) {
       return std::vector<HeldOutFixes>{
-          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma)};
+          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).fixes};
     }
     if (tried.back().log_score > tried[best].log_score) {
       best = tried.size() - 1;
@@ -168,17 +199,19 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
       break;
     }
   }
-  // Of exponents that the score of so few spots cannot tell apart those with the most honest
-  // regions, and of these, for it states the widest, the least.
-  const double enough = tried[best].log_score - kTold / static_cast<double>(spots.size());
+  // Of exponents that the score of so few spots cannot tell apart (Breiman et al., Classification
+  // and Regression Trees, 1984: the rule of one standard error) those with the most honest regions,
+  // and of these, for it states the widest, the least.
+  std::vector<std::size_t> as_good;
   double least = tried[best].dishonesty;
-  for (const HeldOutFixes& one : tried) {
-    least = one.log_score >= enough ? std::min(least, one.dishonesty) : least;
-  }
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (tried[i].log_score >= enough && tried[i].dishonesty <= least + kSpreadOfHonest) {
-      best = i;
+    if (is_within_error(scores[best], scores[i])) {
+      as_good.push_back(i);
+      least = std::min(least, tried[i].dishonesty);
     }
+  }
+  for (const std::size_t i : as_good) {
+    best = tried[i].dishonesty <= least + kSpreadOfHonest ? i : best;
   }
   std::rotate(tried.begin() + static_cast<std::ptrdiff_t>(best),
               tried.begin() + static_cast<std::ptrdiff_t>(best) + 1,
