@@ -31,6 +31,21 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// What the phases of the chains are uncertain by is power that the room does not explain: beside
+// the rest of the model where it is larger. That of the calibration stays as `prior`, for the next
+// time; what was not fitted has no sigma.
+void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& access_point) {
+  double variance = 0.0;
+  for (const double one : sigma) {
+    variance += one * one / static_cast<double>(sigma.size());
+  }
+  // A phase that all have in common says nothing.
+  variance *= 1.0 - 1.0 / static_cast<double>(sigma.size());
+  CalibratedValue& noise = access_point.noise;
+  const double calibrated = noise.sigma > 0.0 ? noise.value : noise.prior;
+  noise = {std::clamp(variance, calibrated, 1.0), calibrated, 0.0};
+}
+
 // Frames of one transmitter at a known place, of all access points.
 struct SpotFrames {
   Vec3d position;
@@ -266,6 +281,7 @@ Expected<void> Rechain::refit() {
       if (stated.id == ap.id) {
         stated.gains = refit->gains;
         stated.gain_sigma = refit->sigma;
+        count_phases(refit->sigma, stated);
       }
     }
     results_.push_back({a, *std::move(refit), options.usual});
