@@ -193,15 +193,16 @@ void Calibration::keep(const StoredCheckpoint& state) {
   unkept_ = !written;
 }
 
-// How often a joint calibration is begun: once more where it takes half a minute.
+// How often a joint calibration is begun: more than once where that takes half a minute or so.
 int Calibration::draws() const {
+  constexpr std::size_t kFew = 100;
   constexpr std::size_t kMostHeard = 200;
   std::size_t heard = 0;
   for (const CalibrationPoint& point : points_) {
     heard += static_cast<std::size_t>(std::count_if(
         point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
   }
-  return heard <= kMostHeard ? 2 : 1;
+  return heard <= kFew ? 3 : heard <= kMostHeard ? 2 : 1;
 }
 
 Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer,
