@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "tests/support/synthetic_room.h"
 
@@ -102,20 +103,36 @@ TEST(DeviceTracker, StatesTheSpeedOfAWalk) {
   EXPECT_LT(result.updates.back().estimate.standing, 0.5);
 }
 
-TEST(DeviceTracker, RegionOfAStandingDeviceShrinks) {
-  DeviceTracker tracker(localizer(), {});
-  const Vec3d truth{-0.4, -0.5, 1.2};
-  std::vector<DeviceUpdate> updates;
-  for (int ms = 0; ms <= 2000; ms += 50) {
-    tracker.hear(kDevice, frames(localizer()->room(), truth, ms, 30.0), updates);
+// Later bursts through the same channel say nothing new.
+TEST(DeviceTracker, RegionOfAStandingDeviceStaysHonest) {
+  int places = 0;
+  double first_accuracy = 0.0;
+  double last_accuracy = 0.0;
+  int outside = 0;  // of the region of 95 %
+  for (const double x : {-1.2, -0.4, 0.4, 1.2}) {
+    for (const double y : {-1.0, -0.5, 0.0, 0.5, 1.0}) {
+      DeviceTracker tracker(localizer(), {});
+      const Vec3d truth{x, y, 1.2};
+      std::vector<DeviceUpdate> updates;
+      for (int ms = 0; ms <= 1000; ms += 50) {
+        tracker.hear(kDevice, frames(localizer()->room(), truth, ms, 30.0), updates);
+      }
+      const FilteredEstimate& first = updates.front().estimate;
+      const FilteredEstimate& last = updates.back().estimate;
+      ++places;
+      first_accuracy += first.location.accuracy_m;
+      last_accuracy += last.location.accuracy_m;
+      outside += error_of(last.location, truth) > last.location.accuracy_m ? 1 : 0;
+      EXPECT_GT(last.standing, 0.9);
+    }
   }
-  const FilteredEstimate& first = updates.front().estimate;
-  const FilteredEstimate& last = updates.back().estimate;
-  EXPECT_LT(last.location.covariance[0] + last.location.covariance[4],
-            first.location.covariance[0] + first.location.covariance[4]);
-  EXPECT_LT(last.location.accuracy_m, first.location.accuracy_m);
-  EXPECT_LE(error_of(last.location, truth), last.location.accuracy_m);
-  EXPECT_GT(last.standing, 0.9);
+  std::printf("of %d places %d outside; accuracy %.2f m, then %.2f m\n",
+              places,
+              outside,
+              first_accuracy / places,
+              last_accuracy / places);
+  EXPECT_LT(last_accuracy, 1.05 * first_accuracy);
+  EXPECT_LE(outside, 2);
 }
 
 // Cells are centimetres wide, and three access points know a place to millimetres: also of a device
