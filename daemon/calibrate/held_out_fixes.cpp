@@ -65,8 +65,7 @@ double mean_of(std::span<const double> values) {
 // difference, spot by spot.
 bool is_within_error(std::span<const double> better, std::span<const double> other) {
   std::vector<double> differences(better.size());
-  std::transform(
-      better.begin(), better.end(), other.begin(), differences.begin(), std::minus<double>());
+  std::transform(better.begin(), better.end(), other.begin(), differences.begin(), std::minus<>());
   const double mean = mean_of(differences);
   double squares = 0.0;
   for (const double difference : differences) {
@@ -159,7 +158,7 @@ Tried fixes_with(const Localizer& localizer,
   if (!errors.empty()) {
     result.median_error_m = percentile(std::move(errors), 0.5);
   }
-  return {std::move(result), std::move(scores)};
+  return {result, std::move(scores)};
 }
 
 }  // namespace
@@ -187,7 +186,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
       continue;
     }
     auto [fixes, of_each] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
-    tried.push_back(std::move(fixes));
+    tried.push_back(fixes);
     scores.push_back(std::move(of_each));
     if (tried.back().fixes < kLeastFixes) {
       return std::vector<HeldOutFixes>{

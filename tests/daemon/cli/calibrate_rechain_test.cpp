@@ -186,8 +186,9 @@ TEST_F(RechainVerb, FindsTheNewPhasesFromOneSpotThreeSpotsAndTheFixedTransmitter
   // accuracy.
   std::string rows = kHeader;
   for (int i = 0; i < 15; ++i) {
+    const int row = i / 5;
     rows += std::to_string(5000 + 2 * i) + "," + std::to_string(5001 + 2 * i) + "," +
-            std::to_string(-1.2 + 0.6 * (i % 5)) + "," + std::to_string(-0.8 + 0.7 * (i / 5)) +
+            std::to_string(-1.2 + 0.6 * (i % 5)) + "," + std::to_string(-0.8 + 0.7 * row) +
             ",1.2\n";
   }
   const std::string again = write("again.csv", rows);
