@@ -108,7 +108,7 @@ std::vector<HeldOutSpot> at_height(std::span<const HeldOutSpot> spots, double he
 }
 
 struct Tried {
-  HeldOutFixes fixes;
+  HeldOutFixes outcome;
   std::vector<double> scores;  // of each spot
 };
 
@@ -117,8 +117,8 @@ Tried fixes_with(const Localizer& localizer,
                  double temper,
                  std::span<const double> sigmas,
                  double survey_sigma) {
-  HeldOutFixes result;
-  std::vector<double> scores;
+  Tried tried;
+  HeldOutFixes& result = tried.outcome;
   result.temper = temper;
   result.points = spots.size();
   std::vector<double> errors;
@@ -148,7 +148,7 @@ Tried fixes_with(const Localizer& localizer,
     if (score > result.log_score) {
       result.log_score = score;
       result.least_sigma = sigma;
-      scores = std::move(of_sigma);
+      tried.scores = std::move(of_sigma);
     }
   }
   result.dishonesty =
@@ -158,7 +158,7 @@ Tried fixes_with(const Localizer& localizer,
   if (!errors.empty()) {
     result.median_error_m = percentile(std::move(errors), 0.5);
   }
-  return {result, std::move(scores)};
+  return tried;
 }
 
 }  // namespace
@@ -176,23 +176,20 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   }
   if (spots.size() < kLeastFixes) {
     return std::vector<HeldOutFixes>{
-        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).fixes};
+        fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
   }
-  std::vector<HeldOutFixes> tried;
-  std::vector<std::vector<double>> scores;
+  std::vector<Tried> tried;
   std::size_t best = 0;
   for (const double exponent : kExponents) {
     if (exponent > most) {
       continue;
     }
-    auto [fixes, of_each] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
-    tried.push_back(fixes);
-    scores.push_back(std::move(of_each));
-    if (tried.back().fixes < kLeastFixes) {
+    tried.push_back(fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma));
+    if (tried.back().outcome.fixes < kLeastFixes) {
       return std::vector<HeldOutFixes>{
-          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).fixes};
+          fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
     }
-    if (tried.back().log_score > tried[best].log_score) {
+    if (tried.back().outcome.log_score > tried[best].outcome.log_score) {
       best = tried.size() - 1;
     } else if (tried.size() - 1 - best >= kFalls) {
       break;
@@ -202,20 +199,24 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
   // and Regression Trees, 1984: the rule of one standard error) those with the most honest regions,
   // and of these, for it states the widest, the least.
   std::vector<std::size_t> as_good;
-  double least = tried[best].dishonesty;
+  double least = tried[best].outcome.dishonesty;
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (is_within_error(scores[best], scores[i])) {
+    if (is_within_error(tried[best].scores, tried[i].scores)) {
       as_good.push_back(i);
-      least = std::min(least, tried[i].dishonesty);
+      least = std::min(least, tried[i].outcome.dishonesty);
     }
   }
   for (const std::size_t i : as_good) {
-    best = tried[i].dishonesty <= least + kSpreadOfHonest ? i : best;
+    best = tried[i].outcome.dishonesty <= least + kSpreadOfHonest ? i : best;
   }
   std::rotate(tried.begin() + static_cast<std::ptrdiff_t>(best),
               tried.begin() + static_cast<std::ptrdiff_t>(best) + 1,
               tried.end());
-  return tried;
+  std::vector<HeldOutFixes> outcomes;
+  std::transform(tried.begin(), tried.end(), std::back_inserter(outcomes), [](const Tried& one) {
+    return one.outcome;
+  });
+  return outcomes;
 }
 
 }  // namespace rayloc
