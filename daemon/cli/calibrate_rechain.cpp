@@ -43,7 +43,7 @@ void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& acces
   variance *= 1.0 - 1.0 / static_cast<double>(sigma.size());
   CalibratedValue& noise = access_point.noise;
   const double calibrated = noise.sigma > 0.0 ? noise.value : noise.prior;
-  noise = {std::clamp(variance, calibrated, 1.0), calibrated, 0.0};
+  noise = {std::max(calibrated, std::min(variance, 1.0)), calibrated, 0.0};
 }
 
 // Frames of one transmitter at a known place, of all access points.
