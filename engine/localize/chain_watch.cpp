@@ -64,9 +64,7 @@ HeardArray turned_back(const HeardArray& heard, const std::vector<int>& quarters
       turned.h[core * tones + k] *= turn;
     }
   }
-  const double noise = turned.observed.array.noise;
-  turned.observed = turned.map->observe(turned.h);
-  turned.observed.array.noise = noise;
+  turned.observed = turned.map->observe(turned.h, heard.observed.array.noise);
   return turned;
 }
 

@@ -135,14 +135,14 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
     burst = without_row(std::move(burst), dead->row);
     station = &station->without(dead->row);
   }
-  HeardArray heard{number, station, station->observe(burst.h), burst.h, {}};
+  const double noise = burst.noise_variance * static_cast<double>(station->dimension()) /
+                       static_cast<double>(burst.h.size());
+  HeardArray heard{number, station, station->observe(burst.h, noise), burst.h, {}};
   if (heard.observed.array.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
-  heard.observed.array.noise = burst.noise_variance * static_cast<double>(station->dimension()) /
-                               static_cast<double>(heard.h.size());
   if (const auto level = heard_level(ap, burst)) {
     heard.level = station->level_log_likelihood(*level);
   }

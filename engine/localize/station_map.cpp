@@ -105,8 +105,10 @@ void StationMap::build_cells() {
   });
 }
 
-ObservedBurst StationMap::observe(std::span<const std::complex<double>> h) const {
-  return likelihood_->observe(h);
+ObservedBurst StationMap::observe(std::span<const std::complex<double>> h, double noise) const {
+  ObservedBurst observed = likelihood_->observe(h);
+  observed.array.noise = noise;
+  return observed;
 }
 
 Likelihood::Coarse StationMap::coarse(std::size_t cell, const ObservedBurst& observed) const {

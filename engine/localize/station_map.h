@@ -47,8 +47,8 @@ class StationMap {
   std::size_t antennas() const { return offsets_.size(); }
   std::size_t dimension() const { return model_.dimension(); }  // of the observation
 
-  // h: [antenna][tone], chain gains removed.
-  ObservedBurst observe(std::span<const std::complex<double>> h) const;
+  // h: [antenna][tone], chain gains removed. noise: the burst's (ObservedArray::noise).
+  ObservedBurst observe(std::span<const std::complex<double>> h, double noise) const;
 
   // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound, and where to look.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
