@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
+#include "engine/localize/ray.h"
 #include "engine/localize/room_model.h"
+#include "engine/trace/path_tracer.h"
 
 namespace rayloc::test {
 
@@ -29,6 +31,15 @@ struct FrameOptions {
 std::vector<std::complex<double>> channel_at(const RoomModel& room,
                                              const RoomAccessPoint& access_point,
                                              const Vec3d& position);
+
+// Of the antennas from the array's centre [m].
+std::vector<Vec3d> offsets_of(const AntennaArray& array);
+
+// From the room's device at `position` to the array's centre. tracer: of the room.
+std::vector<Ray> rays_to(const PathTracer& tracer,
+                         const RoomModel& room,
+                         const AntennaArray& array,
+                         const Vec3d& position);
 
 // What the access points hear when their antennas receive `channels` ([core][tone] of each; empty:
 // it hears nothing): unknown gain, phase and timing offset in every frame, chain gains, noise.

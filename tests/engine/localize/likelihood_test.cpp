@@ -25,12 +25,12 @@ constexpr double kCell = 0.007;  // [m]: a place, as near as the wavelength asks
 // One access point of the synthetic room, known well.
 class Link {
  public:
-  Link() : room_(test::make_room()), tracer_(room_.scene, room_.trace) {
+  Link()
+      : room_(test::make_room()),
+        tracer_(room_.scene, room_.trace),
+        offsets_(test::offsets_of(array())) {
     error_.plan_tolerance = 0.001;
     error_.diffuse = 0.005;
-    for (std::size_t i = 0; i < array().element_offset.size(); ++i) {
-      offsets_.push_back(element_position(array(), i) - array().pose.position);
-    }
   }
 
   const RoomModel& room() const { return room_; }
@@ -45,7 +45,7 @@ class Link {
         {array().pose.position, array().pose.orientation, array().pattern, array().polarization}};
   }
   std::vector<Ray> rays(const Vec3d& position) const {
-    return rays_of(tracer_.trace(device(position), centre()), room_, position, 64);
+    return test::rays_to(tracer_, room_, array(), position);
   }
   // [antenna][tone], every element traced for itself.
   std::vector<Value> channel(const Vec3d& position) const {

@@ -14,23 +14,8 @@ namespace {
 
 using Value = std::complex<double>;
 
-std::vector<Vec3d> offsets_of(const AntennaArray& array) {
-  std::vector<Vec3d> offsets;
-  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    offsets.push_back(element_position(array, i) - array.pose.position);
-  }
-  return offsets;
-}
-
 std::vector<Ray> rays_to(const RoomModel& room, const AntennaArray& array, const Vec3d& position) {
-  const PathTracer tracer(room.scene, room.trace);
-  return rays_of(
-      tracer.trace(
-          {{position, {}, room.device.pattern, room.device.polarization}},
-          {{array.pose.position, array.pose.orientation, array.pattern, array.polarization}}),
-      room,
-      position,
-      64);
+  return test::rays_to(PathTracer(room.scene, room.trace), room, array, position);
 }
 
 TEST(DelayBasis, HoldsEveryEchoOfTheWindow) {
@@ -56,7 +41,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
   ModelError exact;
   exact.plan_tolerance = 0.0;
   const auto rays = rays_to(room, ap.array, position);
-  const auto offsets = offsets_of(ap.array);
+  const auto offsets = test::offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   const auto expected = model.expected({rays, offsets, 0.0}, exact);
   std::vector<Value> traced;
@@ -74,7 +59,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
 TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[0];
-  const auto offsets = offsets_of(ap.array);
+  const auto offsets = test::offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   ModelError error;
   // A room that is known well: one access point tells the places apart.
@@ -101,7 +86,7 @@ TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
 TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[1];
-  const auto offsets = offsets_of(ap.array);
+  const auto offsets = test::offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   const Vec3d truth{-0.2, 0.3, 1.2};
   const auto rays = rays_to(room, ap.array, truth);
