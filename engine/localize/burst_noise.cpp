@@ -4,69 +4,42 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <vector>
 
-#include <Eigen/Core>
+#include "engine/localize/gain_profile.h"
+#include "engine/localize/whitened_gaussian.h"
 
 namespace rayloc {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXcf;
-using Coordinates = Eigen::Map<const VectorXcf>;
+using Value = std::complex<double>;
 
 constexpr double kLeastCounted = 0.2;  // of the model's noise: less is a unit of log-likelihood
 constexpr double kLeastPower = 1e-12;
 
-// A row of the triangle W.
-Coordinates row_of(const PlaceModel& place, Index i) {
-  return {place.whitener.data() + i * (i + 1) / 2, i + 1};
-}
-
-// W x
-VectorXcf times(const PlaceModel& place, const VectorXcf& x) {
-  VectorXcf result(x.size());
-  for (Index i = 0; i < x.size(); ++i) {
-    result(i) = (row_of(place, i).transpose() * x.head(i + 1)).value();
-  }
-  return result;
-}
-
-// W^H x
-VectorXcf times_adjoint(const PlaceModel& place, const VectorXcf& x) {
-  VectorXcf result = VectorXcf::Zero(x.size());
-  for (Index i = 0; i < x.size(); ++i) {
-    result.head(i + 1) += x(i) * row_of(place, i).conjugate();
-  }
-  return result;
-}
-
-template <typename Vector>
-double power_of(const Vector& x) {
-  return static_cast<double>(x.squaredNorm());
-}
-
 }  // namespace
 
-bool counts_noise(double n, const ObservedArray& observed) {
-  return observed.noise > kLeastCounted * n;
+bool lacks_noise(const PlaceModel& place, const ObservedArray& observed) {
+  return place.noise > 0.0F && observed.noise > kLeastCounted * static_cast<double>(place.noise);
 }
 
 double log_likelihood_with_noise(const PlaceModel& place,
                                  const ObservedArray& observed,
                                  const ObservedArray::Block& block,
                                  std::size_t lane) {
-  const auto size = static_cast<Index>(block.re.size());
+  const std::size_t size = block.re.size();
   const auto dimension = static_cast<double>(size);
-  VectorXcf y(size);
-  for (Index i = 0; i < size; ++i) {
-    const auto coordinate = static_cast<std::size_t>(i);
-    y(i) = {block.re[coordinate][lane], block.im[coordinate][lane]};
+  std::vector<Value> y(size);
+  for (std::size_t i = 0; i < size; ++i) {
+    y[i] = {static_cast<double>(block.re[i][lane]), static_cast<double>(block.im[i][lane])};
   }
-  const VectorXcf whitened = times(place, y);
-  // tr Sigma^-1
-  const double trace = power_of(Coordinates(place.whitener.data(), size * (size + 1) / 2));
-  const VectorXcf inverse = times_adjoint(place, whitened);  // Sigma^-1 y
-  const VectorXcf twice = times(place, inverse);             // W Sigma^-1 y
+  double trace = 0.0;  // of Sigma^-1
+  for (const std::complex<float>& w : place.whitener) {
+    trace += static_cast<double>(std::norm(w));
+  }
+  const auto whitened = whiten(place.whitener, y);
+  const auto inverse = unwhiten(place.whitener, whitened);  // Sigma^-1 y
+  const auto twice = whiten(place.whitener, inverse);       // W Sigma^-1 y
   const double power = power_of(whitened);
   const double inverse_power = power_of(inverse);
   // The gain is that of (Sigma + n' I / D)^-1 ~ Sigma^-1 - `less` Sigma^-2, which is exact where
@@ -76,18 +49,19 @@ double log_likelihood_with_noise(const PlaceModel& place,
   const double a = std::max(power - less * inverse_power, kLeastPower);
   const double noise = observed.noise / dimension;
   double best = std::numeric_limits<double>::lowest();
-  for (std::size_t first = 0; first < place.mean.size(); first += block.re.size()) {
+  for (std::size_t first = 0; first < place.mean.size(); first += size) {
     const bool is_covered = first > 0;
     const PlaceModel::Powers& of_mean = is_covered ? place.covered : place.open;
-    const Coordinates mean(place.mean.data() + first, size);
-    const std::complex<double> along(whitened.dot(mean));
-    const std::complex<double> inverse_along(twice.dot(mean));
-    const std::complex<double> lessened = along - less * inverse_along;
+    const std::vector<Value> mean(place.mean.begin() + static_cast<std::ptrdiff_t>(first),
+                                  place.mean.begin() + static_cast<std::ptrdiff_t>(first + size));
+    const Value along = inner_product(whitened, mean);
+    const Value inverse_along = inner_product(twice, mean);
+    const Value lessened = along - less * inverse_along;
     const double b = std::abs(lessened);
-    const double r = (b + std::sqrt(b * b + 4.0 * a * dimension)) / (2.0 * a);
-    const std::complex<double> turn = b > 0.0 ? std::conj(lessened) / b : 1.0;
+    const double r = best_gain(a, b, dimension);
+    const Value turn = b > 0.0 ? std::conj(lessened) / b : 1.0;
     // |r y - mu|^2 in one metric and in the other.
-    const auto misfit = [&](double of_y, const std::complex<double>& of_both, float of_mu) {
+    const auto misfit = [&](double of_y, const Value& of_both, float of_mu) {
       return std::max(r * r * of_y - 2.0 * r * (turn * of_both).real() + static_cast<double>(of_mu),
                       kLeastPower);
     };

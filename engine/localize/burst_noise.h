@@ -17,11 +17,11 @@
 
 namespace rayloc {
 
-// Whether a burst is so weak that a model with noise `n` is not enough. [ModelError::noise]
-bool counts_noise(double n, const ObservedArray& observed);
+// Whether a burst is so weak that a place's model, which lacks its noise, is not enough.
+bool lacks_noise(const PlaceModel& place, const ObservedArray& observed);
 
 // ObservationModel::log_likelihood() at one delay of a block of the burst, with the burst's noise.
-// REQUIRES: place.noise > 0.
+// REQUIRES: lacks_noise(place, observed).
 double log_likelihood_with_noise(const PlaceModel& place,
                                  const ObservedArray& observed,
                                  const ObservedArray::Block& block,

@@ -62,7 +62,7 @@ std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
     return nullptr;  // without phases, centimetres change nothing
   }
   const Place middle = sharp(place);
-  if (!counts_noise(error.noise, observed.array)) {
+  if (!lacks_noise(of.sharp, observed.array)) {
     return std::make_unique<const NearbyLikelihood>(
         model_, middle, error, of.sharp, observed.array);
   }

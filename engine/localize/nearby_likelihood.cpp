@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/localize/gain_profile.h"
 #include "engine/localize/whitened_gaussian.h"
 
 namespace rayloc {
@@ -66,7 +67,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     for (std::size_t i = 0; i < size_; ++i) {
       y[i] = observed.value(i, t);
     }
-    Delay delay{whitened(y), 0.0};
+    Delay delay{whiten(model_.whitener, y), 0.0};
     for (const Value& v : delay.observed) {
       delay.power += std::norm(v);
     }
@@ -123,7 +124,7 @@ void NearbyLikelihood::keep_direct(std::size_t ray) {
     std::copy_n(means_.begin() + static_cast<std::ptrdiff_t>(ray * coordinates_),
                 coordinates_,
                 of.begin() + static_cast<std::ptrdiff_t>(m * coordinates_));
-    direct_.of.push_back(whitened(of));
+    direct_.of.push_back(whiten(model_.whitener, of));
     observed_.insert(observed_.end(), direct_.of[m].begin(), direct_.of[m].end());
   }
   for (const Delay& delay : delays_) {
@@ -136,25 +137,6 @@ void NearbyLikelihood::keep_direct(std::size_t ray) {
       direct_.gram.emplace_back(inner_product(a, b));
     }
   }
-}
-
-std::vector<Value> NearbyLikelihood::whitened(const std::vector<Value>& v) const {
-  std::vector<Value> result(size_);
-  const std::complex<float>* w = model_.whitener.data();
-  for (std::size_t i = 0; i < size_; ++i) {
-    for (std::size_t j = 0; j <= i; ++j, ++w) {
-      result[i] += times(Value(*w), v[j]);
-    }
-  }
-  return result;
-}
-
-// What of it depends on the delay, at the best gain. `along`: |mu^H S^-1 y|
-double NearbyLikelihood::log_likelihood(double along, const Delay& delay) const {
-  const auto d = static_cast<double>(size_);
-  const double a = delay.power;
-  const double r = (along + std::sqrt(along * along + 4.0 * a * d)) / (2.0 * a);
-  return 2.0 * d * std::log(r) - a * r * r + 2.0 * along * r;
 }
 
 NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool covered) const {
@@ -178,16 +160,19 @@ NearbyLikelihood::Means NearbyLikelihood::means_at(const Vec3d& moved, bool cove
       means.by_y[source.antenna * coordinates_ + i] += times(turn_y, one);
     }
   }
-  return {whitened(means.value), whitened(means.by_x), whitened(means.by_y)};
+  return {whiten(model_.whitener, means.value),
+          whiten(model_.whitener, means.by_x),
+          whiten(model_.whitener, means.by_y)};
 }
 
 NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
+  const auto d = static_cast<double>(size_);
   const Delay* best = &delays_.front();
   double best_value = -std::numeric_limits<double>::infinity();
   Value best_along;
   for (const Delay& delay : delays_) {
     const Value along = inner_product(means.value, delay.observed);
-    const double value = log_likelihood(std::abs(along), delay);
+    const double value = gain_profile(delay.power, std::abs(along), d);
     if (value > best_value) {
       best = &delay;
       best_value = value;
@@ -195,8 +180,7 @@ NearbyLikelihood::Slope NearbyLikelihood::slope(const Means& means) const {
     }
   }
   const double b = std::abs(best_along);
-  const auto d = static_cast<double>(size_);
-  const double r = (b + std::sqrt(b * b + 4.0 * best->power * d)) / (2.0 * best->power);
+  const double r = best_gain(best->power, b, d);
   const Value turn = b > 0.0 ? std::conj(best_along) / b : Value();
   std::vector<Value> residual(size_);  // r e W y - W mu
   for (std::size_t i = 0; i < size_; ++i) {

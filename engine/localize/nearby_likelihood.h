@@ -115,8 +115,6 @@ class NearbyLikelihood {
                         std::span<const LaneSums> along,
                         std::span<const LaneSums> direct) const;
   void take_direct(std::size_t k, std::span<const LaneSums> direct, LaneSums& along) const;
-  std::vector<std::complex<double>> whitened(const std::vector<std::complex<double>>& v) const;
-  double log_likelihood(double along, const Delay& delay) const;
 
   std::unique_ptr<const PlaceModel> own_;  // null: model_ is somebody else's
   std::size_t size_;                       // D

@@ -137,10 +137,6 @@ LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   return both.open;
 }
 
-bool lacks_noise(const PlaceModel& place, const ObservedArray& observed) {
-  return place.noise > 0.0F && counts_noise(static_cast<double>(place.noise), observed);
-}
-
 // Peaks of the coarse search that may be the best of the fine one: it misses a delay by 3 ns at
 // most, which costs about 10.
 constexpr float kCoarseMiss = 10.0F;

@@ -12,6 +12,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
+#include "engine/localize/gain_profile.h"
 
 namespace rayloc {
 namespace {
@@ -37,15 +38,6 @@ void add_outer(double weight,
       row[j] += left * std::conj(s[j]);
     }
   }
-}
-
-// The gain r that fits best, where A = |W y|^2 and b = |(W mu)^H W y|.
-double best_gain(double a, double b, double d) {
-  return (b + std::sqrt(b * b + 4.0 * a * d)) / (2.0 * a);
-}
-double profile(double a, double b, double d) {
-  const double r = best_gain(a, b, d);
-  return 2.0 * d * std::log(r) - a * r * r + 2.0 * b * r;
 }
 
 constexpr double kLeastPower = 1e-12;
@@ -336,8 +328,8 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
   for (const auto& y : observed.y) {
     const auto u = whiten(gaussian, y);
     const double power = with ? with->power(u) : power_of(u);
-    best =
-        std::max(best, profile(std::max(power, kLeastPower), std::abs(inner_product(mean, u)), d));
+    best = std::max(
+        best, gain_profile(std::max(power, kLeastPower), std::abs(inner_product(mean, u)), d));
   }
   return best - mean_power - log_determinant;
 }
@@ -432,7 +424,7 @@ void PersonLikelihood::log_likelihood(const PersonPlace& place,
     const std::complex<float>* z = place.sample.data() + p * size;
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t t = 0; t < kDelays; ++t) {
-      best = std::max(best, profile(close.power[t], close.along(t, z), d));
+      best = std::max(best, gain_profile(close.power[t], close.along(t, z), d));
     }
     out[p] = best - close.mean_power(static_cast<double>(place.mean_power[p]), z) -
              close.log_determinant;

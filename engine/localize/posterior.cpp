@@ -71,10 +71,6 @@ void smooth_line(const std::vector<double>& in,
   }
 }
 
-double horizontal_distance(const Vec3d& a, const Vec3d& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 // The cell with the most mass about it, of those for which `take` holds.
 template <typename Take>
 std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
@@ -96,6 +92,10 @@ std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const
   }
   RAYLOC_CHECK(best < smooth.size());
   return best;
+}
+
+double horizontal_distance(const Vec3d& a, const Vec3d& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 // The posterior: masses of the cells of a grid, and where in each.

@@ -18,9 +18,13 @@ struct WhitenedGaussian {
 };
 
 // W y
+std::vector<std::complex<double>> whiten(std::span<const std::complex<float>> whitener,
+                                         std::span<const std::complex<double>> y);
 std::vector<std::complex<double>> whiten(const WhitenedGaussian& gaussian,
                                          std::span<const std::complex<double>> y);
 // W^H u
+std::vector<std::complex<double>> unwhiten(std::span<const std::complex<float>> whitener,
+                                           std::span<const std::complex<double>> u);
 std::vector<std::complex<double>> unwhiten(const WhitenedGaussian& gaussian,
                                            std::span<const std::complex<double>> u);
 

@@ -23,22 +23,19 @@ const Vec3d kTruth{0.4, -0.5, 1.2};
 class BurstNoise : public testing::Test {
  protected:
   BurstNoise()
-      : room_(test::make_room()), tracer_(room_.scene, room_.trace), model_(room_.grid, 3) {
+      : room_(test::make_room()),
+        tracer_(room_.scene, room_.trace),
+        model_(room_.grid, 3),
+        offsets_(test::offsets_of(array())) {
     error_.plan_tolerance = 0.002;
     error_.diffuse = 0.01;
     error_.noise = 1e-4;
-    for (std::size_t i = 0; i < array().element_offset.size(); ++i) {
-      offsets_.push_back(element_position(array(), i) - array().pose.position);
-    }
   }
 
   const AntennaArray& array() const { return room_.access_points[0].array; }
 
   std::vector<Ray> rays(const Vec3d& position) const {
-    const Transmitter device{{position, {}, room_.device.pattern, room_.device.polarization}};
-    const Receiver centre{
-        {array().pose.position, array().pose.orientation, array().pattern, array().polarization}};
-    return rays_of(tracer_.trace(device, centre), room_, position, 64);
+    return test::rays_to(tracer_, room_, array(), position);
   }
 
   // Heard from kTruth with noise of this share of the power within the basis, as observe() and
@@ -157,7 +154,7 @@ TEST_F(BurstNoise, OfAStrongDeviceIsNothing) {
   ObservedArray observed = heard_with(1e-6);
   const auto traced = rays(kTruth);
   const PlaceModel place = model_.place({traced, offsets_, 0.007}, error_);
-  EXPECT_FALSE(counts_noise(error_.noise, observed));
+  EXPECT_FALSE(lacks_noise(place, observed));
   const double with = ObservationModel::log_likelihood(place, observed);
   observed.noise = 0.0;
   EXPECT_EQ(with, ObservationModel::log_likelihood(place, observed));
