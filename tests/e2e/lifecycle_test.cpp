@@ -76,7 +76,8 @@ TEST(LifeCycle, SaysReadyOnceEverythingRunsAndStoppingAtTheEnd) {
   EXPECT_THAT(daemon.log(), HasSubstr("listening: ap2: udp " + daemon.address(0)));
   EXPECT_THAT(daemon.log(), HasSubstr("people are not looked for"));
   ASSERT_TRUE(eventually(kPatience, [&] {
-    return std::any_of(manager.lines().begin(), manager.lines().end(), [](const std::string& line) {
+    const std::vector<std::string>& lines = manager.lines();
+    return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
       return line.rfind("STATUS=0 of 1 sources heard; 0 datagrams", 0) == 0;
     });
   }));

@@ -538,6 +538,7 @@ class PlaybackTest(MapTest):
     def control(self, page):
         page.wait("!document.querySelector('#playback').hidden && "
                   "document.querySelector('#review').hidden")
+        page.wait("document.querySelector('#event-rows li') !== null")  # and will stay while it is paused
         self.reach(page, "playback-play")
         page.press(" ")
         page.wait(f"{self.TEXT}.includes('paused')")

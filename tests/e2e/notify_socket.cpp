@@ -43,7 +43,8 @@ const std::vector<std::string>& NotifySocket::lines() {
 }
 
 int NotifySocket::count(const std::string& line) {
-  return static_cast<int>(std::count(lines().begin(), lines().end(), line));
+  const std::vector<std::string>& all = lines();
+  return static_cast<int>(std::count(all.begin(), all.end(), line));
 }
 
 bool NotifySocket::wait_for(const std::string& line, std::chrono::seconds patience, int wanted) {

@@ -18,7 +18,7 @@ class NotifySocket {
 
   // For ProcessSetting::environment.
   std::string variable() const { return "NOTIFY_SOCKET=" + path_.string(); }
-  // The lines ("READY=1") of all messages so far, in order.
+  // The lines ("READY=1") of all messages so far, in order; until the next call, which appends.
   const std::vector<std::string>& lines();
   int count(const std::string& line);
   // Waits until a message has the line `count` times in all.
