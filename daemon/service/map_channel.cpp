@@ -32,11 +32,7 @@ std::vector<std::complex<double>> simulate(const ReceiverTracer& tracer,
                                            const RoomModel& room,
                                            const RoomAccessPoint& access_point,
                                            const Vec3d& position) {
-  constexpr std::size_t kMostRays = 64;
-  std::vector<Vec3d> offsets;
-  for (std::size_t i = 0; i < access_point.array.element_offset.size(); ++i) {
-    offsets.push_back(element_position(access_point.array, i) - access_point.array.pose.position);
-  }
+  const std::vector<Vec3d> offsets = offsets_of(access_point.array);
   const DeviceModel& device = room.device;
   const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
   const std::vector<Ray> rays = rays_of(tracer.trace(transmitter), room, position, kMostRays);

@@ -9,6 +9,7 @@
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
+#include "engine/localize/ray.h"
 #include "engine/observe/alignment.h"
 #include "engine/trace/path_tracer.h"
 
@@ -17,7 +18,6 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kMostRays = 64;
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
 constexpr double kYawStep = 1.0 * kDegree;
@@ -85,11 +85,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
 std::vector<Vec3d> AccessPointCalibrator::offsets(double yaw_offset) const {
   AntennaArray array = access_point_.array;
   array.pose.orientation.yaw += yaw_offset;
-  std::vector<Vec3d> result;
-  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    result.push_back(element_position(array, i) - array.pose.position);
-  }
-  return result;
+  return offsets_of(array);
 }
 
 ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,

@@ -11,7 +11,6 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostRays = 64;
 // Powers are stated in whole decibels: no spread is known better.
 constexpr double kLeastSigma = 0.5;  // [dB]
 

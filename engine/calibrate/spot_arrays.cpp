@@ -5,8 +5,6 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostRays = 64;
-
 ReceiverTracer tracer_at(const RoomModel& room, const AntennaArray& array) {
   return PathTracer(room.scene, room.trace)
       .at(Receiver{

@@ -43,6 +43,9 @@ inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
                                             static_cast<double>(turned.z)};
 }
 
+// What a likelihood knows of a place at most.
+inline constexpr std::size_t kMostRays = 64;
+
 // The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at
 // most `most`, each with the corrections of the surfaces that it meets.
 std::vector<Ray> rays_of(const Paths& paths,

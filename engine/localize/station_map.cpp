@@ -13,16 +13,6 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostRays = 64;
-
-std::vector<Vec3d> offsets_of(const AntennaArray& array) {
-  std::vector<Vec3d> offsets;
-  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    offsets.push_back(element_position(array, i) - array.pose.position);
-  }
-  return offsets;
-}
-
 Receiver centre_of(const AntennaArray& array) {
   return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
 }

@@ -39,4 +39,14 @@ inline Vec3d element_position(const AntennaArray& array, std::size_t i) {
   return array.pose.position + rotation(array.pose.orientation) * array.element_offset[i];
 }
 
+// Where all elements are from the array's position, world axes [m].
+inline std::vector<Vec3d> offsets_of(const AntennaArray& array) {
+  std::vector<Vec3d> offsets;
+  offsets.reserve(array.element_offset.size());
+  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
+    offsets.push_back(element_position(array, i) - array.pose.position);
+  }
+  return offsets;
+}
+
 }  // namespace rayloc

@@ -100,19 +100,10 @@ std::vector<CsiFrame> frames_at(const RoomModel& room,
   return frames_of(room, channels, options);
 }
 
-std::vector<Vec3d> offsets_of(const AntennaArray& array) {
-  std::vector<Vec3d> offsets;
-  for (std::size_t i = 0; i < array.element_offset.size(); ++i) {
-    offsets.push_back(element_position(array, i) - array.pose.position);
-  }
-  return offsets;
-}
-
 std::vector<Ray> rays_to(const PathTracer& tracer,
                          const RoomModel& room,
                          const AntennaArray& array,
                          const Vec3d& position) {
-  constexpr std::size_t kMostRays = 64;
   const Transmitter device{{position, {}, room.device.pattern, room.device.polarization}};
   const Receiver centre{
       {array.pose.position, array.pose.orientation, array.pattern, array.polarization}};

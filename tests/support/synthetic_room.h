@@ -32,9 +32,6 @@ std::vector<std::complex<double>> channel_at(const RoomModel& room,
                                              const RoomAccessPoint& access_point,
                                              const Vec3d& position);
 
-// Of the antennas from the array's centre [m].
-std::vector<Vec3d> offsets_of(const AntennaArray& array);
-
 // From the room's device at `position` to the array's centre. tracer: of the room.
 std::vector<Ray> rays_to(const PathTracer& tracer,
                          const RoomModel& room,

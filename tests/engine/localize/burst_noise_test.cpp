@@ -26,7 +26,7 @@ class BurstNoise : public testing::Test {
       : room_(test::make_room()),
         tracer_(room_.scene, room_.trace),
         model_(room_.grid, 3),
-        offsets_(test::offsets_of(array())) {
+        offsets_(offsets_of(array())) {
     error_.plan_tolerance = 0.002;
     error_.diffuse = 0.01;
     error_.noise = 1e-4;

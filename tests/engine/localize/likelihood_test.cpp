@@ -26,9 +26,7 @@ constexpr double kCell = 0.007;  // [m]: a place, as near as the wavelength asks
 class Link {
  public:
   Link()
-      : room_(test::make_room()),
-        tracer_(room_.scene, room_.trace),
-        offsets_(test::offsets_of(array())) {
+      : room_(test::make_room()), tracer_(room_.scene, room_.trace), offsets_(offsets_of(array())) {
     error_.plan_tolerance = 0.001;
     error_.diffuse = 0.005;
   }

@@ -41,7 +41,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
   ModelError exact;
   exact.plan_tolerance = 0.0;
   const auto rays = rays_to(room, ap.array, position);
-  const auto offsets = test::offsets_of(ap.array);
+  const auto offsets = offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   const auto expected = model.expected({rays, offsets, 0.0}, exact);
   std::vector<Value> traced;
@@ -59,7 +59,7 @@ TEST(ObservationModel, ExpectsWhatTheElementsWouldHear) {
 TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[0];
-  const auto offsets = test::offsets_of(ap.array);
+  const auto offsets = offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   ModelError error;
   // A room that is known well: one access point tells the places apart.
@@ -86,7 +86,7 @@ TEST(ObservationModel, LikelihoodPeaksAtThePlaceWhateverGainPhaseAndDelay) {
 TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
   const RoomModel room = test::make_room();
   const RoomAccessPoint& ap = room.access_points[1];
-  const auto offsets = test::offsets_of(ap.array);
+  const auto offsets = offsets_of(ap.array);
   const ObservationModel model(room.grid, 3);
   const Vec3d truth{-0.2, 0.3, 1.2};
   const auto rays = rays_to(room, ap.array, truth);
