@@ -157,11 +157,11 @@ CalibratedAccessPoint read_access_point(const TomlTable& table) {
   for (const NamedValue& named : calibrated_values()) {
     if (std::string_view(named.name) == "diffuse_decay") {
       if (table.has(named.name)) {  // calibrations of before have none
-        ap.diffuse_decay = read_value(table, named.name, {1e-10, 1e-6, ""});
+        ap.diffuse_decay = read_value(table, named.name, named.range);
       }
       continue;
     }
-    ap.*named.value = read_value(table, named.name, {});
+    ap.*named.value = read_value(table, named.name, named.range);
   }
   read_tones(table, ap.gains.grid);
   read_chains(table, ap);
@@ -264,11 +264,12 @@ const std::vector<NamedValue>& calibrated_values() {
       {"yaw_offset", "rad", &Ap::yaw_offset},
       {"pitch_offset", "rad", &Ap::pitch_offset},
       {"roll_offset", "rad", &Ap::roll_offset},
-      {"plan_tolerance", "m", &Ap::plan_tolerance},
-      {"diffuse", "share of the traced power at 3 m", &Ap::diffuse},
-      {"diffuse_exponent", "1", &Ap::diffuse_exponent},
-      {"diffuse_decay", "s", &Ap::diffuse_decay},
-      {"noise", "share of the power", &Ap::noise},
+      {"plan_tolerance", "m", &Ap::plan_tolerance, {0.0, 1.0}},
+      {"diffuse", "share of the traced power at 3 m", &Ap::diffuse, {0.0, 1e3}},
+      {"diffuse_exponent", "1", &Ap::diffuse_exponent, {-10.0, 10.0}},
+      {"diffuse_decay", "s", &Ap::diffuse_decay, {1e-10, 1e-6}},
+      // Without any a covariance cannot be inverted.
+      {"noise", "share of the power", &Ap::noise, {1e-6, 1e3}},
   };
   return kValues;
 }

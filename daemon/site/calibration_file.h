@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/site/number_range.h"
 #include "engine/base/expected.h"
 #include "engine/calibrate/room_calibration.h"
 #include "engine/localize/room_model.h"
@@ -82,6 +83,7 @@ struct NamedValue {
   const char* name;
   const char* unit;
   CalibratedValue CalibratedAccessPoint::*value;
+  NumberRange range = {};  // of what a file may say
 };
 const std::vector<NamedValue>& calibrated_values();
 

@@ -182,6 +182,22 @@ TEST(CalibrationFile, SaysWhereItIsWrong) {
   EXPECT_NE(read.error().message.find("core"), std::string::npos) << read.error().message;
 }
 
+// A covariance of none, or of less, has no inverse.
+TEST(CalibrationFile, RefusesErrorsOfAModelThatNoneHas) {
+  for (const std::string key : {"noise", "diffuse", "plan_tolerance"}) {
+    std::string text = to_toml(example());
+    const std::size_t at = text.find("{", text.find("\n" + key + " = "));
+    text.replace(
+        at, text.find(",", at) - at, "{ value = " + std::string(key == "noise" ? "0" : "-1"));
+    const auto read = parse_calibration_file(text, "calibration.toml");
+    ASSERT_FALSE(read) << key;
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
+    EXPECT_THAT(read.error().message,
+                testing::StartsWith("calibration.toml:" + std::to_string(line) + ":"));
+    EXPECT_THAT(read.error().message, testing::HasSubstr("'value'"));
+  }
+}
+
 TEST(CalibrationFile, RefusesAnotherFormat) {
   std::string text = to_toml(example());
   text.replace(text.find("format = 2"), 10, "format = 9");
