@@ -28,6 +28,7 @@ struct Arguments {
   std::string transmitter;
   TransmissionOptions transmissions;
   TraceOptions trace;
+  bool model_error = false;
   bool person = false;
   bool force = false;
   bool quiet = false;
@@ -129,6 +130,10 @@ Expected<Simulation> prepare(const Arguments& arguments) {
     return tl::make_unexpected(std::move(room.error()));
   }
   simulation.room = *std::move(room);
+  simulation.options.model_error = arguments.model_error;
+  if (arguments.model_error) {
+    simulation.options.trace = simulation.room.trace;
+  }
   return simulation;
 }
 
@@ -233,15 +238,25 @@ RunVerb declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option(
       "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
-  app.add_flag(
+  CLI::Option* const person = app.add_flag(
       "--person",
       arguments->person,
       "The points are those of a person without a device, as [person] of site.toml states, "
       "past whom the fixed --transmitter is heard");
-  app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
-      ->check(CLI::Range(0, 8))
-      ->capture_default_str();
-  app.add_flag("--transmission", arguments->trace.transmission, "Waves also go through objects");
+  CLI::Option* const depth =
+      app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
+          ->check(CLI::Range(0, 8))
+          ->capture_default_str();
+  CLI::Option* const transmission = app.add_flag(
+      "--transmission", arguments->trace.transmission, "Waves also go through objects");
+  app.add_flag("--model-error",
+               arguments->model_error,
+               "Channels differ from the traced ones as the calibration of the site found them to, "
+               "anew at each point: phases and strengths of paths, diffuse power, and what none of "
+               "these explains. Paths are those of the calibration, with its corrections")
+      ->excludes(person)
+      ->excludes(depth)
+      ->excludes(transmission);
   app.add_option("--seed", arguments->transmissions.seed, "Of everything that is drawn")
       ->capture_default_str();
   app.add_flag("--force", arguments->force, "Replace files that exist");
@@ -258,7 +273,8 @@ const Verb kSimulate = {
     "rayloc simulate office --points survey.csv --out ap1=a.pcap ap2=b.pcap\n"
     "  rayloc simulate office --points people.csv --person --transmitter plug --out "
     "ap1=people.pcap\n"
-    "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n\n"
+    "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n"
+    "  rayloc simulate CALIBRATED --points spots.csv --out a.pcap --model-error\n\n"
     "For tests, planning and studies: made with the model that locates, the recordings say nothing "
     "about accuracy.\n"
     "Prints as JSON what was simulated, the phases and gains of the chains among it.",

@@ -68,6 +68,17 @@ std::vector<TargetLink> links_past_person(const RoomModel& room,
   return tracer->links(transmitter_at(options.person->transmitter, options), antennas);
 }
 
+std::optional<ChannelDraw> draw_of(const RoomModel& room,
+                                   std::size_t access_point,
+                                   const CaptureOptions& options) {
+  if (!options.model_error) {
+    return std::nullopt;
+  }
+  RAYLOC_CHECK(!options.person);
+  return std::optional<ChannelDraw>(
+      std::in_place, room, access_point, random_stream(options.seed, "model error", access_point));
+}
+
 }  // namespace
 
 CaptureSimulator::CaptureSimulator(const RoomModel& room,
@@ -76,6 +87,7 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
     : options_(options),
       tracer_(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
       past_person_(links_past_person(room, room.access_points[access_point].array, options)),
+      draw_(draw_of(room, access_point, options)),
       radio_(setup_of(room, access_point, options.bandwidth_mhz),
              options.impairments,
              room.access_points[access_point].gains,
@@ -84,16 +96,21 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
       header_(header_of(options, setup_of(room, access_point, options.bandwidth_mhz))),
       losses_(random_stream(options.seed, "losses", access_point)) {}
 
-Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
-  const Vec3d sender = options_.person ? options_.person->transmitter : spot.position;
+Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const Vec3d& place,
+                                                                         std::size_t& count) {
+  if (draw_) {
+    ChannelDraw::Channel drawn = draw_->at(place, radio_.grid());
+    count = drawn.rays;
+    return std::move(drawn.h);
+  }
+  const Vec3d sender = options_.person ? options_.person->transmitter : place;
   const std::vector<Paths> paths = tracer_.trace(transmitter_at(sender, options_));
-  SpotCapture capture;
   for (const Paths& of_element : paths) {
-    capture.paths += of_element.size();
+    count += of_element.size();
   }
   auto h = array_csi(paths, radio_.grid());
   for (std::size_t antenna = 0; antenna < past_person_.size(); ++antenna) {
-    const auto added = past_person_[antenna].trace({spot.position.x, spot.position.y});
+    const auto added = past_person_[antenna].trace({place.x, place.y});
     if (!added) {
       return tl::make_unexpected(added.error());
     }
@@ -102,9 +119,18 @@ Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
       h[antenna * row.size() + k] += row[k];
     }
   }
+  return h;
+}
+
+Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
+  SpotCapture capture;
+  const auto h = channel_at(spot.position, capture.paths);
+  if (!h) {
+    return tl::make_unexpected(h.error());
+  }
   std::uniform_real_distribution<double> uniform;
   for (const Transmission& sent : spot.frames) {
-    RadioFrame heard = radio_.receive(h, sent.error_seed);
+    RadioFrame heard = radio_.receive(*h, sent.error_seed);
     ++header_.sequence;
     header_.sequence_control = sent.sequence_control;
     header_.power_dbm = heard.power_dbm;

@@ -5,12 +5,14 @@
 // that made it: it says nothing about the accuracy in a room.
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "capture/axcsi_decoder.h"
+#include "daemon/simulate/channel_draw.h"
 #include "daemon/simulate/impairments.h"
 #include "daemon/simulate/radio.h"
 #include "daemon/simulate/transmissions.h"
@@ -36,6 +38,9 @@ struct CaptureOptions {
   int bandwidth_mhz = 40;                 // of the channel
   std::optional<SimulatedPerson> person;  // then spots are the person's, not the device's
   TraceOptions trace;
+  // Channels are ChannelDraw's, traced as the likelihood does it, not by `trace`. REQUIRES: no
+  // `person`.
+  bool model_error = false;
   Impairments impairments;
   std::uint64_t seed = 0;
 };
@@ -63,9 +68,13 @@ class CaptureSimulator {
   const ChainGains& chains() const { return radio_.chains(); }
 
  private:
+  // [antenna][tone] on the radio's grid; adds to `count` the paths that it is made of.
+  Expected<std::vector<std::complex<double>>> channel_at(const Vec3d& place, std::size_t& count);
+
   CaptureOptions options_;
   ArrayTracer tracer_;
   std::vector<TargetLink> past_person_;  // of each antenna; empty without a person
+  std::optional<ChannelDraw> draw_;
   SimulatedRadio radio_;
   std::vector<std::uint8_t> cores_;
   AxcsiHeader header_;  // of the last frame

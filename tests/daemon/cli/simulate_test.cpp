@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,44 @@ TEST_F(SimulateVerb, TheSameSeedGivesTheSameFileAndOutputIsNeverOverwrittenUnask
   EXPECT_EQ(read("a.pcap"), read("c.pcap"));
 }
 
+TEST_F(SimulateVerb, ChannelsDifferByTheErrorsOfTheModelAnewAtEachPoint) {
+  const auto file =
+      write("points.csv", "t_start,t_end,x,y,z\n100,101,0.4,-0.2,1.2\n200,201,0.4,-0.2,1.2\n");
+  const auto channels = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"simulate",
+                                          path("site"),
+                                          "--points",
+                                          file,
+                                          "--impairments",
+                                          "none",
+                                          "--frames",
+                                          "1",
+                                          "--force",
+                                          "--out",
+                                          "ap1=" + path("a.pcap")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto report = nlohmann::json::parse(run(arguments));
+    EXPECT_EQ(report["model_error"].get<bool>(), !more.empty());
+    EXPECT_EQ(report["depth"], more.empty() ? 3 : 2) << "that of a site without a calibration";
+    std::vector<nlohmann::json> found;
+    std::istringstream lines(run({"frames", "ap1=" + path("a.pcap"), "--json", "--values"}));
+    for (std::string line; std::getline(lines, line);) {
+      if (const auto json = nlohmann::json::parse(line); json.contains("csi")) {
+        found.push_back(json["csi"]);  // the last line counts
+      }
+    }
+    return found;
+  };
+  const auto traced = channels({});
+  ASSERT_EQ(traced.size(), 2U);
+  EXPECT_EQ(traced[0], traced[1]);
+  const auto drawn = channels({"--model-error"});
+  ASSERT_EQ(drawn.size(), 2U);
+  EXPECT_NE(drawn[0], drawn[1]);
+  EXPECT_EQ(channels({"--model-error"}), drawn);
+  EXPECT_NE(channels({"--model-error", "--seed", "1"}), drawn);
+}
+
 TEST_F(SimulateVerb, RefusesWhatItCannotSimulate) {
   const auto file = write("points.csv", points(2, 1, 0.0, 100));
   const auto radio = write("radio.toml", "snr_db = 20\njitter = 3\n");
@@ -174,6 +213,15 @@ TEST_F(SimulateVerb, RefusesWhatItCannotSimulate) {
           .wait();
   EXPECT_EQ(finished.status, 64);
   EXPECT_THAT(finished.err, HasSubstr("phone"));
+  for (const std::vector<std::string>& other :
+       {std::vector<std::string>{"--person"}, {"--depth", "2"}, {"--transmission"}}) {
+    std::vector<std::string> arguments = {
+        "simulate", path("site"), "--points", file, "--out", out, "--model-error"};
+    arguments.insert(arguments.end(), other.begin(), other.end());
+    finished = RaylocProcess(arguments).wait();
+    EXPECT_EQ(finished.status, 64) << other.front();
+    EXPECT_THAT(finished.err, HasSubstr(other.front()));
+  }
   EXPECT_FALSE(fs::exists(path("a.pcap")));
 }
 
