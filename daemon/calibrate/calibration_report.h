@@ -44,7 +44,8 @@ struct HeldOutFixes {
 struct CalibrationReport {
   std::string site;
   std::string calibration_id;
-  double holdout = 0.0;  // share of the points
+  double holdout = 0.0;       // share of the points
+  double survey_error = 0.0;  // [m], that was assumed
   std::uint64_t seed = 0;
   std::vector<std::string> access_points;  // by PointFit::access_point
   std::vector<Vec3d> positions;            // [m], of each CalibrationPoint

@@ -34,6 +34,7 @@ std::string inputs_hash(const Site& site,
   hash.add(request.method);
   hash.add(request.seed);
   hash.add(request.holdout);
+  hash.add(request.survey_error);
   hash.add(surveyed.bounds_min);
   hash.add(surveyed.bounds_max);
   hash.add(surveyed.grid.centre_hz);

@@ -16,6 +16,7 @@ struct CalibrationRequest {
   std::string method;
   double holdout = 0.0;
   std::uint64_t seed = 0;
+  double survey_error = 0.0;  // [m]
 };
 
 // `surveyed`: the room as `site` states it; `measurements`: hash of the points and the recordings.

@@ -148,6 +148,7 @@ Json to_json(const CalibrationReport& report) {
           {"calibration_id", report.calibration_id},
           {"seed", report.seed},
           {"holdout", report.holdout},
+          {"survey_error_m", report.survey_error},
           {"points", report.positions.size()},
           {"seconds", written.seconds},
           {"peak_memory_mib",

@@ -139,8 +139,10 @@ Expected<void> Calibration::measure() {
       std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
     }
   }
-  id_ = inputs_hash(
-      site_, plan_, {options_.method, options_.holdout, options_.seed}, inputs_.content);
+  id_ = inputs_hash(site_,
+                    plan_,
+                    {options_.method, options_.holdout, options_.seed, options_.survey_error},
+                    inputs_.content);
   return {};
 }
 
@@ -213,6 +215,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
   };
   JointCalibrationOptions joint;
   joint.seed = options_.seed;
+  joint.priors.survey = options_.survey_error;
   StoredCheckpoint from;
   if (options_.resume) {
     auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
@@ -327,7 +330,7 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
     apply(result.train, trained->access_points[result.index]);
     trained->access_points[result.index].levels = result.levels;
   }
-  auto fixes = fit_certainty_of(std::move(trained), spots(false), CalibrationPriors().survey);
+  auto fixes = fit_certainty_of(std::move(trained), spots(false), options_.survey_error);
   if (!fixes) {
     return tl::make_unexpected(std::move(fixes.error()));
   }
@@ -341,6 +344,7 @@ CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResu
   report.site = site_.name;
   report.calibration_id = id_;
   report.holdout = options_.holdout;
+  report.survey_error = options_.survey_error;
   report.seed = options_.seed;
   for (const RoomAccessPoint& ap : plan_.access_points) {
     report.access_points.push_back(ap.id);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/calibrate/room_unknowns.h"
 
 namespace rayloc::cli {
 
@@ -16,6 +17,7 @@ struct CalibrateArguments {
   std::string out;                    // folder to create
   std::string method = "joint";       // or "paper", "gains-only"
   double holdout = 0.2;
+  double survey_error = CalibrationPriors().survey;  // [m]
   std::uint64_t seed = 1;
   bool compare = false;
   bool resume = false;

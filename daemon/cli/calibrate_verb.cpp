@@ -46,6 +46,10 @@ Expected<void> run(const Options& options) {
   if (!(calibrate.holdout >= 0.0 && calibrate.holdout <= 0.8)) {
     return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
   }
+  // Below, the survey would be told to be better than a wave can tell.
+  if (!(calibrate.survey_error >= 0.0005 && calibrate.survey_error <= 0.1)) {
+    return make_error(ErrorKind::kUsage, "--survey-error is from 0.0005 to 0.1 m");
+  }
   if (options.gains_only) {
     calibrate.method = "gains-only";
   }
@@ -82,6 +86,11 @@ RunVerb declare(CLI::App& app) {
   app.add_flag(
       "--compare", options->calibrate.compare, "also runs the other method, for the report");
   app.add_option("--holdout", options->calibrate.holdout, "share of the points kept for checking")
+      ->capture_default_str();
+  app.add_option("--survey-error",
+                 options->calibrate.survey_error,
+                 "standard deviation of the points from where they are said to be, along each axis "
+                 "[m]: 0.005 is careful work with a tape")
       ->capture_default_str();
   app.add_option("--seed", options->calibrate.seed, "of the draw of those points")
       ->capture_default_str();

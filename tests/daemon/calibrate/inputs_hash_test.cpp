@@ -16,7 +16,7 @@ namespace {
 struct Inputs {
   Site site;
   RoomModel room = test::make_room();
-  CalibrationRequest request{"joint", 0.2, 1};
+  CalibrationRequest request{"joint", 0.2, 1, 0.005};
   std::string measurements = "heard";
 
   std::string hash() const { return inputs_hash(site, room, request, measurements); }
@@ -30,6 +30,7 @@ TEST(InputsHash, ChangesWithEverythingThatACalibrationStartsFrom) {
       [](Inputs& in) { in.request.method = "paper"; },
       [](Inputs& in) { in.request.holdout = 0.1; },
       [](Inputs& in) { in.request.seed = 2; },
+      [](Inputs& in) { in.request.survey_error = 0.001; },
       [](Inputs& in) { in.room.scene_hash += "x"; },
       [](Inputs& in) { in.room.bounds_max.x += 0.1; },
       [](Inputs& in) { in.room.grid.centre_hz += 20e6; },
