@@ -12,12 +12,13 @@ struct Samples {
 
 Samples samples_of(std::span<const CalibrationPoint> points,
                    std::size_t access_point,
+                   double survey_error,
                    bool with_held_out) {
   Samples result;
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto& h = points[p].h[access_point];
     if (!h.empty() && (with_held_out || !points[p].held_out)) {
-      result.samples.push_back({points[p].position, h});
+      result.samples.push_back({points[p].position, h, survey_error});
       result.point.push_back(p);
     }
   }
@@ -29,10 +30,11 @@ Samples samples_of(std::span<const CalibrationPoint> points,
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              std::size_t access_point,
                                              std::span<const CalibrationPoint> points,
+                                             double survey_error,
                                              ArrayFit array) {
   AccessPointResult result;
   result.index = access_point;
-  const Samples all = samples_of(points, access_point, true);
+  const Samples all = samples_of(points, access_point, survey_error, true);
   const AccessPointCalibrator on_all(room, access_point, all.samples);
   auto fit = on_all.fit(array);
   if (!fit) {
@@ -40,7 +42,8 @@ Expected<AccessPointResult> fit_access_point(const RoomModel& room,
   }
   result.fit = *std::move(fit);
   auto train =
-      AccessPointCalibrator(room, access_point, samples_of(points, access_point, false).samples)
+      AccessPointCalibrator(
+          room, access_point, samples_of(points, access_point, survey_error, false).samples)
           .fit(array);
   if (!train) {
     train.error().message += " after holding out; use a smaller --holdout";

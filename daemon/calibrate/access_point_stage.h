@@ -21,10 +21,12 @@ struct AccessPointResult {
   std::vector<TransmitterLevel> levels = {};
 };
 
-// Of the access point with that index. An Error names it where too few points heard it.
+// Of the access point with that index. survey_error: of the points, standard deviation on each axis
+// [m]. An Error names it where too few points heard it.
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              std::size_t access_point,
                                              std::span<const CalibrationPoint> points,
+                                             double survey_error,
                                              ArrayFit array);
 
 // The access point as a fit has it.

@@ -40,6 +40,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// A floor plan is centimetres off: beside that no error of a survey shows.
+constexpr double kExactSurvey = 0.0;
 constexpr const char* kOldReference =
     "is of another calibration and left out: record the empty room again (rayloc reference)";
 
@@ -170,7 +172,7 @@ Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refu
       inputs_.refused.push_back({plan_.access_points[a].id, "no recording: stays uncalibrated"});
       continue;
     }
-    auto result = fit_access_point(plan_, a, points_, ArrayFit::kFitted);
+    auto result = fit_access_point(plan_, a, points_, kExactSurvey, ArrayFit::kFitted);
     if (!result) {
       if (!first_refusal[a].empty()) {  // another bandwidth or other chains than the site states
         result.error().message += "; the first that cannot: " + first_refusal[a];
@@ -288,7 +290,7 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   const RoomModel& room = method.calibration.room;
   const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
   for (const AccessPointResult& gains : gains_) {
-    auto result = fit_access_point(room, gains.index, points_, array);
+    auto result = fit_access_point(room, gains.index, points_, options_.survey_error, array);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }

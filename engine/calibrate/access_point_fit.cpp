@@ -73,6 +73,7 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
         {samples[i].position, {}, room.device.pattern, room.device.polarization}};
     traced[i].index = i;
     traced[i].h = std::move(samples[i].h);
+    traced[i].survey_sigma = samples[i].survey_sigma;
     traced[i].rays = rays_of(at_array.trace(device), room, samples[i].position, kMostRays);
   });
   for (Sample& sample : traced) {
@@ -88,13 +89,18 @@ std::vector<Vec3d> AccessPointCalibrator::offsets(double yaw_offset) const {
   return offsets_of(array);
 }
 
+ObservationModel::Place AccessPointCalibrator::place(const Sample& sample,
+                                                     const std::vector<Vec3d>& offsets) const {
+  return {sample.rays, offsets, 0.0, sample.survey_sigma};
+}
+
 ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,
                                                   const ModelError& error,
                                                   std::vector<double>* sigma) const {
   ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
   std::vector<ArrayPair> pairs(samples_.size());
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
-    pairs[i] = {samples_[i].h, model_.expected({samples_[i].rays, offsets, 0.0}, error)};
+    pairs[i] = {samples_[i].h, model_.expected(place(samples_[i], offsets), error)};
     apply_coupling(gains, pairs[i].expected);
   });
   ChainRipple ripple = chain_ripple(Aligner(grid_), grid_, std::move(pairs));
@@ -120,8 +126,8 @@ double AccessPointCalibrator::log_likelihood(const std::vector<ObservedArray>& o
                                              const ModelError& error) const {
   std::vector<double> each(samples_.size());
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
-    const PlaceModel place = model_.place({samples_[i].rays, offsets, 0.0}, error);
-    each[i] = ObservationModel::log_likelihood(place, observed[i]);
+    const PlaceModel at = model_.place(place(samples_[i], offsets), error);
+    each[i] = ObservationModel::log_likelihood(at, observed[i]);
   });
   double sum = 0.0;
   for (const double value : each) {
@@ -206,7 +212,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
       remove_gains(fit->gains, h);
     }
     each[samples_[i].index] =
-        aligner.align(model_.expected({samples_[i].rays, turned, 0.0}, error), h).correlation;
+        aligner.align(model_.expected(place(samples_[i], turned), error), h).correlation;
   });
   return each;
 }

@@ -27,6 +27,9 @@ namespace rayloc {
 struct CalibrationSample {
   Vec3d position;                       // [m]
   std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
+  // [m], standard deviation of the position on each axis. What it does to rays is no error of the
+  // room's model: who is located there would be located with an error that nobody makes.
+  double survey_sigma = 0.0;
 };
 
 struct AccessPointFit {
@@ -69,10 +72,12 @@ class AccessPointCalibrator {
     std::size_t index = 0;  // in what was given
     std::vector<std::complex<double>> h;
     std::vector<Ray> rays;
+    double survey_sigma = 0.0;
   };
 
   Expected<AccessPointFit> start() const;
   std::vector<Vec3d> offsets(double yaw_offset) const;
+  ObservationModel::Place place(const Sample& sample, const std::vector<Vec3d>& offsets) const;
   ChainGains principal_gains(const std::vector<Vec3d>& offsets,
                              const ModelError& error,
                              std::vector<double>* sigma) const;

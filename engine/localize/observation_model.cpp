@@ -208,20 +208,22 @@ std::vector<Value> ObservationModel::diffuse_covariance(double decay) const {
 
 double ObservationModel::coherence(const Ray& ray,
                                    const Ray& first,
-                                   double cell_size,
+                                   const Place& place,
                                    const ModelError& error) const {
   const double surfaces = 2.0 * wave_number_ * error.plan_tolerance;
   double variance = surfaces * surfaces * ray.cos2_incidence;
   // Moving the device by x changes the length difference to the first ray by (e - e_first) x.
   const Vec3d change = ray.at_device - first.at_device;
-  const double cell = wave_number_ * cell_size;
+  const double cell = wave_number_ * place.cell_size;
   variance += cell * cell * (change.x * change.x + change.y * change.y) / 12.0;
+  const double survey = wave_number_ * place.survey_sigma;
+  variance += survey * survey * dot(change, change);
   return std::exp(-0.5 * variance);
 }
 
 ObservationModel::Parts ObservationModel::parts(const Ray& ray,
                                                 const Ray& first,
-                                                double cell_size,
+                                                const Place& place,
                                                 const ModelError& error) const {
   if (knowledge_ == PathKnowledge::kPower) {
     return {0.0, 1.0};
@@ -229,10 +231,10 @@ ObservationModel::Parts ObservationModel::parts(const Ray& ray,
   if (knowledge_ == PathKnowledge::kFull) {
     ModelError exact = error;
     exact.plan_tolerance = 0.0;
-    const double known = coherence(ray, first, cell_size, exact);
+    const double known = coherence(ray, first, place, exact);
     return {known, 1.0 - known * known};
   }
-  const double known = coherence(ray, first, cell_size, error);
+  const double known = coherence(ray, first, place, error);
   return {known, 1.0 - known * known + error.strength * strength_variance(ray.reflections)};
 }
 
@@ -250,7 +252,7 @@ ObservationModel::RayTerms ObservationModel::ray_terms(const Place& place,
   terms.parts.reserve(place.rays.size());
   terms.tone.reserve(place.rays.size() * tone.size());
   for (const Ray& ray : place.rays) {
-    terms.parts.push_back(parts(ray, first, place.cell_size, error));
+    terms.parts.push_back(parts(ray, first, place, error));
     basis_.tone((ray.length - first.length) / kSpeedOfLight, tone);
     for (const Value& value : tone) {
       terms.tone.push_back(scale * ray.amplitude * value);
@@ -468,7 +470,7 @@ std::vector<Value> ObservationModel::expected(const Place& place, const ModelErr
   }
   const Ray& first = first_of(place.rays);
   for (const Ray& ray : place.rays) {
-    const Value amplitude = ray.amplitude * coherence(ray, first, place.cell_size, error);
+    const Value amplitude = ray.amplitude * coherence(ray, first, place, error);
     for (std::size_t m = 0; m < antennas_; ++m) {
       const double length =
           norm(ray.length * ray.at_array - place.element_offset[m]) - first.length;

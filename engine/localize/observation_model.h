@@ -7,8 +7,9 @@
 //   Sigma = sum_p (1 - c_p^2 + u_p) |a_p|^2 s_p s_p^H + d R + n I / D
 // c_p = exp(-sigma_p^2 / 2) is what is left of a ray's mean when its phase, relative to the first
 // ray's, is uncertain by sigma_p: surfaces are displaced (2 k sigma_s cos per reflection), and the
-// device may be anywhere in its cell of the grid. u_p is the uncertainty of its strength, by number
-// of reflections; d R a diffuse exponential tail, n the rest.
+// device may be anywhere in its cell of the grid, and a surveyed point is not where it is said to
+// be. u_p is the uncertainty of its strength, by number of reflections; d R a diffuse exponential
+// tail, n the rest.
 //
 // The measurement is known up to a complex factor and a delay: the factor is profiled out in closed
 // form, the delay by a search over the delays of ObservedArray.
@@ -59,12 +60,13 @@ class ObservationModel {
                    std::size_t antennas,
                    PathKnowledge knowledge = PathKnowledge::kPartial);
 
-  // cell_size: how far the device may be from the place in x and in y, full width [m]; 0 at a
-  // surveyed point.
+  // cell_size: how far the device may be from the place in x and in y, full width [m].
+  // survey_sigma: of a surveyed point, standard deviation on each axis [m].
   struct Place {
     std::span<const Ray> rays;
     std::span<const Vec3d> element_offset;  // [m] from the array's centre, world axes
     double cell_size = 0.0;
+    double survey_sigma = 0.0;
   };
   PlaceModel place(const Place& place, const ModelError& error) const;
   // The same for one burst alone: Sigma has its noise.
@@ -121,11 +123,11 @@ class ObservationModel {
   std::size_t dimension() const { return antennas_ * basis_.size(); }
 
  private:
-  Parts parts(const Ray& ray, const Ray& first, double cell_size, const ModelError& error) const;
+  Parts parts(const Ray& ray, const Ray& first, const Place& place, const ModelError& error) const;
   double first_delay(std::span<const std::complex<double>> h) const;
   double coherence(const Ray& ray,
                    const Ray& first,
-                   double cell_size,
+                   const Place& place,
                    const ModelError& error) const;
 
   OfdmGrid grid_;

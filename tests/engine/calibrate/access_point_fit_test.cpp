@@ -79,6 +79,21 @@ std::vector<CalibrationSample> survey_with_tail(const RoomModel& room, double de
   return samples;
 }
 
+// Of a device that stood `off` [m] from each point along each axis, standard deviation.
+std::vector<CalibrationSample> survey_beside(const RoomModel& room, double off) {
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal(0.0, off);
+  std::vector<CalibrationSample> samples;
+  for (const CalibrationSample& at : survey(room, 8)) {
+    const Vec3d x = at.position;
+    const Vec3d place{x.x + normal(random), x.y + normal(random), x.z + normal(random)};
+    const RoomAccessPoint& ap = room.access_points[0];
+    const auto frames = test::frames_at(room, place, {2, 40.0, 3});
+    samples.push_back({x, combine_burst(frames, {0, room.grid, ap.cores, {}}).value().h});
+  }
+  return samples;
+}
+
 RoomModel uncalibrated(RoomModel room) {
   room.access_points[0].gains = {};
   return room;
@@ -148,6 +163,20 @@ TEST(AccessPointCalibrator, RecoversHowLongDiffusePowerLasts) {
     EXPECT_NEAR(fit->error.diffuse_decay.value, decay, 0.25 * decay);
     EXPECT_GT(fit->error.diffuse_decay.sigma, 0.0);
   }
+}
+
+// The room is exactly as it is modelled: what is wrong is the survey, not where surfaces are.
+TEST(AccessPointCalibrator, TellsTheErrorsOfASurveyFromThoseOfTheRoom) {
+  const RoomModel room = test::make_room();
+  auto samples = survey_beside(room, 0.005);
+  const auto believed = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);
+  for (CalibrationSample& sample : samples) {
+    sample.survey_sigma = 0.005;
+  }
+  const auto fit = AccessPointCalibrator(room, 0, samples).fit(ArrayFit::kHeld);
+  ASSERT_TRUE(believed && fit);
+  EXPECT_GT(believed->error.plan_tolerance.value, 0.002);
+  EXPECT_LT(fit->error.plan_tolerance.value, 0.001);
 }
 
 TEST(AccessPointCalibrator, RefusesTooFewPoints) {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "engine/observe/alignment.h"
 #include "engine/trace/path_tracer.h"
@@ -96,6 +98,48 @@ TEST(ObservationModel, CoarseLikelihoodIsALowerBoundNearTheFull) {
   const double coarse = ObservationModel::coarse(place, observed).log_likelihood;
   EXPECT_LE(coarse, full);
   EXPECT_GT(coarse, full - 35.0);
+}
+
+// What is left of a ray's mean is the mean of its phase, relative to the first ray's, over where
+// the point may be: of traces to such places.
+TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
+  const RoomModel room = test::make_room();
+  const AntennaArray& array = room.access_points[0].array;
+  const Vec3d middle{0.4, -0.5, 1.2};
+  constexpr double kSigma = 0.006;
+  const auto rays = rays_to(room, array, middle);
+  const ObservationModel model(room.grid, 3);
+  const auto offsets = offsets_of(array);
+  ModelError exact;
+  exact.plan_tolerance = 0.0;
+  const auto parts = model.ray_terms({rays, offsets, 0.0, kSigma}, exact).parts;
+  const auto first = [](const std::vector<Ray>& all) {
+    return std::min_element(
+        all.begin(), all.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
+  };
+  std::vector<Value> mean(rays.size());
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal(0.0, kSigma);
+  constexpr int kPlaces = 3000;
+  for (int n = 0; n < kPlaces; ++n) {
+    const Vec3d place{
+        middle.x + normal(random), middle.y + normal(random), middle.z + normal(random)};
+    const auto moved = rays_to(room, array, place);
+    ASSERT_EQ(moved.size(), rays.size());
+    for (std::size_t p = 0; p < rays.size(); ++p) {
+      const auto same =
+          std::max_element(moved.begin(), moved.end(), [&](const Ray& a, const Ray& b) {
+            return dot(a.at_array, rays[p].at_array) < dot(b.at_array, rays[p].at_array);
+          });
+      const double change =
+          same->length - first(moved)->length - (rays[p].length - first(rays)->length);
+      mean[p] += std::polar(1.0, -model.wave_number() * change) / static_cast<double>(kPlaces);
+    }
+  }
+  for (std::size_t p = 0; p < rays.size(); ++p) {
+    EXPECT_NEAR(parts[p].known, std::abs(mean[p]), 0.05) << p;
+  }
+  EXPECT_LT(parts.back().known, 0.9);
 }
 
 TEST(ObservationModel, OfAPlaceWithoutRaysIsNotReachable) {
