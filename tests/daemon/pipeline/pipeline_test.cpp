@@ -136,7 +136,10 @@ TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
   OrderedSink sink([](const v1::Location&) {});
   std::vector<SourceWorker::Input> inputs(1);
   inputs[0].access_point = "ap1";
-  inputs[0].source = PcapFileSource::open(std::string(kSite) + "device_los-ap1.pcap.gz").value();
+  // Half a second for all of it: at once, it might have ended before the estimator has begun.
+  inputs[0].source = std::make_unique<PacedSource>(
+      PcapFileSource::open(std::string(kSite) + "device_los-ap1.pcap.gz").value(),
+      std::make_shared<Pace>(200.0));
   Pipeline pipeline({}, std::move(inputs), estimator, sink);
   pipeline.start();
   // The source never waits for the estimator, which is busy with the first burst.
