@@ -21,6 +21,9 @@ struct AccessPointResult {
   std::vector<TransmitterLevel> levels = {};
 };
 
+// A floor plan is centimetres off: beside that no error of a survey shows.
+inline constexpr double kExactSurvey = 0.0;
+
 // Of the access point with that index. survey_error: of the points, standard deviation on each axis
 // [m]. An Error names it where too few points heard it.
 Expected<AccessPointResult> fit_access_point(const RoomModel& room,

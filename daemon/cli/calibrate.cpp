@@ -40,8 +40,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A floor plan is centimetres off: beside that no error of a survey shows.
-constexpr double kExactSurvey = 0.0;
 constexpr const char* kOldReference =
     "is of another calibration and left out: record the empty room again (rayloc reference)";
 
@@ -63,7 +61,6 @@ class Calibration {
   Expected<void> refuse();
   Expected<void> fit_gains(const std::vector<std::string>& first_refusal);
   Expected<CalibrationMethodResult> calibrate(const std::string& method);
-  int draws() const;
   Expected<RoomCalibration> jointly(const CalibrationObserver& observer, double& seconds);
   void keep(const StoredCheckpoint& state);
   bool go_on();
@@ -141,10 +138,9 @@ Expected<void> Calibration::measure() {
       std::fprintf(stderr, "%s: [reference] %s\n", options_.site.c_str(), kOldReference);
     }
   }
-  id_ = inputs_hash(site_,
-                    plan_,
-                    {options_.method, options_.holdout, options_.seed, options_.survey_error},
-                    inputs_.content);
+  const CalibrationRequest request{
+      options_.method, options_.holdout, options_.seed, options_.survey_error};
+  id_ = inputs_hash(site_, plan_, request, inputs_.content);
   return {};
 }
 
@@ -197,18 +193,6 @@ void Calibration::keep(const StoredCheckpoint& state) {
   unkept_ = !written;
 }
 
-// How often a joint calibration is begun: more than once where that takes half a minute or so.
-int Calibration::draws() const {
-  constexpr std::size_t kFew = 100;
-  constexpr std::size_t kMostHeard = 200;
-  std::size_t heard = 0;
-  for (const CalibrationPoint& point : points_) {
-    heard += static_cast<std::size_t>(std::count_if(
-        point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
-  }
-  return heard <= kFew ? 3 : heard <= kMostHeard ? 2 : 1;
-}
-
 Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observer,
                                                double& seconds) {
   const auto begin = std::chrono::steady_clock::now();
@@ -232,7 +216,7 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
       keep({state, from.seconds + since()});
     };
   }
-  auto calibration = calibrate_from_draws(start_, points_, joint, draws(), observer);
+  auto calibration = calibrate_from_draws(start_, points_, joint, usual_draws(points_), observer);
   seconds = from.seconds + since();
   return calibration;
 }

@@ -1,5 +1,6 @@
 #include "engine/calibrate/draw_search.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +9,17 @@
 #include "engine/base/check.h"
 
 namespace rayloc {
+
+int usual_draws(std::span<const CalibrationPoint> points) {
+  constexpr std::size_t kFew = 100;
+  constexpr std::size_t kMostHeard = 200;
+  std::size_t heard = 0;
+  for (const CalibrationPoint& point : points) {
+    heard += static_cast<std::size_t>(std::count_if(
+        point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
+  }
+  return heard <= kFew ? 3 : heard <= kMostHeard ? 2 : 1;
+}
 
 double left_unexplained(std::span<const CalibrationPoint> points,
                         const RoomCalibration& calibration) {

@@ -14,6 +14,10 @@
 
 namespace rayloc {
 
+// How often a calibration is begun unless told: more than once where that takes half a minute or
+// so, by the number of bursts.
+int usual_draws(std::span<const CalibrationPoint> points);
+
 // Draw number i has options.seed + i. Checkpoints are of the first run, which is the one that goes
 // on from `options.resume`; where a later one is interrupted the best so far is returned, as
 // interrupted. The history is that of the best. REQUIRES: draws > 0.

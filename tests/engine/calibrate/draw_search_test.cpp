@@ -37,6 +37,20 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
   return result;
 }
 
+// Those that somebody heard count: three access points hear three times as many.
+TEST(DrawSearch, BeginsTheMoreOftenTheFewerBurstsThereAre) {
+  const auto heard = [](std::size_t points, std::size_t access_points) {
+    CalibrationPoint point;
+    point.h.assign(access_points, {1.0});
+    point.h.emplace_back();  // an access point that heard nothing
+    return usual_draws(std::vector<CalibrationPoint>(points, point));
+  };
+  EXPECT_EQ(heard(72, 1), 3);
+  EXPECT_EQ(heard(143, 1), 2);
+  EXPECT_EQ(heard(72, 2), 2);
+  EXPECT_EQ(heard(143, 3), 1);
+}
+
 TEST(DrawSearch, KeepsTheRunWhoseRoomMeetsThePointsBest) {
   const RoomCalibration first = by_draw(3);
   const RoomCalibration second = by_draw(4);
