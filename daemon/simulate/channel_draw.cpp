@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "engine/base/constants.h"
 #include "engine/localize/ray.h"
@@ -46,7 +45,7 @@ ChannelDraw::ChannelDraw(const RoomModel& room, std::size_t access_point, Random
       offsets_(offsets_of(room.access_points[access_point].array)),
       tracer_(tracer_to(room, room.access_points[access_point].array)),
       model_(room.grid, offsets_.size()),
-      random_(std::move(random)) {}
+      random_(random) {}
 
 Value ChannelDraw::normal() {
   const double re = normal_(random_);

@@ -186,12 +186,13 @@ TEST(CalibrationFile, SaysWhereItIsWrong) {
 TEST(CalibrationFile, RefusesErrorsOfAModelThatNoneHas) {
   for (const std::string key : {"noise", "diffuse", "plan_tolerance"}) {
     std::string text = to_toml(example());
-    const std::size_t at = text.find("{", text.find("\n" + key + " = "));
+    const std::size_t at = text.find('{', text.find("\n" + key + " = "));
     text.replace(
-        at, text.find(",", at) - at, "{ value = " + std::string(key == "noise" ? "0" : "-1"));
+        at, text.find(',', at) - at, "{ value = " + std::string(key == "noise" ? "0" : "-1"));
     const auto read = parse_calibration_file(text, "calibration.toml");
     ASSERT_FALSE(read) << key;
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<long>(at), '\n');
+    const auto line =
+        1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
     EXPECT_THAT(read.error().message,
                 testing::StartsWith("calibration.toml:" + std::to_string(line) + ":"));
     EXPECT_THAT(read.error().message, testing::HasSubstr("'value'"));
