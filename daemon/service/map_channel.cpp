@@ -76,9 +76,7 @@ const ReceiverTracer& MapChannel::tracer_at(const ChannelWatch::Sight& sight,
     return found->second;
   }
   const RoomModel& room = sight.localizer->room();
-  const AntennaArray& array = at.array;
-  const Receiver centre{
-      {array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
+  const auto centre = array_origin<Receiver>(at.array);
   return tracers_.emplace(key, PathTracer(room.scene, room.trace).at(centre)).first->second;
 }
 

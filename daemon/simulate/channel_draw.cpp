@@ -17,12 +17,6 @@ using Value = std::complex<double>;
 constexpr double kTailStep = 1e-9;  // [s]
 constexpr double kTailDecays = 10.0;
 
-ReceiverTracer tracer_to(const RoomModel& room, const AntennaArray& array) {
-  return PathTracer(room.scene, room.trace)
-      .at(Receiver{
-          {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
-}
-
 // Adds a unit wave times `factor` that arrives after `delay` [s].
 void add_wave(Value factor, double delay, const OfdmGrid& grid, Value* row) {
   for (std::size_t k = 0; k < grid.size(); ++k) {
@@ -43,7 +37,8 @@ ChannelDraw::ChannelDraw(const RoomModel& room, std::size_t access_point, Random
     : room_(room),
       error_(room.access_points.at(access_point).error),
       offsets_(offsets_of(room.access_points[access_point].array)),
-      tracer_(tracer_to(room, room.access_points[access_point].array)),
+      tracer_(PathTracer(room.scene, room.trace)
+                  .at(array_origin<Receiver>(room.access_points[access_point].array))),
       model_(room.grid, offsets_.size()),
       random_(random) {}
 

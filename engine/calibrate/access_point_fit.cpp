@@ -62,10 +62,8 @@ AccessPointCalibrator::AccessPointCalibrator(const RoomModel& room,
       access_point_(room.access_points.at(access_point)),
       model_(room.grid, access_point_.cores.size()),
       given_(samples.size()) {
-  const AntennaArray& array = access_point_.array;
   const PathTracer tracer(room.scene, room.trace);
-  const ReceiverTracer at_array = tracer.at(
-      Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+  const ReceiverTracer at_array = tracer.at(array_origin<Receiver>(access_point_.array));
   std::vector<Sample> traced(samples.size());
   parallel_for(samples.size(), 4, [&](std::size_t i) {
     RAYLOC_CHECK(samples[i].h.size() == access_point_.cores.size() * grid_.size());

@@ -20,11 +20,8 @@ std::optional<LevelFit> fit_level(const RoomModel& room,
                                   std::size_t access_point,
                                   std::span<const LevelSample> samples) {
   const RoomAccessPoint& ap = room.access_points[access_point];
-  const AntennaArray& array = ap.array;
   const ReceiverTracer tracer =
-      PathTracer(room.scene, room.trace)
-          .at(Receiver{
-              {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+      PathTracer(room.scene, room.trace).at(array_origin<Receiver>(ap.array));
   std::vector<double> off;
   for (const LevelSample& sample : samples) {
     const Transmitter device{{sample.position, {}, room.device.pattern, room.device.polarization}};

@@ -5,12 +5,6 @@
 namespace rayloc {
 namespace {
 
-ReceiverTracer tracer_at(const RoomModel& room, const AntennaArray& array) {
-  return PathTracer(room.scene, room.trace)
-      .at(Receiver{
-          {array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
-}
-
 double power(const std::vector<std::complex<double>>& h) {
   double sum = 0.0;
   for (const std::complex<double>& value : h) {
@@ -26,7 +20,7 @@ SpotArrays::SpotArrays(const RoomModel& room, std::size_t access_point)
       aligner_(room.grid),
       access_point_(room.access_points.at(access_point)),
       model_(room.grid, access_point_.cores.size()),
-      tracer_(tracer_at(room, access_point_.array)) {}
+      tracer_(PathTracer(room.scene, room.trace).at(array_origin<Receiver>(access_point_.array))) {}
 
 std::vector<Ray> SpotArrays::rays(const Vec3d& position, const DeviceModel& device) const {
   const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};

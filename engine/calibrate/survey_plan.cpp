@@ -108,9 +108,7 @@ std::vector<Candidate> look_from(const std::vector<Vec3d>& places,
   std::vector<std::vector<Met>> met(places.size(), std::vector<Met>(room.access_points.size()));
   const PathTracer tracer(room.scene, {.max_depth = options.max_depth});
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    const AntennaArray& array = room.access_points[ap].array;
-    const ReceiverTracer at_array = tracer.at(
-        Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+    const ReceiverTracer at_array = tracer.at(array_origin<Receiver>(room.access_points[ap].array));
     parallel_for(places.size(), 8, [&](std::size_t i) {
       const Paths paths = at_array.trace(
           Transmitter{{places[i], {}, room.device.pattern, room.device.polarization}});

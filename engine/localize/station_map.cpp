@@ -11,14 +11,6 @@
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
-namespace {
-
-Receiver centre_of(const AntennaArray& array) {
-  return Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
-}
-
-}  // namespace
-
 struct StationMap::Tracing {
   const Source source;
   const ReceiverTracer tracer;
@@ -33,7 +25,7 @@ struct StationMap::Tracing {
   Tracing(const Source& of, PathGridStore* store)
       : source(of),
         tracer(PathTracer(of.room->scene, of.room->trace)
-                   .at(centre_of(of.room->access_points[of.access_point].array))) {
+                   .at(array_origin<Receiver>(of.room->access_points[of.access_point].array))) {
     const RoomGrid& grid = source.grid;
     const RoomModel& room = *source.room;
     rays = make_path_grid(

@@ -26,8 +26,7 @@ Paths as_plane_waves(const Paths& paths, const Vec3d& offset) {
 ArrayTracer::ArrayTracer(const PathTracer& tracer, const AntennaArray& array, ArrayMode mode)
     : array_(array), mode_(mode) {
   if (mode == ArrayMode::kPlaneWave) {
-    tracers_.push_back(tracer.at(Receiver{
-        {array.pose.position, array.pose.orientation, array.pattern, array.polarization}}));
+    tracers_.push_back(tracer.at(array_origin<Receiver>(array)));
     return;
   }
   tracers_ = tracer.at(array_elements<Receiver>(array));

@@ -42,4 +42,10 @@ std::vector<Device> array_elements(const AntennaArray& array) {
   return elements;
 }
 
+// One device at the array's origin, in place of all of its elements.
+template <typename Device>
+Device array_origin(const AntennaArray& array) {
+  return Device{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}};
+}
+
 }  // namespace rayloc

@@ -26,10 +26,9 @@ Seen seen_from(const RoomModel& room, const Vec3d& place, int depth, double rang
   Seen seen;
   const PathTracer tracer(room.scene, {.max_depth = depth});
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    const AntennaArray& array = room.access_points[ap].array;
-    const Paths paths = tracer.trace(
-        Transmitter{{place, {}, room.device.pattern, room.device.polarization}},
-        Receiver{{array.pose.position, array.pose.orientation, array.pattern, array.polarization}});
+    const Paths paths =
+        tracer.trace(Transmitter{{place, {}, room.device.pattern, room.device.polarization}},
+                     array_origin<Receiver>(room.access_points[ap].array));
     double strongest = 0.0;
     for (const Path& path : paths) {
       strongest = std::max(strongest, abs2(path.a));

@@ -38,10 +38,7 @@ class Link {
   Transmitter device(const Vec3d& position) const {
     return {{position, {}, room_.device.pattern, room_.device.polarization}};
   }
-  Receiver centre() const {
-    return {
-        {array().pose.position, array().pose.orientation, array().pattern, array().polarization}};
-  }
+  Receiver centre() const { return array_origin<Receiver>(array()); }
   std::vector<Ray> rays(const Vec3d& position) const {
     return test::rays_to(tracer_, room_, array(), position);
   }
