@@ -25,10 +25,10 @@ using Seen = std::set<std::pair<Pair, std::size_t>>;  // and a band of incidence
 Seen seen_from(const RoomModel& room, const Vec3d& place, int depth, double range_db) {
   Seen seen;
   const PathTracer tracer(room.scene, {.max_depth = depth});
+  const Transmitter device{{place, {}, room.device.pattern, room.device.polarization}};
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    const Paths paths =
-        tracer.trace(Transmitter{{place, {}, room.device.pattern, room.device.polarization}},
-                     array_origin<Receiver>(room.access_points[ap].array));
+    const auto receiver = array_origin<Receiver>(room.access_points[ap].array);
+    const Paths paths = tracer.trace(device, receiver);
     double strongest = 0.0;
     for (const Path& path : paths) {
       strongest = std::max(strongest, abs2(path.a));
@@ -39,8 +39,7 @@ Seen seen_from(const RoomModel& room, const Vec3d& place, int depth, double rang
         for (std::size_t i = 0; i < path.interactions.size(); ++i) {
           const bool last = i + 1 == path.interactions.size();
           const Vec3d& at = path.interactions[i].position;
-          const Vec3d leaving =
-              (last ? array.pose.position : path.interactions[i + 1].position) - at;
+          const Vec3d leaving = (last ? receiver.position : path.interactions[i + 1].position) - at;
           const Vec3d& normal = room.scene->surfaces()[path.interactions[i].surface].plane().normal;
           const double off = std::asin(norm(cross(leaving, normal)) / norm(leaving));
           seen.insert({{path.interactions[i].surface, ap},
