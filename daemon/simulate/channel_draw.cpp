@@ -24,13 +24,6 @@ void add_wave(Value factor, double delay, const OfdmGrid& grid, Value* row) {
   }
 }
 
-double first_length(const std::vector<Ray>& rays) {
-  return std::min_element(rays.begin(),
-                          rays.end(),
-                          [](const Ray& a, const Ray& b) { return a.length < b.length; })
-      ->length;
-}
-
 }  // namespace
 
 ChannelDraw::ChannelDraw(const RoomModel& room, std::size_t access_point, RandomStream random)
@@ -47,14 +40,12 @@ Value ChannelDraw::normal() {
   return Value(re, normal_(random_)) / std::numbers::sqrt2;
 }
 
-std::vector<Value> ChannelDraw::tail(const OfdmGrid& grid) {
-  std::vector<Value> row(grid.size());
+void ChannelDraw::add_tail(double power, double first, const OfdmGrid& grid, Value* row) {
   const double share = 1.0 - std::exp(-kTailStep / error_.diffuse_decay);
-  for (double delay = 0.0; delay < kTailDecays * error_.diffuse_decay; delay += kTailStep) {
-    const double power = share * std::exp(-delay / error_.diffuse_decay);
-    add_wave(std::sqrt(power) * normal(), delay, grid, row.data());
+  for (double after = 0.0; after < kTailDecays * error_.diffuse_decay; after += kTailStep) {
+    const double part = power * share * std::exp(-after / error_.diffuse_decay);
+    add_wave(std::sqrt(part) * normal(), first + after, grid, row);
   }
-  return row;
 }
 
 ChannelDraw::Channel ChannelDraw::at(const Vec3d& position, const OfdmGrid& grid) {
@@ -65,14 +56,15 @@ ChannelDraw::Channel ChannelDraw::at(const Vec3d& position, const OfdmGrid& grid
   if (rays.empty()) {
     return channel;
   }
-  const auto parts = model_.ray_terms({rays, offsets_, 0.0}, error_).parts;
+  const ObservationModel::RayTerms terms = model_.ray_terms({rays, offsets_, 0.0}, error_);
   double power = 0.0;
   for (std::size_t p = 0; p < rays.size(); ++p) {
     const Ray& ray = rays[p];
     power += std::norm(ray.amplitude);
     // E[e^{j x}] = e^{-sigma^2 / 2} is what the likelihood knows of the ray.
-    const double turn = std::sqrt(-2.0 * std::log(parts[p].known)) * normal_(random_);
-    const double strength = std::max(0.0, parts[p].unknown - 1.0 + parts[p].known * parts[p].known);
+    const auto [known, unknown] = terms.parts[p];
+    const double turn = std::sqrt(-2.0 * std::log(known)) * normal_(random_);
+    const double strength = std::max(0.0, unknown - 1.0 + known * known);
     const Value amplitude =
         ray.amplitude * (std::polar(1.0, turn) + std::sqrt(strength) * normal());
     for (std::size_t m = 0; m < offsets_.size(); ++m) {
@@ -80,20 +72,18 @@ ChannelDraw::Channel ChannelDraw::at(const Vec3d& position, const OfdmGrid& grid
       add_wave(amplitude, length / kSpeedOfLight, grid, channel.h.data() + m * tones);
     }
   }
-  const double first = first_length(rays);
-  const double diffuse = std::sqrt(power * diffuse_share(error_, first));
+  const double diffuse = power * diffuse_share(error_, terms.first_length);
   // The rest is a share of what the echoes of a room can be: of model_.dimension() coordinates.
   const double rest =
       std::sqrt(power * error_.noise * static_cast<double>(room_.grid.size() * offsets_.size()) /
                 static_cast<double>(model_.dimension()));
   for (std::size_t m = 0; m < offsets_.size(); ++m) {
-    const std::vector<Value> late = diffuse > 0.0 ? tail(grid) : std::vector<Value>(tones);
+    Value* const row = channel.h.data() + m * tones;
+    if (diffuse > 0.0) {
+      add_tail(diffuse, terms.first_length / kSpeedOfLight, grid, row);
+    }
     for (std::size_t k = 0; k < tones; ++k) {
-      const double delay = first / kSpeedOfLight;
-      channel.h[m * tones + k] +=
-          diffuse * late[k] *
-              std::polar(1.0, -2.0 * std::numbers::pi * grid.frequency_hz(k) * delay) +
-          rest * normal();
+      row[k] += rest * normal();
     }
   }
   return channel;

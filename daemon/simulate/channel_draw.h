@@ -2,8 +2,8 @@
 // of the site to be. With a_p, tau_p the rays that the likelihood knows (METHODS B2, `partial`), P
 // the sum of |a_p|^2,
 //
-//   h[m,k] = sum_p a_p (e^{j x_p} + e_p) e^{-j 2 pi f_k tau_mp} + (P d)^1/2 T[m,k] + (P n)^1/2
-//   N[m,k],
+//   h[m,k] = sum_p a_p (e^{j x_p} + e_p) e^{-j 2 pi f_k tau_mp}
+//            + (P d)^1/2 T[m,k] + (P n)^1/2 N[m,k],
 //
 // x_p, of deviation sigma_p, what displaced surfaces do to a phase, e_p what a ray's strength is
 // uncertain by, T a tail that sets in with the first ray and decays exponentially, other in every
@@ -38,8 +38,9 @@ class ChannelDraw {
   Channel at(const Vec3d& position, const OfdmGrid& grid);
 
  private:
-  std::complex<double> normal();                                 // complex, of unit power
-  std::vector<std::complex<double>> tail(const OfdmGrid& grid);  // of one antenna, unit power
+  std::complex<double> normal();  // complex, of unit power
+  // To the tones of one antenna; it sets in at `first` [s].
+  void add_tail(double power, double first, const OfdmGrid& grid, std::complex<double>* row);
 
   RoomModel room_;
   ModelError error_;            // how far channels differ

@@ -127,14 +127,15 @@ TEST(ChannelDraw, SurfacesTurnWhatTheyReflect) {
   const RoomModel room = room_with(error);
   const double wave_number = 2.0 * std::numbers::pi * room.grid.centre_hz / kSpeedOfLight;
   const auto offsets = offsets_of(room.access_points[0].array);
+  const auto rays = rays_of_room(room);
   const Moments m = moments_of(room);
   const std::size_t tones = room.grid.size();
-  const double deviation = std::sqrt(traced_power(rays_of_room(room)) / kDraws);
+  const double deviation = std::sqrt(traced_power(rays) / kDraws);
   for (std::size_t antenna = 0; antenna < 3; ++antenna) {
     for (const std::size_t k : {std::size_t{0}, tones - 1}) {
       Value mean;
       double variance = 0.0;
-      for (const Ray& ray : rays_of_room(room)) {
+      for (const Ray& ray : rays) {
         const double sigma =
             2.0 * wave_number * error.plan_tolerance * std::sqrt(ray.cos2_incidence);
         const double known = std::exp(-0.5 * sigma * sigma);

@@ -113,9 +113,11 @@ TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
   ModelError exact;
   exact.plan_tolerance = 0.0;
   const auto parts = model.ray_terms({rays, offsets, 0.0, kSigma}, exact).parts;
-  const auto first = [](const std::vector<Ray>& all) {
-    return std::min_element(
-        all.begin(), all.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
+  const auto shortest = [](const std::vector<Ray>& all) {
+    return std::min_element(all.begin(),
+                            all.end(),
+                            [](const Ray& a, const Ray& b) { return a.length < b.length; })
+        ->length;
   };
   std::vector<Value> mean(rays.size());
   std::mt19937 random(2);
@@ -126,13 +128,13 @@ TEST(ObservationModel, OfASurveyedPointKnowsWhatIsLeftOnTheAverage) {
         middle.x + normal(random), middle.y + normal(random), middle.z + normal(random)};
     const auto moved = rays_to(room, array, place);
     ASSERT_EQ(moved.size(), rays.size());
+    const double nearer = shortest(moved) - shortest(rays);
     for (std::size_t p = 0; p < rays.size(); ++p) {
       const auto same =
           std::max_element(moved.begin(), moved.end(), [&](const Ray& a, const Ray& b) {
             return dot(a.at_array, rays[p].at_array) < dot(b.at_array, rays[p].at_array);
           });
-      const double change =
-          same->length - first(moved)->length - (rays[p].length - first(rays)->length);
+      const double change = same->length - rays[p].length - nearer;
       mean[p] += std::polar(1.0, -model.wave_number() * change) / static_cast<double>(kPlaces);
     }
   }
