@@ -155,13 +155,10 @@ CalibratedAccessPoint read_access_point(const TomlTable& table) {
   ap.id = table.string("id").value_or("");
   ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
   for (const NamedValue& named : calibrated_values()) {
-    if (std::string_view(named.name) == "diffuse_decay") {
-      if (table.has(named.name)) {  // calibrations of before have none
-        ap.diffuse_decay = read_value(table, named.name, named.range);
-      }
-      continue;
+    // Calibrations of before have no decay.
+    if (named.value != &CalibratedAccessPoint::diffuse_decay || table.has(named.name)) {
+      ap.*named.value = read_value(table, named.name, named.range);
     }
-    ap.*named.value = read_value(table, named.name, named.range);
   }
   read_tones(table, ap.gains.grid);
   read_chains(table, ap);
