@@ -9,8 +9,8 @@
 #include <numeric>
 #include <utility>
 
-#include "daemon/evaluate/credible_region.h"
 #include "daemon/evaluate/error_statistics.h"
+#include "engine/localize/credible_region.h"
 #include "engine/localize/localizer.h"
 
 namespace rayloc {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "daemon/evaluate/horizontal_gaussian.h"
 #include "engine/base/check.h"
+#include "engine/localize/horizontal_gaussian.h"
 
 namespace rayloc {
 namespace {

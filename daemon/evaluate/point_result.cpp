@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "daemon/evaluate/credible_region.h"
+#include "engine/localize/credible_region.h"
 
 namespace rayloc {
 namespace {

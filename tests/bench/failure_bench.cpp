@@ -20,9 +20,9 @@
 #include <vector>
 
 #include "daemon/cli/calibration_inputs.h"
-#include "daemon/evaluate/credible_region.h"
 #include "daemon/site/room_model.h"
 #include "engine/localize/chain_watch.h"
+#include "engine/localize/credible_region.h"
 #include "engine/localize/localizer.h"
 #include "tests/support/faulty_frames.h"
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/evaluate/credible_region.h"
 #include "engine/base/constants.h"
+#include "engine/localize/credible_region.h"
 #include "engine/localize/localizer.h"
 #include "engine/observe/alignment.h"
 #include "tests/support/synthetic_room.h"

@@ -1,4 +1,4 @@
-#include "daemon/evaluate/credible_region.h"
+#include "engine/localize/credible_region.h"
 
 #include <cmath>
 #include <random>

@@ -1,10 +1,10 @@
-#include "daemon/evaluate/credible_region.h"
+#include "engine/localize/credible_region.h"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "daemon/evaluate/horizontal_gaussian.h"
+#include "engine/localize/horizontal_gaussian.h"
 
 namespace rayloc {
 namespace {
