@@ -84,6 +84,10 @@ struct RoomModel {
   std::vector<std::complex<double>> surface_correction;
   std::string calibration_id;  // hash of the calibration's content, empty without one
   std::string scene_hash;      // hash of the scene's content
+
+  double area() const {  // [m^2], of the bounds
+    return (bounds_max.x - bounds_min.x) * (bounds_max.y - bounds_min.y);
+  }
 };
 
 }  // namespace rayloc

@@ -1,0 +1,133 @@
+#include "engine/calibrate/judged_exponent.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kSpots = 140;
+constexpr double kSigma = 0.08;  // [m], of what is estimated with the exponent 1
+constexpr std::array kOneWidth = {0.01};
+
+struct Survey {
+  KnownSpots spots;
+  std::vector<Vec3d> estimated;
+};
+
+// Estimates `error` [m] on each axis off the places, which are stated `place_sigma` [m] off.
+Survey survey(double error, double place_sigma, unsigned seed = 1) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  Survey result{{{}, place_sigma, 12.0}, {}};
+  for (std::size_t i = 0; i < kSpots; ++i) {
+    const Vec3d truth{0.02 * static_cast<double>(i), 1.0, 0.0};
+    result.estimated.push_back(truth + error * Vec3d{normal(random), normal(random), 0.0});
+    result.spots.places.push_back(truth + place_sigma * Vec3d{normal(random), normal(random), 0.0});
+  }
+  return result;
+}
+
+// As a likelihood to the power of `exponent` states them.
+std::vector<LocationEstimate> estimates(const Survey& survey, double exponent, double left_over) {
+  std::vector<LocationEstimate> all;
+  const double variance = kSigma * kSigma / exponent + kOneWidth[0] * kOneWidth[0];
+  for (const Vec3d& position : survey.estimated) {
+    LocationEstimate& estimate = all.emplace_back();
+    estimate.position = position;
+    estimate.covariance = {variance, 0, 0, 0, variance, 0, 0, 0, 1e-4};
+    estimate.hypotheses = {{position, estimate.covariance, 1.0 - left_over}};
+    estimate.residual_probability = left_over;
+  }
+  return all;
+}
+
+std::vector<JudgedExponent> judge_all(const Survey& survey) {
+  std::vector<JudgedExponent> judged;
+  for (const double exponent : kExponents) {
+    judged.push_back(judge_exponent(
+        exponent, estimates(survey, exponent, 0.01), kOneWidth[0], survey.spots, kOneWidth));
+  }
+  return judged;
+}
+
+double chosen(const Survey& survey) {
+  const auto judged = judge_all(survey);
+  return judged[best_exponent(judged)].exponent;
+}
+
+TEST(JudgedExponent, IsWhatMakesTheEstimatesAsWideAsTheirErrors) {
+  for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+    EXPECT_GE(chosen(survey(kSigma, 0.0, seed)), 0.8) << seed;
+    const double wide = chosen(survey(2.0 * kSigma, 0.0, seed));  // 0.25 by construction
+    EXPECT_GE(wide, 0.18) << seed;
+    EXPECT_LE(wide, 0.35) << seed;
+  }
+}
+
+TEST(JudgedExponent, DoesNotTakeTheSurveyForAnError) {
+  Survey exact = survey(kSigma, 0.1);
+  EXPECT_GE(chosen(exact), 0.8);
+  exact.spots.place_sigma = 0.0;  // as if the places were certain
+  EXPECT_LE(chosen(exact), 0.6);
+}
+
+TEST(JudgedExponent, OfHonestRegionsIsAboutOne) {
+  double sum = 0.0;
+  constexpr unsigned kSurveys = 40;
+  for (unsigned seed = 0; seed < kSurveys; ++seed) {
+    const Survey one = survey(std::hypot(kSigma, kOneWidth[0]), 0.0, seed);
+    sum += judge_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots, kOneWidth)
+               .dishonesty;
+  }
+  // Of Anderson and Darling's statistic the mean is 1 and the standard deviation 0.76.
+  EXPECT_NEAR(sum / kSurveys, 1.0, 4.0 * 0.76 / std::sqrt(kSurveys));
+  const auto judged = judge_all(survey(kSigma, 0.0));
+  EXPECT_GT(judged.back().dishonesty, 20.0);  // regions four times too wide
+}
+
+TEST(JudgedExponent, FindsTheWidthThatIsLeft) {
+  const Survey one = survey(std::hypot(kSigma, 0.03), 0.0);
+  const auto judged = judge_exponent(1.0, estimates(one, 1.0, 0.0), kOneWidth[0], one.spots);
+  EXPECT_GE(judged.least_sigma, 0.014);
+}
+
+TEST(JudgedExponent, CountsASpotWithoutAFixAsAnywhere) {
+  const Survey one = survey(kSigma, 0.0);
+  auto all = estimates(one, 1.0, 0.0);
+  all.front() = {};
+  const auto judged = judge_exponent(1.0, all, kOneWidth[0], one.spots, kOneWidth);
+  EXPECT_NEAR(judged.scores.front(), -std::log(one.spots.area), 1e-12);
+}
+
+// Worse than 0 by `mean` [nat] a spot, by 0.3 more at every other one and by 0.3 less at the rest:
+// the standard error of 20 spots is 0.07.
+JudgedExponent judged(double exponent, double dishonesty, double mean) {
+  JudgedExponent one{exponent, 0.01, {}, -mean, dishonesty};
+  for (int i = 0; i < 20; ++i) {
+    one.scores.push_back(mean == 0.0 ? 0.0 : -mean + (i % 2 == 0 ? 0.3 : -0.3));
+  }
+  return one;
+}
+
+TEST(BestExponent, IsTheMostHonestOfThoseThatAreAsGood) {
+  const std::vector all = {judged(1.0, 5.0, 0.0), judged(0.8, 1.0, 0.05), judged(0.6, 3.0, 0.05)};
+  EXPECT_EQ(best_exponent(all), 1U);
+}
+
+TEST(BestExponent, IsTheLeastOfTheHonest) {
+  const std::vector all = {judged(1.0, 1.0, 0.0), judged(0.8, 1.5, 0.05), judged(0.6, 2.0, 0.05)};
+  EXPECT_EQ(best_exponent(all), 1U);
+}
+
+TEST(BestExponent, IsNoneThatTheScoreTellsToBeWorse) {
+  const std::vector all = {judged(1.0, 5.0, 0.0), judged(0.8, 0.5, 0.1)};
+  EXPECT_EQ(best_exponent(all), 0U);
+}
+
+}  // namespace
+}  // namespace rayloc
