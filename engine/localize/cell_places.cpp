@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <vector>
+
+#include "engine/localize/nearby_likelihood.h"
 
 namespace rayloc {
 
@@ -50,7 +53,7 @@ Lattice places_of_cell(const RoomGrid& grid, double wavelength) {
 }
 
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
-                                             const std::vector<double>& log_likelihood,
+                                             std::span<const double> log_likelihood,
                                              double temper) {
   const auto best = static_cast<std::size_t>(
       std::max_element(log_likelihood.begin(), log_likelihood.end()) - log_likelihood.begin());

@@ -1,10 +1,10 @@
 // The places of one cell of a room's grid, which a localizer looks at closely, as one figure.
 #pragma once
 
+#include <span>
 #include <utility>
-#include <vector>
 
-#include "engine/localize/nearby_likelihood.h"
+#include "engine/localize/lattice.h"
 #include "engine/localize/posterior.h"
 
 namespace rayloc {
@@ -15,7 +15,7 @@ Lattice places_of_cell(const RoomGrid& grid, double wavelength);
 // The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
 // is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
-                                             const std::vector<double>& log_likelihood,
+                                             std::span<const double> log_likelihood,
                                              double temper);
 
 }  // namespace rayloc

@@ -9,8 +9,8 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/localize/cell_places.h"
 #include "engine/localize/hearing.h"
-#include "engine/localize/posterior.h"
 
 namespace rayloc {
 namespace {
@@ -305,18 +305,21 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
   while (close < std::min(order.size(), kMostClose) && total[order[close]] >= least) {
     ++close;
   }
-  auto samples = close_map(arrays, {order.data(), close});
+  const auto samples = close_map(arrays, {order.data(), close});
   choose_places({order.data(), close}, samples, map);
   // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
   map.misfit = judge(arrays, map.places.front(), map);
   const double exponent = temper / map.misfit;
   map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
-  for (double& value : samples) {
-    value *= exponent;
+  const Lattice lattice = squares_.lattice();
+  for (std::size_t n = 0; n < close; ++n) {
+    const auto [log_mean, mass] =
+        summarise_places(lattice, {samples.data() + n * places_, places_}, exponent);
+    total[order[n]] = log_mean;
+    map.within.emplace_back(order[n], mass);
   }
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    total[order[n]] = n < close ? log_mean_exp({samples.data() + n * places_, places_})
-                                : exponent * total[order[n]];
+  for (const std::size_t cell : order) {
+    total[cell] *= exponent;
   }
   std::vector<double> standing;
   standing.reserve(order.size());
@@ -349,7 +352,8 @@ LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
                        options_.accuracy_confidence,
                        options_.max_hypotheses,
                        map.is_transmitter_doubtful ? kDoubt : kPersonOutlier},
-                      estimate);
+                      estimate,
+                      map.within);
   estimate.ambiguous = estimate.ambiguous || map.is_transmitter_doubtful;
   return estimate;
 }

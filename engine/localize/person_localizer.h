@@ -23,6 +23,7 @@
 #include "engine/localize/person_reference.h"
 #include "engine/localize/person_scattering.h"
 #include "engine/localize/person_squares.h"
+#include "engine/localize/posterior.h"
 #include "engine/localize/room_model.h"
 #include "engine/localize/standing_room.h"
 #include "engine/observe/burst.h"
@@ -60,6 +61,7 @@ struct PersonContext {
 struct PersonMap {
   // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand.
   std::vector<double> log_likelihood;
+  KnownCells within;      // where in the best cells
   double somebody = 0.0;  // logarithm of the mean over the places where somebody can stand
   std::vector<std::string> warnings;
   bool is_explained = true;  // by a person at one of the places

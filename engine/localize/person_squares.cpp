@@ -117,11 +117,15 @@ Expected<PersonSquares> SquaresBuilder::build(int depth) {
 
 }  // namespace
 
-Vec3d PersonSquares::place_of(const PersonSample& sample) const {
+Lattice PersonSquares::lattice() const {
   const RoomGrid& grid = standing.grid;
   const PatchPlan plan{0.0, 0.0, std::max(grid.step_x, grid.step_y), samples};
-  return grid.centre(sample.cell) +
-         Vec3d{plan.at(sample.sample / samples), plan.at(sample.sample % samples), 0.0};
+  return {samples, samples, plan.step(), plan.step()};
+}
+
+Vec3d PersonSquares::place_of(const PersonSample& sample) const {
+  return standing.grid.centre(sample.cell) +
+         lattice().offset(sample.sample / samples, sample.sample % samples);
 }
 
 Expected<PersonSquares> make_person_squares(const RoomModel& room,

@@ -7,6 +7,7 @@
 
 #include "engine/base/expected.h"
 #include "engine/base/vec3.h"
+#include "engine/localize/lattice.h"
 #include "engine/localize/person_likelihood.h"
 #include "engine/localize/person_reference.h"
 #include "engine/localize/person_scattering.h"
@@ -35,6 +36,7 @@ struct PersonSquares {
   std::size_t samples = 0;              // along the side of a square
   std::vector<PersonStation> stations;  // one a link of the reference
 
+  Lattice lattice() const;                           // of the sample places of a cell
   Vec3d place_of(const PersonSample& sample) const;  // [m], on the floor
 };
 

@@ -131,11 +131,12 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
     return map.somebody < least ? Sight::kNobody : Sight::kSeen;
   };
   if (!life_) {
-    const PersonMap map = localizer_->map(hearing, temper);
+    PersonMap map = localizer_->map(hearing, temper);
     const Sight sight = judge(map, kSomebody);
     if (sight == Sight::kSeen) {
       begin(time);
       life_->filter.update(map.log_likelihood, 1.0);
+      life_->within = std::move(map.within);
       life_->credit = 1.0;
       life_->last = hearing.arrays;
     }
@@ -149,11 +150,12 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
   life_->filter.weigh_change(change);
   life_->credit = credit;
   if (weight >= kLeastWeight) {
-    const PersonMap map = localizer_->map(hearing, temper);
+    PersonMap map = localizer_->map(hearing, temper);
     if (const Sight sight = judge(map, 0.0); sight != Sight::kSeen) {
       return sight;
     }
     life_->filter.update(map.log_likelihood, weight);
+    life_->within = std::move(map.within);
     life_->credit += weight;
     life_->is_clear = map.somebody >= kSomebody;
   }
@@ -218,7 +220,8 @@ void PersonTracker::report(LocationEstimate location,
   summarise_posterior(localizer_->standing_room().grid,
                       logarithm(life_->filter.mass()),
                       {1.0, location.accuracy_confidence, localizer_->options().max_hypotheses},
-                      location);
+                      location,
+                      is_seen ? life_->within : KnownCells{});
   PersonUpdate update;
   update.track = life_->track;
   update.estimate.location = std::move(location);

@@ -115,6 +115,7 @@ class PersonTracker {
     double credit = 0.0;      // of a snapshot's weight, given to the present channel
     bool is_clear = true;     // what the present channel shows
     std::vector<PersonHearing::Array> last{};
+    KnownCells within{};  // where in the best cells, of the last moment that was weighed
   };
 
   void hear_moment(std::span<const CsiFrame> frames, std::vector<PersonUpdate>& updates);

@@ -51,6 +51,7 @@ TEST_F(PersonLocalizerTest, FindsAPersonOfTheExpectedBuild) {
   int near = 0;
   int covered = 0;
   int doubted = 0;
+  std::vector<double> errors;
   unsigned seed = 1;
   for (const TargetPosition& truth : places()) {
     const auto estimate = localizer().locate(
@@ -66,13 +67,19 @@ TEST_F(PersonLocalizerTest, FindsAPersonOfTheExpectedBuild) {
       EXPECT_GT(estimate.accuracy_m, 1.0);
       ++doubted;
     }
-    near += error_of(estimate, truth) < 0.08 ? 1 : 0;
-    covered += error_of(estimate, truth) <= estimate.accuracy_m ? 1 : 0;
+    errors.push_back(error_of(estimate, truth));
+    near += errors.back() < 0.08 ? 1 : 0;
+    covered += errors.back() <= estimate.accuracy_m ? 1 : 0;
     EXPECT_EQ(estimate.access_points_used, 3U);
     EXPECT_EQ(estimate.position->z, 0.0);
   }
-  std::printf("one person: %d of 20 within 8 cm, %d regions hold the truth\n", near, covered);
+  std::nth_element(errors.begin(), errors.begin() + 10, errors.end());
+  std::printf("one person: %d of 20 within 8 cm, median %.1f mm, %d regions hold the truth\n",
+              near,
+              1e3 * errors[10],
+              covered);
   EXPECT_GE(near, 13);
+  EXPECT_LT(errors[10], 0.015);  // where in a cell of 50 mm, not its middle
   EXPECT_GE(covered, 19);
   EXPECT_LE(doubted, 2);
 }
