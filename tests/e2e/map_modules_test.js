@@ -70,6 +70,25 @@
       same(kept[0].at(-1).location.hypotheses.length, 8, 'hypotheses');
     },
 
+    'a snapshot between two estimates of a track does not end its trail'() {
+      const snapshot = {kind: 'LOCATION_KIND_SNAPSHOT', target: {mac: '02:00:00:00:00:01'}};
+      const another = {target: {mac: '02:00:00:00:00:01', track: '2'}};
+      // A tracker that is late: what a snapshot says counts from one second on.
+      const {model, tell} = begin([location(NOW), location(NOW + 500, snapshot), location(NOW + 1200, snapshot),
+        location(NOW + 1300)]);
+      same(model.at(NOW + 1300).map(({trail}) => trail.length), [3], 'of the same track');
+      tell(NOW + 1400, [location(NOW + 1400, another)]);
+      same(model.at(NOW + 1400).map(({trail}) => trail.length), [1], 'of another one');
+    },
+
+    'where a recording is played slowly snapshots wait longer for the tracker'() {
+      const snapshot = {kind: 'LOCATION_KIND_SNAPSHOT', target: {mac: '02:00:00:00:00:01'}};
+      const {model} = begin([playing(NOW, 0.5), location(NOW), location(NOW + 1500, snapshot)]);
+      same(model.at(NOW + 1500).map(({trail}) => trail.length), [1], 'at half the pace');
+      const {model: usual} = begin([playing(NOW, 1), location(NOW), location(NOW + 1500, snapshot)]);
+      same(usual.at(NOW + 1500).map(({trail}) => trail.length), [2], 'at its pace');
+    },
+
     'a person whose track was lost goes before a device'() {
       const lost = {track_state: 'TRACK_STATE_LOST'};
       const {model, tell} = begin([location(NOW, lost), location(NOW, person('7', lost))]);

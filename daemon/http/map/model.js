@@ -150,10 +150,10 @@ export class Model {
       if (this.now() - sent < FRESH_MS) this.told(`${target.name} appeared`);
     }
     target.last = sent;
-    if (location.kind === 'LOCATION_KIND_FILTERED') target.filtered = Math.max(target.filtered, sent);
-    else if (sent - target.filtered < PREFER_FILTERED_MS) return;
     // A recording that is played slowly says less often where it is.
     const pace = Math.min(1, this.playback?.speed || 1);
+    if (location.kind === 'LOCATION_KIND_FILTERED') target.filtered = Math.max(target.filtered, sent);
+    else if (sent - target.filtered < PREFER_FILTERED_MS / pace) return;
     const until = sent + (1000 * seconds(location.valid_for)) / pace;
     const entry = {id: location.event_id, sent, until, location: drawn(location)};
     insert(target.past, entry);
@@ -222,9 +222,11 @@ export class Model {
       if (end < 0) continue;
       const {location, sent} = target.past[end];
       const trail = [];
+      let track;  // a snapshot between two estimates of the tracker is of none
       for (let i = end; i >= 0 && target.past[i].sent > sent - TRAIL_MS; --i) {
         const {position, target: before} = target.past[i].location;
-        if (before.track !== location.target.track) break;  // another walk, or place of a recording
+        if (track && before.track && before.track !== track) break;  // another walk, or place of a recording
+        track ||= before.track;
         if (position) trail.push(position);
       }
       const zones = inside.filter(([, keys]) => keys.has(target.key)).map(([name]) => name);
