@@ -184,6 +184,7 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
       const StationMap& station = *heard[i].map;
+      station.fetch(cell + 1);
       if (station.is_reachable(cell)) {
         const auto coarse = station.coarse(cell, heard[i].observed);
         windows[i][cell] = coarse.windows;
@@ -199,6 +200,9 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   }
   parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
+      if (cell + 1 < sum.size() && sum[cell + 1] >= least) {
+        heard[i].map->fetch(cell + 1);
+      }
       double& value = maps.cell[i][cell];
       if (sum[cell] < least && value < least_of_one[i]) {
         value -= far_below;

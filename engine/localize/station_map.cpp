@@ -97,6 +97,16 @@ Likelihood::Coarse StationMap::coarse(std::size_t cell, const ObservedBurst& obs
   return likelihood_->coarse(cells_[cell], observed);
 }
 
+void StationMap::fetch(std::size_t cell) const {
+  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of the processor's cache
+  if (cell < cells_.size()) {
+    const std::vector<std::complex<float>>& whitener = cells_[cell].model.whitener;
+    for (std::size_t i = 0; i < whitener.size(); i += kLine) {
+      __builtin_prefetch(whitener.data() + i);
+    }
+  }
+}
+
 double StationMap::log_likelihood(std::size_t cell,
                                   const ObservedBurst& observed,
                                   std::uint8_t windows) const {
