@@ -174,6 +174,13 @@ LaneRow whiten(const std::complex<float>* whitener,
   return power;
 }
 
+void fetch(std::span<const std::complex<float>> whitener) {
+  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of the cache
+  for (std::size_t i = 0; i < whitener.size(); i += kLine) {
+    __builtin_prefetch(whitener.data() + i);
+  }
+}
+
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension) {
   LaneRow values{};
   HWY_DYNAMIC_DISPATCH(at_best_gain)(power, along, static_cast<float>(dimension), values);

@@ -27,6 +27,10 @@ LaneRow whiten(const std::complex<float>* whitener,
                std::span<const std::complex<float>> along,
                std::span<LaneSums> sums);
 
+// Brings a triangle into the processor's caches while another one is worked with: those of all
+// places of a room are more than the caches hold.
+void fetch(std::span<const std::complex<float>> whitener);
+
 // Of every lane 2 D ln r - r^2 a + 2 r |b| at its maximum over r, with a = power > 0 and b = along.
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension);
 

@@ -113,6 +113,15 @@ PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) c
       basis_.project(row, {observed.y[t].data() + m * basis_.size(), basis_.size()});
     }
   }
+  observed.re.resize(dimension());
+  observed.im.resize(dimension());
+  for (std::size_t i = 0; i < dimension(); ++i) {
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const Value value = observed.y[std::min(lane, kDelays - 1)][i];
+      observed.re[i][lane] = static_cast<float>(value.real());
+      observed.im[i][lane] = static_cast<float>(value.imag());
+    }
+  }
   observed.noise = noise_power(aligned, grid_.size()) * static_cast<double>(dimension()) /
                    std::max(power_of(aligned), kLeastPower);
   return observed;
@@ -309,29 +318,33 @@ PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
 double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
                                         const Observed& observed,
                                         const PersonCompany& company) const {
-  const auto d = static_cast<double>(dimension());
-  std::optional<AccompaniedGaussian> with;
-  std::vector<Value> mean(gaussian.mean.begin(), gaussian.mean.end());
-  double mean_power = gaussian.mean_power;
-  double log_determinant = gaussian.log_determinant;
-  if (!company.empty()) {
-    with.emplace(gaussian, company);
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      mean[i] += with->shift()[i];
+  if (company.empty()) {
+    LaneSums along;
+    LaneRow power = rayloc::whiten(
+        gaussian.whitener.data(), observed.re, observed.im, gaussian.mean, {&along, 1});
+    for (float& one : power) {
+      one = std::max(one, static_cast<float>(kLeastPower));
     }
-    const auto reduced = with->reduced(mean);
-    mean_power = inner_product(mean, reduced).real();
-    mean = reduced;
-    log_determinant += with->log_determinant();
+    const LaneRow best = at_best_gain(power, along, dimension());
+    return static_cast<double>(*std::max_element(best.begin(), best.end())) - gaussian.mean_power -
+           gaussian.log_determinant;
   }
+  const AccompaniedGaussian with(gaussian, company);
+  std::vector<Value> mean(gaussian.mean.begin(), gaussian.mean.end());
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean[i] += with.shift()[i];
+  }
+  const auto reduced = with.reduced(mean);
   double best = -std::numeric_limits<double>::infinity();
   for (const auto& y : observed.y) {
     const auto u = whiten(gaussian, y);
-    const double power = with ? with->power(u) : power_of(u);
-    best = std::max(
-        best, gain_profile(std::max(power, kLeastPower), std::abs(inner_product(mean, u)), d));
+    best = std::max(best,
+                    gain_profile(std::max(with.power(u), kLeastPower),
+                                 std::abs(inner_product(reduced, u)),
+                                 static_cast<double>(dimension())));
   }
-  return best - mean_power - log_determinant;
+  return best - inner_product(mean, reduced).real() - gaussian.log_determinant -
+         with.log_determinant();
 }
 
 // A burst as the model of a square sees it, at every delay.

@@ -24,6 +24,7 @@
 
 #include "engine/channel/ofdm_grid.h"
 #include "engine/localize/delay_basis.h"
+#include "engine/localize/lane_kernel.h"
 #include "engine/localize/person_company.h"
 #include "engine/localize/person_reference.h"
 #include "engine/localize/person_scattering.h"
@@ -70,10 +71,14 @@ struct PersonStand {
 class PersonLikelihood {
  public:
   static constexpr std::size_t kDelays = 5;
+  static_assert(kDelays <= kLaneCount);
 
   // A burst in the coordinates of the basis, aligned to the empty room, at some delays.
   struct Observed {
     std::array<std::vector<std::complex<double>>, kDelays> y;
+    // The same in lanes, [coordinate][delay]; in those left over the last delay again.
+    std::vector<LaneRow> re;
+    std::vector<LaneRow> im;
     double correlation = 0.0;  // with the empty room
     double noise = 0.0;        // share of its power that is noise within the basis
   };

@@ -181,6 +181,9 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array,
   map.nobody = likelihood(station.nobody);
   map.whole.resize(squares_.standing.grid.size());
   parallel_for(cells.size(), 32, [&](std::size_t n) {
+    if (n + 1 < cells.size()) {
+      fetch(station.cells[cells[n + 1]].whole.whitener);
+    }
     map.whole[cells[n]] = likelihood(station.cells[cells[n]].whole);
   });
   return map;

@@ -98,12 +98,8 @@ Likelihood::Coarse StationMap::coarse(std::size_t cell, const ObservedBurst& obs
 }
 
 void StationMap::fetch(std::size_t cell) const {
-  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of the processor's cache
   if (cell < cells_.size()) {
-    const std::vector<std::complex<float>>& whitener = cells_[cell].model.whitener;
-    for (std::size_t i = 0; i < whitener.size(); i += kLine) {
-      __builtin_prefetch(whitener.data() + i);
-    }
+    rayloc::fetch(cells_[cell].model.whitener);
   }
 }
 

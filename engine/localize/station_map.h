@@ -53,8 +53,7 @@ class StationMap {
   // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound, and where to look.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
   Likelihood::Coarse coarse(std::size_t cell, const ObservedBurst& observed) const;
-  // Brings into the processor's caches what a cell's likelihood reads, while another one's is
-  // worked out: together they are more than the caches hold. Nothing of a cell that is not there.
+  // What the likelihood of a cell reads (lane_kernel.h); nothing of a cell that is not there.
   void fetch(std::size_t cell) const;
   double log_likelihood(std::size_t cell,
                         const ObservedBurst& observed,
