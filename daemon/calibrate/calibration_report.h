@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,8 +38,10 @@ struct HeldOutFixes {
   std::size_t fixes = 0;
   std::size_t within_accuracy = 0;       // truths within the stated 95 % radius
   std::optional<double> median_error_m;  // horizontal; nothing without a fix
-  double log_score = 0.0;   // mean logarithm of the density stated at the truth [1/m^2]
-  double dishonesty = 0.0;  // of the stated regions (Anderson and Darling); honest: about 1
+  // Mean logarithm of the density stated at the truth [1/m^2], and how far the stated regions are
+  // from honest (JudgedExponent). Not a number without points.
+  double log_score = std::numeric_limits<double>::quiet_NaN();
+  double dishonesty = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct CalibrationReport {

@@ -61,10 +61,13 @@ Tried fixes_with(const Localizer& localizer,
     result.within_accuracy += error <= estimate.accuracy_m ? 1U : 0U;
     errors.push_back(error);
   }
-  tried.judged = judge_exponent(temper, estimates, room.least_sigma, known, sigmas);
-  result.least_sigma = tried.judged.least_sigma;
-  result.log_score = tried.judged.score;
-  result.dishonesty = tried.judged.dishonesty;
+  result.least_sigma = room.least_sigma;
+  if (!estimates.empty()) {
+    tried.judged = judge_exponent(temper, estimates, room.least_sigma, known, sigmas);
+    result.least_sigma = tried.judged.least_sigma;
+    result.log_score = tried.judged.score;
+    result.dishonesty = tried.judged.dishonesty;
+  }
   if (!errors.empty()) {
     result.median_error_m = percentile(std::move(errors), 0.5);
   }
