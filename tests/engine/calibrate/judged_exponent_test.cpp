@@ -48,6 +48,7 @@ std::vector<LocationEstimate> estimates(const Survey& survey, double exponent, d
 
 std::vector<JudgedExponent> judge_all(const Survey& survey) {
   std::vector<JudgedExponent> judged;
+  judged.reserve(kExponents.size());
   for (const double exponent : kExponents) {
     judged.push_back(judge_exponent(
         exponent, estimates(survey, exponent, 0.01), kOneWidth[0], survey.spots, kOneWidth));
