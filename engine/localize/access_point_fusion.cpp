@@ -6,14 +6,11 @@
 #include "engine/base/check.h"
 
 namespace rayloc {
-namespace {
 
 double log_add(double a, double b) {
   const double top = std::max(a, b);
   return top + std::log1p(std::exp(std::min(a, b) - top));
 }
-
-}  // namespace
 
 double log_mean_exp(std::span<const double> log_likelihood, double temper) {
   const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());

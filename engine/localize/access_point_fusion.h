@@ -54,6 +54,8 @@ class AccessPointFusion {
   double log_nothing_ = 0.0;      // ln prod e_i Z_i
 };
 
+// ln (e^a + e^b).
+double log_add(double a, double b);
 // ln of the mean of exp(temper l).
 double log_mean_exp(std::span<const double> log_likelihood, double temper);
 

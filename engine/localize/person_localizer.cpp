@@ -9,6 +9,7 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
+#include "engine/localize/access_point_fusion.h"
 #include "engine/localize/cell_places.h"
 #include "engine/localize/hearing.h"
 
@@ -31,20 +32,6 @@ constexpr double kStrongEcho = 0.05;
 // Probability that it is the transmitter that has changed, where what is heard cannot tell.
 constexpr double kDoubt = 0.5;
 
-// log mean exp of `values`.
-double log_mean_exp(std::span<const double> values) {
-  const double top = *std::max_element(values.begin(), values.end());
-  double sum = 0.0;
-  for (const double value : values) {
-    sum += std::exp(value - top);
-  }
-  return top + std::log(sum / static_cast<double>(values.size()));
-}
-
-double log_sum(double a, double b) {
-  return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
-}
-
 // What one array says of every square as a whole.
 struct ArrayMap {
   const PersonHearing::Array* array;
@@ -55,7 +42,7 @@ struct ArrayMap {
 
   // Against nobody. What stands in the way of one access point does not rule out places.
   double against_nobody(double log_likelihood) const {
-    return array->weight * (log_sum(log_likelihood, floor) - nobody);
+    return array->weight * (log_add(log_likelihood, floor) - nobody);
   }
 };
 
@@ -246,7 +233,7 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
     const PersonStation& station = squares_.stations[of.array->link];
     const PersonPlace& place = station.cells[best.cell];
     station.likelihood.log_likelihood(place, of.array->observed, of.company, one);
-    map.best_log_likelihood += of.array->weight * log_sum(one[best.sample], of.floor);
+    map.best_log_likelihood += of.array->weight * log_add(one[best.sample], of.floor);
     if (one[best.sample] < of.floor) {
       map.warnings.push_back(
           "access point " + room_->access_points[reference_.links[of.array->link].access_point].id +
@@ -329,7 +316,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
   for (const std::size_t cell : order) {
     standing.push_back(total[cell]);
   }
-  map.somebody = log_mean_exp(standing);
+  map.somebody = log_mean_exp(standing, 1.0);
   return map;
 }
 
