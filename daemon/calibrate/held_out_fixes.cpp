@@ -91,35 +91,28 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
     return std::vector<HeldOutFixes>{
         fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
   }
-  std::vector<Tried> tried;
-  std::size_t best = 0;
+  std::vector<HeldOutFixes> outcomes;
+  std::vector<JudgedExponent> judged;
+  std::size_t top = 0;
   for (const double exponent : kExponents) {
     if (exponent > most) {
       continue;
     }
-    tried.push_back(fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma));
-    if (tried.back().outcome.fixes < kLeastFixes) {
+    auto [outcome, judgement] = fixes_with(*localizer, spots, exponent, kLeastSigmas, survey_sigma);
+    outcomes.push_back(outcome);
+    judged.push_back(std::move(judgement));
+    if (outcome.fixes < kLeastFixes) {
       return std::vector<HeldOutFixes>{
           fixes_with(*localizer, spots, usual, usual_sigma, survey_sigma).outcome};
     }
-    if (tried.back().outcome.log_score > tried[best].outcome.log_score) {
-      best = tried.size() - 1;
-    } else if (tried.size() - 1 - best >= kFalls) {
+    if (judged.back().score > judged[top].score) {
+      top = judged.size() - 1;
+    } else if (judged.size() - 1 - top >= kFalls) {
       break;
     }
   }
-  std::vector<JudgedExponent> judged;
-  std::transform(tried.begin(), tried.end(), std::back_inserter(judged), [](const Tried& one) {
-    return one.judged;
-  });
-  best = best_exponent(judged);
-  std::rotate(tried.begin() + static_cast<std::ptrdiff_t>(best),
-              tried.begin() + static_cast<std::ptrdiff_t>(best) + 1,
-              tried.end());
-  std::vector<HeldOutFixes> outcomes;
-  std::transform(tried.begin(), tried.end(), std::back_inserter(outcomes), [](const Tried& one) {
-    return one.outcome;
-  });
+  const auto best = outcomes.begin() + static_cast<std::ptrdiff_t>(best_exponent(judged));
+  std::rotate(best, best + 1, outcomes.end());
   return outcomes;
 }
 
