@@ -17,14 +17,30 @@
 #include "capture/csi_receiver.h"
 #include "capture/decoder_registry.h"
 #include "tests/bench/mapped_datagrams.h"
+#include "tests/support/wire_writer.h"
 
 namespace rayloc::bench {
 namespace {
 
 constexpr std::size_t kDatagrams = 100'000;  // 57 MB at 128 tones
 
+constexpr int kFrames = 36;
+
+test::Recording frames_of_four_cores() {
+  test::Recording recording;
+  test::WireFrame frame;
+  for (int i = 0; i < kFrames; ++i) {
+    ++frame.sequence;
+    frame.sequence_control = static_cast<std::uint16_t>(frame.sequence << 4);
+    const auto one = test::write_axcsi(
+        frame, Timestamp(std::chrono::seconds(1)) + i * std::chrono::milliseconds(50));
+    recording.insert(recording.end(), one.begin(), one.end());
+  }
+  return recording;
+}
+
 const MappedDatagrams& recording() {
-  static const MappedDatagrams kRecording("axcsi-rt-ax86u/AllData.pcap", kDatagrams);
+  static const MappedDatagrams kRecording(frames_of_four_cores(), kDatagrams);
   return kRecording;
 }
 

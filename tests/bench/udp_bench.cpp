@@ -1,8 +1,8 @@
 // How many datagrams a second a receiver takes from a UDP port without losing one, and what each
 // costs it. The baseline is the least that a program can do: a bare recvmmsg loop.
 //
-//   udp_bench [RECORDING]     the datagrams to send; AllData.pcap (566 bytes) of tests/data unless
-//                             told
+//   udp_bench [RECORDING]     the datagrams to send; unless told, those of 566 bytes that calibrate
+//                             the bundled meeting room
 //
 // Rates rise step by step; each is sent for two seconds by a process of its own. A rate counts when
 // nothing is lost; a second try is allowed, for other programs run on the machine too.
@@ -237,5 +237,5 @@ int run_all(const std::string& recording) {
 
 int main(int argc, char** argv) {
   return rayloc::bench::run_all(
-      argc > 1 ? argv[1] : RAYLOC_TEST_DATA "/captures/axcsi-rt-ax86u/AllData.pcap");
+      argc > 1 ? argv[1] : RAYLOC_TEST_DATA "/sites/meeting_room/calibration-ap1.pcap.gz");
 }

@@ -20,23 +20,6 @@ RejectReason reason_of(std::vector<std::byte> payload, std::size_t offset, unsig
   return result ? RejectReason::kUnknownFormat : result.error();
 }
 
-TEST(UbilocateDecoder, ReadsWhatTheFirmwareWrites) {
-  const auto recording = test::read_capture("ubilocate-rt-ac86u/test_ch_bw_trace4.pcap.gz");
-  const auto fragment = DecoderRegistry("").decode(recording[7].payload);
-  ASSERT_TRUE(fragment);
-  EXPECT_EQ(fragment->format, "ubilocate");
-  EXPECT_EQ(to_string(fragment->transmitter), "00:12:34:56:78:9b");
-  EXPECT_EQ(fragment->core, 1);
-  EXPECT_EQ(fragment->stream, 3);
-  EXPECT_EQ(fragment->sequence, 100);
-  EXPECT_EQ(fragment->expected_slots, 0xffff);
-  EXPECT_EQ(fragment->transmitted_streams, 4);
-  EXPECT_EQ(fragment->total_tones, 128);
-  // Only the first datagram of a frame has the trailer with the power.
-  EXPECT_FALSE(fragment->power_dbm[0]);
-  EXPECT_EQ(DecoderRegistry("").decode(recording[0].payload)->power_dbm[2], -45);
-}
-
 TEST(UbilocateDecoder, NamesWhatIsWrong) {
   EXPECT_EQ(reason_of(good(), 0, 0x10), RejectReason::kBadMagic);
   EXPECT_EQ(reason_of(good(), 12, 16), RejectReason::kCoreRange);

@@ -43,8 +43,8 @@ std::vector<std::byte> read_file(const std::string& path) {
   return bytes;
 }
 
-Recording read_capture(const std::string& name) {
-  const auto file = read_file(std::string(RAYLOC_TEST_DATA) + "/captures/" + name);
+Recording read_recording(const std::string& path) {
+  const auto file = read_file(path);
   Recording recording;
   for (std::size_t at = kFileHeader; at + kRecordHeader <= file.size();) {
     const auto seconds = std::chrono::seconds(u32_at(file, at));
@@ -52,7 +52,7 @@ Recording read_capture(const std::string& name) {
     const std::size_t length = u32_at(file, at + 8);
     const std::size_t packet = at + kRecordHeader;
     if (packet + length > file.size()) {
-      throw std::runtime_error(name + ": torn record");
+      throw std::runtime_error(path + ": torn record");
     }
     const std::size_t ip_header =
         4 * std::to_integer<std::size_t>(file[packet + kEthernetHeader] & std::byte{0xf});

@@ -1,4 +1,4 @@
-// Recordings for tests: datagrams read from a file of tests/data, or made up.
+// Recordings for tests: datagrams read from a file, or made up.
 //
 // Reads classic little-endian Ethernet pcap files, gzip'd or not; shares no code with
 // capture/pcap_source, so that decoders are tested without it.
@@ -24,8 +24,8 @@ using Recording = std::vector<RecordedDatagram>;
 // The file's bytes, uncompressed. Throws std::runtime_error when it cannot be read.
 std::vector<std::byte> read_file(const std::string& path);
 
-// `name` below tests/data/captures.
-Recording read_capture(const std::string& name);
+// The datagrams of a file.
+Recording read_recording(const std::string& path);
 
 // Everything through one receiver, flushed at the end. Checks the conservation law after every
 // push (a GoogleTest failure if it does not hold).

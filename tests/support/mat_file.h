@@ -1,0 +1,21 @@
+// Reads the one kind of MATLAB file that public recordings come with: a level 5 file with one
+// compressed matrix of complex int16 (The MathWorks, MAT-File Format, chapter 1).
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace rayloc::test {
+
+struct ComplexMatrix {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<std::complex<int>> values;  // row by row
+};
+
+// Throws std::runtime_error where the file is anything else.
+ComplexMatrix read_mat_file(const std::string& path);
+
+}  // namespace rayloc::test

@@ -1,0 +1,37 @@
+// Recordings that other people made with real access points. They are theirs and no part of this
+// checkout: tests/data/captures/README.md says where each comes from.
+//
+// They are looked for in $RAYLOC_PUBLIC_CAPTURES, and without it in shared/captures beside the
+// checkout. A test that reads them is a test of the fixture PublicCaptures, which is skipped, by
+// name, where that folder is absent.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/recording.h"
+
+namespace rayloc::test {
+
+// The folder, if it is there.
+std::optional<std::string> public_captures();
+
+// Path of `name` ("axcsi-rt-ax86u/AllData.pcap") in that folder. Throws std::runtime_error where
+// the file is absent, or its SHA-256 is not the one that tests/data/captures/README.md states.
+std::string public_capture(const std::string& name);
+
+// The datagrams of that file, a pcap.
+Recording read_public_capture(const std::string& name);
+
+class PublicCaptures : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!public_captures()) {
+      GTEST_SKIP() << "no recordings of other people here: see tests/data/captures/README.md";
+    }
+  }
+};
+
+}  // namespace rayloc::test
