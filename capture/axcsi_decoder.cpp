@@ -1,4 +1,4 @@
-// Layout of the UDP payload, little-endian ([AXCSI 1.1] in README.md):
+// Layout of the UDP payload, little-endian (WIRE_FORMATS 1.1):
 //
 //   offset size  field
 //    0     6     transmitter address, network order

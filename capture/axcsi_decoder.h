@@ -29,7 +29,7 @@ struct AxcsiHeader {
   std::uint32_t phy_status = 0;
   std::uint16_t chanspec = 0;
 
-  // Fields of `ratespec`. Its bandwidth is not reliable ([AXCSI 1.2]): nothing here uses it.
+  // Fields of `ratespec`. Its bandwidth is not reliable (WIRE_FORMATS 1.2): nothing here uses it.
   unsigned encoding() const { return (ratespec >> 24U) & 7U; }  // 0 legacy, 1 HT, 2 VHT, 3 HE
   unsigned rate_bandwidth() const { return (ratespec >> 16U) & 7U; }
   unsigned streams() const;  // spatial streams, space-time coding apart

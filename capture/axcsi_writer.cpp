@@ -53,8 +53,8 @@ void put_header(std::vector<std::byte>& bytes, const AxcsiHeader& header) {
   put(bytes, header.chanspec, 2);
 }
 
-// From the lowest tone on to the order of the wire ([AXCSI 1.4]): FFT order; 160 MHz in 512 tones
-// is two transforms, the upper half first.
+// From the lowest tone on to the order of the wire (WIRE_FORMATS 1.4): FFT order; 160 MHz in 512
+// tones is two transforms, the upper half first.
 std::vector<std::complex<double>> wire_order(std::span<const std::complex<double>> tones,
                                              bool two_transforms) {
   const std::size_t n = tones.size();

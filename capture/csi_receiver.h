@@ -24,7 +24,7 @@ namespace rayloc {
 
 struct CsiReceiverOptions {
   int access_point = 0;
-  // Name of a wire format ("axcsi-v4"), or empty: recognised by datagram (AXCSI.md 1.8).
+  // Name of a wire format ("axcsi-v4"), or empty: recognised by datagram (WIRE_FORMATS 1.8).
   std::string format;
   // Receive chains that a complete frame must have, besides those learned from the traffic itself.
   std::vector<std::uint8_t> expected_cores;

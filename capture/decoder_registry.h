@@ -1,7 +1,7 @@
 // DecoderRegistry: the wire formats there are, and which of them a datagram is in.
 //
 // Without a fixed format every datagram is recognised on its own, by magic number, length and the
-// ranges of its fields ([AXCSI 1.8] in README.md), so formats may be mixed in one recording.
+// ranges of its fields (WIRE_FORMATS 1.8), so formats may be mixed in one recording.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-// Layout of the UDP payload, little-endian ([AXCSI 1.6] in README.md):
+// Layout of the UDP payload, little-endian (WIRE_FORMATS 1.6):
 //
 //   offset size  field
 //    0     2     0x1111

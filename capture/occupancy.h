@@ -27,7 +27,7 @@ struct Occupancy {
 
 // Index on the wire of a tone that counts from the centre of the channel. FFT order; the 512 tones
 // of 160 MHz legacy, HT and VHT are two such transforms of 256 tones, the upper half of the band
-// first [AXCSI 1.4].
+// first (WIRE_FORMATS 1.4).
 std::size_t wire_index(int tone, int total_tones, bool high_efficiency);
 
 // From the slots in `rows`, all of them whole. Without energy, or for a 20 MHz channel: all of it.

@@ -15,7 +15,7 @@ constexpr std::size_t kIpv4HeaderBytes = 20;
 constexpr std::size_t kUdpHeaderBytes = 8;
 constexpr std::uint8_t kProtocolUdp = 17;
 
-// AXCSI.md 1.1: "NEXMON" sends to everybody.
+// WIRE_FORMATS 1.1: "NEXMON" sends to everybody.
 constexpr std::array<std::uint8_t, 14> kEthernetHeader = {
     0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x4e, 0x45, 0x58, 0x4d, 0x4f, 0x4e, 0x08, 0x00};
 

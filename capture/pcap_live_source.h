@@ -1,5 +1,5 @@
 // PcapLiveSource: the UDP datagrams that pass a network interface, through libpcap. For access
-// points whose broadcasts no socket receives (AXCSI.md 4.4, 5.), and to watch beside a program that
+// points whose broadcasts no socket receives (WIRE_FORMATS 3.2), and to watch beside a program that
 // owns the port.
 //
 // Needs CAP_NET_RAW. Times are those of the kernel, truncated to microseconds.

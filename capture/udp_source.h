@@ -23,7 +23,7 @@ struct UdpSourceOptions {
   std::vector<AddressRange> senders = {};  // only what comes from these, when there are any
   // An open and bound UDP socket to take over (socket activation) instead of `address`.
   int adopted_fd = -1;
-  // OPERATIONS.md trap 4: the default of 208 KiB loses datagrams at 10,000 a second.
+  // The default of 208 KiB loses datagrams at 10,000 a second.
   int receive_buffer_bytes = 8 << 20;
 };
 

@@ -62,9 +62,9 @@ struct CalibrationReport {
   std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known
 };
 
-// Keys as in CLI.md and daemon/calibrate/README.md. REQUIRES: at least one method; `positions` and
-// `held_out` of one length, which the indices of PointFit respect, as they do that of
-// `access_points`.
+// Keys as in INTERFACE 3.3 and daemon/calibrate/README.md. REQUIRES: at least one method;
+// `positions` and `held_out` of one length, which the indices of PointFit respect, as they do that
+// of `access_points`.
 nlohmann::ordered_json to_json(const CalibrationReport& report);
 
 // One page with its pictures in it: no script, nothing to load, light or dark as the reader likes;

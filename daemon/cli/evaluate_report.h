@@ -7,7 +7,7 @@
 
 namespace rayloc::cli {
 
-// One line with the keys of CLI.md; what is infinite or absent is null.
+// One line with the keys of INTERFACE 3.2; what is infinite or absent is null.
 std::string statistics_json(const ErrorStatistics& statistics);
 
 // For people, with 95 % intervals; what is infinite is "inf".

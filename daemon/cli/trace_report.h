@@ -21,7 +21,8 @@ struct TraceReport {
   std::string note;  // what is remarkable about the link, may be empty
 };
 
-// One line with the keys of CLI.md; numbers with 17 significant digits, paths in canonical order.
+// One line with the keys of INTERFACE 3.4; numbers with 17 significant digits, paths in canonical
+// order.
 std::string trace_json(const TraceReport& report, const Scene& scene);
 
 // For people: a line a path, the strongest first.

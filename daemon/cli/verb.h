@@ -10,7 +10,7 @@
 namespace rayloc::cli {
 
 // Runs the verb once the command line is parsed. An Error becomes a line on stderr and the exit
-// status of CLI.md.
+// status of INTERFACE 1.
 using RunVerb = std::function<Expected<void>()>;
 
 struct Verb {

@@ -2,7 +2,7 @@
 // frames of a few hundred milliseconds that are explained by one position.
 //
 // A burst starts with a transmitter's first frame and ends `length` later, or when the transmitter
-// has been silent for longer than `gap` (CLI.md, "Bursts"). Which frames a burst holds depends on
+// has been silent for longer than `gap` (INTERFACE 2). Which frames a burst holds depends on
 // their times alone.
 #pragma once
 

@@ -1,4 +1,4 @@
-// The engine's LocationEstimate as the public message Location (MESSAGES.md).
+// The engine's LocationEstimate as the public message Location (proto/README.md).
 #pragma once
 
 #include <string>

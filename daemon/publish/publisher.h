@@ -10,7 +10,7 @@
 //
 // A subscriber that stops reading loses messages once its queue is full, and sees that by the gap
 // in the sequence; it costs the others nothing and never blocks the caller. libzmq alone offers
-// only the two halves of that (OPERATIONS.md, trap 3): XPUB_NODROP lets one stuck subscriber starve
+// only the two halves of that: XPUB_NODROP lets one stuck subscriber starve
 // all, lossy mode hides the loss. So: try with NODROP; on EAGAIN count an episode, send again in
 // lossy mode, switch back. Once skipped, a subscriber is left out until it reads again.
 //

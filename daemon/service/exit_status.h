@@ -1,4 +1,4 @@
-// Exit statuses of our programs (CLI.md): those of sysexits.h that apply.
+// Exit statuses of our programs (INTERFACE 1): those of sysexits.h that apply.
 #pragma once
 
 #include "engine/base/expected.h"

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// Between the datagrams of one frame: 7 to 10 us in recordings ([AXCSI 4.1]).
+// Between the datagrams of one frame: 7 to 10 us in recordings (WIRE_FORMATS 3.1).
 constexpr Duration kDatagramInterval = std::chrono::microseconds(8);
 constexpr std::uint32_t kLongGuardLdpc = 0x0040'0000;
 constexpr std::uint32_t kMcs = 7;
@@ -23,7 +23,7 @@ RadioSetup setup_of(const RoomModel& room, std::size_t access_point, int bandwid
           room.access_points.at(access_point).cores};
 }
 
-// [AXCSI 1.2]. The primary channel is the lowest.
+// WIRE_FORMATS 1.2. The primary channel is the lowest.
 std::uint16_t chanspec_of(double centre_hz, int bandwidth_mhz) {
   constexpr unsigned kBand5GHz = 0xc000;
   constexpr unsigned kBand2GHz = 0x0000;

@@ -17,7 +17,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kReferenceDistance = 4.0;  // [m], of Impairments::snr_db
 // Of two half-wave dipoles side by side: 1.64 each ([Balanis] 4.6).
 constexpr double kReferenceGain = 1.64 * 1.64;
-// Root mean square of the reported values, in dB: 98 to 113 in recordings ([AXCSI 4.1]).
+// Root mean square of the reported values, in dB: 98 to 113 in recordings (WIRE_FORMATS 3.1).
 constexpr double kLevelDb = 105.0;
 // Without gain control: as far from the smallest as from the largest number of the format.
 constexpr double kFixedScale = 0x1p30;

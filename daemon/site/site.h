@@ -1,5 +1,5 @@
 // Site: what an operator states of a place: the room, the carrier, the access points, the
-// transmitters that are known. Read from `site.toml` in a directory (CLI.md, "site.toml").
+// transmitters that are known. Read from `site.toml` in a directory (INTERFACE 4).
 //
 // load_site() validates everything; each error names file:line:column, what is wrong and what to
 // write instead. Unknown keys are errors with a suggestion. Lengths are metres, angles radians.

@@ -10,7 +10,7 @@
 
 namespace rayloc {
 
-// What kind of failure it is; the command line turns it into the exit status of CLI.md.
+// What kind of failure it is; the command line turns it into the exit status (INTERFACE 1).
 enum class ErrorKind {
   kUsage,          // the call itself is wrong (exit 64)
   kBadInput,       // data that was given is wrong (exit 65)

@@ -4,9 +4,9 @@
 // Tone numbers count from the centre of the frame's own bandwidth, in steps of `spacing_hz`; where
 // a frame occupies a part of a wider channel, the caller adds the offset of that part. The set for
 // HT, VHT and legacy is the standard's, confirmed on recordings; for HE it is what the published
-// AX-CSI converter keeps [AXCSI 1.4], no recording being public.
+// AX-CSI converter keeps (WIRE_FORMATS 1.4), no recording being public.
 //
-// References: [AXCSI] capture/README.md; [11ac] IEEE 802.11-2020 21.3.7.5, equations (21-13) to
+// References: WIRE_FORMATS 1.4; [11ac] IEEE 802.11-2020 21.3.7.5, equations (21-13) to
 // (21-17); [11ax] IEEE 802.11ax-2021 27.3.2.4 (pilots).
 #pragma once
 

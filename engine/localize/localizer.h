@@ -1,5 +1,5 @@
 // Localizer: from a burst of frames of one transmitter, heard by any number of access points, to a
-// position with its uncertainty: a likelihood of METHODS B2 on a grid of the room (B3, B7).
+// position with its uncertainty: a likelihood of METHODS B2 on a grid of the room (METHODS B3, B7).
 //
 //   auto localizer = Localizer::create(room, {});
 //   LocationEstimate estimate = localizer->locate(frames_of_one_transmitter);

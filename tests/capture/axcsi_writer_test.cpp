@@ -60,7 +60,7 @@ TEST(AxcsiWord, CarriesIntoTheExponentWhenTheMantissaIsFull) {
 }
 
 TEST(AxcsiWord, EqualsTheRecordedOnes) {
-  // AllData.pcap, the first datagram ([AXCSI 1.1]).
+  // AllData.pcap, the first datagram (WIRE_FORMATS 1.1).
   EXPECT_EQ(Value(unpack(0x1c2e2a36)) * 65536.0, Value(115392.0, -10752.0));
   for (const std::uint32_t word : {0x1c2e2a36U, 0x169785b7U, 0x393200f7U, 0x2c4f3837U}) {
     const Value recorded(unpack(word));
@@ -141,8 +141,8 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
   for (const int core : wire.cores) {
     frame.cores.push_back(static_cast<std::uint8_t>(core));
     const auto tones = test::wire_tones(wire, core, 0);
-    // Back from the order of the wire, as [AXCSI 1.4] gives it: tone -n/2 stands at n/2; 160 MHz
-    // in 512 tones has its lower half at 256 to 511, each half in such an order.
+    // Back from the order of the wire, as WIRE_FORMATS 1.4 gives it: tone -n/2 stands at n/2; 160
+    // MHz in 512 tones has its lower half at 256 to 511, each half in such an order.
     const std::size_t n = tones.size();
     const std::size_t parts = n == 512 && GetParam().phy != test::WirePhy::kHe ? 2 : 1;
     const std::size_t length = n / parts;

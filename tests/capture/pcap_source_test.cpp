@@ -23,7 +23,7 @@ using test::pcap_record;
 using ::testing::HasSubstr;
 
 constexpr std::array kEndians = {Endian::kLittle, Endian::kBig};
-constexpr std::uint32_t kSecond = 1525500671;  // that of the golden datagram of AXCSI.md 1.1
+constexpr std::uint32_t kSecond = 1525500671;  // that of the golden datagram of WIRE_FORMATS 1.1
 
 Timestamp at(std::int64_t seconds, std::int64_t nanoseconds) {
   return Timestamp(std::chrono::seconds(seconds) + Duration(nanoseconds));

@@ -45,7 +45,7 @@ std::vector<ConverterRow> read_converter_output() {
   return rows;
 }
 
-// The converter's 27 columns of header ([AXCSI 1.5]).
+// The converter's 27 columns of header (WIRE_FORMATS 1.5).
 std::array<std::string, 27> columns_of(const AxcsiHeader& header, Timestamp time) {
   constexpr std::uint64_t kTicksModulus = std::uint64_t{1} << 48U;
   const auto microseconds =

@@ -1,4 +1,4 @@
-// Rooms of axis-aligned boxes of ITU-R P.2040 materials, for benchmarks and tests that need more
+// Rooms of axis-aligned boxes of ITU-R P.2040-3 materials, for benchmarks and tests that need more
 // furniture than a handful.
 #pragma once
 

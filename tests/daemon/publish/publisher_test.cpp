@@ -247,7 +247,7 @@ TEST(Publisher, RefusesEndpointsThatItCannotUse) {
   EXPECT_FALSE(Publisher::bind(nameless));
 }
 
-// OPERATIONS.md, trap 3: with XPUB_NODROP alone the healthy subscriber gets some hundreds.
+// With XPUB_NODROP alone the healthy subscriber gets some hundreds.
 TEST(Publisher, AStuckSubscriberLosesAlone) {
   constexpr std::uint64_t kMessages = 20'000;
   constexpr std::uint64_t kAhead = 200;  // below the high-water mark: the healthy one keeps up

@@ -23,7 +23,8 @@ TEST(TonePlan, HasAsManyTonesAsTheStandardSounds) {
   for (std::size_t b = 0; b < 3; ++b) {
     EXPECT_EQ(tone_plan(PhyFormat::kHe, kBandwidths[b]).active.size(), counts[3][b]);
   }
-  // At 160 MHz the standard sounds 1992; the converter zeroes 1012 and -515 as well ([AXCSI 1.4]).
+  // At 160 MHz the standard sounds 1992; the converter zeroes 1012 and -515 as well
+  // (WIRE_FORMATS 1.4).
   EXPECT_EQ(tone_plan(PhyFormat::kHe, 160).active.size(), 1990U);
 }
 
