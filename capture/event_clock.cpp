@@ -10,6 +10,10 @@ namespace {
 // them. A smaller step is absorbed by the watermark.
 constexpr Duration kReadingJitter = std::chrono::milliseconds(1);
 
+// A datagram may come in this long after the clock was read. What is stamped later than that was
+// stamped by a clock that was set after the reading.
+constexpr Duration kMostAhead = std::chrono::seconds(1);
+
 Duration read_clock(clockid_t clock) {
   timespec now{};
   clock_gettime(clock, &now);
@@ -75,7 +79,9 @@ void EventClock::observe_now() {
 }
 
 Timestamp EventClock::event_time(Timestamp stamp) const {
-  return std::max(to_microseconds(stamp + correction_), watermark_);
+  const Timestamp time = stamp + correction_;
+  const bool unseen_step = started_ && time > observed_ + kMostAhead;
+  return std::max(to_microseconds(unseen_step ? observed_ : time), watermark_);
 }
 
 void EventClock::drained() { advance(observed_ - queueing_); }

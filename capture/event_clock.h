@@ -25,7 +25,8 @@ class EventClock {
   void observe(Timestamp realtime, Duration monotonic);
   void observe_now();
 
-  // Of a datagram stamped by the kernel: truncated to microseconds, never before the watermark.
+  // Of a datagram stamped by the kernel: truncated to microseconds, never before the watermark, nor
+  // far ahead of the last observe() (the clock may have been set since).
   Timestamp event_time(Timestamp stamp) const;
 
   // The socket was found empty after observe(): everything stamped before has been delivered.

@@ -1,5 +1,8 @@
 #include "capture/pcap_packet.h"
 
+#include <algorithm>
+#include <array>
+
 #include "capture/pcap_bytes.h"
 
 namespace rayloc::pcap {
@@ -8,6 +11,15 @@ namespace {
 // Link types of raw IP that old files carry: DLT_RAW of BSD and of OpenBSD.
 constexpr std::uint32_t kDltRaw = 12;
 constexpr std::uint32_t kDltRawOpenBsd = 14;
+
+// What interfaces in monitor mode give: 802.11 frames, bare or behind a header of the radio.
+constexpr std::array<std::uint32_t, 5> kMonitorModes = {
+    105,  // IEEE802_11
+    119,  // IEEE802_11_PRISM
+    127,  // IEEE802_11_RADIOTAP
+    163,  // IEEE802_11_AVS
+    192,  // PPI
+};
 
 constexpr std::uint16_t kEtherTypeIpv4 = 0x0800;
 constexpr std::uint16_t kEtherTypeIpv6 = 0x86dd;
@@ -30,6 +42,10 @@ Refusal refuse(const char* reason) { return Refusal(reason); }
 Refusal too_short(const Packet& packet) {
   return refuse(packet.data.size() < packet.original_length ? "truncated_capture"
                                                             : "length_mismatch");
+}
+
+bool is_monitor_mode(std::uint32_t link_type) {
+  return std::find(kMonitorModes.begin(), kMonitorModes.end(), link_type) != kMonitorModes.end();
 }
 
 bool is_vlan(std::uint16_t ether_type) {
@@ -100,7 +116,7 @@ tl::expected<Bytes, const char*> after_link_layer(const Packet& packet) {
     case kLinkTypeIpv6:
       return refuse("ipv6");
     default:
-      return refuse("link_type");
+      return refuse(is_monitor_mode(packet.link_type) ? "monitor_mode" : "link_type");
   }
 }
 

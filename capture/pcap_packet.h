@@ -35,9 +35,10 @@ constexpr std::uint32_t kLinkTypeIpv6 = 229;
 constexpr std::uint32_t kLinkTypeLinuxSll2 = 276;
 
 // The datagram (its payload points into packet.data), or the reason why there is none:
-// "no_timestamp", "link_type", "not_udp", "ipv6", "ip_fragment", "bad_ip_header",
-// "length_mismatch" (the lengths in the headers contradict each other or the packet),
-// "truncated_capture" (the capture's snapshot length cut it), "wrong_port" (not `port`).
+// "no_timestamp", "link_type", "monitor_mode" (frames of the air), "not_udp", "ipv6",
+// "ip_fragment", "bad_ip_header", "length_mismatch" (the lengths in the headers contradict each
+// other or the packet), "truncated_capture" (the capture's snapshot length cut it), "wrong_port"
+// (not `port`).
 tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
                                                  std::optional<std::uint16_t> port);
 

@@ -65,14 +65,15 @@ Int128 to_nanoseconds(std::uint64_t ticks, std::uint8_t resolution) {
   return value;
 }
 
-// None when it lies outside the years that a Timestamp can hold (1677 to 2262).
+// None when it lies outside of the years 1824 to 2116: any two of them have a distance that a
+// Duration can hold.
 std::optional<Timestamp> timestamp(std::uint64_t ticks,
                                    std::uint8_t resolution,
                                    std::int64_t offset_s) {
   const Int128 ns =
       to_nanoseconds(ticks, resolution) + static_cast<Int128>(offset_s) * kNanoseconds;
-  if (ns > std::numeric_limits<std::int64_t>::max() ||
-      ns < std::numeric_limits<std::int64_t>::min()) {
+  constexpr Int128 kFarthest = std::numeric_limits<std::int64_t>::max() / 2;
+  if (ns > kFarthest || ns < -kFarthest) {
     return std::nullopt;
   }
   return Timestamp(Duration(static_cast<std::int64_t>(ns)));

@@ -1,6 +1,9 @@
 #include "capture/pcap_source.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
 
 #include "capture/pcap_input.h"
 #include "capture/pcap_parser.h"
@@ -14,23 +17,49 @@ constexpr std::size_t kBatchDatagrams = 256;
 
 }  // namespace
 
+bool can_be_read_twice(const std::string& path) {
+  std::error_code unknown;
+  return path != "-" && std::filesystem::is_regular_file(path, unknown);
+}
+
 Expected<std::unique_ptr<PcapFileSource>> PcapFileSource::open(const std::string& path,
                                                                const PcapFileOptions& options) {
   auto input = pcap::PcapInput::open(path);
   if (!input) {
     return tl::make_unexpected(std::move(input.error()));
   }
-  return std::unique_ptr<PcapFileSource>(new PcapFileSource(std::move(*input), options));
+  PcapFileOptions known = options;
+  if (options.max_disorder != kAnyDisorder && !options.times && can_be_read_twice(path)) {
+    auto look = look_through(path, options);
+    if (!look) {
+      return tl::make_unexpected(std::move(look.error()));
+    }
+    known.times = std::move(look->times);
+  }
+  return std::unique_ptr<PcapFileSource>(new PcapFileSource(std::move(*input), known));
 }
 
 PcapFileSource::PcapFileSource(std::unique_ptr<pcap::PcapInput> input,
                                const PcapFileOptions& options)
-    : options_(options), input_(std::move(input)), parser_(std::make_unique<pcap::PcapParser>()) {}
+    : options_(options), input_(std::move(input)), parser_(std::make_unique<pcap::PcapParser>()) {
+  if (options.max_disorder == kAnyDisorder) {
+    return;
+  }
+  if (options.times) {
+    clock_.emplace(*options.times);
+  } else {
+    stream_.emplace(StampLimits{options.max_disorder, options.max_gap}, options.as_stamped);
+  }
+}
 
 PcapFileSource::~PcapFileSource() = default;
 
 Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
   batch.datagrams.clear();
+  places_.clear();
+  while (copies_.size() > (held_ ? 1U : 0U)) {
+    copies_.pop_front();
+  }
   const std::uint64_t received_before = counting_.received;
   // Filling moves the window, and the datagrams of a batch point into it: once there is one, what
   // else is to come waits for the next call.
@@ -42,7 +71,7 @@ Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
     } else if (*more == pcap::PcapInput::Fill::kTimeout) {
       break;
     } else if (*more == pcap::PcapInput::Fill::kEnd) {
-      end();
+      end(batch);
     } else {
       take_records(batch);
     }
@@ -80,26 +109,89 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
 
 void PcapFileSource::take_packet(const pcap::Packet& packet, DatagramBatch& batch) {
   ++counting_.received;
+  place_now_ = {counting_.received, input_->offset()};
   const auto datagram = pcap::udp_datagram(packet, options_.port);
-  if (const auto gap = datagram ? recording_gap(*datagram) : std::nullopt) {
+  if (!datagram) {
+    ++counting_.rejected[datagram.error()];
+    return;
+  }
+  if (const auto gap = recording_gap(*datagram)) {
     ++counting_.rejected["gap_mark"];
     counting_.unrecorded += gap->datagrams.value_or(0);
     return;
   }
-  const char* const reason = !datagram                      ? datagram.error()
-                             : datagram->time < watermark() ? "time_went_back"
-                                                            : nullptr;
-  if (reason != nullptr) {
-    ++counting_.rejected[reason];
+  take_datagram(*datagram, batch);
+}
+
+void PcapFileSource::take_datagram(const Datagram& datagram, DatagramBatch& batch) {
+  if (stream_) {
+    take_streamed(datagram, batch);
+    return;
+  }
+  const auto time =
+      clock_ ? clock_->event_time(place_now_.packet, datagram.time) : std::optional(datagram.time);
+  if (time) {
+    give(datagram, *time, batch);
+  } else {
+    reject_damaged(clock_->is_late());
+  }
+}
+
+void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batch) {
+  using Ruling = StreamClock::Ruling;
+  Ruling ruling = stream_->look(datagram.time);
+  if (ruling == Ruling::kGiveHeld) {
+    const RecordPlace place = std::exchange(place_now_, held_place_);
+    const Datagram held = *std::exchange(held_, std::nullopt);
+    give(held, stream_->event_time(held.time), batch);
+    place_now_ = place;
+    ruling = stream_->look(datagram.time);
+  }
+  if (ruling == Ruling::kHold) {
+    hold(datagram);
+    return;
+  }
+  if (ruling == Ruling::kDropHeld) {
+    held_.reset();
+    reject_damaged(stream_->is_late());
+  }
+  give(datagram, stream_->event_time(datagram.time), batch);
+}
+
+void PcapFileSource::hold(const Datagram& datagram) {
+  copies_.emplace_back(datagram.payload.begin(), datagram.payload.end());
+  held_ = datagram;
+  held_->payload = copies_.back();
+  held_place_ = place_now_;
+}
+
+void PcapFileSource::reject_damaged(bool late) {
+  ++counting_.rejected[late ? "time_went_back" : "damaged_time"];
+}
+
+void PcapFileSource::give(Datagram datagram, Timestamp time, DatagramBatch& batch) {
+  datagram.time = time;
+  if (time < watermark() && !options_.as_stamped) {  // behind what was looked through
+    reject_damaged(true);
     return;
   }
   ++counting_.delivered;
-  counting_.bytes += datagram->payload.size();
-  latest_ = std::max(latest_, datagram->time);
-  batch.datagrams.push_back(*datagram);
+  counting_.bytes += datagram.payload.size();
+  latest_ = std::max(latest_, time);
+  batch.datagrams.push_back(datagram);
+  places_.push_back(place_now_);
 }
 
-void PcapFileSource::end() {
+void PcapFileSource::end(DatagramBatch& batch) {
+  if (held_) {
+    const Datagram held = *std::exchange(held_, std::nullopt);
+    place_now_ = held_place_;
+    if (stream_->give_at_end()) {
+      give(held, stream_->event_time(held.time), batch);
+    } else {
+      reject_damaged(stream_->is_late());
+    }
+  }
   ended_ = true;
   const std::size_t left = input_->window().size();
   if (!parser_->recognised()) {
@@ -130,6 +222,9 @@ Timestamp PcapFileSource::watermark() const {
   if (ended_) {
     return Timestamp::max();
   }
+  if (options_.as_stamped) {
+    return Timestamp::min();
+  }
   const bool bounded = latest_.time_since_epoch() >= Duration::min() + options_.max_disorder;
   return bounded ? latest_ - options_.max_disorder : Timestamp::min();
 }
@@ -148,6 +243,23 @@ std::string PcapFileSource::description() const { return input_->name(); }
 
 std::string PcapFileSource::place() const {
   return input_->name() + ": byte " + std::to_string(input_->offset()) + ": ";
+}
+
+Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options) {
+  PcapFileOptions everything = options;
+  everything.max_disorder = kAnyDisorder;
+  auto source = PcapFileSource::open(path, everything);
+  if (!source) {
+    return tl::make_unexpected(std::move(source.error()));
+  }
+  StampJudge judge({options.max_disorder, options.max_gap}, options.as_stamped);
+  DatagramBatch batch;
+  while (!batch.ended && (*source)->read(batch, std::chrono::seconds(1))) {
+    for (std::size_t i = 0; i < batch.datagrams.size(); ++i) {
+      judge.add((*source)->places()[i], batch.datagrams[i].time);
+    }
+  }
+  return RecordingLook{judge.finish(), (*source)->counters()};
 }
 
 }  // namespace rayloc

@@ -232,7 +232,7 @@ TEST(PcapFileSource, RejectsWithAReasonWhatIsNoUdpDatagram) {
     ASSERT_EQ(reading.datagrams.size(), 1U) << reason;
     EXPECT_EQ(reading.datagrams[0].payload, "good");
   }
-  EXPECT_EQ(read_bytes(classic({udp("x")}, 105)).counters.rejected.at("link_type"), 1U);
+  EXPECT_EQ(read_bytes(classic({udp("x")}, 189)).counters.rejected.at("link_type"), 1U);
   EXPECT_EQ(read_bytes(classic({udp("x")}, 229)).counters.rejected.at("ipv6"), 1U);
 }
 

@@ -1,0 +1,300 @@
+#include "capture/record_times.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+// So many damaged stamps in a row may be one fault: a few frames of four cores and two streams.
+constexpr std::uint64_t kMostDamaged = 32;
+// At the beginning and the end of a file, where only one side tells.
+constexpr std::uint64_t kMostDamagedAtAnEnd = 3;
+constexpr Duration kLongSilence = std::chrono::hours(24);
+
+// Corrections that are larger are not made: no sum of a stamp and two of them overflows.
+constexpr Duration kMostCorrection = Duration(std::int64_t{1} << 61U);
+
+bool is_small(Duration correction) {
+  return correction <= kMostCorrection && correction >= -kMostCorrection;
+}
+
+bool follows(Timestamp latest, Timestamp stamp, const StampLimits& limits) {
+  return stamp >= latest - limits.disorder && stamp <= latest + limits.gap;
+}
+
+// `stamp` comes back to where records were before those at `outside`: a jump of its own, and not
+// the passing of time.
+bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const StampLimits& limits) {
+  return follows(latest, stamp, limits) &&
+         (outside > latest || stamp - outside >= (latest - outside) / 2);
+}
+
+std::string seconds_text(Duration duration) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.1f s", to_seconds(duration));
+  return text.data();
+}
+
+std::string at(const RecordPlace& place) {
+  return "packet " + std::to_string(place.packet) + " (byte " + std::to_string(place.byte) + "): ";
+}
+
+Duration size_of(const ClockJump& jump) { return jump.to - jump.from; }
+
+}  // namespace
+
+void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
+  bool new_run = runs_.empty() || !follows(runs_.back().latest, stamp, limits_);
+  if (!new_run && runs_.size() > 1) {
+    const Run& before = runs_[runs_.size() - 2];
+    const Run& run = runs_.back();
+    new_run = run.records <= kMostDamaged && run.latest < before.latest &&
+              comes_back(before.latest, run.latest, stamp, limits_);
+  }
+  if (new_run) {
+    runs_.push_back({place, place.packet, 0, stamp, stamp, stamp});
+  }
+  Run& run = runs_.back();
+  run.last_packet = place.packet;
+  ++run.records;
+  run.earliest = std::min(run.earliest, stamp);
+  run.latest = std::max(run.latest, stamp);
+}
+
+bool StampJudge::continues(const Run& before, const Run& run) const {
+  return follows(before.latest, run.first, limits_);
+}
+
+// The run that follows the given one in time, where only a few records lie between them; else the
+// one that follows in the file.
+std::size_t StampJudge::next_of(std::size_t run) const {
+  std::uint64_t between = 0;
+  for (std::size_t next = run + 1; next < runs_.size() && between <= kMostDamaged; ++next) {
+    if (continues(runs_[run], runs_[next])) {
+      return next;
+    }
+    between += runs_[next].records;
+  }
+  return run + 1;
+}
+
+// A first record from the future, or from before there were clocks.
+std::size_t StampJudge::first_run() const {
+  if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
+      runs_[0].records >= runs_[1].records || next_of(0) != 1) {
+    return 0;
+  }
+  const bool ahead = runs_[0].latest > runs_[1].first;
+  return ahead || runs_[0].latest + kLongSilence < runs_[1].first ? 1 : 0;
+}
+
+DamagedStamps StampJudge::damaged(std::size_t begin, std::size_t end, Timestamp around) const {
+  DamagedStamps stamps{
+      runs_[begin].place, runs_[end - 1].last_packet, 0, runs_[begin].first - around};
+  for (std::size_t i = begin; i < end; ++i) {
+    stamps.records += runs_[i].records;
+  }
+  return stamps;
+}
+
+RecordTimes StampJudge::finish() const {
+  RecordTimes times;
+  if (runs_.empty()) {
+    return times;
+  }
+  std::size_t run = first_run();
+  if (run > 0) {
+    times.damaged.push_back(damaged(0, run, runs_[run].first));
+  }
+  std::vector<std::size_t> kept = {run};
+  for (std::size_t next = next_of(run); next < runs_.size(); next = next_of(run)) {
+    const bool joined = continues(runs_[run], runs_[next]);
+    const bool last = next + 1 == runs_.size() && next == run + 1;
+    const bool lone = last && runs_[next].records <= kMostDamagedAtAnEnd &&
+                      runs_[run].records > runs_[next].records;
+    const bool odd = lone && (runs_[next].first < runs_[run].latest ||
+                              runs_[run].latest + kLongSilence < runs_[next].first);
+    if (!joined && odd) {
+      times.damaged.push_back(damaged(next, next + 1, runs_[run].latest));
+      break;
+    }
+    if (next > run + 1) {
+      times.damaged.push_back(damaged(run + 1, next, runs_[run].latest));
+    }
+    if (!joined) {
+      const Run& before = runs_[run];
+      const Duration pause = before.records > 1 ? (before.latest - before.earliest) /
+                                                      static_cast<int>(before.records - 1)
+                                                : Duration::zero();
+      times.jumps.push_back({runs_[next].place, before.latest, runs_[next].first, pause, false});
+    }
+    run = next;
+    kept.push_back(run);
+  }
+  if (!as_stamped_) {
+    find_clocks_set(times);
+  }
+  tell_times(kept, times);
+  return times;
+}
+
+// Time does not go back: the clock was set. Where it went forward and comes back by as much, it was
+// set both times, and so where it went back and comes forward again.
+void StampJudge::find_clocks_set(RecordTimes& times) const {
+  for (std::size_t i = 0; i < times.jumps.size(); ++i) {
+    ClockJump& jump = times.jumps[i];
+    if (size_of(jump) < Duration::zero()) {
+      jump.was_set = true;
+    }
+    const auto undone = [&](const ClockJump& other) {
+      const Duration sum = size_of(other) + size_of(jump);
+      return (size_of(other) < Duration::zero()) != (size_of(jump) < Duration::zero()) &&
+             sum <= limits_.gap && sum >= -limits_.gap;
+    };
+    // From the nearest, and not beyond one that is its own pair.
+    for (std::size_t j = i; j-- > 0;) {
+      if (undone(times.jumps[j])) {
+        times.jumps[j].was_set = true;
+        jump.was_set = true;
+        break;
+      }
+    }
+  }
+  Duration correction{};
+  for (ClockJump& jump : times.jumps) {
+    jump.was_set = jump.was_set && is_small(size_of(jump)) &&
+                   is_small(correction + jump.pause - size_of(jump));
+    correction += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+  }
+  times.correction = -correction;
+}
+
+void StampJudge::tell_times(const std::vector<std::size_t>& kept, RecordTimes& times) const {
+  RecordClock clock(times);
+  for (const std::size_t index : kept) {
+    const Run& run = runs_[index];
+    const auto first = clock.event_time(run.place.packet, run.first);
+    const Duration correction = first ? *first - run.first : Duration::zero();
+    const TimeSpan span{run.earliest + correction, run.latest + correction};
+    // Stamps that are taken as they are may go back.
+    const bool follows_last = !times.busy.empty() &&
+                              span.begin <= times.busy.back().end + limits_.gap &&
+                              span.begin >= times.busy.back().begin;
+    if (follows_last) {
+      times.busy.back().end = std::max(times.busy.back().end, span.end);
+    } else {
+      times.busy.push_back(span);
+    }
+  }
+  std::sort(times.busy.begin(), times.busy.end(), [](const TimeSpan& a, const TimeSpan& b) {
+    return a.begin < b.begin;
+  });
+}
+
+std::optional<Timestamp> RecordClock::event_time(std::uint64_t packet, Timestamp stamp) {
+  while (next_damaged_ < times_.damaged.size() &&
+         times_.damaged[next_damaged_].last_packet < packet) {
+    ++next_damaged_;
+  }
+  if (next_damaged_ < times_.damaged.size() &&
+      times_.damaged[next_damaged_].first.packet <= packet) {
+    late_ = times_.damaged[next_damaged_].ahead < Duration::zero();
+    return std::nullopt;
+  }
+  while (next_jump_ < times_.jumps.size() && times_.jumps[next_jump_].place.packet <= packet) {
+    const ClockJump& jump = times_.jumps[next_jump_++];
+    correction_ += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+  }
+  return stamp + correction_;
+}
+
+StreamClock::Ruling StreamClock::look(Timestamp stamp) {
+  if (!latest_) {
+    latest_ = stamp;
+    return Ruling::kGive;
+  }
+  if (!held_ && follows(*latest_, stamp, limits_)) {
+    latest_ = std::max(*latest_, stamp);
+    return Ruling::kGive;
+  }
+  if (!held_) {
+    held_ = stamp;
+    return Ruling::kHold;
+  }
+  const Timestamp held = *std::exchange(held_, std::nullopt);
+  late_ = held < *latest_;
+  if (comes_back(*latest_, held, stamp, limits_)) {
+    latest_ = std::max(*latest_, stamp);
+    return Ruling::kDropHeld;
+  }
+  const Duration back = *latest_ - held;
+  if (late_ && !as_stamped_ && is_small(back) && is_small(correction_ + back)) {
+    correction_ += back;
+  }
+  latest_ = held;
+  return Ruling::kGiveHeld;
+}
+
+bool StreamClock::give_at_end() {
+  if (!held_) {
+    return false;
+  }
+  const Timestamp held = *std::exchange(held_, std::nullopt);
+  late_ = held < *latest_;
+  return !late_ && held <= *latest_ + kLongSilence;
+}
+
+std::vector<std::string> words_of(const RecordTimes& times, const std::string& name) {
+  // Of a file of which much is odd the first tell enough.
+  constexpr std::size_t kMostLines = 3;
+  std::vector<std::string> damaged;
+  for (const DamagedStamps& stamps : times.damaged) {
+    const bool late = stamps.ahead < Duration::zero();
+    const std::string many =
+        stamps.records > 1 ? std::to_string(stamps.records) + " packets from there on" : "it";
+    damaged.push_back(name + ": " + at(stamps.first) + "its time stamp lies " +
+                      seconds_text(late ? -stamps.ahead : stamps.ahead) +
+                      (late ? " behind" : " ahead of") + " its neighbours; " + many +
+                      " left out (" + (late ? "time_went_back" : "damaged_time") + ")");
+  }
+  std::vector<std::string> set;
+  std::vector<const ClockJump*> gaps;
+  for (const ClockJump& jump : times.jumps) {
+    const Duration size = size_of(jump) - jump.pause;
+    const bool back = size < Duration::zero();
+    if (!jump.was_set && !back) {
+      gaps.push_back(&jump);
+      continue;
+    }
+    set.push_back(name + ": " + at(jump.place) + "the clock was set " +
+                  (back ? "back by " : "forward by ") + seconds_text(back ? -size : size) +
+                  (jump.was_set ? "; all times are told by the clock as it was at the end" : ""));
+  }
+  std::vector<std::string> words;
+  for (const auto& [lines, what] : {std::pair(&damaged, " more such places"),
+                                    std::pair(&set, " more times that the clock was set")}) {
+    words.insert(words.end(),
+                 lines->begin(),
+                 lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
+    if (lines->size() > kMostLines) {
+      words.push_back(name + ": " + std::to_string(lines->size() - kMostLines) + what);
+    }
+  }
+  const auto longest =
+      std::max_element(gaps.begin(), gaps.end(), [](const ClockJump* a, const ClockJump* b) {
+        return size_of(*a) < size_of(*b);
+      });
+  if (longest != gaps.end()) {
+    words.push_back(
+        name + ": " + at((*longest)->place) + "its time stamp is " +
+        seconds_text(size_of(**longest)) +
+        " later than the one before: the clock was set, or nothing was received" +
+        (gaps.size() > 1 ? " (the longest of " + std::to_string(gaps.size()) + " such gaps)" : ""));
+  }
+  return words;
+}
+
+}  // namespace rayloc
