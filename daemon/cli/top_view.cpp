@@ -210,13 +210,15 @@ void add_counters(const v1::Heartbeat& heartbeat, Lines& lines) {
   const v1::TrackerCounters& tracker = heartbeat.tracker();
   const v1::PublisherCounters& publisher = heartbeat.publisher();
   lines.emplace_back();
-  lines.push_back(fmt::format(
-      "estimation  {} fixes, {} without a position, {} filtered; {} bursts merged, {} waiting",
-      estimation.fixes(),
-      estimation.no_fixes(),
-      estimation.filtered(),
-      estimation.bursts_merged(),
-      estimation.bursts_in_flight()));
+  lines.push_back(
+      fmt::format("estimation  {} fixes, {} without a position, {} filtered; {} bursts merged, "
+                  "{} dropped, {} waiting",
+                  estimation.fixes(),
+                  estimation.no_fixes(),
+                  estimation.filtered(),
+                  estimation.bursts_merged(),
+                  estimation.bursts_dropped(),
+                  estimation.bursts_in_flight()));
   lines.push_back(fmt::format(
       "tracks      {} now, {} begun, {} lost", tracker.tracks(), tracker.begun(), tracker.lost()));
   if (heartbeat.has_person_tracker()) {

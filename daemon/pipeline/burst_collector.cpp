@@ -14,7 +14,7 @@ void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
   advance(frame.time, ended);
   auto found = open_.find(frame.transmitter);
   if (found == open_.end()) {
-    if (open_.size() >= options_.max_transmitters) {
+    if (open_.size() >= options_.max_transmitters && !options_.wanted(frame.transmitter)) {
       ++refused_;
       return;
     }

@@ -7,7 +7,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
@@ -24,6 +26,10 @@ struct CollectorOptions {
   // Transmitters with an open burst; a frame of a further one is refused (`refused()`), so that a
   // flood of made-up addresses costs no memory.
   std::size_t max_transmitters = 256;
+  // Whose frames are taken all the same: of a bounded number of transmitters.
+  std::function<bool(const MacAddress& transmitter)> wanted = [](const MacAddress&) {
+    return false;
+  };
 };
 
 struct Burst {
@@ -47,7 +53,7 @@ struct Burst {
 
 class BurstCollector {
  public:
-  explicit BurstCollector(const CollectorOptions& options) : options_(options) {}
+  explicit BurstCollector(CollectorOptions options) : options_(std::move(options)) {}
 
   // Adds a frame; appends the bursts that its time ends. REQUIRES: times never decrease.
   void add(CsiFrame&& frame, std::vector<Burst>& ended);

@@ -84,7 +84,12 @@ Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     return tl::make_unexpected(made.error());
   }
   const auto localizer = std::make_shared<const Localizer>(*std::move(made));
-  return Room{device, localizer, DeviceTracker(localizer, options_.tracker), ChainWatch(localizer)};
+  DeviceTrackerOptions tracker = options_.tracker;
+  for (const SiteTransmitter& transmitter : site_.transmitters) {
+    tracker.always.insert(transmitter.mac);
+  }
+  return Room{
+      device, localizer, DeviceTracker(localizer, std::move(tracker)), ChainWatch(localizer)};
 }
 
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
@@ -282,6 +287,16 @@ void DeviceEstimator::advance(Timestamp time, Estimates& out) {
     }
   }
   publish_counters();
+}
+
+Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
+  if (find_transmitter(site_, transmitter) != nullptr) {
+    return Rank::kListed;
+  }
+  const bool tracked = std::any_of(rooms_.begin(), rooms_.end(), [&](const Room& room) {
+    return room.tracker && room.tracker->follows(transmitter);
+  });
+  return tracked ? Rank::kTracked : Rank::kOther;
 }
 
 void DeviceEstimator::restart(const std::string& reason, Estimates& out) {

@@ -57,6 +57,8 @@ class DeviceEstimator : public Estimator {
 
   void restart(const std::string& reason, Estimates& out) override;
 
+  Rank rank(const MacAddress& transmitter) const override;
+
   // What holds now. Thread safety: these may be called from any thread.
   std::vector<CalibrationWarning> calibration_warnings() const;
   TrackerCounters tracker_counters() const;  // of all trackers

@@ -1,6 +1,7 @@
 // EstimatorList: several estimators as one; each explains the bursts that it knows.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ class EstimatorList : public Estimator {
     for (Estimator* estimator : estimators_) {
       estimator->restart(reason, out);
     }
+  }
+  Rank rank(const MacAddress& transmitter) const override {
+    Rank first = Rank::kOther;
+    for (const Estimator* estimator : estimators_) {
+      first = std::min(first, estimator->rank(transmitter));
+    }
+    return first;
   }
 
  private:

@@ -36,10 +36,30 @@ void Pipeline::start() {
   }
 }
 
+// A replay must not depend on which tracks there are when a frame is taken: that is a matter of
+// timing. Who is listed is not.
+CollectorOptions Pipeline::collector_options() const {
+  CollectorOptions options = options_.burst;
+  const bool live = options_.overflow == Overflow::kDropOldest;
+  options.wanted = [this, live](const MacAddress& transmitter) {
+    const Rank rank = estimator_.rank(transmitter);
+    return rank == Rank::kListed || (live && rank == Rank::kTracked);
+  };
+  return options;
+}
+
+BurstQueueOptions Pipeline::queue_options() const {
+  BurstQueueOptions options;
+  options.overflow = options_.overflow;
+  options.max_frames = options_.ring_frames;
+  options.rank = [this](const MacAddress& transmitter) { return estimator_.rank(transmitter); };
+  return options;
+}
+
 void Pipeline::estimate_all() {
   pthread_setname_np(pthread_self(), "estimation");  // for top -H
-  BurstCollector collector(options_.burst);
-  BurstQueue waiting(options_.overflow);
+  BurstCollector collector(collector_options());
+  BurstQueue waiting(queue_options());
   std::vector<Burst> ended;
   Timestamp newest = Timestamp::min();
   Timestamp safe_time = Timestamp::min();
@@ -63,7 +83,8 @@ void Pipeline::estimate_all() {
         collector.add(std::move(frame), ended);
       }
       collector.advance(safe_time, ended);
-      waiting.push(ended);
+      // Nothing is too old because the sources have ended: what waits then is still explained.
+      waiting.push(ended, more ? std::max(newest, safe_time) : newest);
       count(collector, waiting, frames);
     }
     if (taken && taken->moved) {
@@ -106,6 +127,8 @@ void Pipeline::count(const BurstCollector& collector,
   counters_.refused = collector.refused();
   counters_.merged = waiting.merged_frames();
   counters_.bursts_merged = waiting.merged_bursts();
+  counters_.dropped = waiting.dropped_frames();
+  counters_.bursts_dropped = waiting.dropped_bursts();
   counters_.in_flight = collector.in_flight() + waiting.frames();
   counters_.bursts_in_flight = collector.open_bursts() + waiting.size();
 }

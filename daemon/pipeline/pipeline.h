@@ -9,7 +9,8 @@
 //
 // Conservation, per source: delivered datagrams = rejected + duplicates + late + in frames + in
 // flight (CsiReceiverCounters); frames = dropped + taken + waiting (MailboxCounters); over all
-// sources: taken = used + surplus + unwanted + refused + merged + in flight (EstimationCounters).
+// sources: taken = used + surplus + unwanted + refused + merged + dropped + in flight
+// (EstimationCounters).
 #pragma once
 
 #include <atomic>
@@ -46,6 +47,8 @@ class Estimator {
   // A recording goes on elsewhere, perhaps earlier: every track ends, for that `reason`. Appends
   // what says so.
   virtual void restart(const std::string& /*reason*/, Estimates& /*out*/) {}
+  // Who comes first when there are more bursts than time.
+  virtual Rank rank(const MacAddress& /*transmitter*/) const { return Rank::kOther; }
 };
 
 // Takes the results. Called by the estimation thread alone, and must not block it for long.
@@ -60,7 +63,7 @@ class LocationSink {
   virtual void advance(Timestamp /*time*/) {}
 };
 
-// taken = used + surplus + unwanted + refused + merged + in_flight, in frames.
+// taken = used + surplus + unwanted + refused + merged + dropped + in_flight, in frames.
 struct EstimationCounters {
   std::uint64_t taken = 0;
   std::uint64_t used = 0;      // in bursts that an estimator explained, NO_FIX included
@@ -68,9 +71,11 @@ struct EstimationCounters {
   std::uint64_t unwanted = 0;  // of transmitters that nobody looks for
   std::uint64_t refused = 0;   // beyond the limit of transmitters
   std::uint64_t merged = 0;    // in bursts that gave way to a newer one of their transmitter
+  std::uint64_t dropped = 0;   // in bursts that others kept waiting until they were too old
   std::uint64_t in_flight = 0;
   std::uint64_t bursts = 0;
   std::uint64_t bursts_merged = 0;
+  std::uint64_t bursts_dropped = 0;
   std::uint64_t bursts_in_flight = 0;
   std::uint64_t snapshots = 0;
   std::uint64_t no_fix = 0;    // among them, those without a position
@@ -117,6 +122,8 @@ class Pipeline {
 
  private:
   void estimate_all();
+  CollectorOptions collector_options() const;
+  BurstQueueOptions queue_options() const;
   void count(const BurstCollector& collector, const BurstQueue& waiting, std::size_t taken);
   void explain(const Burst& burst);
   void go_elsewhere(BurstQueue& waiting);

@@ -20,6 +20,7 @@ class ZoneEstimator : public Estimator {
   void estimate(const Burst& burst, Estimates& out) override;
   void advance(Timestamp time, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
+  Rank rank(const MacAddress& transmitter) const override { return inner_.rank(transmitter); }
 
  private:
   void look_at(Estimates& out, std::size_t first);

@@ -93,6 +93,7 @@ void fill_estimation(const StatusSources& sources, v1::EstimationCounters* count
   counters->set_bursts(estimation.bursts);
   counters->set_bursts_in_flight(estimation.bursts_in_flight);
   counters->set_bursts_merged(estimation.bursts_merged);
+  counters->set_bursts_dropped(estimation.bursts_dropped);
   counters->set_fixes(estimation.snapshots - estimation.no_fix);
   counters->set_no_fixes(estimation.no_fix);
   counters->set_filtered(estimation.filtered);
@@ -101,6 +102,7 @@ void fill_estimation(const StatusSources& sources, v1::EstimationCounters* count
   counters->set_frames_used(estimation.used);
   counters->set_frames_unwanted(estimation.unwanted);
   counters->set_frames_merged(estimation.merged);
+  counters->set_frames_dropped(estimation.dropped);
   counters->set_frames_in_flight(estimation.in_flight);
   const PublisherStageCounters publishing = sources.publisher->counters();
   counters->set_coalesced(publishing.coalesced);

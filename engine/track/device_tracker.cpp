@@ -93,7 +93,7 @@ void DeviceTracker::hear(const MacAddress& device,
     found = tracks_.end();
   }
   if (found == tracks_.end()) {
-    if (tracks_.size() >= options_.max_tracks) {
+    if (tracks_.size() >= options_.max_tracks && options_.always.count(device) == 0) {
       ++counters_.refused;
       return;
     }
@@ -110,6 +110,11 @@ void DeviceTracker::hear(const MacAddress& device,
   if (!found->second.track.state()) {
     tracks_.erase(found);
   }
+}
+
+bool DeviceTracker::follows(const MacAddress& device) const {
+  const auto found = tracks_.find(device);
+  return found != tracks_.end() && found->second.track.state() != TrackState::kTentative;
 }
 
 void DeviceTracker::restart(const std::string& reason, std::vector<DeviceUpdate>& updates) {

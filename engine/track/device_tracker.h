@@ -14,6 +14,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,7 +31,8 @@ struct DeviceTrackerOptions {
   Duration moment = std::chrono::milliseconds(30);
   // Between two predicted positions of a silent device.
   Duration coasting_interval = std::chrono::milliseconds(200);
-  std::size_t max_tracks = 256;  // a flood of made-up addresses costs no more memory
+  std::size_t max_tracks = 256;      // a flood of made-up addresses costs no more memory
+  std::set<MacAddress> always = {};  // devices that are known: they get a track all the same
 };
 
 // moments = used + out_of_order + unusable + unexplained; begun = lost + tracks now.
@@ -70,6 +72,8 @@ class DeviceTracker {
   // Every track ends, for that reason: time may go back.
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates);
 
+  // Whether it has a track of the device that was confirmed: one heard once may be anybody.
+  bool follows(const MacAddress& device) const;
   std::size_t size() const { return tracks_.size(); }
   const TrackerCounters& counters() const { return counters_; }
 

@@ -95,5 +95,18 @@ TEST_F(BurstCollectorTest, RefusesTransmittersBeyondTheLimit) {
   EXPECT_EQ(collector.in_flight(), 2U);
 }
 
+TEST(Field, BurstCollectorTakesTheWantedBeyondTheLimit) {
+  CollectorOptions options;
+  options.max_transmitters = 2;
+  options.wanted = [](const MacAddress& transmitter) { return transmitter.octets[5] == 5; };
+  BurstCollector collector(options);
+  std::vector<Burst> ended;
+  for (std::uint8_t transmitter = 1; transmitter <= 5; ++transmitter) {
+    collector.add(frame_at(0, transmitter), ended);
+  }
+  EXPECT_EQ(collector.refused(), 2U);
+  EXPECT_EQ(collector.open_bursts(), 3U);
+}
+
 }  // namespace
 }  // namespace rayloc

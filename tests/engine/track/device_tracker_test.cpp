@@ -290,6 +290,29 @@ TEST(DeviceTracker, BoundsTheNumberOfTracks) {
   EXPECT_EQ(tracker.counters().refused, 1U);
 }
 
+TEST(Field, DeviceTrackerFollowsKnownDevicesThroughAFloodOfOthers) {
+  const MacAddress known{{2, 0, 0, 0, 0, 9}};
+  DeviceTrackerOptions options;
+  options.max_tracks = 1;
+  options.always = {known};
+  DeviceTracker tracker(localizer(), options);
+  std::vector<DeviceUpdate> updates;
+  for (const int ms : {0, 100, 200, 300, 400}) {
+    const auto heard = frames(localizer()->room(), {0.1, 0.2, 1.2}, ms, 30.0);
+    if (ms == 0) {
+      tracker.hear(MacAddress{{2, 0, 0, 0, 0, 2}}, heard, updates);
+    }
+    tracker.hear(MacAddress{{2, 0, 0, 0, 0, 3}}, heard, updates);
+    tracker.hear(known, heard, updates);
+    // Heard once it may be anybody.
+    EXPECT_EQ(tracker.follows(known), ms == 400);
+  }
+  EXPECT_EQ(tracker.size(), 2U);
+  EXPECT_EQ(tracker.counters().refused, 5U);
+  EXPECT_FALSE(tracker.follows(MacAddress{{2, 0, 0, 0, 0, 2}}));
+  EXPECT_FALSE(tracker.follows(MacAddress{{2, 0, 0, 0, 0, 3}}));
+}
+
 TEST(DeviceTracker, IsTheSameOnOneThreadAndOnTwo) {
   std::vector<std::vector<DeviceUpdate>> runs;
   for (const std::size_t threads : {1U, 2U}) {
