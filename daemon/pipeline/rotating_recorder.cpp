@@ -30,31 +30,19 @@ RotatingRecorder::RotatingRecorder(RotatingRecorderOptions options)
   if (!options_.free_bytes) {
     options_.free_bytes = [folder = options_.folder] { return free_disk_bytes(folder); };
   }
-}
-
-Expected<std::unique_ptr<RotatingRecorder>> RotatingRecorder::open(
-    RotatingRecorderOptions options) {
-  if (Expected<void> made = make_recording_folder(options.folder); !made) {
-    return tl::make_unexpected(made.error());
+  if (make_recording_folder(options_.folder)) {  // else open_first_file() says so
+    look_at_the_disk();
   }
-  if (access(options.folder.c_str(), W_OK) != 0) {
-    return make_error(ErrorKind::kUnavailable,
-                      options.folder.string() + ": cannot be recorded to: " + std::strerror(errno));
-  }
-  std::unique_ptr<RotatingRecorder> recorder(new RotatingRecorder(std::move(options)));
-  recorder->look_at_the_disk();
-  if (!recorder->counters_.stopped) {
-    if (const Expected<void> opened = recorder->open_file(); !opened) {
-      return tl::make_unexpected(opened.error());
-    }
-  }
-  return recorder;
+  open_first_file();
 }
 
 RotatingRecorder::~RotatingRecorder() { close(); }
 
 // Makes the next file the one that is written; the one before is closed and gets its name.
 Expected<void> RotatingRecorder::open_file() {
+  if (Expected<void> made = make_recording_folder(options_.folder); !made) {
+    return made;
+  }
   const std::string path =
       free_recording_name(options_.folder, options_.name, options_.now()).string() + kPartSuffix;
   if (recorder_) {
@@ -131,6 +119,14 @@ void RotatingRecorder::look_at_the_disk() {
   counters_.stopped = stop;
 }
 
+// As long as there is none: what stands in the way now may be gone in a second.
+void RotatingRecorder::open_first_file() {
+  if (!recorder_ && !counters_.stopped) {
+    const Expected<void> opened = open_file();
+    counters_.error = opened ? "" : opened.error().message;
+  }
+}
+
 void RotatingRecorder::rotate() {
   if (!recorder_ || records_ == 0 || counters_.stopped) {
     return;
@@ -149,6 +145,7 @@ void RotatingRecorder::keep_house() {
   const Steady now = options_.steady();
   if (now - looked_ >= kLookInterval) {
     look_at_the_disk();
+    open_first_file();
   }
   rotate();
   if (now - tidied_ >= kTidyInterval) {
@@ -173,6 +170,10 @@ void RotatingRecorder::write(std::span<const Datagram> batch) {
     lose(batch, "no_room");
     return;
   }
+  if (!recorder_) {
+    lose(batch, "write_failed");
+    return;
+  }
   const Expected<void> written = append(batch);
   if (written) {
     counters_.written += batch.size();
@@ -184,11 +185,6 @@ void RotatingRecorder::write(std::span<const Datagram> batch) {
 }
 
 Expected<void> RotatingRecorder::append(std::span<const Datagram> batch) {
-  if (!recorder_) {
-    if (Expected<void> opened = open_file(); !opened) {
-      return opened;
-    }
-  }
   const std::uint64_t before = recorder_->counters().bytes;
   Expected<void> written;
   if (gaps_.empty()) {

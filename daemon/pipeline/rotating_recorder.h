@@ -12,7 +12,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -59,9 +58,10 @@ struct RotatingRecorderCounters {
 
 class RotatingRecorder {
  public:
-  // The folder is made, and must be writable. When it has too little room the recorder begins as
-  // stopped.
-  static Expected<std::unique_ptr<RotatingRecorder>> open(RotatingRecorderOptions options);
+  // Makes the folder, and opens a file. What stands in the way (too little room, a folder that
+  // cannot be written to) is counted and said as later (counters().error), and tried again every
+  // second: whoever records may go on without.
+  explicit RotatingRecorder(RotatingRecorderOptions options);
   // Closes the file.
   ~RotatingRecorder();
   RotatingRecorder(const RotatingRecorder&) = delete;
@@ -86,11 +86,12 @@ class RotatingRecorder {
  private:
   using Steady = std::chrono::steady_clock::time_point;
 
-  explicit RotatingRecorder(RotatingRecorderOptions options);
   void keep_house();
   void look_at_the_disk();
+  void open_first_file();
   void rotate();
   Expected<void> open_file();
+  // REQUIRES: there is a file.
   Expected<void> append(std::span<const Datagram> batch);
   void lose(std::span<const Datagram> batch, const std::string& reason);
   void mark_gaps(std::vector<Datagram>& batch,
@@ -99,7 +100,7 @@ class RotatingRecorder {
   void name_finished(const std::string& part);
 
   RotatingRecorderOptions options_;
-  std::optional<PcapRecorder> recorder_;  // none as long as there was no room for a file
+  std::optional<PcapRecorder> recorder_;  // none as long as none could be opened
   std::uint64_t records_ = 0;             // in the file
   std::vector<RecordingGap> gaps_;        // that no file has a mark of yet
   Timestamp last_{};                      // time of the last datagram written

@@ -43,17 +43,13 @@ std::filesystem::path snapshot_folder(const RecordConfig& config) {
                                             : std::filesystem::path();
 }
 
-Expected<std::unique_ptr<RecorderStage>> open_recorder(const RecordConfig& config,
-                                                       const std::string& access_point) {
+std::unique_ptr<RecorderStage> open_recorder(const RecordConfig& config,
+                                             const std::string& access_point) {
   RotatingRecorderOptions options;
   options.folder = config.directory;
   options.name = access_point;
   options.limits = recording_limits(config);
-  auto recorder = RotatingRecorder::open(std::move(options));
-  if (!recorder) {
-    return tl::make_unexpected(recorder.error());
-  }
-  return std::make_unique<RecorderStage>(std::move(*recorder));
+  return std::make_unique<RecorderStage>(std::make_unique<RotatingRecorder>(std::move(options)));
 }
 
 // Null where they are not to be kept, or nobody knows where.
@@ -268,13 +264,9 @@ Expected<void> Service::open_sources(PassedSockets& sockets,
       return tl::make_unexpected(input.error());
     }
     if (!setup_.config.record.directory.empty()) {
-      auto recorder = open_recorder(setup_.config.record, source.access_point);
-      if (!recorder) {
-        return tl::make_unexpected(recorder.error());
-      }
-      input->taps.push_back(recorder->get());
-      status_.recorders.push_back(recorder->get());
-      recorders_.push_back(std::move(*recorder));
+      recorders_.push_back(open_recorder(setup_.config.record, source.access_point));
+      input->taps.push_back(recorders_.back().get());
+      status_.recorders.push_back(recorders_.back().get());
     }
     add_ring(*input);
     input->frame_tap = setup_.config.publish.csi ? publisher_.get() : nullptr;

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <random>
 #include <thread>
@@ -190,6 +191,72 @@ TEST(Recorder, SurvivesAFullDiskAndSaysWhatIsMissing) {
   EXPECT_EQ(all.numbers.size(), written);
   EXPECT_EQ(all.unrecorded, dropped);
   EXPECT_TRUE(std::is_sorted(all.numbers.begin(), all.numbers.end()));
+}
+
+// It locates, and says the same as it would if that had come later; when it is over it records.
+void expect_to_locate_and_to_wait_for(LiveDaemon& daemon,
+                                      const std::filesystem::path& folder,
+                                      const std::string& said,
+                                      const std::function<void()>& mend) {
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  ASSERT_EQ(send_for_a_second(folder, daemon), 0);
+  EXPECT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("location").empty(); }))
+      << daemon.errors();
+  EXPECT_THAT(testing::http_body(testing::http_get(daemon.http_port(), "/readyz")),
+              HasSubstr("recording: "));
+  EXPECT_TRUE(eventually(kPatience, [&] { return recorded(daemon, "dropped") > 0; }));
+  EXPECT_EQ(recorded(daemon, "written"), 0U);
+  EXPECT_THAT(daemon.log(), HasSubstr(said));
+  mend();
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    return daemon.log().find("no longer: recording: ") != std::string::npos;
+  })) << daemon.errors();
+  ASSERT_EQ(send_for_a_second(folder, daemon), 0);
+  EXPECT_TRUE(eventually(kPatience, [&] { return recorded(daemon, "written") > 0; }))
+      << status_of(daemon).at("recorder").dump() << daemon.errors();
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(Field, RecordingThatCannotBeginStopsNoDaemon) {
+  const TemporaryFolder folder;
+  const std::filesystem::path in_the_way = folder.path() / "in_the_way";
+  std::ofstream(in_the_way) << "a file";
+  LiveDaemon daemon(folder.path(), recording_to(in_the_way / "rec"));
+  expect_to_locate_and_to_wait_for(
+      daemon, folder.path(), "rec: cannot be made: Not a directory", [&] {
+        std::filesystem::remove(in_the_way);
+      });
+}
+
+TEST(Field, ADiskThatIsFullAtTheStartStopsNoDaemon) {
+  const TemporaryFolder folder;
+  const std::filesystem::path disk = folder.path() / "disk";
+  const SmallDisk small(disk, "8m");
+  if (!small.mounted()) {
+    GTEST_SKIP() << "no right to mount a small filesystem here (needs root)";
+  }
+  std::ofstream(disk / "ballast") << std::string(std::size_t{9} << 20U, 'x');
+  LiveDaemon daemon(folder.path(), recording_to(disk));
+  expect_to_locate_and_to_wait_for(
+      daemon, folder.path(), "cannot be written: No space left on device; make room", [&] {
+        std::filesystem::remove(disk / "ballast");
+      });
+}
+
+TEST(Field, ADiskThatIsReadOnlyAtTheStartStopsNoDaemon) {
+  const TemporaryFolder folder;
+  const std::filesystem::path disk = folder.path() / "disk";
+  const SmallDisk small(disk, "8m");
+  if (!small.mounted()) {
+    GTEST_SKIP() << "no right to mount a small filesystem here (needs root)";
+  }
+  const auto remount = [&](unsigned long flags) {
+    EXPECT_EQ(mount("tmpfs", disk.c_str(), "tmpfs", MS_REMOUNT | flags, ""), 0);
+  };
+  remount(MS_RDONLY);
+  LiveDaemon daemon(folder.path(), recording_to(disk));
+  expect_to_locate_and_to_wait_for(
+      daemon, folder.path(), "cannot be recorded to: Read-only file system", [&] { remount(0); });
 }
 
 TEST(Recorder, StopsAtTheStatedRoomAndGoesOnWhenThereIsSome) {

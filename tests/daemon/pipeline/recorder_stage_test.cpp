@@ -22,7 +22,7 @@ class RecorderStageTest : public ::testing::Test {
     options.folder = folder_;
     options.name = "ap1";
     options.free_bytes = [] { return std::uint64_t{1} << 40U; };
-    return RotatingRecorder::open(std::move(options)).value();
+    return std::make_unique<RotatingRecorder>(std::move(options));
   }
 
   void tap(RecorderStage& stage, int count) {

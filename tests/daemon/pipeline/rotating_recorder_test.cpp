@@ -7,6 +7,9 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <fstream>
+#include <functional>
+#include <memory>
 
 #include "capture/pcap_source.h"
 #include "capture/recording_repair.h"
@@ -41,10 +44,13 @@ Recorded read_back(const fs::path& file) {
   return all;
 }
 
-class RotatingRecorderTest : public ::testing::Test {
- protected:
-  RotatingRecorderTest() { fs::remove_all(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
+// A folder of its own, and a recorder whose time and disk the test has in its hand.
+class Recordings {
+ public:
+  Recordings() { fs::remove_all(folder_); }
+  virtual ~Recordings() { fs::remove_all(folder_); }
+  Recordings(const Recordings&) = delete;
+  Recordings& operator=(const Recordings&) = delete;
 
   std::unique_ptr<RotatingRecorder> open(const RecordingLimits& limits) {
     RotatingRecorderOptions options;
@@ -54,9 +60,7 @@ class RotatingRecorderTest : public ::testing::Test {
     options.now = [this] { return Timestamp(std::chrono::seconds(1'763'733'909) + passed_); };
     options.steady = [this] { return std::chrono::steady_clock::time_point(passed_); };
     options.free_bytes = [this] { return free_; };
-    auto opened = RotatingRecorder::open(std::move(options));
-    EXPECT_TRUE(opened) << opened.error().message;
-    return std::move(*opened);
+    return std::make_unique<RotatingRecorder>(std::move(options));
   }
 
   // The next `count` datagrams, a microsecond apart.
@@ -86,6 +90,8 @@ class RotatingRecorderTest : public ::testing::Test {
   std::uint64_t free_ = std::uint64_t{1} << 40U;
   std::int64_t next_ = 0;
 };
+
+class RotatingRecorderTest : public ::testing::Test, protected Recordings {};
 
 TEST_F(RotatingRecorderTest, NamesAFileWhenItIsClosed) {
   auto recorder = open({});
@@ -241,18 +247,94 @@ TEST_F(RotatingRecorderTest, WhatItWritesIsNoLeftover) {
   EXPECT_EQ(repair_recording(part, Timestamp{})->result, RecordingRepair::Result::kInUse);
 }
 
-TEST_F(RotatingRecorderTest, RefusesAFolderThatCannotBeMade) {
-  fs::create_directories(folder_);
-  std::FILE* const file = std::fopen((folder_ / "file").c_str(), "w");
-  ASSERT_NE(file, nullptr);
-  std::fclose(file);
-  RotatingRecorderOptions options;
-  options.folder = folder_ / "file" / "recordings";
-  options.name = "ap1";
-  const auto opened = RotatingRecorder::open(std::move(options));
-  ASSERT_FALSE(opened);
-  EXPECT_EQ(opened.error().kind, ErrorKind::kUnavailable);
-  EXPECT_THAT(opened.error().message, HasSubstr("cannot be made"));
+// Something keeps the recorder from beginning, until `mend`: nothing of two batches is recorded,
+// which is counted and said, and all goes well a second later.
+void expect_to_begin_after(Recordings& all,
+                           const std::function<void()>& mend,
+                           const std::string& said) {
+  auto recorder = all.open({.min_free_bytes = 0});
+  EXPECT_THAT(recorder->counters().error, HasSubstr(said)) << "before anything came";
+  all.write(*recorder, 2);
+  all.passed_ += std::chrono::seconds(1);
+  all.write(*recorder, 3);
+  EXPECT_THAT(recorder->counters().error, HasSubstr(said));
+  EXPECT_EQ(recorder->counters().lost, 5U);
+  mend();
+  all.passed_ += std::chrono::seconds(1);
+  recorder->write({});  // tried again although nothing comes
+  EXPECT_EQ(recorder->counters().error, "");
+  all.write(*recorder, 2);
+  EXPECT_EQ(recorder->counters().given, 7U);
+  EXPECT_EQ(recorder->counters().written, 2U);
+  recorder.reset();
+  const Recorded recorded = all.read("ap1-20251121T140511Z.pcap");
+  EXPECT_THAT(recorded.times, ElementsAre(5, 6));
+  EXPECT_EQ(recorded.gaps, 1U);
+  EXPECT_EQ(recorded.unrecorded, 5U);
+}
+
+// As a disk without a free byte.
+class NoRoomForFiles {
+ public:
+  NoRoomForFiles() {
+    std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit nothing{0, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &nothing);
+  }
+  ~NoRoomForFiles() { end(); }
+  NoRoomForFiles(const NoRoomForFiles&) = delete;
+  NoRoomForFiles& operator=(const NoRoomForFiles&) = delete;
+  void end() const { setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST(Field, ARecorderWaitsForAFolderThatCannotBeMade) {
+  Recordings all;
+  std::ofstream(all.folder_) << "a file";
+  expect_to_begin_after(
+      all, [&] { fs::remove(all.folder_); }, "cannot be made: Not a directory");
+}
+
+TEST(Field, ARecorderWaitsForAFolderThatItMayWriteTo) {
+  if (geteuid() == 0) {
+    GTEST_SKIP() << "root may write everywhere; e2e_test has a read-only disk for it";
+  }
+  Recordings all;
+  fs::create_directories(all.folder_);
+  fs::permissions(all.folder_, fs::perms::owner_read | fs::perms::owner_exec);
+  expect_to_begin_after(
+      all,
+      [&] { fs::permissions(all.folder_, fs::perms::owner_all); },
+      "cannot be recorded to: Permission denied");
+}
+
+TEST(Field, ARecorderWaitsForRoomOnADiskThatIsFullAtTheStart) {
+  Recordings all;
+  const NoRoomForFiles full;
+  expect_to_begin_after(
+      all, [&] { full.end(); }, "cannot be written: File too large; make room on the disk");
+}
+
+TEST(Field, ARecorderLeavesNoFileBehindWhileItWaits) {
+  Recordings all;
+  const NoRoomForFiles full;
+  auto recorder = all.open({.min_free_bytes = 0});
+  all.passed_ += std::chrono::seconds(1);
+  all.write(*recorder, 1);
+  EXPECT_THAT(all.names(), ElementsAre());
+}
+
+TEST(Field, ARecorderMakesItsFolderAgainForTheNextFile) {
+  Recordings all;
+  auto recorder = all.open({.rotate_every = std::chrono::seconds(10)});
+  all.write(*recorder, 1);
+  fs::remove_all(all.folder_);
+  all.passed_ += std::chrono::seconds(10);
+  all.write(*recorder, 1);
+  EXPECT_THAT(all.names(), ElementsAre("ap1-20251121T140519Z.pcap.part"));
 }
 
 }  // namespace
