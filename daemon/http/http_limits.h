@@ -16,6 +16,9 @@ struct HttpLimits {
   std::size_t viewers = 16;
   std::chrono::milliseconds event_interval{100};
   std::chrono::milliseconds event_patience{10'000};
+  // A stream on which nothing is said for so long gets a comment: servers between us and the viewer
+  // close what is silent (nginx after 60 s), and heartbeats may be as rare.
+  std::chrono::milliseconds event_silence{15'000};
 };
 
 }  // namespace rayloc

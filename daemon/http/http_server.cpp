@@ -43,6 +43,7 @@ struct Connection {
   std::shared_ptr<EventFeed> events;  // null: none
   EventCursor cursor;
   Clock::time_point next_look;
+  Clock::time_point next_word;  // when something has to be said, be it nothing
 
   bool writing() const { return !answer.empty() && !finished; }
 };
@@ -80,7 +81,7 @@ class HttpServer::Impl {
       : limits_(options.limits),
         listener_(listener),
         wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
-        handler_(std::move(routes), options.token),
+        handler_(std::move(routes), options.token, options.front),
         on_round_(options.on_round) {
     fcntl(listener, F_SETFL, fcntl(listener, F_GETFL) | O_NONBLOCK);
     sockaddr_in bound{};
@@ -194,7 +195,7 @@ void HttpServer::Impl::accept_all() {
       count([](HttpCounters& counters) { ++counters.displaced; });
     }
     connections_.push_back(
-        {FileDescriptor(fd), Clock::now() + limits_.time, {}, {}, 0, false, nullptr, {}, {}});
+        {FileDescriptor(fd), Clock::now() + limits_.time, {}, {}, 0, false, nullptr, {}, {}, {}});
   }
 }
 
@@ -230,12 +231,12 @@ bool HttpServer::Impl::read_head(Connection& connection) {
     return true;
   }
   if (end == std::string::npos || end > limits_.head_bytes) {
-    set_answer(connection, RequestHandler::refusal(431, "Request Header Fields Too Large"));
+    set_answer(connection, handler_.refusal(431, "Request Header Fields Too Large"));
   } else {
     connection.head.resize(end + kEndOfHead.size());
     HttpAnswer answer = handler_.answer(connection.head);
     if (answer.events && viewers() >= limits_.viewers) {
-      answer = RequestHandler::refusal(503, "Too Many Viewers", "Retry-After: 5\r\n");
+      answer = handler_.refusal(503, "Too Many Viewers", "Retry-After: 5\r\n");
       count([](HttpCounters& counters) { ++counters.viewers_refused; });
     }
     set_answer(connection, std::move(answer));
@@ -257,6 +258,7 @@ void HttpServer::Impl::make_viewer(Connection& connection, HttpAnswer answer) {
   connection.events = std::move(answer.events);
   connection.cursor.last_event_id = std::move(answer.last_event_id);
   connection.next_look = Clock::now();
+  connection.next_word = Clock::now() + limits_.event_silence;
   connection.deadline = Clock::now() + limits_.event_patience;
   // What the kernel holds for a viewer that has gone away is bounded as well, in bytes and in time.
   constexpr int kQueuedBytes = 128 * 1024;
@@ -279,6 +281,12 @@ void HttpServer::Impl::show_viewers(Clock::time_point now) {
       counters.events += batch.text.empty() ? 0U : 1U;
     });
     connection->answer = std::move(batch.text);
+    if (connection->answer.empty() && now >= connection->next_word) {
+      connection->answer = ":\n\n";  // a comment: browsers do nothing with it
+    }
+    if (!connection->answer.empty()) {
+      connection->next_word = now + limits_.event_silence;
+    }
     connection->deadline = now + limits_.event_patience;
     if (connection->answer.empty() || write_answer(*connection)) {
       ++connection;

@@ -12,10 +12,13 @@
 // one batch; the next is made when that one is out, of what is the latest then.
 //
 // Against pages of the web that talk to a loopback service through a name of theirs (DNS
-// rebinding): `Host` must be a number, "localhost" or absent, unless a token is asked for.
+// rebinding): `Host` must be a number, "localhost", of one of HttpFront::origins, or absent, unless
+// a token is asked for.
 //
 // What changes something is asked for by POST, and not by a page of the web: browsers say `Origin`,
-// which is refused, but for what the map itself controls, if it is ours.
+// which is refused, but for what the map itself controls, if it is ours: that of `Host`, one of
+// HttpFront::origins, or what the browser calls "same-origin" itself (Sec-Fetch-Site, which no page
+// can write).
 //
 // Thread safety: open(), start() and the destructor from one thread; counters() from any. Handlers
 // are called on the server's thread.
@@ -28,6 +31,7 @@
 #include <string>
 
 #include "daemon/http/event_feed.h"
+#include "daemon/http/http_front.h"
 #include "daemon/http/http_limits.h"
 #include "engine/base/expected.h"
 
@@ -76,6 +80,7 @@ class HttpServer {
     // user "rayloc" and TOKEN as the password.
     std::string token = {};
     HttpLimits limits = {};
+    HttpFront front = {};
     // Called on the server's thread each time that its loop comes round, several times a second.
     std::function<void()> on_round = {};
   };

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <httplib.h>
 
@@ -53,8 +55,7 @@ bool same_secret(const std::string& a, const std::string& b) {
 
 // "127.0.0.1:8480", "[::1]", "localhost": not a name that somebody else's server gave an address.
 bool names_no_domain(const std::string& host) {
-  std::string name =
-      host.substr(0, host.rfind(']') == std::string::npos ? host.find(':') : host.rfind(']') + 1);
+  std::string name = host_name(host);
   if (name.size() > 2 && name.front() == '[' && name.back() == ']') {
     name = name.substr(1, name.size() - 2);
   }
@@ -63,27 +64,53 @@ bool names_no_domain(const std::string& host) {
          inet_pton(AF_INET6, name.c_str(), &address) == 1;
 }
 
-// Sent with every answer. The policy is that of the map (map_files.h), and no answer needs more.
-const httplib::Headers kHeaders = {
-    {"Cache-Control", "no-store"},
-    {"X-Content-Type-Options", "nosniff"},
-    {"Referrer-Policy", "no-referrer"},
-    {"Cross-Origin-Resource-Policy", "same-origin"},
-    {"Content-Security-Policy",
-     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
-     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}};
+std::vector<WebOrigin> origins_of(const HttpFront& front) {
+  std::vector<WebOrigin> origins;
+  for (const std::string& one : front.origins) {
+    if (const std::optional<WebOrigin> origin = parse_origin(one)) {
+      origins.push_back(*origin);
+    }
+  }
+  return origins;
+}
 
-std::string header_lines() {
+std::string frame_ancestors(const HttpFront& front) {
+  std::string list;
+  for (const std::string& one : front.frame_ancestors) {
+    if (is_frame_ancestor(one)) {
+      list += one == "self" ? " 'self'" : " " + one;
+    }
+  }
+  return list.empty() ? " 'none'" : list;
+}
+
+// Sent with every answer. The policy is that of the map (map_files.h), and no answer needs more.
+httplib::Headers headers_of(const HttpFront& front) {
+  return {{"Cache-Control", "no-store"},
+          {"X-Content-Type-Options", "nosniff"},
+          {"Referrer-Policy", "no-referrer"},
+          {"Cross-Origin-Resource-Policy", "same-origin"},
+          {"Content-Security-Policy",
+           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+           "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors" +
+               frame_ancestors(front)}};
+}
+
+std::string lines_of(const httplib::Headers& headers) {
   std::string lines;
-  for (const auto& [name, value] : kHeaders) {
+  for (const auto& [name, value] : headers) {
     lines.append(name).append(": ").append(value).append("\r\n");
   }
   return lines;
 }
 
-std::string head_of_stream() {
+// Servers between us and the viewer would keep events until there are enough of them to be worth
+// sending, or compressing.
+std::string head_of_stream(httplib::Headers headers) {
+  headers.erase("Cache-Control");
+  headers.insert({{"Cache-Control", "no-store, no-transform"}, {"X-Accel-Buffering", "no"}});
   return "HTTP/1.1 200 OK\r\nContent-Type: text/event-stream\r\nConnection: close\r\n" +
-         header_lines() + "\r\n";
+         lines_of(headers) + "\r\n";
 }
 
 bool has_body(const httplib::Request& request) {
@@ -100,8 +127,12 @@ void set_json(httplib::Response& response, int status, const std::string& reason
 
 class RequestHandler::Parser : public httplib::Server {
  public:
-  Parser(std::map<std::string, HttpRoute> routes, std::string token)
-      : routes_(std::move(routes)), token_(std::move(token)) {
+  Parser(std::map<std::string, HttpRoute> routes, std::string token, const HttpFront& front)
+      : routes_(std::move(routes)),
+        token_(std::move(token)),
+        base_path_(parse_base_path(front.base_path).value_or("")),
+        origins_(origins_of(front)),
+        headers_(headers_of(front)) {
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       route(request, response);
       return HandlerResponse::Handled;
@@ -112,7 +143,7 @@ class RequestHandler::Parser : public httplib::Server {
         set_json(response, response.status, "refused");
       }
     });
-    set_default_headers(kHeaders);
+    set_default_headers(headers_);
   }
 
   HttpAnswer answer(const std::string& head) {
@@ -122,7 +153,7 @@ class RequestHandler::Parser : public httplib::Server {
     events_ = nullptr;
     process_request(stream, true, closed, [](httplib::Request&) {});
     if (events_) {
-      return {200, head_of_stream(), std::move(events_), std::move(last_event_id_)};
+      return {200, head_of_stream(headers_), std::move(events_), std::move(last_event_id_)};
     }
     HttpAnswer answer{status_, stream.take_answer()};
     constexpr std::string_view kVersion = "HTTP/1.1 ";
@@ -131,6 +162,8 @@ class RequestHandler::Parser : public httplib::Server {
     }
     return answer;
   }
+
+  const httplib::Headers& headers() const { return headers_; }
 
  private:
   void route(const httplib::Request& request, httplib::Response& response) {
@@ -141,14 +174,17 @@ class RequestHandler::Parser : public httplib::Server {
       response.set_header("Allow", "GET, HEAD, POST");
       return set_json(response, 405, "GET, HEAD and POST only");
     }
-    if (token_.empty() && !names_no_domain(request.get_header_value("Host"))) {
-      return set_json(response, 421, "address this server by its number or as localhost");
+    if (token_.empty() && !is_ours(request.get_header_value("Host"))) {
+      return set_json(response,
+                      421,
+                      "address this server by its number or as localhost, or list the name in "
+                      "[http] origins");
     }
-    const auto found = routes_.find(request.path);
-    if (found == routes_.end()) {
-      return set_json(response, 404, "no such path");
+    const HttpRoute* const found = route_at(request.path);
+    if (found == nullptr) {
+      return at_no_route(request, response);
     }
-    const HttpRoute& route = found->second;
+    const HttpRoute& route = *found;
     const bool post = request.method == "POST";
     const bool post_only = route.method == "POST";
     if (post != post_only && !(post && route.control)) {
@@ -158,14 +194,14 @@ class RequestHandler::Parser : public httplib::Server {
     if (post && !may_change(route, request, response)) {
       return;
     }
-    if (!found->second.open && !token_.empty() && !is_authorized(request)) {
+    if (!route.open && !token_.empty() && !is_authorized(request)) {
       response.set_header("WWW-Authenticate", "Bearer");
       response.set_header("WWW-Authenticate", "Basic realm=\"user rayloc, password: the token\"");
       return set_json(response, 401, "a bearer token is needed");
     }
-    if (found->second.events) {
+    if (route.events) {
       if (request.method == "GET") {
-        events_ = found->second.events;
+        events_ = route.events;
         last_event_id_ = request.get_header_value("Last-Event-ID");
       }
       return response.set_content("", "text/event-stream");
@@ -175,15 +211,58 @@ class RequestHandler::Parser : public httplib::Server {
     response.set_content(reply.body, reply.content_type);
   }
 
-  // A page of another server cannot do it in the name of who looks at it.
-  static bool may_change(const HttpRoute& route,
-                         const httplib::Request& request,
-                         httplib::Response& response) {
-    const std::string origin = request.get_header_value("Origin");
+  // As it stands there, for who asks this server itself, and below the base path.
+  const HttpRoute* route_at(const std::string& path) const {
+    auto found = routes_.find(path);
+    if (found == routes_.end() && !base_path_.empty() && path.rfind(base_path_ + "/", 0) == 0) {
+      found = routes_.find(path.substr(base_path_.size()));
+    }
+    return found == routes_.end() ? nullptr : &found->second;
+  }
+
+  // The addresses within the page are relative, so that it has to be asked for with a '/' at the
+  // end.
+  void at_no_route(const httplib::Request& request, httplib::Response& response) const {
+    if (base_path_.empty() || request.path != base_path_ || request.method == "POST") {
+      return set_json(response, 404, "no such path");
+    }
+    constexpr int kMoved = 308;
+    const std::string last = base_path_.substr(base_path_.rfind('/') + 1);
+    response.set_header("Location", last + "/");
+    set_json(response, kMoved, "with a / at the end");
+  }
+
+  bool is_ours(const std::string& host) const {
+    return names_no_domain(host) ||
+           std::any_of(origins_.begin(), origins_.end(), [&](const WebOrigin& one) {
+             return one.host == host_name(host);
+           });
+  }
+
+  // Of a page that we sent, by whatever name the browser knows us. A server before us may have
+  // written a `Host` of its own.
+  bool is_from_our_page(const httplib::Request& request) const {
+    const std::string text = request.get_header_value("Origin");
     const std::string host = request.get_header_value("Host");
-    const bool ours = !host.empty() && (origin == "http://" + host || origin == "https://" + host);
-    if (request.has_header("Origin") && !(route.control && ours)) {
-      set_json(response, 403, "not from a page of the web");
+    if (!host.empty() && (text == "http://" + host || text == "https://" + host)) {
+      return true;
+    }
+    const std::optional<WebOrigin> origin = parse_origin(text);
+    return origin && (request.get_header_value("Sec-Fetch-Site") == "same-origin" ||
+                      std::find(origins_.begin(), origins_.end(), *origin) != origins_.end());
+  }
+
+  // A page of another server cannot do it in the name of who looks at it.
+  bool may_change(const HttpRoute& route,
+                  const httplib::Request& request,
+                  httplib::Response& response) const {
+    if (request.has_header("Origin") && !(route.control && is_from_our_page(request))) {
+      set_json(response,
+               403,
+               route.control
+                   ? "not from a page of the web; where the map is behind another server, "
+                     "list its address in [http] origins"
+                   : "not from a page of the web");
       return false;
     }
     if (route.control && !request.has_header(kControlHeader)) {
@@ -204,26 +283,32 @@ class RequestHandler::Parser : public httplib::Server {
 
   const std::map<std::string, HttpRoute> routes_;
   const std::string token_;
+  const std::string base_path_;
+  const std::vector<WebOrigin> origins_;
+  const httplib::Headers headers_;
   int status_ = 0;
   // Of the answer that is being made.
   std::shared_ptr<EventFeed> events_;
   std::string last_event_id_;
 };
 
-RequestHandler::RequestHandler(std::map<std::string, HttpRoute> routes, std::string token)
-    : parser_(std::make_unique<Parser>(std::move(routes), std::move(token))) {}
+RequestHandler::RequestHandler(std::map<std::string, HttpRoute> routes,
+                               std::string token,
+                               const HttpFront& front)
+    : parser_(std::make_unique<Parser>(std::move(routes), std::move(token), front)) {}
 RequestHandler::~RequestHandler() = default;
 
 HttpAnswer RequestHandler::answer(const std::string& head) { return parser_->answer(head); }
 
 HttpAnswer RequestHandler::refusal(int status,
                                    const std::string& reason,
-                                   const std::string& headers) {
+                                   const std::string& headers) const {
   const std::string body = R"({"error":")" + reason + "\"}\n";
   return {status,
           "HTTP/1.1 " + std::to_string(status) + " " + reason +
-              "\r\nConnection: close\r\nContent-Type: application/json\r\n" + header_lines() +
-              headers + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body};
+              "\r\nConnection: close\r\nContent-Type: application/json\r\n" +
+              lines_of(parser_->headers()) + headers +
+              "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body};
 }
 
 }  // namespace rayloc

@@ -20,14 +20,16 @@ struct HttpAnswer {
 
 class RequestHandler {
  public:
-  RequestHandler(std::map<std::string, HttpRoute> routes, std::string token);
+  RequestHandler(std::map<std::string, HttpRoute> routes,
+                 std::string token,
+                 const HttpFront& front = {});
   ~RequestHandler();
 
   // `head`: everything up to the empty line, which ends it.
   HttpAnswer answer(const std::string& head);
   // What is not answered for another reason than what is asked. `headers`: more of them, whole
   // lines.
-  static HttpAnswer refusal(int status, const std::string& reason, const std::string& headers = "");
+  HttpAnswer refusal(int status, const std::string& reason, const std::string& headers = "") const;
 
  private:
   class Parser;

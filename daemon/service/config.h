@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/http/http_front.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
@@ -81,6 +82,7 @@ struct HttpConfig {
   // Or systemd's credential "http.token", where there is one; empty: no token is asked for.
   std::filesystem::path token_file;
   bool insecure = false;  // beyond loopback without a token
+  HttpFront front;        // what browsers see before it
 };
 
 struct RecordConfig {

@@ -14,6 +14,9 @@ constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
 constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
 
 const std::string& text(const ConfigValue& value) { return std::get<std::string>(value); }
+const std::vector<std::string>& texts(const ConfigValue& value) {
+  return std::get<std::vector<std::string>>(value);
+}
 std::size_t count(const ConfigValue& value) {
   return static_cast<std::size_t>(std::get<std::int64_t>(value));
 }
@@ -117,7 +120,7 @@ const std::array kOptions = {
         .example = R"(["192.168.1.7", "10.10.10.0/24"])",
         .description = "Rejects what other addresses and networks send; all may when left out",
         .only_kinds = kUdp,
-        .store_source = [](S& s, const V& v) { s.allow = std::get<std::vector<std::string>>(v); }},
+        .store_source = [](S& s, const V& v) { s.allow = texts(v); }},
     ConfigOption{.section = "source",
                  .key = "interface",
                  .type = T::kText,
@@ -267,15 +270,14 @@ const std::array kOptions = {
                      "Secret key of the daemon, by `rayloc keygen`; systemd's credential "
                      "curve.secret when left out",
                  .store = [](C& c, const V& v) { c.curve.secret_file = text(v); }},
-    ConfigOption{
-        .section = "curve",
-        .key = "allow",
-        .type = T::kTexts,
-        .example = "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]",
-        .description = "Public keys of the clients that may subscribe; a reload lets in "
-                       "new ones, and cuts off nobody who is connected",
-        .reload = true,
-        .store = [](C& c, const V& v) { c.curve.allow = std::get<std::vector<std::string>>(v); }},
+    ConfigOption{.section = "curve",
+                 .key = "allow",
+                 .type = T::kTexts,
+                 .example = "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]",
+                 .description = "Public keys of the clients that may subscribe; a reload lets in "
+                                "new ones, and cuts off nobody who is connected",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.curve.allow = texts(v); }},
 
     ConfigOption{.section = "http",
                  .key = "enabled",
@@ -303,6 +305,30 @@ const std::array kOptions = {
                  .preset = "false",
                  .description = "Lets everyone on the network read where everybody is",
                  .store = [](C& c, const V& v) { c.http.insecure = std::get<bool>(v); }},
+    ConfigOption{.section = "http",
+                 .key = "base_path",
+                 .type = T::kText,
+                 .preset = "\"/\"",
+                 .description =
+                     "Answers below this path as well, for a server before this one that "
+                     "passes it on",
+                 .store = [](C& c, const V& v) { c.http.front.base_path = text(v); }},
+    ConfigOption{.section = "http",
+                 .key = "origins",
+                 .type = T::kTexts,
+                 .example = "[\"https://home.example\"]",
+                 .description =
+                     "Where browsers find the map by a name or through another server: "
+                     "that Host is answered, and pages from there may control recordings",
+                 .store = [](C& c, const V& v) { c.http.front.origins = texts(v); }},
+    ConfigOption{.section = "http",
+                 .key = "frame_ancestors",
+                 .type = T::kTexts,
+                 .example = "[\"http://homeassistant.local:8123\"]",
+                 .description =
+                     "Pages that may show the map in a frame, by origin, \"self\" or \"*\"; "
+                     "none when left out",
+                 .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
 
     ConfigOption{.section = "record",
                  .key = "directory",

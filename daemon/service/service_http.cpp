@@ -66,6 +66,7 @@ Expected<void> Service::open_http(PassedSockets& sockets) {
   options.port = config.port;
   options.adopted_fd = sockets.take("http").value_or(-1);
   options.token = *token;
+  options.front = config.front;
   options.on_round = [this] { http_progress_.beat(); };
   HttpApi api;
   api.status = [this] { return status_messages(status_, system_now()); };

@@ -76,9 +76,9 @@ def free_port(kind, used=set()):
 
 class Daemon:
     """raylocd on ports that stay the same when it is started again. `recording`: it plays those of
-    this name instead of listening. `extra`: sections of its configuration."""
+    this name instead of listening. `extra`: sections of its configuration; `http_keys`: lines of [http]."""
 
-    def __init__(self, folder, binaries, site, recording=None, extra=""):
+    def __init__(self, folder, binaries, site, recording=None, extra="", http_keys=""):
         self.folder, self.binaries, self.process = folder, binaries, None
         self.http = free_port(socket.SOCK_STREAM)
         self.udp = [free_port(socket.SOCK_DGRAM) for _ in ACCESS_POINTS]
@@ -89,7 +89,7 @@ class Daemon:
                           for name, port in zip(ACCESS_POINTS, self.udp))
         with open(os.path.join(folder, "raylocd.toml"), "w", encoding="utf-8") as file:
             file.write(f'[site]\ndirectory = "{site}"\n{sources}'
-                       f'[http]\nlisten = "127.0.0.1:{self.http}"\n[publish]\n'
+                       f'[http]\nlisten = "127.0.0.1:{self.http}"\n{http_keys}[publish]\n'
                        f'endpoint = "tcp://127.0.0.1:{free_port(socket.SOCK_STREAM)}"\n'
                        f'snapshot = "ipc://{folder}/snapshot"\n{extra}')
         self.url = f"http://127.0.0.1:{self.http}/"

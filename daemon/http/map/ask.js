@@ -1,4 +1,5 @@
-// Questions to raylocd. One that is not answered in time fails, so that nothing waits for ever.
+// Questions to raylocd. Paths are relative to the page, which may stand below a path of another server.
+// One that is not answered in time fails, so that nothing waits for ever.
 const PATIENCE_MS = 5000;
 
 // What is answered, as JSON; else an Error that says why, in words for people.

@@ -35,7 +35,7 @@ let link = null;  // 'open', 'lost' or 'refused', from the first answer on
 async function fetchPlan(epoch) {
   mapOf = epoch;
   try {
-    const [map, report] = await Promise.all([ask('/api/v1/map', {}, PLAN_MS), ask('/api/v1/calibration')]);
+    const [map, report] = await Promise.all([ask('api/v1/map', {}, PLAN_MS), ask('api/v1/calibration')]);
     if (mapOf === epoch) showPlan(map, report);
   } catch (error) {
     if (mapOf !== epoch) return;  // another start of raylocd is asked by now
@@ -186,7 +186,7 @@ showTheme();
 watchChannel(targets, model);
 setInterval(announce, ANNOUNCE_MS);
 setInterval(watchFeed, 1000);
-const feed = new Feed('/events', {snapshot: told('snapshot'), update: told('update'), state: connection});
+const feed = new Feed('events', {snapshot: told('snapshot'), update: told('update'), state: connection});
 requestAnimationFrame(draw);
 
 // A browser has six connections to one server, all its tabs together, and raylocd has sixteen viewers:

@@ -47,7 +47,7 @@ export function watchChannel(targets, model) {
     clearTimeout(next);
     if (!panel.open) return;
     try {
-      showChannel(await ask('/api/v1/channel'), targets.selected, model);
+      showChannel(await ask('api/v1/channel'), targets.selected, model);
     } catch (error) {
       showNoChannel(`It is not known: ${error.message}.`);
     }

@@ -71,7 +71,7 @@ export class Playback {
       this.sent = this.asked;
       this.asked = null;
       try {
-        const state = await ask(`/api/v1/playback?${question}`, {method: 'POST', headers: {'X-RayLoc-Control': '1'}});
+        const state = await ask(`api/v1/playback?${question}`, {method: 'POST', headers: {'X-RayLoc-Control': '1'}});
         this.model.play(state, this.model.now());
         setText(byId('playback-error'), '');
       } catch (error) {

@@ -110,6 +110,11 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_EQ(config->record.ring, std::chrono::seconds(11));
   EXPECT_EQ(config->record.ring_bytes, 13 * kMebibyte);
   EXPECT_EQ(config->record.snapshot_directory, kConfigFile.parent_path() / "snapshots");
+  EXPECT_EQ(config->http.front.base_path, "/rayloc");
+  EXPECT_EQ(config->http.front.origins,
+            (std::vector<std::string>{"https://home.example", "http://nas:8480"}));
+  EXPECT_EQ(config->http.front.frame_ancestors,
+            (std::vector<std::string>{"self", "http://homeassistant.local:8123"}));
 }
 
 TEST(Config, DefaultsAreThoseOfTheDocumentation) {
@@ -127,6 +132,9 @@ TEST(Config, DefaultsAreThoseOfTheDocumentation) {
   EXPECT_EQ(config->publish.heartbeat, std::chrono::seconds(1));
   EXPECT_EQ(config->http.host, "127.0.0.1");
   EXPECT_EQ(config->http.port, 8480);
+  EXPECT_EQ(config->http.front.base_path, "/");
+  EXPECT_TRUE(config->http.front.origins.empty());
+  EXPECT_TRUE(config->http.front.frame_ancestors.empty());
   EXPECT_TRUE(config->record.directory.empty());
   EXPECT_TRUE(config->cache.enabled);
   EXPECT_TRUE(config->cache.directory.empty());

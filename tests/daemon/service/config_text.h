@@ -98,6 +98,10 @@ min_free_mb = 7
 ring_s = 11
 ring_mb = 13
 snapshot_directory = "snapshots"
+[http]
+base_path = "/rayloc"
+origins = ["https://home.example", "http://nas:8480"]
+frame_ancestors = ["self", "http://homeassistant.local:8123"]
 )";
 
 // kConfigText with the first `from` replaced by `to`.
