@@ -7,6 +7,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "engine/scene/convex_hull.h"
+
 namespace rayloc {
 namespace {
 
@@ -14,6 +16,9 @@ using Triangle = std::array<Vec3d, 3>;
 
 // Normals of coplanar triangles: cos(angle) at least this.
 constexpr double kParallel = 1.0 - 5e-7;
+// A corner nearer to the line between its neighbours than this is none [m]: more than the rounding
+// of coordinates within kFarthest of the origin, less than kEdgeTolerance.
+constexpr double kStraight = 1e-10;
 // Relative difference of areas up to which pieces fill their convex outline.
 constexpr double kAreaTolerance = 1e-7;
 
@@ -49,7 +54,7 @@ Surface::Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d,
   }
   area_ = triangles_area;
 
-  const std::vector<Point2> hull = convex_hull(std::move(all));
+  const std::vector<Point2> hull = convex_hull(std::move(all), kStraight);
   double hull_area = 0.0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Point2& p = hull[i];
@@ -62,7 +67,7 @@ Surface::Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d,
     return;
   }
   for (const Triangle& t : triangles) {
-    add_piece(convex_hull({project(t[0]), project(t[1]), project(t[2])}));
+    add_piece(convex_hull({project(t[0]), project(t[1]), project(t[2])}, 0.0));
   }
   find_boundary(triangles);
 }
@@ -87,44 +92,13 @@ void Surface::find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles) 
   }
 }
 
-Surface::Point2 Surface::project(const Vec3d& point) const {
+Point2 Surface::project(const Vec3d& point) const {
   const Vec3d from_origin = point - origin_;
   return {dot(u_axis_, from_origin), dot(v_axis_, from_origin)};
 }
 
 Vec3d Surface::lift(const Point2& point) const {
   return origin_ + point.u * u_axis_ + point.v * v_axis_;
-}
-
-// Andrew's monotone chain; anticlockwise, collinear corners left out.
-std::vector<Surface::Point2> Surface::convex_hull(std::vector<Point2> points) {
-  std::sort(points.begin(), points.end(), [](const Point2& a, const Point2& b) {
-    return std::tie(a.u, a.v) < std::tie(b.u, b.v);
-  });
-  double extent = 0.0;
-  for (const Point2& p : points) {
-    extent = std::max({extent, std::abs(p.u), std::abs(p.v)});
-  }
-  const double negligible = 1e-12 * extent * extent;
-  std::vector<Point2> hull;
-  const auto half = [&](auto begin, auto end) {
-    const std::size_t start = hull.size();
-    for (auto p = begin; p != end; ++p) {
-      while (hull.size() >= start + 2) {
-        const Point2& a = hull[hull.size() - 2];
-        const Point2& b = hull.back();
-        if ((b.u - a.u) * (p->v - a.v) - (b.v - a.v) * (p->u - a.u) > negligible) {
-          break;
-        }
-        hull.pop_back();
-      }
-      hull.push_back(*p);
-    }
-    hull.pop_back();  // the first corner of the other half
-  };
-  half(points.begin(), points.end());
-  half(points.rbegin(), points.rend());
-  return hull;
 }
 
 void Surface::add_piece(const std::vector<Point2>& corners) {

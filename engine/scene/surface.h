@@ -14,6 +14,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/scene/mesh.h"
+#include "engine/scene/orientation.h"
 
 namespace rayloc {
 
@@ -96,15 +97,11 @@ class Surface {
   }
 
  private:
-  struct Point2 {
-    double u, v;
-  };
   struct Side {  // of the boundary
     Point2 from, to;
   };
 
   Point2 project(const Vec3d& point) const;
-  static std::vector<Point2> convex_hull(std::vector<Point2> points);
   void add_piece(const std::vector<Point2>& corners);
   Vec3d lift(const Point2& point) const;
   void find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles);
