@@ -7,7 +7,6 @@ find_package(Ceres REQUIRED)          # Ceres::ceres
 find_package(TBB REQUIRED)            # TBB::tbb
 find_package(embree 3 REQUIRED)       # embree
 find_package(pugixml REQUIRED)        # pugixml::pugixml
-find_package(assimp REQUIRED)         # assimp::assimp
 find_package(tomlplusplus REQUIRED)   # tomlplusplus::tomlplusplus
 find_package(CLI11 REQUIRED)          # CLI11::CLI11
 find_package(spdlog REQUIRED)         # spdlog::spdlog

@@ -1,5 +1,5 @@
 // Meshes from the bytes of PLY and OBJ files. Vertices are kept as they are written: same order,
-// not merged, in double precision; polygons are cut into fans.
+// not merged, in double precision; faces of any shape are cut into triangles (triangulate.h).
 #pragma once
 
 #include <string>
@@ -10,14 +10,17 @@
 
 namespace rayloc {
 
-// Format by the end of the name (".ply", ".obj"). Errors begin with the name and, for PLY, say
-// where: a line of the header or of an ASCII file, a byte of a binary one.
+// Format by the end of the name (".ply", ".OBJ"). Errors begin with the name and say where: a line
+// of text, a byte of a binary file, the number of a face.
 Expected<Mesh> read_mesh(std::string_view bytes, const std::string& name);
 
 // PLY 1.0: ascii, binary_little_endian, binary_big_endian; element "vertex" with x, y, z of any
-// type, element "face" with a list "vertex_indices" or "vertex_index"; anything else is passed
-// over.
+// type, element "face" with a list "vertex_indices" or "vertex_index", element "tristrips" of such
+// lists; anything else is passed over.
 Expected<Mesh> read_ply(std::string_view bytes, const std::string& name);
+
+// Wavefront OBJ: v and f. Names, materials, normals, lines and points are passed over; what an OBJ
+// file does not have, and curved surfaces, are errors.
 
 Expected<Mesh> read_obj(std::string_view bytes, const std::string& name);
 

@@ -7,10 +7,13 @@
 #include <cstddef>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "engine/scene/mesh_reader.h"
+#include "engine/scene/number_text.h"
+#include "engine/scene/polygon_list.h"
 
 namespace rayloc {
 namespace {
@@ -214,13 +217,9 @@ class BodyReader {
       line_ += bytes_[at_] == '\n' ? 1U : 0U;
       ++at_;
     }
-    double value = 0.0;
-    const auto [end, status] =
-        std::from_chars(bytes_.data() + at_, bytes_.data() + bytes_.size(), value);
-    if (status != std::errc()) {
-      return std::nullopt;
-    }
-    at_ = static_cast<std::size_t>(end - bytes_.data());
+    std::string_view rest = bytes_.substr(at_);
+    const auto value = read_number(rest);
+    at_ = bytes_.size() - rest.size();
     return value;
   }
 
@@ -286,16 +285,11 @@ class MeshReader {
         }
       }
     }
-    if (mesh_.vertices.empty() || mesh_.triangles.empty()) {
+    if (mesh_.vertices.empty() || faces_.size() == 0) {
       return bad_input(name_ + ": the mesh has no " + (mesh_.vertices.empty() ? "vertex" : "face"));
     }
-    for (const auto& triangle : mesh_.triangles) {
-      for (const std::uint32_t index : triangle) {
-        if (index >= mesh_.vertices.size()) {
-          return bad_input(name_ + ": a face refers to vertex " + std::to_string(index) + " of " +
-                           std::to_string(mesh_.vertices.size()));
-        }
-      }
+    if (auto cut = faces_.append_to(mesh_, [&](std::size_t) { return name_; }); !cut) {
+      return tl::make_unexpected(cut.error());
     }
     return std::move(mesh_);
   }
@@ -307,13 +301,10 @@ class MeshReader {
 
   Expected<void> read_entry(const Element& element) {
     const bool is_vertex = element.name == "vertex";
-    const bool is_face = element.name == "face";
     Vec3d vertex;
     for (const Property& property : element.properties) {
       if (property.count_type) {
-        const bool wanted =
-            is_face && (property.name == "vertex_indices" || property.name == "vertex_index");
-        if (auto list = read_list(property, wanted); !list) {
+        if (auto list = read_list(property, use_of(element, property)); !list) {
           return list;
         }
         continue;
@@ -340,35 +331,77 @@ class MeshReader {
     return {};
   }
 
-  Expected<void> read_list(const Property& property, bool wanted) {
+  // What a list is to the mesh.
+  enum class Use { kNone, kFace, kStrips };
+  static Use use_of(const Element& element, const Property& property) {
+    if (property.name != "vertex_indices" && property.name != "vertex_index") {
+      return Use::kNone;
+    }
+    if (element.name == "face") {
+      return Use::kFace;
+    }
+    return element.name == "tristrips" ? Use::kStrips : Use::kNone;
+  }
+
+  Expected<void> read_list(const Property& property, Use use) {
     const auto count = body_.next(*property.count_type);
     if (!count || !(*count >= 0.0) || *count > static_cast<double>(body_.bytes_left())) {
       return refuse("the length of '" + property.name + "' is missing or beyond the file");
     }
-    std::vector<std::uint32_t> corners;
-    const auto entries = static_cast<std::size_t>(*count);
-    for (std::size_t i = 0; i < entries; ++i) {
+    std::vector<double> entries;
+    const auto size = static_cast<std::size_t>(*count);
+    for (std::size_t i = 0; i < size; ++i) {
       const auto value = body_.next(property.type);
       if (!value) {
         return refuse("a number is missing in '" + property.name + "'");
       }
-      if (!wanted) {
-        continue;
-      }
-      if (!(*value >= 0.0) || *value > 4'294'967'295.0 || *value != std::floor(*value)) {
+      const bool ends_strip = use == Use::kStrips && *value == -1.0;
+      if (use != Use::kNone && !ends_strip &&
+          (!(*value >= 0.0) || *value > 4'294'967'295.0 || *value != std::floor(*value))) {
         return refuse("a face refers to a vertex that is not a whole number from 0 on");
       }
-      corners.push_back(static_cast<std::uint32_t>(*value));
+      entries.push_back(*value);
     }
-    for (std::size_t i = 2; i < corners.size(); ++i) {
-      mesh_.triangles.push_back({corners[0], corners[i - 1], corners[i]});
+    if (use == Use::kFace && !entries.empty()) {
+      add_face(entries);
+    } else if (use == Use::kStrips) {
+      add_strips(entries);
     }
     return {};
+  }
+
+  void add_face(std::span<const double> corners) {
+    for (const double corner : corners) {
+      faces_.add_corner(static_cast<std::uint32_t>(corner));
+    }
+    faces_.end_face();
+  }
+
+  // Each vertex after the second makes a triangle with the two before it, every other one turned
+  // round; -1 begins another strip. A vertex named twice only turns the strip.
+  void add_strips(std::span<const double> vertices) {
+    std::size_t first = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (vertices[i] == -1.0) {
+        first = i + 1;
+        continue;
+      }
+      if (i < first + 2) {
+        continue;
+      }
+      const bool is_turned = (i - first) % 2 == 1;
+      const double a = vertices[i - (is_turned ? 1 : 2)];
+      const double b = vertices[i - (is_turned ? 2 : 1)];
+      if (a != b && b != vertices[i] && a != vertices[i]) {
+        add_face(std::array{a, b, vertices[i]});
+      }
+    }
   }
 
   const std::string& name_;
   BodyReader body_;
   Mesh mesh_;
+  PolygonList faces_;
 };
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Scene loading: any bytes are refused with a message or give a scene whose paths are finite.
 //
-// The input is the XML of a scene; what follows a line "%%" is the content of every PLY file that
-// the XML names. OBJ files are left to assimp's own fuzzing.
+// The input is the XML of a scene; what follows a line "%%" is the content of every PLY or OBJ file
+// that the XML names.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string mesh =
       split == std::string::npos ? std::string() : input.substr(split + kSeparator.size());
   const auto read_mesh = [&](const std::string& name) -> rayloc::Expected<std::string> {
-    if (!name.ends_with(".ply")) {
+    if (!name.ends_with(".ply") && !name.ends_with(".obj")) {
       return rayloc::bad_input(name + " is not there");
     }
     return mesh;

@@ -67,8 +67,8 @@ TEST(BadScenes, VertexThatIsNoNumberIsNamedInABinaryMesh) {
 
 TEST(BadScenes, VertexOfAnObjFileThatIsNoNumberIsRefused) {
   EXPECT_EQ(error_of("floor.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n"),
-            "scene.xml: object 'floor': vertex 1 is not a finite number or further than 100 km "
-            "away");
+            "scene.xml:3:1: shape 'floor': floor.obj:2: a coordinate of vertex 2 is not a finite "
+            "number");
 }
 
 TEST(BadScenes, TransformThatLosesTheMeshIsRefused) {

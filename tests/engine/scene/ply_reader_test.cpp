@@ -98,7 +98,7 @@ TEST(PlyReader, EachMistakeHasItsMessage) {
   expect_error("ply\nformat ascii 1.0\nend_header\n", "a.ply: the mesh has no vertex");
   expect_error(header("ascii") + "0 0 nan 1\n" + vertices, "a.ply:12: vertex 0 has a coordinate");
   expect_error(header("ascii") + "0 0 x 1\n" + vertices, "a.ply:12: a number is missing for 'z'");
-  expect_error(header("ascii") + vertices + "3 0 1 4\n", "a face refers to vertex 4 of 4");
+  expect_error(header("ascii") + vertices + "3 0 1 4\n", "face 1 of 1: it refers to vertex 4 of 4");
   expect_error(header("ascii") + vertices + "3 0 1 -1\n", "a.ply:16: a face refers to a vertex");
   expect_error(header("ascii") + vertices + "9999 0 1\n", "the length of 'vertex_indices'");
   expect_error("ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n1",
