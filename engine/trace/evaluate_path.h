@@ -27,6 +27,7 @@ PathCoefficient<T> evaluate_path(const TraceContext& context,
     soft.reserve(interactions.size());
     for (const Interaction& interaction : interactions) {
       soft.push_back(soft_interaction<T>(context, interaction.kind, interaction.surface, facet_of));
+      soft.back().at_mirror = interaction.at_mirror;
     }
     return SoftPath<T>(soft, transmitter, receiver, wavelength, context.options).coefficient();
   }

@@ -1,5 +1,6 @@
 #include "engine/trace/interaction_finder.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace rayloc {
@@ -38,8 +39,8 @@ bool InteractionFinder::find(const SpecularChain& chain,
     if (!add_crossings(segment, interactions)) {
       return false;
     }
-    if (!last) {
-      interactions.push_back(mirrors_[i]);
+    if (!last && !add_reflection(mirrors_[i], segment.from, interactions)) {
+      return false;
     }
     segment.from = segment.to;
     segment.from_surface = segment.to_surface;
@@ -64,6 +65,54 @@ bool InteractionFinder::add_crossings(const Segment& segment,
                     segment.from + crossing.share * (segment.to - segment.from)));
   }
   return true;
+}
+
+bool InteractionFinder::add_reflection(const Interaction& mirror,
+                                       const Vec3d& from,
+                                       std::vector<Interaction>& interactions) {
+  const TraceOptions& options = context_->options;
+  const auto& surfaces = context_->scene->surfaces();
+  const int side = distance(surfaces[mirror.surface].plane(), from) > 0.0 ? 1 : -1;
+  const std::size_t first = interactions.size();
+  for (const CoplanarFace& face : context_->coplanar_faces[mirror.surface]) {
+    // A gap that is just wider than nothing is a crossing already.
+    const bool is_crossed =
+        std::any_of(crossings_.begin(), crossings_.end(), [&](const Crossing& crossing) {
+          return crossing.surface == face.surface;
+        });
+    if (face.side != side || is_crossed) {
+      continue;
+    }
+    const double weight = weight_at(face.surface, mirror.position);
+    if (weight == 0.0) {
+      continue;
+    }
+    certain_ += weight == 1.0 ? 2 : 0;
+    if (weight == 1.0 && (context_->opaque[face.surface] ||
+                          certain_ > static_cast<std::size_t>(options.max_depth))) {
+      return false;
+    }
+    interactions.push_back(
+        interaction(InteractionKind::kTransmission, face.surface, mirror.position));
+    interactions.back().weight = weight;
+    interactions.back().at_mirror = true;
+  }
+  const std::size_t end = interactions.size();
+  interactions.push_back(mirror);
+  for (std::size_t i = end; i > first; --i) {
+    interactions.push_back(interactions[i - 1]);
+  }
+  return true;
+}
+
+// How much of a point of its plane a surface covers.
+double InteractionFinder::weight_at(std::uint32_t number, const Vec3d& point) const {
+  const Surface& surface = context_->scene->surfaces()[number];
+  const double softness = context_->options.softness;
+  if (softness > 0.0) {
+    return edge_weight(surface, context_->facets[number], point, softness);
+  }
+  return surface.contains(point) ? 1.0 : 0.0;
 }
 
 bool InteractionFinder::find_soft(const LinkEnd<double>& transmitter,
@@ -92,12 +141,14 @@ bool InteractionFinder::find_soft(const LinkEnd<double>& transmitter,
       return false;
     }
     if (i < mirrors_.size()) {
-      interactions.push_back(mirrors_[i]);
       // The factors of corners and ends belong to no single mirror; they are not told apart here.
-      interactions.back().weight = edge_weight(*soft_mirrors_[i].surface,
-                                               soft_mirrors_[i].facet,
-                                               path.vertices()[i + 1],
-                                               context_->options.softness);
+      mirrors_[i].weight = edge_weight(*soft_mirrors_[i].surface,
+                                       soft_mirrors_[i].facet,
+                                       path.vertices()[i + 1],
+                                       context_->options.softness);
+      if (!add_reflection(mirrors_[i], segment.from, interactions)) {
+        return false;
+      }
     }
   }
   return true;

@@ -29,6 +29,12 @@ class InteractionFinder {
  private:
   Interaction interaction(InteractionKind kind, std::uint32_t surface, const Vec3d& at) const;
   bool add_crossings(const Segment& segment, std::vector<Interaction>& interactions);
+  // A reflection of a wave that comes from `from`, with the faces at the same place that it goes
+  // through, there and back (coplanar_faces.h).
+  bool add_reflection(const Interaction& mirror,
+                      const Vec3d& from,
+                      std::vector<Interaction>& interactions);
+  double weight_at(std::uint32_t number, const Vec3d& point) const;
   bool add_soft_crossings(const SoftPath<double>& path,
                           std::size_t index,
                           const Segment& segment,

@@ -22,6 +22,8 @@ struct Interaction {
   std::uint32_t surface = 0;  // index into Scene::surfaces()
   Vec3d position;             // [m], world: where the path meets the surface
   double weight = 1.0;        // below 1 only with soft visibility (visibility.h)
+  // A crossing of a face at the very place of the mirror before or after it (coplanar_faces.h).
+  bool at_mirror = false;
 };
 
 struct Path {

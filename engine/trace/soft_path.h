@@ -31,6 +31,7 @@ struct SoftInteraction {
     Facet<T> facet;
   };
   std::vector<Cover> covers = {};
+  bool at_mirror = false;  // Interaction::at_mirror
 };
 
 // `facet_of(surface)` gives a Facet<T>.
@@ -155,7 +156,10 @@ class SoftPath {
                  const SoftSegment<T>& along) const {
     const Facet<T>& facet = interaction.facet;
     const Vec3<T> point = meet(facet.plane, along.from, along.to);
-    const T weight = crossing_weight(*interaction.surface, facet, along, point, options_.softness);
+    const T weight =
+        interaction.at_mirror
+            ? edge_weight(*interaction.surface, facet, point, options_.softness)
+            : crossing_weight(*interaction.surface, facet, along, point, options_.softness);
     const Complex<T> past{T(1) - weight, T(0)};
     if (!options_.transmission) {
       waves.front().field = past * waves.front().field;

@@ -8,6 +8,7 @@
 
 #include "engine/scene/bvh.h"
 #include "engine/scene/scene.h"
+#include "engine/trace/coplanar_faces.h"
 #include "engine/trace/field_calculator.h"
 #include "engine/trace/trace_options.h"
 
@@ -28,9 +29,10 @@ struct TraceContext {
   std::vector<SlabTable> slab_tables;  // of each material
   std::vector<Facet<double>> facets;   // of each surface; they point to the tables
   std::vector<bool> opaque;            // of each surface: nothing that counts goes through it
-  // Of each surface, those before it that other objects have at the same place (a door flush with
-  // its wall): they act where both would.
-  std::vector<std::vector<std::uint32_t>> covers;
+  // Of each surface, what other objects have at its place (a door flush with its wall). With
+  // transmission all of them act; without those that are before it do, where both would.
+  std::vector<std::vector<CoplanarFace>> coplanar_faces;  // with transmission, else none
+  std::vector<std::vector<std::uint32_t>> covers;         // without, else none
   bool has_covers = false;
   std::optional<Bvh> soft_bvh;  // only with soft edges
 };
