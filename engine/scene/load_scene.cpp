@@ -41,6 +41,7 @@ Expected<Scene> parse_scene(std::string_view xml,
   Scene::Input input;
   input.carrier_hz = options.carrier_hz;
   input.materials = std::move(description->materials);
+  input.notes = std::move(description->notes);
   for (ShapeDescription& shape : description->shapes) {
     if (!shape.mesh_file.empty()) {
       const auto bytes = read_mesh_file(shape.mesh_file);

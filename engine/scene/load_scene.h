@@ -2,15 +2,17 @@
 // engine that reads files.
 //
 // Mitsuba XML with <shape type="ply|obj|cube|rectangle">, mesh paths relative to the XML file,
-// <transform name="to_world">. A material is that of the shape's <bsdf> or <ref>:
-//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-3, thickness 0.1 m;
-//   - <bsdf type="itu-radio-material"> with <string name="type">, <float name="thickness">;
-//   - <bsdf type="radio-material"> with <float name="relative_permittivity"|"conductivity"|
-//     "thickness">;
-// each also inside <bsdf type="twosided">. The material's name is the id without "mat-" and "itu_",
-// the object's name the shape's id without "mesh-".
+// <transform name="to_world">, <default>. A material is that of the shape's <bsdf> or <ref>:
+//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-3, or what <string name="type"> says beside;
+//   - <bsdf type="itu-radio-material"> with <string name="type">;
+//   - <bsdf type="radio-material"> with <float name="relative_permittivity"|"conductivity">;
+// each with <float name="thickness">, 0.1 m without, and also inside <bsdf type="twosided">. The
+// material's name is the id without "mat-" and "itu_", the object's name the shape's id without
+// "mesh-".
 //
-// Every error names file:line:column, what is wrong and what to write instead.
+// What is not read is an error, but for what only the eye needs (visual_names.h). Every error names
+// file:line:column, what is wrong and what to write instead; all of the XML's come at once, one a
+// line. What a person should know of a scene that was read stands in Scene::notes().
 #pragma once
 
 #include <filesystem>

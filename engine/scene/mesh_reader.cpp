@@ -4,7 +4,6 @@
 #include <cstddef>
 
 namespace rayloc {
-
 Expected<Mesh> read_mesh(std::string_view bytes, const std::string& name) {
   std::string ending = name.substr(name.size() - std::min<std::size_t>(name.size(), 4));
   std::transform(ending.begin(), ending.end(), ending.begin(), [](char c) {

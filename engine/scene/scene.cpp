@@ -119,6 +119,7 @@ Scene::Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwne
     : objects_(std::move(input.objects)),
       materials_(std::move(input.materials)),
       carrier_hz_(input.carrier_hz),
+      notes_(std::move(input.notes)),
       surfaces_(std::move(surfaces)),
       owners_(std::move(owners)),
       bvh_(std::move(bvh)),

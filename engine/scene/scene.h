@@ -13,6 +13,7 @@
 #include "engine/em/radio_material.h"
 #include "engine/scene/bvh.h"
 #include "engine/scene/mesh.h"
+#include "engine/scene/scene_note.h"
 #include "engine/scene/solid.h"
 #include "engine/scene/surface.h"
 
@@ -39,6 +40,7 @@ class Scene {
     std::vector<SceneObject> objects;
     std::vector<RadioMaterial> materials;  // at the carrier
     double carrier_hz = 0.0;
+    std::vector<SceneNote> notes{};  // of who read the objects
   };
 
   // An Error for an empty scene, an object without a triangle, a vertex that is not finite, an
@@ -52,6 +54,8 @@ class Scene {
   const std::vector<SceneObject>& objects() const { return objects_; }
   const std::vector<RadioMaterial>& materials() const { return materials_; }
   double carrier_hz() const { return carrier_hz_; }
+  // What a person should know of how the scene's file was read. Not of a scene made from another.
+  const std::vector<SceneNote>& notes() const { return notes_; }
 
   // Surfaces of all objects; those of one object are neighbours.
   const std::vector<Surface>& surfaces() const { return surfaces_; }
@@ -86,6 +90,7 @@ class Scene {
   std::vector<SceneObject> objects_;
   std::vector<RadioMaterial> materials_;
   double carrier_hz_ = 0.0;
+  std::vector<SceneNote> notes_;
   std::vector<Surface> surfaces_;  // on the heap, where the Bvh expects them also after a move
   std::vector<SurfaceOwner> owners_;
   std::vector<std::uint32_t> first_surface_;  // of each object, and the end

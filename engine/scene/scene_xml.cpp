@@ -2,80 +2,28 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <cstddef>
 #include <map>
-#include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include <pugixml.hpp>
 
 #include "engine/base/suggestion.h"
+#include "engine/scene/material_xml.h"
+#include "engine/scene/visual_names.h"
+#include "engine/scene/xml_defaults.h"
+#include "engine/scene/xml_element.h"
+#include "engine/scene/xml_file.h"
 
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMaterialPrefix = "mat-";
-constexpr std::string_view kItuPrefix = "itu_";
 constexpr std::string_view kMeshPrefix = "mesh-";
-constexpr int kDeepestNesting = 8;  // of bsdfs in bsdfs
 
-std::string_view without_prefix(std::string_view text, std::string_view prefix) {
-  return text.substr(0, prefix.size()) == prefix ? text.substr(prefix.size()) : text;
-}
-
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
-}
-
-// Numbers separated by blanks or commas; nothing when something else is among them.
-std::optional<std::vector<double>> parse_numbers(std::string_view text) {
-  constexpr std::string_view kSeparators = " \t\r\n,";
-  std::vector<double> numbers;
-  for (std::size_t begin = text.find_first_not_of(kSeparators); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(kSeparators, begin), text.size());
-    const auto value = parse_number(text.substr(begin, end - begin));
-    if (!value) {
-      return std::nullopt;
-    }
-    numbers.push_back(*value);
-    begin = text.find_first_not_of(kSeparators, end);
-  }
-  return numbers;
-}
-
-// The child <`tag` name="`name`" value="..."/>.
-pugi::xml_node property(const pugi::xml_node& node, const char* tag, const char* name) {
-  for (const pugi::xml_node& child : node.children(tag)) {
-    if (std::string_view(child.attribute("name").value()) == name) {
-      return child;
-    }
-  }
-  return {};
-}
-
-AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
-  const Vec3d x = a.linear * Vec3d{b.linear.row0.x, b.linear.row1.x, b.linear.row2.x};
-  const Vec3d y = a.linear * Vec3d{b.linear.row0.y, b.linear.row1.y, b.linear.row2.y};
-  const Vec3d z = a.linear * Vec3d{b.linear.row0.z, b.linear.row1.z, b.linear.row2.z};
-  return {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}, a.apply(b.offset)};
-}
-
-// Rodrigues: by `angle` about the unit vector `k`.
-Mat3d rotation_about(const Vec3d& k, double angle) {
-  const double c = std::cos(angle);
-  const double s = std::sin(angle);
-  const double m = 1.0 - c;
-  return {{c + k.x * k.x * m, k.x * k.y * m - k.z * s, k.x * k.z * m + k.y * s},
-          {k.y * k.x * m + k.z * s, c + k.y * k.y * m, k.y * k.z * m - k.x * s},
-          {k.z * k.x * m - k.y * s, k.z * k.y * m + k.x * s, c + k.z * k.z * m}};
+bool contains(std::span<const std::string_view> names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 // Mitsuba's [-1, 1]^2 in the plane z = 0, and [-1, 1]^3.
@@ -104,206 +52,213 @@ Mesh cube_mesh() {
   return mesh;
 }
 
-class XmlReader {
+class SceneReader {
  public:
-  XmlReader(std::string_view xml, const std::string& name, const SceneOptions& options)
-      : xml_(xml), name_(name), options_(options) {}
+  SceneReader(XmlFile& file, const SceneOptions& options)
+      : file_(file), options_(options), materials_(file, options, bsdfs_, scene_.notes) {}
 
-  Expected<SceneDescription> read() {
-    pugi::xml_document document;
-    const pugi::xml_parse_result parsed =
-        document.load_buffer(xml_.data(), xml_.size(), pugi::parse_default, pugi::encoding_utf8);
-    if (!parsed) {
-      return bad_input(place(parsed.offset) +
-                       "this is not well-formed XML: " + parsed.description());
-    }
-    const pugi::xml_node root = document.child("scene");
-    if (!root) {
-      return bad_input(name_ + ":1:1: the file has no <scene> element");
-    }
-    if (const pugi::xml_node include = root.child("include")) {
-      return refuse(include, "<include> is not supported; write the shapes into this file");
-    }
-    for (const pugi::xml_node& bsdf : root.children("bsdf")) {
-      bsdfs_.try_emplace(bsdf.attribute("id").value(), bsdf);
-    }
+  Expected<SceneDescription> read(const pugi::xml_node& root) {
+    apply_defaults(file_, root);
+    check_scene(root);
     for (const pugi::xml_node& shape : root.children("shape")) {
-      if (auto read = read_shape(shape); !read) {
-        return tl::make_unexpected(read.error());
-      }
+      read_shape(shape);
     }
     if (scene_.shapes.empty()) {
-      return refuse(root, "the scene has no <shape>; a room needs at least one");
+      file_.complain(root,
+                     left_out_.empty()
+                         ? "the scene has no <shape>; a room needs at least one"
+                         : "every <shape> of the scene is a lamp or has a null material; a room "
+                           "needs at least one that waves meet");
+    }
+    if (auto good = file_.check(); !good) {
+      return tl::make_unexpected(good.error());
     }
     if (auto used = check_overrides(); !used) {
       return tl::make_unexpected(used.error());
     }
+    add_notes();
     return std::move(scene_);
   }
 
  private:
-  std::string place(std::ptrdiff_t offset) const {
-    const auto end =
-        std::min(xml_.size(), static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0)));
-    const std::string_view before = xml_.substr(0, end);
-    const auto line = std::count(before.begin(), before.end(), '\n') + 1;
-    const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-    return name_ + ":" + std::to_string(line) + ":" + std::to_string(end - line_start + 1) + ": ";
-  }
-  // pugixml's offset is that of the name, one after the '<'.
-  std::string place(const pugi::xml_node& node) const { return place(node.offset_debug() - 1); }
-
-  tl::unexpected<Error> refuse(const pugi::xml_node& node, const std::string& what) const {
-    return bad_input(place(node) + what);
-  }
-
-  Expected<std::optional<double>> number(const pugi::xml_node& node, const char* name) const {
-    const pugi::xml_node child = property(node, "float", name);
-    if (!child) {
-      return std::nullopt;
+  // Registers what has an id, and complains of what is neither read nor left out.
+  void check_scene(const pugi::xml_node& root) {
+    XmlElement element(file_, root, "scene");
+    for (const pugi::xml_attribute& attribute : root.attributes()) {
+      const std::string_view name = attribute.name();
+      if (name.starts_with("xml") || name.starts_with("xsi:")) {
+        element.attribute(name);
+      }
     }
-    const auto value = parse_number(child.attribute("value").value());
-    if (!value) {
-      return refuse(child,
-                    std::string("'") + name + "' must be a number, not '" +
-                        child.attribute("value").value() + "'");
+    for (const char* name : {"version", "type", "id", "name"}) {
+      element.attribute(name);
     }
-    return value;
+    element.allow_tags({"default", "bsdf", "shape", "include", "path", "alias"});
+    element.allow_tags(visual_tags());
+    element.finish();
+    for (const pugi::xml_node& child : root.children()) {
+      const std::string_view tag = child.name();
+      const std::string id = child.attribute("id").value();
+      if (tag == "include" || tag == "path" || tag == "alias") {
+        file_.complain(child,
+                       "<" + std::string(tag) + "> is not supported; " +
+                           (tag == "path" ? "write the folder into each filename"
+                                          : "write what it stands for into this file"));
+      } else if (tag == "bsdf") {
+        add_bsdf(child, id);
+      } else if (contains(visual_tags(), tag)) {
+        visual_ids_[id] = tag;
+      }
+    }
   }
 
-  Expected<void> read_shape(const pugi::xml_node& node) {
+  void add_bsdf(const pugi::xml_node& bsdf, const std::string& id) {
+    if (id.empty()) {
+      file_.complain(bsdf, "this <bsdf> has no id, so that no shape can have it");
+      return;
+    }
+    const auto [first, added] = bsdfs_.emplace(id, bsdf);
+    if (!added) {
+      file_.complain(bsdf,
+                     "two <bsdf>s have the id '" + id + "'; the first is at " +
+                         without_colon(file_.place(first->second)));
+    }
+  }
+
+  static std::string without_colon(std::string place) {
+    place.erase(place.size() - 2);
+    return place;
+  }
+
+  void read_shape(const pugi::xml_node& node) {
+    const std::string name = name_of(node);
+    if (const std::string why = why_left_out(node); !why.empty()) {
+      left_out_ += (left_out_.empty() ? "'" : ", '") + name + "' (" + why + ")";
+      left_out_at_ = left_out_at_.empty() ? file_.place(node) : left_out_at_;
+      return;
+    }
+    XmlElement element(file_, node, "shape '" + name + "'");
     ShapeDescription shape;
-    shape.place = place(node);
-    shape.name = without_prefix(node.attribute("id").value(), kMeshPrefix);
-    if (shape.name.empty()) {
-      shape.name = "shape" + std::to_string(scene_.shapes.size());
+    shape.name = name;
+    shape.place = file_.place(node);
+    element.attribute("id");
+    element.attribute("name");
+    const bool has_mesh = read_mesh(element, shape);
+    if (const pugi::xml_node to_world = element.property("transform", "to_world")) {
+      shape.world_from_mesh = read_transform(file_, to_world, odd_axes_);
     }
-    const std::string_view type = node.attribute("type").value();
+    const auto material = material_of_shape(node, name);
+    element.allow_tags({"bsdf", "ref"});
+    element.allow_tags(visual_tags());
+    element.leave_out(is_visual_of_shape);
+    element.finish();
+    if (has_mesh && material) {
+      shape.material = *material;
+      scene_.shapes.push_back(std::move(shape));
+    } else {
+      scene_.shapes.emplace_back();  // there is a shape, with a complaint
+    }
+  }
+
+  // "floor" of "mesh-floor"; a name that no other shape has.
+  std::string name_of(const pugi::xml_node& node) {
+    const std::string_view id = node.attribute("id").value();
+    std::string name(id.starts_with(kMeshPrefix) ? id.substr(kMeshPrefix.size()) : id);
+    for (std::size_t i = scene_.shapes.size(); name.empty(); ++i) {
+      if (!shapes_.contains("shape" + std::to_string(i))) {
+        name = "shape" + std::to_string(i);
+      }
+    }
+    const auto [first, added] = shapes_.emplace(name, node);
+    if (!added) {
+      file_.complain(node,
+                     "two shapes are called '" + name + "'; the first is at " +
+                         without_colon(file_.place(first->second)) +
+                         "; leave one out, or give each an id of its own");
+    }
+    return name;
+  }
+
+  // Of shapes that are there for the eye only.
+  std::string why_left_out(const pugi::xml_node& shape) const {
+    bool is_lamp = !shape.child("emitter").empty();
+    std::optional<BsdfKind> kind;
+    const auto look_at = [&](const pugi::xml_node& bsdf) {
+      const BsdfKind found = materials_.kind_of(bsdf);
+      kind = kind == BsdfKind::kRadio ? *kind : found;
+    };
+    for (const pugi::xml_node& child : shape.children()) {
+      const std::string_view tag = child.name();
+      const std::string id = child.attribute("id").value();
+      const auto named = bsdfs_.find(id);
+      if (tag == "bsdf") {
+        look_at(child);
+      } else if (tag == "ref" && named != bsdfs_.end()) {
+        look_at(named->second);
+      } else if (tag == "ref") {
+        const auto visual = visual_ids_.find(id);
+        is_lamp = is_lamp || (visual != visual_ids_.end() && visual->second == "emitter");
+        if (visual == visual_ids_.end()) {
+          kind = BsdfKind::kRadio;  // of an unknown id: a mistake to be named
+        }
+      }
+    }
+    if (kind == BsdfKind::kRadio) {
+      return {};
+    }
+    return is_lamp ? "a lamp" : kind == BsdfKind::kNull ? "a null material" : "";
+  }
+
+  bool read_mesh(XmlElement& element, ShapeDescription& shape) {
+    const std::string type = element.attribute("type");
     if (type == "ply" || type == "obj") {
-      shape.mesh_file = property(node, "string", "filename").attribute("value").value();
+      shape.mesh_file = element.text("filename").value_or("");
+      std::replace(shape.mesh_file.begin(), shape.mesh_file.end(), '\\', '/');  // of Windows
       if (shape.mesh_file.empty()) {
-        return refuse(node, "shape '" + shape.name + "' has no <string name=\"filename\">");
+        element.complain("shape '" + shape.name + "' has no <string name=\"filename\">");
       }
-    } else if (type == "cube") {
-      shape.mesh = cube_mesh();
-    } else if (type == "rectangle") {
-      shape.mesh = rectangle_mesh();
-    } else {
-      return refuse(node,
-                    "shape '" + shape.name + "' has type '" + std::string(type) +
-                        "'; ply, obj, cube and rectangle are supported");
+      return !shape.mesh_file.empty();
     }
-    auto transform = read_transform(node);
-    if (!transform) {
-      return tl::make_unexpected(transform.error());
+    if (type == "cube" || type == "rectangle") {
+      shape.mesh = type == "cube" ? cube_mesh() : rectangle_mesh();
+      return true;
     }
-    shape.world_from_mesh = *transform;
-    auto material = material_of_shape(node, shape.name);
-    if (!material) {
-      return tl::make_unexpected(material.error());
-    }
-    shape.material = *material;
-    scene_.shapes.push_back(std::move(shape));
-    return {};
+    element.complain("shape '" + shape.name + "' has type '" + type +
+                     "'; ply, obj, cube and rectangle are supported");
+    return false;
   }
 
-  Expected<AffineTransform> read_transform(const pugi::xml_node& shape) const {
-    AffineTransform world_from_mesh;
-    for (const pugi::xml_node& step : property(shape, "transform", "to_world").children()) {
-      if (step.type() != pugi::node_element) {
-        continue;
-      }
-      const auto next = read_step(step);
-      if (!next) {
-        return tl::make_unexpected(next.error());
-      }
-      world_from_mesh = *next * world_from_mesh;  // in the order written
+  // Index of the shape's material, which is evaluated when it is first met. Nothing where there is
+  // a complaint.
+  std::optional<std::uint32_t> material_of_shape(const pugi::xml_node& shape,
+                                                 const std::string& name) {
+    std::vector<pugi::xml_node> found;
+    for (const pugi::xml_node& child : shape.children("bsdf")) {
+      found.push_back(child);
     }
-    return world_from_mesh;
-  }
-
-  // A vector stated as value="x y z", value="s" or x="" y="" z="".
-  Expected<Vec3d> read_vector(const pugi::xml_node& node, double missing) const {
-    if (const pugi::xml_attribute value = node.attribute("value")) {
-      const auto numbers = parse_numbers(value.value());
-      if (numbers && numbers->size() == 1) {
-        return Vec3d{(*numbers)[0], (*numbers)[0], (*numbers)[0]};
-      }
-      if (numbers && numbers->size() == 3) {
-        return Vec3d{(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-      }
-      return refuse(node, "'value' must be one or three numbers");
-    }
-    std::array<double, 3> v{};
-    const std::array<const char*, 3> names{"x", "y", "z"};
-    for (std::size_t i = 0; i < v.size(); ++i) {
-      const pugi::xml_attribute attribute = node.attribute(names[i]);
-      const auto value = attribute ? parse_number(attribute.value()) : missing;
-      if (!value) {
-        return refuse(node, std::string("'") + names[i] + "' must be a number");
-      }
-      v[i] = *value;
-    }
-    return Vec3d{v[0], v[1], v[2]};
-  }
-
-  Expected<AffineTransform> read_step(const pugi::xml_node& node) const {
-    const std::string_view kind = node.name();
-    AffineTransform step;
-    if (kind == "matrix") {
-      const auto m = parse_numbers(node.attribute("value").value());
-      if (!m || m->size() != 16) {
-        return refuse(node, "a <matrix> needs 16 numbers, row by row");
-      }
-      const auto& v = *m;
-      return AffineTransform{{{v[0], v[1], v[2]}, {v[4], v[5], v[6]}, {v[8], v[9], v[10]}},
-                             {v[3], v[7], v[11]}};
-    }
-    if (kind != "translate" && kind != "scale" && kind != "rotate") {
-      return refuse(node,
-                    "<" + std::string(kind) +
-                        "> is not supported in a transform; translate, rotate, scale and "
-                        "matrix are");
-    }
-    const auto vector = read_vector(node, kind == "scale" ? 1.0 : 0.0);
-    if (!vector) {
-      return tl::make_unexpected(vector.error());
-    }
-    if (kind == "translate") {
-      step.offset = *vector;
-    } else if (kind == "scale") {
-      step.linear = {{vector->x, 0, 0}, {0, vector->y, 0}, {0, 0, vector->z}};
-    } else {
-      const auto degrees = parse_number(node.attribute("angle").value());
-      const double length = norm(*vector);
-      if (!degrees || !(length > 0.0)) {
-        return refuse(node, "a <rotate> needs an axis and an 'angle' in degrees");
-      }
-      step.linear = rotation_about((1.0 / length) * *vector, *degrees * std::numbers::pi / 180.0);
-    }
-    return step;
-  }
-
-  // Index of the shape's material, which is evaluated when it is first met.
-  Expected<std::uint32_t> material_of_shape(const pugi::xml_node& shape, const std::string& name) {
-    if (const pugi::xml_node own = shape.child("bsdf")) {
-      return material_of_bsdf(own, own.attribute("id").value());
-    }
+    bool is_known = true;
     for (const pugi::xml_node& reference : shape.children("ref")) {
-      const std::string id = reference.attribute("id").value();
+      XmlElement element(file_, reference, {});
+      const std::string id = element.attribute("id");
+      element.attribute("name");
+      element.finish();
       if (const auto bsdf = bsdfs_.find(id); bsdf != bsdfs_.end()) {
-        return material_of_bsdf(bsdf->second, id);
-      }
-      const std::string_view role = reference.attribute("name").value();
-      if (role.empty() || role == "bsdf") {
-        return refuse(reference,
-                      "there is no <bsdf> with the id '" + id + "'" + suggestion(id, known_ids()));
+        found.push_back(bsdf->second);
+      } else if (!visual_ids_.contains(id)) {
+        is_known = false;
+        element.complain("there is no <bsdf> with the id '" + id + "'" +
+                         suggestion(id, known_ids()));
       }
     }
-    return refuse(shape,
-                  "shape '" + name +
-                      "' has no material; add <ref id=\"mat-itu_NAME\" "
-                      "name=\"bsdf\"/>");
+    if (found.size() > 1) {
+      file_.complain(shape, "shape '" + name + "' has two materials; it can be of one only");
+    }
+    if (found.empty() && is_known) {
+      file_.complain(
+          shape,
+          "shape '" + name + "' has no material; add <ref id=\"mat-itu_NAME\" name=\"bsdf\"/>");
+    }
+    return found.empty() ? std::nullopt : material_of_bsdf(found.front(), name);
   }
 
   std::vector<std::string> known_ids() const {
@@ -314,103 +269,89 @@ class XmlReader {
     return ids;
   }
 
-  Expected<std::uint32_t> material_of_bsdf(const pugi::xml_node& bsdf, const std::string& id) {
-    const std::ptrdiff_t key = bsdf.offset_debug();
-    if (const auto known = evaluated_.find(key); known != evaluated_.end()) {
-      return known->second;
-    }
-    auto material = evaluate(bsdf, id);
-    if (!material) {
-      return tl::make_unexpected(material.error());
-    }
-    scene_.materials.push_back(std::move(*material));
-    const auto index = static_cast<std::uint32_t>(scene_.materials.size() - 1);
-    evaluated_.emplace(key, index);
-    return index;
-  }
-
-  Expected<RadioMaterial> evaluate(const pugi::xml_node& outer, const std::string& id) {
-    pugi::xml_node bsdf = outer;
-    for (int depth = 0; depth < kDeepestNesting && bsdf.child("bsdf"); ++depth) {
-      bsdf = bsdf.child("bsdf");  // twosided, mask, ...
-    }
-    const std::string_view bare = without_prefix(id, kMaterialPrefix);
-    const std::string name(without_prefix(bare, kItuPrefix));
-    const auto found = options_.materials.find(name);
-    const RadioMaterialOverride changed =
-        found != options_.materials.end() ? found->second : RadioMaterialOverride{};
-    const bool complete = changed.relative_permittivity && changed.conductivity;
-
-    Expected<RadioMaterial> material = RadioMaterial{name, 1.0, 0.0, kDefaultThickness};
-    if (!complete) {
-      material = stated_material(bsdf, bare, name);
-    }
-    if (!material) {
-      return refuse(bsdf, "material '" + name + "': " + material.error().message);
-    }
-    const auto thickness = number(bsdf, "thickness");
-    if (!thickness) {
-      return tl::make_unexpected(thickness.error());
-    }
-    material->name = name;
-    material->thickness = changed.thickness.value_or(thickness->value_or(kDefaultThickness));
-    material->relative_permittivity =
-        changed.relative_permittivity.value_or(material->relative_permittivity);
-    material->conductivity = changed.conductivity.value_or(material->conductivity);
-    if (auto valid = validate(*material); !valid) {
-      return refuse(bsdf, valid.error().message);
-    }
-    return material;
-  }
-
-  // What the scene file itself says, without overrides; errors without a place.
-  Expected<RadioMaterial> stated_material(const pugi::xml_node& bsdf,
-                                          std::string_view bare_id,
-                                          const std::string& name) const {
-    const std::string_view type = bsdf.attribute("type").value();
-    if (type == "radio-material") {
-      const auto permittivity = number(bsdf, "relative_permittivity");
-      const auto conductivity = number(bsdf, "conductivity");
-      if (!permittivity || !conductivity) {
-        return bad_input("relative_permittivity and conductivity must be numbers");
+  std::optional<std::uint32_t> material_of_bsdf(const pugi::xml_node& bsdf,
+                                                const std::string& user) {
+    const auto [known, is_new] = evaluated_.try_emplace(bsdf.offset_debug());
+    if (is_new) {
+      if (auto material = materials_.read(bsdf, user)) {
+        known->second = add_material(*std::move(material), bsdf);
       }
-      return RadioMaterial{name, permittivity->value_or(1.0), conductivity->value_or(0.0)};
     }
-    if (type == "itu-radio-material") {
-      return itu_material(property(bsdf, "string", "type").attribute("value").value(),
-                          options_.carrier_hz);
+    return known->second;
+  }
+
+  // Materials are known by their names. Where "mat-concrete" and "mat-itu_concrete" are the same,
+  // they are one, else the second needs a name of its own.
+  std::uint32_t add_material(RadioMaterial material, const pugi::xml_node& bsdf) {
+    const std::string name = material.name;
+    auto& materials = scene_.materials;
+    for (int number = 2;; ++number) {
+      const auto same = std::find_if(materials.begin(), materials.end(), [&](const auto& one) {
+        return one.name == material.name;
+      });
+      if (same == materials.end()) {
+        break;
+      }
+      if (*same == material) {
+        return static_cast<std::uint32_t>(same - materials.begin());
+      }
+      material.name = name + "_" + std::to_string(number);
     }
-    if (bare_id.substr(0, kItuPrefix.size()) == kItuPrefix) {
-      return itu_material(name, options_.carrier_hz);
+    if (material.name != name) {
+      scene_.notes.push_back({"material",
+                              file_.place(bsdf),
+                              "a second material is called '" + name +
+                                  "' and has other values: it goes by '" + material.name + "'"});
     }
-    return bad_input(
-        "the <bsdf> says nothing about radio; use an id mat-itu_NAME with a name of ITU-R "
-        "P.2040-3, the type radio-material, or state relative_permittivity and conductivity of "
-        "the material '" +
-        name + "' in the site");
+    materials.push_back(std::move(material));
+    return static_cast<std::uint32_t>(materials.size() - 1);
   }
 
   Expected<void> check_overrides() const {
-    std::vector<std::string> used;
+    std::set<std::string> used;
     for (const RadioMaterial& material : scene_.materials) {
-      used.push_back(material.name);
+      used.insert(material.name);
     }
     for (const auto& [name, changed] : options_.materials) {
-      if (std::find(used.begin(), used.end(), name) == used.end()) {
+      if (!used.contains(name)) {
         return make_error(ErrorKind::kConfiguration,
-                          name_ + ": values are stated for the material '" + name +
-                              "', which no shape uses" + suggestion(name, used));
+                          file_.name() + ": values are stated for the material '" + name +
+                              "', which no shape uses" +
+                              suggestion(name, std::vector<std::string>(used.begin(), used.end())));
       }
     }
     return {};
   }
 
-  std::string_view xml_;
-  const std::string& name_;
+  void add_notes() {
+    if (!left_out_.empty()) {
+      scene_.notes.push_back(
+          {"left_out", left_out_at_, "shapes that waves do not meet are left out: " + left_out_});
+    }
+    if (odd_axes_.count > 0) {
+      scene_.notes.push_back(
+          {"rotation_axis",
+           odd_axes_.first,
+           "the axis of this <rotate> has the length " + std::to_string(odd_axes_.length) +
+               " instead of 1" +
+               (odd_axes_.count > 1
+                    ? ", and so have " + std::to_string(odd_axes_.count - 1) + " more"
+                    : "") +
+               ": the shape is turned about it; Mitsuba and Sionna RT would deform it as well"});
+    }
+  }
+
+  XmlFile& file_;
   const SceneOptions& options_;
-  std::map<std::string, pugi::xml_node> bsdfs_;
-  std::map<std::ptrdiff_t, std::uint32_t> evaluated_;  // by place of the bsdf
   SceneDescription scene_;
+  MaterialReader::Bsdfs bsdfs_;
+  std::map<std::string, std::string> visual_ids_;  // the tag of what only the eye needs, by id
+  std::map<std::string, pugi::xml_node> shapes_;   // by name
+  std::map<std::ptrdiff_t, std::optional<std::uint32_t>> evaluated_;  // by place of the bsdf
+  MaterialReader materials_;
+  std::string left_out_;
+  std::string left_out_at_;
+  OddAxes odd_axes_;
 };
 
 }  // namespace
@@ -418,7 +359,12 @@ class XmlReader {
 Expected<SceneDescription> read_scene_xml(std::string_view xml,
                                           const std::string& xml_name,
                                           const SceneOptions& options) {
-  return XmlReader(xml, xml_name, options).read();
+  XmlFile file(xml, xml_name);
+  const auto root = file.parse();
+  if (!root) {
+    return tl::make_unexpected(root.error());
+  }
+  return SceneReader(file, options).read(*root);
 }
 
 }  // namespace rayloc

@@ -8,25 +8,18 @@
 #include <vector>
 
 #include "engine/base/expected.h"
-#include "engine/base/mat3.h"
 #include "engine/em/radio_material.h"
 #include "engine/scene/load_scene.h"
 #include "engine/scene/mesh.h"
+#include "engine/scene/scene_note.h"
+#include "engine/scene/transform_xml.h"
 
 namespace rayloc {
-
-// x -> linear x + offset.
-struct AffineTransform {
-  Mat3d linear;
-  Vec3d offset;
-
-  Vec3d apply(const Vec3d& v) const { return linear * v + offset; }
-};
 
 struct ShapeDescription {
   std::string name;
   std::string place;      // "scene.xml:12:5: ", for errors
-  std::string mesh_file;  // empty: `mesh` is given
+  std::string mesh_file;  // with '/' between folders; empty: `mesh` is given
   Mesh mesh;              // of a cube or rectangle
   AffineTransform world_from_mesh;
   std::uint32_t material = 0;  // index into SceneDescription::materials
@@ -35,6 +28,7 @@ struct ShapeDescription {
 struct SceneDescription {
   std::vector<ShapeDescription> shapes;
   std::vector<RadioMaterial> materials;  // those that shapes use, at the carrier, overridden
+  std::vector<SceneNote> notes;
 };
 
 Expected<SceneDescription> read_scene_xml(std::string_view xml,

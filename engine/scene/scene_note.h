@@ -1,0 +1,19 @@
+// SceneNote: what a reader of a scene file understood otherwise than the file's author may have
+// meant, or left out. The scene can be used; a person should know.
+#pragma once
+
+#include <string>
+
+namespace rayloc {
+
+struct SceneNote {
+  std::string kind;     // "left_out", "material" or "rotation_axis": for scripts
+  std::string place;    // "scene.xml:12:5: "
+  std::string message;  // for people
+};
+
+inline std::string to_line(const SceneNote& note) {
+  return note.place + "warning: " + note.message;
+}
+
+}  // namespace rayloc
