@@ -12,6 +12,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/cli/recorded_frames.h"
+#include "daemon/site/length_unit.h"
 #include "engine/base/content_hash.h"
 #include "engine/base/vec3.h"
 
@@ -160,13 +161,24 @@ std::string explain_outside(const Site& site,
       return "one of them looks like a time: the columns are t_start,t_end,x,y,z";
     }
   }
-  const bool exchanged =
-      std::all_of(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
-        const Vec3d& p = spot.point.position;
-        return is_inside(site, {p.y, p.x, p.z});
-      });
-  if (exchanged) {
+  const auto all_inside = [&](auto corrected) {
+    return std::all_of(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
+      return is_inside(site, corrected(spot.point.position));
+    });
+  };
+  if (all_inside([](const Vec3d& p) { return Vec3d{p.y, p.x, p.z}; })) {
     return "with x and y exchanged all points lie inside: are the columns exchanged?";
+  }
+  const auto inside =
+      std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
+        return is_inside(site, spot.point.position);
+      });
+  // One slip of the pen does not make a unit.
+  const bool most_outside = 2 * inside < static_cast<std::ptrdiff_t>(inputs.points.size());
+  for (const LengthUnit& unit : kMistakenUnits) {
+    if (most_outside && all_inside([&](const Vec3d& p) { return unit.metres * p; })) {
+      return fmt::format("in {} all points lie inside: write metres", unit.name);
+    }
   }
   return "points are in metres in the frame of the site (its [bounds], or what its scene fills)";
 }

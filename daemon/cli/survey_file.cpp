@@ -76,10 +76,11 @@ Expected<SurveyFile> SurveyFile::open(const std::string& path) {
     return tl::make_unexpected(std::move(points.error()));
   }
   const auto first = table->require({"t_start", "t_end", "x", "y", "z"});
-  if (!ends_with_a_line(path) || *first != std::vector<std::size_t>{0, 1, 2, 3, 4}) {
+  if (!ends_with_a_line(path) || table->separator() != ',' ||
+      *first != std::vector<std::size_t>{0, 1, 2, 3, 4}) {
     return bad_input(path +
                      ": cannot be continued: rows must end with a new line and begin with "
-                     "t_start,t_end,x,y,z; write to another file");
+                     "t_start,t_end,x,y,z, in commas; write to another file");
   }
   return SurveyFile(path, *std::move(points));
 }

@@ -1,9 +1,7 @@
 #include "daemon/site/csv_table.h"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -13,9 +11,30 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-std::string in_quotes(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
-  return '"' + std::string(text.substr(0, kLongest)) + (text.size() > kLongest ? "...\"" : "\"");
+constexpr std::size_t kMostBytes = 64U << 20U;
+constexpr std::size_t kMostRows = 1'000'000;
+constexpr std::size_t kMostColumns = 256;
+
+std::string in_small_letters(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return result;
+}
+
+// How many cells there are up to the last that is not empty.
+std::size_t filled(const CsvReader::Record& record) {
+  std::size_t count = record.size();
+  while (count > 0 && record[count - 1].empty()) {
+    --count;
+  }
+  return count;
+}
+
+std::string too_long(const std::string& name) {
+  return name + ": longer than " + std::to_string(kMostBytes >> 20U) +
+         " MiB: is this the file that you mean? Give it in parts";
 }
 
 }  // namespace
@@ -64,79 +83,90 @@ Expected<CsvTable> CsvTable::load(const std::filesystem::path& file) {
   if (!stream.is_open() || std::filesystem::is_directory(file, ignored)) {
     return bad_input(file.string() + ": cannot be read");
   }
-  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  // Of a pipe nobody knows the length before.
+  std::string text;
+  constexpr std::size_t kBlock = 64U << 10U;
+  while (stream && text.size() <= kMostBytes) {
+    const std::size_t size = text.size();
+    text.resize(size + kBlock);
+    stream.read(&text[size], static_cast<std::streamsize>(kBlock));
+    text.resize(size + static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) {
+    return bad_input(file.string() + ": cannot be read");
+  }
   return parse(text, file.string());
 }
 
 Expected<CsvTable> CsvTable::parse(std::string_view text, std::string name) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-    text.remove_prefix(kByteOrderMark.size());
+  if (text.size() > kMostBytes) {
+    return bad_input(too_long(name));
   }
   CsvTable table;
   table.name_ = std::move(name);
-  int line = 0;
-  while (!text.empty()) {
-    ++line;
-    const std::size_t end = text.find('\n');
-    std::string_view content = text.substr(0, end);
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    if (!content.empty() && content.back() == '\r') {
-      content.remove_suffix(1);
+  CsvReader reader(text, table.name_, ErrorKind::kBadInput, kMostColumns);
+  CsvReader::Record record;
+  while (true) {
+    const auto more = reader.next(record);
+    if (!more) {
+      return tl::make_unexpected(more.error());
     }
-    if (content.find_first_not_of(" \t") == std::string_view::npos) {
+    if (!*more) {
+      break;
+    }
+    if (filled(record) == 0) {
       continue;
     }
-    Row row = split(content, line);
-    if (table.header_.line == 0) {
-      table.header_ = std::move(row);
-    } else if (row.cells.size() != table.header_.cells.size()) {
-      return bad_input(table.name_ + ":" + std::to_string(line) +
-                       ":1: " + std::to_string(row.cells.size()) + " values, but the header has " +
-                       std::to_string(table.header_.cells.size()) + " columns");
-    } else {
-      table.rows_.push_back(std::move(row));
+    if (auto added = table.add_row(record); !added) {
+      return tl::make_unexpected(std::move(added.error()));
     }
   }
-  if (table.header_.line == 0) {
+  if (table.columns_.empty()) {
     return bad_input(table.name_ + ":1:1: empty; the first line names the columns");
   }
+  table.separator_ = reader.separator();
   return table;
 }
 
-CsvTable::Row CsvTable::split(std::string_view text, int line) {
-  Row row;
-  row.line = line;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t comma = std::min(text.find(',', begin), text.size());
-    std::size_t first = begin;
-    std::size_t last = comma;
-    while (first < last && (text[first] == ' ' || text[first] == '\t')) {
-      ++first;
+// The first is the header.
+Expected<void> CsvTable::add_row(const CsvReader::Record& record) {
+  const auto place = [&] { return name_ + ":" + std::to_string(record.cells[0].line) + ":1: "; };
+  if (columns_.empty()) {
+    header_line_ = record.cells[0].line;
+    for (std::size_t i = 0; i < filled(record); ++i) {
+      columns_.push_back(in_small_letters(record[i]));
     }
-    while (last > first && (text[last - 1] == ' ' || text[last - 1] == '\t')) {
-      --last;
-    }
-    row.cells.push_back({std::string(text.substr(first, last - first)), first + 1});
-    if (comma == text.size()) {
-      return row;
-    }
-    begin = comma + 1;
+    return {};
   }
+  if (record.size() < columns_.size() || filled(record) > columns_.size()) {
+    return bad_input(place() + std::to_string(record.size()) + " values, but the header has " +
+                     std::to_string(columns_.size()) + " columns");
+  }
+  if (rows() == kMostRows) {
+    return bad_input(place() + "more than " + std::to_string(kMostRows) +
+                     " rows: is this the file that you mean? Give it in parts");
+  }
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const CsvReader::Record::Cell& cell = record.cells[i];
+    cells_.push_back({static_cast<std::uint32_t>(texts_.size()),
+                      static_cast<std::uint32_t>(record[i].size()),
+                      cell.line,
+                      cell.column});
+    texts_.append(record[i]);
+  }
+  return {};
 }
 
 std::optional<std::size_t> CsvTable::find_column(std::string_view name) const {
-  for (std::size_t i = 0; i < header_.cells.size(); ++i) {
-    if (header_.cells[i].text == name) {
-      return i;
-    }
-  }
-  return std::nullopt;
+  const auto found = std::find(columns_.begin(), columns_.end(), name);
+  return found == columns_.end()
+             ? std::nullopt
+             : std::optional(static_cast<std::size_t>(found - columns_.begin()));
 }
 
 Expected<std::vector<std::size_t>> CsvTable::require(
     std::initializer_list<std::string_view> columns) const {
+  const auto place = [&] { return name_ + ":" + std::to_string(header_line_) + ":1: "; };
   std::vector<std::size_t> positions;
   std::string missing;
   std::string all;
@@ -147,40 +177,47 @@ Expected<std::vector<std::size_t>> CsvTable::require(
     } else {
       missing.append(missing.empty() ? "" : ", ").append(column);
     }
+    if (std::count(columns_.begin(), columns_.end(), column) > 1) {
+      return bad_input(place() + "two columns are called " + std::string(column) +
+                       "; rename the one that is not meant");
+    }
   }
   if (!missing.empty()) {
-    return bad_input(name_ + ":" + std::to_string(header_.line) + ":1: no column " + missing +
+    return bad_input(place() + "no column " + missing +
                      "; the first line names the columns: " + all);
   }
   return positions;
 }
 
 Expected<double> CsvTable::number(std::size_t row, std::size_t column) const {
-  const std::string& text = rows_[row].cells[column].text;
-  double value = 0.0;
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (code != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return tl::make_unexpected(error_at(row, column, in_quotes(text) + " is not a number"));
+  const std::string_view cell = text(row, column);
+  const auto value = parse_csv_number(cell, separator_);
+  if (!value) {
+    return tl::make_unexpected(error_at(row, column, quoted_cell(cell) + " is not a number"));
   }
-  return value;
+  return *value;
 }
 
 Expected<Timestamp> CsvTable::time(std::size_t row, std::size_t column) const {
-  const std::string& text = rows_[row].cells[column].text;
-  const auto seconds = parse_decimal_seconds(text);
+  const std::string_view cell = text(row, column);
+  const auto seconds = parse_decimal_seconds(with_decimal_point(cell, separator_));
   if (!seconds) {
-    return tl::make_unexpected(
-        error_at(row,
-                 column,
-                 in_quotes(text) + " is not a time; write seconds since 1970 as a decimal number"));
+    // A spreadsheet has rounded it, and the digits are gone.
+    const bool rounded = parse_csv_number(cell, separator_).has_value();
+    return tl::make_unexpected(error_at(
+        row,
+        column,
+        quoted_cell(cell) + " is not a time; write seconds since 1970 as a decimal number" +
+            (rounded ? " with all its digits, not as a spreadsheet rounds it" : "")));
   }
   return Timestamp(*seconds);
 }
 
 Error CsvTable::error_at(std::size_t row, std::size_t column, const std::string& what) const {
-  return {ErrorKind::kBadInput,
-          name_ + ":" + std::to_string(rows_[row].line) + ":" +
-              std::to_string(rows_[row].cells[column].column) + ": " + what};
+  const Cell& cell = cell_at(row, column);
+  return {
+      ErrorKind::kBadInput,
+      name_ + ":" + std::to_string(cell.line) + ":" + std::to_string(cell.column) + ": " + what};
 }
 
 }  // namespace rayloc

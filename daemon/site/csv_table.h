@@ -1,11 +1,13 @@
 // CsvTable: a comma-separated file with a header line, as surveys are written by hand, by scripts
-// and by spreadsheets. Columns are found by name, in any order; further ones are ignored.
+// and by spreadsheets. Columns are found by name, in any order and case; further ones are ignored.
 //
-// Accepted: LF or CRLF, a byte order mark, empty lines, blanks around cells. Quotes are not: no
-// cell that we read needs them. Errors name file:line:column.
+// What is accepted of separators, quotes, line ends and comments: csv_reader.h. Rows without any
+// value, and empty cells beyond the header, as spreadsheets leave them behind, are left out. Errors
+// name file:line:column. A file beyond 64 MiB or a million rows is refused before it is in memory.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <optional>
@@ -13,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/base/csv_reader.h"
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 
@@ -33,11 +36,14 @@ class CsvTable {
   // The positions of these columns, in their order; an Error that says which are missing.
   Expected<std::vector<std::size_t>> require(std::initializer_list<std::string_view> columns) const;
 
-  std::size_t rows() const { return rows_.size(); }
-  int line(std::size_t row) const { return rows_[row].line; }
+  std::size_t rows() const { return cells_.size() / columns_.size(); }
+  int line(std::size_t row) const { return cell_at(row, 0).line; }
+  // ',' but in files of other habits.
+  char separator() const { return separator_; }
 
-  const std::string& text(std::size_t row, std::size_t column) const {
-    return rows_[row].cells[column].text;
+  std::string_view text(std::size_t row, std::size_t column) const {
+    const Cell& cell = cell_at(row, column);
+    return std::string_view(texts_).substr(cell.begin, cell.size);
   }
   Expected<double> number(std::size_t row, std::size_t column) const;
   // Seconds since 1970 as time.
@@ -47,21 +53,25 @@ class CsvTable {
   Error error_at(std::size_t row, std::size_t column, const std::string& what) const;
 
  private:
-  struct Cell {
-    std::string text;
-    std::size_t column = 0;  // byte in the line, from 1
-  };
-  struct Row {
-    int line = 0;  // from 1
-    std::vector<Cell> cells;
+  struct Cell {               // 32 bits each: a file is shorter than 4 GiB
+    std::uint32_t begin = 0;  // in texts_
+    std::uint32_t size = 0;
+    std::int32_t line = 0;     // from 1
+    std::uint32_t column = 0;  // byte in the line, from 1
   };
 
-  static Row split(std::string_view text, int line);
+  Expected<void> add_row(const CsvReader::Record& record);
+  const Cell& cell_at(std::size_t row, std::size_t column) const {
+    return cells_[row * columns_.size() + column];
+  }
   std::optional<std::size_t> find_column(std::string_view name) const;
 
   std::string name_;
-  Row header_;
-  std::vector<Row> rows_;
+  char separator_ = ',';
+  int header_line_ = 1;
+  std::vector<std::string> columns_;  // in small letters
+  std::vector<Cell> cells_;           // row by row
+  std::string texts_;                 // of all cells
 };
 
 }  // namespace rayloc

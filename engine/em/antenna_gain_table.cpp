@@ -6,8 +6,9 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
-#include <optional>
 #include <utility>
+
+#include "engine/base/csv_reader.h"
 
 namespace rayloc {
 namespace {
@@ -15,59 +16,15 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kFewestPhi = 4;
 constexpr std::size_t kFewestTheta = 3;
-constexpr double kLowestGain = -200.0;   // [dBi]
-constexpr double kHighestGain = 60.0;    // [dBi]
-constexpr double kStepTolerance = 1e-3;  // of an angle that is written rounded, in steps
+constexpr double kLowestGain = -200.0;    // [dBi]
+constexpr double kHighestGain = 60.0;     // [dBi]
+constexpr std::size_t kMostCells = 3601;  // of a line, and lines: a tenth of a degree
+constexpr double kStepTolerance = 1e-3;   // of an angle that is written rounded, in steps
 
 struct Line {
   int number = 0;  // from 1
-  std::vector<std::string_view> cells;
+  CsvReader::Record cells;
 };
-
-std::string_view without_blanks(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t begin = text.find_first_not_of(kBlanks);
-  return begin == std::string_view::npos
-             ? std::string_view()
-             : text.substr(begin, text.find_last_not_of(kBlanks) - begin + 1);
-}
-
-// Calls `part` with each piece of `text` between separators.
-template <typename F>
-void for_each_part(std::string_view text, char separator, F part) {
-  for (std::size_t end = 0; end != std::string_view::npos;) {
-    end = text.find(separator);
-    part(without_blanks(text.substr(0, end)));
-    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-  }
-}
-
-// The lines that say something.
-std::vector<Line> split(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
-    text.remove_prefix(kByteOrderMark.size());
-  }
-  std::vector<Line> lines;
-  int number = 0;
-  for_each_part(text, '\n', [&](std::string_view content) {
-    ++number;
-    if (!content.empty() && content.front() != '#') {
-      Line& line = lines.emplace_back(Line{number, {}});
-      for_each_part(content, ',', [&](std::string_view cell) { line.cells.push_back(cell); });
-    }
-  });
-  return lines;
-}
-
-std::optional<double> parse_number(std::string_view text) {
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
-}
 
 // As a person would write it.
 std::string to_text(double value) {
@@ -101,7 +58,26 @@ double dot(const Weights& weights, const Weights& values) {
 // The numbers of a table, with errors that name the line.
 class TableReader {
  public:
-  TableReader(std::string_view text, const std::string& name) : lines_(split(text)), name_(name) {}
+  explicit TableReader(const std::string& name) : name_(name) {}
+
+  Expected<void> read(std::string_view text) {
+    CsvReader reader(text, name_, ErrorKind::kConfiguration, kMostCells);
+    for (CsvReader::Record record;;) {
+      const auto more = reader.next(record);
+      if (!more) {
+        return tl::make_unexpected(more.error());
+      }
+      separator_ = reader.separator();
+      if (!*more) {
+        return {};
+      }
+      if (lines_.size() == kMostCells) {
+        return error_at(record.cells[0].line,
+                        "more than " + std::to_string(kMostCells) + " lines of theta");
+      }
+      lines_.push_back({record.cells[0].line, std::move(record)});
+    }
+  }
 
   // The angles of the columns [degrees].
   Expected<std::vector<double>> phi() const {
@@ -178,7 +154,7 @@ class TableReader {
   Expected<std::vector<double>> numbers_of(const Line& line) const {
     std::vector<double> numbers;
     for (std::size_t c = 1; c < line.cells.size(); ++c) {
-      const auto number = parse_number(line.cells[c]);
+      const auto number = parse_csv_number(line.cells[c], separator_);
       if (!number) {
         return error_at(line.number, not_a_number(line, c));
       }
@@ -194,7 +170,7 @@ class TableReader {
                       std::to_string(line.cells.size()) + " cells; an angle and " +
                           std::to_string(phi_count) + " gains are needed, as in the first line");
     }
-    const auto theta = parse_number(line.cells.front());
+    const auto theta = parse_csv_number(line.cells[0], separator_);
     if (!theta) {
       return error_at(line.number, not_a_number(line, 0));
     }
@@ -214,19 +190,22 @@ class TableReader {
   }
 
   static std::string not_a_number(const Line& line, std::size_t cell) {
-    constexpr std::size_t kLongest = 40;
-    return "cell " + std::to_string(cell + 1) + " is '" +
-           std::string(line.cells[cell].substr(0, kLongest)) + "'; write a number";
+    return "cell " + std::to_string(cell + 1) + " is " + quoted_cell(line.cells[cell]) +
+           "; write a number";
   }
 
   std::vector<Line> lines_;
+  char separator_ = ',';
   const std::string& name_;
 };
 
 }  // namespace
 
 Expected<AntennaGainTable> AntennaGainTable::parse(std::string_view text, std::string name) {
-  const TableReader reader(text, name);
+  TableReader reader(name);
+  if (auto read = reader.read(text); !read) {
+    return tl::make_unexpected(std::move(read.error()));
+  }
   const auto phi = reader.phi();
   if (!phi) {
     return tl::make_unexpected(phi.error());

@@ -75,6 +75,15 @@ TEST_F(CalibrationInputsTest, SuspectsExchangedColumnsWhereThoseWouldFit) {
   EXPECT_TRUE(says(message, "are the columns exchanged?"));
 }
 
+class Field : public CalibrationInputsTest {};
+
+TEST_F(Field, PointsInMillimetresAreNamedAsSuch) {
+  const auto message =
+      error_with("t_start,t_end,x,y,z\n1718000125.3680,1718000125.8703,-1540.0,-1100.0,1200.0\n");
+  EXPECT_TRUE(says(message, ".csv:2: "));
+  EXPECT_TRUE(says(message, "in millimetres all points lie inside: write metres"));
+}
+
 TEST_F(CalibrationInputsTest, RecognisesATimeAmongTheCoordinates) {
   const auto message = error_with(std::string("x,t_end,t_start,y,z\n") + kRightRow);
   EXPECT_TRUE(says(message, ".csv:2: "));

@@ -1,5 +1,10 @@
 #include "daemon/site/points_csv.h"
 
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -81,6 +86,79 @@ TEST(PointsCsv, ErrorsNameFileLineAndColumn) {
             "p.csv:2:1: \"today\" is not a time; write seconds since 1970 as a decimal number");
   EXPECT_EQ(read(header + "2,1,3,4,5\n").error().message,
             "p.csv:2:3: t_end is before t_start; exchange them");
+}
+
+const std::string kHeader = "t_start,t_end,x,y,z\n";
+
+// What people's programs make of one survey.
+TEST(Field, PointsOfEverySpreadsheetAreThoseOfTheSurvey) {
+  for (const char* text :
+       {"\"t_start\",\"t_end\",\"x\",\"y\",\"z\"\n\"10.5\",\"11\",\"-1.54\",\"2\",\"1.2\"\n",
+        "T_start,t_end,X,y,z\n10.5,11,-1.54,2,1.2\n",
+        "# surveyed on Monday\nt_start,t_end,x,y,z\n10.5,11,-1.54,2,1.2\n",
+        "t_start,t_end,x,y,z\r10.5,11,-1.54,2,1.2\r",
+        "t_start;t_end;x;y;z\n10,5;11;-1,54;2;1,2\n",
+        "t_start;t_end;x;y;z\r\n10.5;11;-1.54;2;1.2\r\n",
+        "sep=,\nt_start,t_end,x,y,z\n10.5,11,-1.54,2,1.2\n",
+        "t_start\tt_end\tx\ty\tz\n10.5\t11\t-1.54\t2\t1.2\n",
+        "t_start,t_end,x,y,z,\n10.5,11,-1.54,2,1.2,\n,,,,,\n",
+        "t_start,t_end,x,y,z\n10.5,11,-1.54,2,1.2,,\n"}) {
+    const auto points = read(text);
+    ASSERT_TRUE(points) << text << points.error().message;
+    ASSERT_EQ(points->size(), 1U) << text;
+    EXPECT_EQ(points->front().t_start.time_since_epoch(), 10500ms) << text;
+    EXPECT_EQ(points->front().t_end.time_since_epoch(), 11s) << text;
+    EXPECT_EQ(points->front().position, (Vec3d{-1.54, 2, 1.2})) << text;
+  }
+}
+
+TEST(Field, PointsThatASpreadsheetHasRoundedAreRefused) {
+  EXPECT_EQ(
+      read(kHeader + "1.71800E+09,1.71800E+09,1,2,3\n").error().message,
+      "p.csv:2:1: \"1.71800E+09\" is not a time; write seconds since 1970 as a decimal number "
+      "with all its digits, not as a spreadsheet rounds it");
+  EXPECT_EQ(read("t_start,t_end,x,y,z,X\n1,2,3,4,5,6\n").error().message,
+            "p.csv:1:1: two columns are called x; rename the one that is not meant");
+  EXPECT_EQ(read(kHeader + "1,2,\"\x1b[2J\",4,5\n").error().message,
+            "p.csv:2:5: \"?[2J\" is not a number");
+}
+
+TEST(Field, PointsBeyondAMillionRowsAreRefusedWhereTheyBegin) {
+  std::string text = "x\n";
+  for (int i = 0; i < 1'000'001; ++i) {
+    text += "1\n";
+  }
+  EXPECT_EQ(CsvTable::parse(text, "p.csv").error().message,
+            "p.csv:1000002:1: more than 1000000 rows: is this the file that you mean? Give it in "
+            "parts");
+}
+
+// A file that is all hole: it takes no disk, and would take a gigabyte of memory.
+TEST(Field, PointsThatAreTooLongAreNotReadIntoMemory) {
+  const std::string file = testing::TempDir() + "field_points_too_long.csv";
+  std::ofstream(file) << kHeader;
+  std::filesystem::resize_file(file, std::uintmax_t{1} << 30U);
+  rusage before{};
+  getrusage(RUSAGE_SELF, &before);
+  EXPECT_EQ(load_points_csv(file).error().message,
+            file + ": longer than 64 MiB: is this the file that you mean? Give it in parts");
+  rusage after{};
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 512 * 1024);  // KiB
+  std::filesystem::remove(file);
+}
+
+TEST(Field, PointsOfMoreSpotsThanAPersonWalksAreRefused) {
+  const std::string file = testing::TempDir() + "field_points_too_many.csv";
+  std::ofstream stream(file);
+  stream << kHeader;
+  for (int i = 0; i < 20'001; ++i) {
+    stream << "1,2,3,4,5\n";
+  }
+  stream.close();
+  EXPECT_EQ(load_points_csv(file).error().message,
+            file + ": 20001 spots; at most 20000 are read: is this the survey?");
+  std::filesystem::remove(file);
 }
 
 TEST(PointsCsv, SaysWhenTheFileCannotBeReadOrIsEmpty) {

@@ -88,7 +88,7 @@ TEST_F(SitePattern, ErrorsNameThePlaceInTheSiteAndInTheTable) {
   write("antennas/beam.csv", "t,0,90,180,270\n0,1,2,three,4\n90,1,2,3,4\n180,1,2,3,4\n");
   EXPECT_THAT(errors("pattern_file = \"antennas/beam.csv\"\n"),
               AllOf(StartsWith("site.toml:21:16: 'pattern_file': "),
-                    HasSubstr("antennas/beam.csv:2: cell 4 is 'three'; write a number")));
+                    HasSubstr("antennas/beam.csv:2: cell 4 is \"three\"; write a number")));
 }
 
 TEST_F(SitePattern, ACopyOfTheSiteHasItsTables) {

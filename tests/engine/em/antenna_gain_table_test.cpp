@@ -68,6 +68,15 @@ TEST(AntennaGainTable, HasItsSamples) {
   }
 }
 
+// As a spreadsheet with decimal commas writes it, in quotes or without.
+TEST(Field, GainTableOfASpreadsheetIsThatOfAScript) {
+  const AntennaGainTable table = parsed(
+      "\"theta\\phi\";\"0\";90;180;270\r\n0;-3,0;-3;-3;-3\r\n90;\"2,5\";-1;-9,5;0,5\r\n"
+      "180;-4;-4;-4;-4\r\n");
+  EXPECT_NEAR(table.at(kPi / 2, 0.0).dbi, 2.5, 1e-12);
+  EXPECT_NEAR(table.at(kPi / 2, -kPi).dbi, -9.5, 1e-12);
+}
+
 TEST(AntennaGainTable, ReadsLinesOfWindows) {
   std::string text = kSmall;
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) {
@@ -151,14 +160,14 @@ TEST_P(AntennaGainTableError, NamesTheLineAndWhatToWrite) {
 
 const auto kCases = std::to_array<Case>({
     {"Empty", "# nothing\n\n", "beam.csv:1: the table is empty", "theta\\phi,0,90"},
-    {"Text", "t,0,90,180,east\n", "beam.csv:1: cell 5 is 'east'", "write a number"},
+    {"Text", "t,0,90,180,east\n", "beam.csv:1: cell 5 is \"east\"", "write a number"},
     {"EmptyCell",
      "t,0,90,180,270\n0,1,2,,4\n90,1,2,3,4\n180,1,2,3,4\n",
-     "beam.csv:2: cell 4 is ''",
+     "beam.csv:2: cell 4 is \"\"",
      "write a number"},
     {"Infinite",
      "t,0,90,180,270\n0,1,2,3,-inf\n90,1,2,3,4\n180,1,2,3,4\n",
-     "beam.csv:2: cell 5 is '-inf'",
+     "beam.csv:2: cell 5 is \"-inf\"",
      "write a number"},
     {"Decimals",
      "t,0,90,180,270\n0,1,2,3,4\n90,1,2,3,999\n180,1,2,3,4\n",

@@ -1,0 +1,18 @@
+// The units that lengths are written in by mistake, where metres are read.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace rayloc {
+
+struct LengthUnit {
+  std::string_view name;
+  double metres = 1.0;
+};
+
+// From the one nearest to the metre on.
+inline constexpr std::array<LengthUnit, 4> kMistakenUnits = {
+    {{"feet", 0.3048}, {"inches", 0.0254}, {"centimetres", 0.01}, {"millimetres", 0.001}}};
+
+}  // namespace rayloc
