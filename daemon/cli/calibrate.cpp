@@ -27,6 +27,7 @@
 #include "daemon/cli/calibration_summary.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/site/calibration_file.h"
+#include "daemon/site/room_match.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
 #include "engine/calibrate/draw_search.h"
@@ -126,6 +127,9 @@ Expected<void> Calibration::measure() {
     return tl::make_unexpected(std::move(room.error()));
   }
   plan_ = *std::move(room);
+  for (const std::string& warning : room_warnings(*plan_.scene, site_)) {
+    std::fprintf(stderr, "%s\n", warning.c_str());
+  }
   auto inputs = read_calibration_inputs(with_bounds(site_, plan_), *captures, options_.points);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));

@@ -15,6 +15,7 @@
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
 #include "daemon/service/secrets.h"
+#include "daemon/site/room_match.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc::cli {
@@ -35,12 +36,12 @@ std::string describe(const Site& site) {
 }
 
 // The scene and the calibration as raylocd will read them.
-Expected<std::string> check_room(const Site& site) {
+Expected<std::string> read_room(const Site& site) {
   const Expected<RoomModel> room = load_room_model(site);
   if (!room) {
     return tl::make_unexpected(room.error());
   }
-  for (const std::string& warning : zone_warnings(site, room->bounds_min, room->bounds_max)) {
+  for (const std::string& warning : room_warnings(*room->scene, site)) {
     std::fprintf(stderr, "%s\n", warning.c_str());
   }
   return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
@@ -78,7 +79,7 @@ Expected<std::string> check(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
     const Expected<Site> site = load_site(path);
-    return site ? check_room(*site) : tl::make_unexpected(site.error());
+    return site ? read_room(*site) : tl::make_unexpected(site.error());
   }
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
   if (!setup) {
@@ -87,7 +88,7 @@ Expected<std::string> check(const std::filesystem::path& path) {
   if (const Expected<void> secrets = check_secrets_of(setup->config); !secrets) {
     return tl::make_unexpected(secrets.error());
   }
-  Expected<std::string> room = check_room(setup->site);
+  Expected<std::string> room = read_room(setup->site);
   if (!room) {
     return room;
   }

@@ -44,7 +44,8 @@ std::string report_json(const SceneSource& source, const SceneReport& report) {
                {"contacts", report.contacts},
                {"materials", Json::array()},
                {"objects", Json::array()},
-               {"warnings", Json::array()}};
+               {"warnings", Json::array()},
+               {"errors", Json::array()}};
   for (const MaterialReport& each : report.materials) {
     json["materials"].push_back({{"name", each.material.name},
                                  {"relative_permittivity", each.material.relative_permittivity},
@@ -62,6 +63,9 @@ std::string report_json(const SceneSource& source, const SceneReport& report) {
   }
   for (const SceneWarning& warning : report.warnings) {
     json["warnings"].push_back({{"kind", warning.kind}, {"message", warning.message}});
+  }
+  for (const SceneWarning& error : report.errors) {
+    json["errors"].push_back({{"kind", error.kind}, {"message", error.message}});
   }
   // Names come from the scene file: what is not UTF-8 is replaced.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -131,7 +135,7 @@ std::string report_text(const SceneSource& source, const SceneReport& report) {
   for (const SceneWarning& warning : report.warnings) {
     text += "warning: " + warning.message + "\n";
   }
-  return text + (report.warnings.empty() ? "no warning\n" : "");
+  return text + (report.warnings.empty() && report.errors.empty() ? "no warning\n" : "");
 }
 
 Expected<void> run(const Arguments& arguments) {
@@ -143,7 +147,12 @@ Expected<void> run(const Arguments& arguments) {
   const std::string text =
       arguments.json ? report_json(*source, report) : report_text(*source, report);
   std::fputs(text.c_str(), stdout);
-  return {};
+  std::string errors;
+  for (const SceneWarning& error : report.errors) {
+    errors += (errors.empty() ? "" : "\n") + source->file.string() + ": " + error.message;
+  }
+  return errors.empty() ? Expected<void>()
+                        : report_file_error({ErrorKind::kConfiguration, std::move(errors)});
 }
 
 }  // namespace

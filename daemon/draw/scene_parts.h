@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/scene/bounds.h"
+#include "engine/scene/bounds.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc::draw {

@@ -7,16 +7,12 @@
 
 #include "daemon/scene/solid_around.h"
 #include "daemon/scene/surface_overlap.h"
+#include "daemon/site/room_match.h"
 
 namespace rayloc {
 namespace {
 
-// Rooms, flats, halls, floors of offices. Outside of this the unit is probably not the metre.
-constexpr double kSmallestPlace = 0.5;   // [m]
-constexpr double kLargestPlace = 2'000;  // [m]
-constexpr double kSameBounds = 1e-6;     // [m]
-// An antenna may be this far outside of all meshes: before the outer face of a wall, on a mast.
-constexpr double kOutsideSlack = 1.0;  // [m]
+constexpr double kSameBounds = 1e-6;  // [m]
 
 Bounds bounds_of(const Scene& scene) { return {scene.bounds_min(), scene.bounds_max()}; }
 
@@ -52,15 +48,6 @@ std::vector<MaterialReport> report_materials(const Scene& scene) {
     ++reports[object.material].objects;
   }
   return reports;
-}
-
-void warn_of_scale(const Scene& scene, std::vector<SceneWarning>& warnings) {
-  const Vec3d size = bounds_of(scene).size();
-  const double longest = std::max({size.x, size.y, size.z});
-  if (longest > kLargestPlace || longest < kSmallestPlace) {
-    warnings.push_back(
-        {"scale", fmt::format("the scene is {:.6g} m long; are its vertices in metres?", longest)});
-  }
 }
 
 void warn_of_objects(const Scene& scene,
@@ -108,44 +95,13 @@ std::size_t report_overlaps(const Scene& scene, std::vector<SceneWarning>& warni
 }
 
 void warn_of_antenna(const Scene& scene,
-                     const std::string& name,
-                     const Vec3d& position,
+                     const SiteAntenna& antenna,
                      std::vector<SceneWarning>& warnings) {
-  if (const auto around = solid_around(scene, position)) {
+  if (const auto around = solid_around(scene, antenna.place)) {
     warnings.push_back({"antenna_inside",
                         fmt::format("{} is inside of object '{}', where it hears nothing",
-                                    name,
+                                    antenna.name,
                                     scene.objects()[*around].name)});
-    return;
-  }
-  Bounds near = bounds_of(scene);
-  const Vec3d slack{kOutsideSlack, kOutsideSlack, kOutsideSlack};
-  near = {near.lower - slack, near.upper + slack};
-  if (!near.contains(position)) {
-    warnings.push_back(
-        {"antenna_outside",
-         fmt::format("{} is more than {:.0f} m outside of the scene", name, kOutsideSlack)});
-  }
-}
-
-void warn_of_antennas(const Scene& scene, const Site& site, std::vector<SceneWarning>& warnings) {
-  for (const SiteAccessPoint& ap : site.access_points) {
-    for (std::size_t i = 0; i < ap.cores.size(); ++i) {
-      warn_of_antenna(
-          scene,
-          fmt::format(
-              "the antenna of core {} of access point '{}'", static_cast<int>(ap.cores[i]), ap.id),
-          element_position(ap.array, i),
-          warnings);
-    }
-  }
-  for (const SiteTransmitter& transmitter : site.transmitters) {
-    if (transmitter.position) {
-      warn_of_antenna(scene,
-                      "the fixed transmitter " + to_string(transmitter.mac),
-                      *transmitter.position,
-                      warnings);
-    }
   }
 }
 
@@ -162,11 +118,16 @@ SceneReport inspect_scene(const SceneSource& source) {
         {"degenerate_triangle",
          fmt::format("{} triangles without area were left out", report.dropped_triangles)});
   }
-  warn_of_scale(scene, report.warnings);
   warn_of_objects(scene, report.objects, report.warnings);
   report.contacts = report_overlaps(scene, report.warnings);
   if (source.site) {
-    warn_of_antennas(scene, *source.site, report.warnings);
+    for (const SiteAntenna& antenna : antennas_of(*source.site)) {
+      warn_of_antenna(scene, antenna, report.warnings);
+    }
+  }
+  for (RoomFinding& finding : room_findings(scene, source.site ? &*source.site : nullptr)) {
+    (finding.is_error ? report.errors : report.warnings)
+        .push_back({std::move(finding.kind), std::move(finding.message)});
   }
   return report;
 }

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "daemon/scene/bounds.h"
 #include "daemon/scene/scene_source.h"
 #include "engine/em/radio_material.h"
+#include "engine/scene/bounds.h"
 
 namespace rayloc {
 
@@ -44,9 +44,10 @@ struct SceneReport {
   std::vector<MaterialReport> materials;  // as well
   std::size_t dropped_triangles = 0;
   std::size_t contacts = 0;  // pairs of faces that touch and hide each other
-  // Of these kinds: degenerate_triangle, scale, inside_out, open_body, overlap, antenna_inside,
-  // antenna_outside.
+  // Of these kinds: degenerate_triangle, inside_out, open_body, overlap, antenna_inside, and those
+  // of room_findings().
   std::vector<SceneWarning> warnings;
+  std::vector<SceneWarning> errors;  // of room_findings(): this is not the room of the site
 };
 
 SceneReport inspect_scene(const SceneSource& source);

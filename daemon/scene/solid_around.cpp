@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "daemon/scene/bounds.h"
+#include "engine/scene/bounds.h"
 #include "engine/scene/solid.h"
 
 namespace rayloc {

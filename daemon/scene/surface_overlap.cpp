@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <tuple>
 
-#include "daemon/scene/bounds.h"
+#include "engine/scene/bounds.h"
 #include "daemon/scene/surface_triangles.h"
 
 namespace rayloc {

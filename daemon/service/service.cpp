@@ -15,6 +15,7 @@
 #include "daemon/service/privacy.h"
 #include "daemon/service/secrets.h"
 #include "daemon/site/path_grid_files.h"
+#include "daemon/site/room_match.h"
 
 namespace rayloc {
 namespace {
@@ -112,8 +113,7 @@ Expected<std::unique_ptr<Service>> Service::open(
     const RoomModel& room = estimator->room();
     service->status_.scene_hash = room.scene_hash;
     service->status_.calibration_id = room.calibration_id;
-    for (const std::string& warning :
-         zone_warnings(service->setup_.site, room.bounds_min, room.bounds_max)) {
+    for (const std::string& warning : room_warnings(*room.scene, service->setup_.site)) {
       log(warning);
     }
   }

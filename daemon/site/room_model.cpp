@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "daemon/site/calibration_file.h"
+#include "daemon/site/room_match.h"
 #include "engine/scene/scene_hash.h"
 
 namespace rayloc {
@@ -114,6 +115,9 @@ Expected<RoomModel> load_room_model(const Site& site) {
   auto scene = load_scene(site.scene_file, scene_options(site));
   if (!scene) {
     return tl::make_unexpected(std::move(scene.error()));
+  }
+  if (auto checked = check_room(*scene, site); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
   }
   RoomModel room;
   room.name = site.name;

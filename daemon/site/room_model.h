@@ -1,5 +1,6 @@
 // load_room_model: the engine's RoomModel of a validated Site: reads the scene with the site's
-// material overrides, and the calibration file where the site names one.
+// material overrides, and the calibration file where the site names one. A scene that is not the
+// room that the site states is an error (room_match.h, which has warnings as well).
 #pragma once
 
 #include <string>

@@ -151,6 +151,75 @@ TEST_F(SceneVerb, CheckWarnsAndStillSucceeds) {
       << checked.out;
 }
 
+class Field : public SceneVerb {
+ protected:
+  // The office with these steps in to_world of each shape.
+  void write_office(const std::string& steps) const {
+    const fs::path xml = fs::path(out()) / "scene.xml";
+    if (!fs::exists(xml)) {
+      ASSERT_EQ(make_room(std::string(kPlan) + kAccessPoint).status, 0);
+      fs::copy(xml, folder_ / "office.xml");
+    }
+    std::string text = content(folder_ / "office.xml");
+    const std::string end = "</shape>";
+    for (std::size_t at = 0; (at = text.find(end, at)) != std::string::npos;) {
+      const std::string transform = "<transform name=\"to_world\">" + steps + "</transform>";
+      text.insert(at, transform);
+      at += transform.size() + end.size();
+    }
+    std::ofstream(xml) << text;
+  }
+  // The message of every verb that loads the site for work.
+  std::string refusal() const {
+    const Finished checked = RaylocProcess({"check-config", out()}).wait();
+    EXPECT_EQ(checked.status, 78);
+    EXPECT_EQ(RaylocProcess({"calibrate", out(), "--plan"}).wait().status, 78);
+    const Finished inspected = RaylocProcess({"scene", "check", out()}).wait();
+    EXPECT_EQ(inspected.status, 78);
+    EXPECT_EQ(inspected.err, checked.err);
+    return checked.err;
+  }
+  void expect_good() const {
+    const Finished checked = RaylocProcess({"check-config", "--quiet", out()}).wait();
+    EXPECT_EQ(checked.status, 0) << checked.err;
+    EXPECT_EQ(checked.err, "");
+  }
+};
+
+// What the check advises makes the room that it missed.
+TEST_F(Field, RoomCheckNamesCentimetresAndWhatToWrite) {
+  write_office("<scale value=\"100\"/>");
+  const std::string message = refusal();
+  EXPECT_NE(message.find("its vertices are in centimetres"), std::string::npos) << message;
+  EXPECT_NE(message.find("write <scale value=\"0.01\"/> last"), std::string::npos) << message;
+  write_office("<scale value=\"100\"/><scale value=\"0.01\"/>");
+  expect_good();
+}
+
+TEST_F(Field, RoomCheckNamesTheAxisThatIsUpAndWhatToWrite) {
+  write_office("<rotate x=\"1\" angle=\"-90\"/>");
+  const std::string message = refusal();
+  EXPECT_NE(message.find("its floor and ceiling lie along y"), std::string::npos) << message;
+  EXPECT_NE(message.find("write <rotate x=\"1\" angle=\"90\"/> last"), std::string::npos)
+      << message;
+  write_office("<rotate x=\"1\" angle=\"-90\"/><rotate x=\"1\" angle=\"90\"/>");
+  expect_good();
+  write_office("<rotate y=\"1\" angle=\"90\"/>");
+  EXPECT_NE(refusal().find("write <rotate y=\"1\" angle=\"-90\"/> last"), std::string::npos);
+  write_office("<rotate y=\"1\" angle=\"90\"/><rotate y=\"1\" angle=\"-90\"/>");
+  expect_good();
+}
+
+TEST_F(Field, RoomCheckOfASceneAloneWarns) {
+  write_office("<scale value=\"1000\"/>");
+  const Finished checked = RaylocProcess({"scene", "check", out() + "/scene.xml", "--json"}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  const auto json = nlohmann::json::parse(checked.out);
+  ASSERT_EQ(json["warnings"].size(), 1U) << checked.out;
+  EXPECT_EQ(json["warnings"][0]["kind"], "scale");
+  EXPECT_EQ(json["errors"].size(), 0U);
+}
+
 // A scene that cannot be used is named with its place, and nothing is printed as data.
 TEST_F(SceneVerb, UnusableScenesAreRefused) {
   ASSERT_EQ(make_room(kPlan).status, 0);
