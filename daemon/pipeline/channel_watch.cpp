@@ -28,8 +28,16 @@ void ChannelWatch::add(Sight sight) {
 
 std::vector<std::shared_ptr<const ChannelWatch::Sight>> ChannelWatch::ask() {
   const std::lock_guard lock(mutex_);
+  if (wanted_ == 0) {
+    sights_.clear();
+  }
   wanted_ = kAddedPerQuestion;
   return {sights_.begin(), sights_.end()};
+}
+
+void ChannelWatch::clear() {
+  const std::lock_guard lock(mutex_);
+  sights_.clear();
 }
 
 }  // namespace rayloc

@@ -1,5 +1,6 @@
 // ChannelWatch: the last burst of each of a few devices and where it was located, for those who
-// want to see the channel behind a position. Kept only while somebody asks.
+// want to see the channel behind a position. Kept only while somebody asks. Frames and position
+// are of the same burst: a person who walks is 20 cm further on with the next.
 //
 // Thread safety: all members from any thread.
 #pragma once
@@ -19,11 +20,13 @@ namespace rayloc {
 
 class ChannelWatch {
  public:
+  // All of one burst and of the one location that was made of it.
   struct Sight {
     std::string target;                          // as topics name it: never an address hashed
-    Timestamp time;                              // of the last frame
+    std::string name;                            // for people; may be empty
+    Timestamp time;                              // of the location
     Vec3d position;                              // [m]
-    std::vector<CsiFrame> frames;                // some of the burst
+    std::vector<CsiFrame> frames;                // all that it was located by
     std::shared_ptr<const Localizer> localizer;  // that located it
   };
 
@@ -31,8 +34,12 @@ class ChannelWatch {
   bool is_wanted() const;
   void add(Sight sight);
 
-  // Of the devices heard last, the latest first. From now on more are wanted.
+  // Of the devices heard last, the latest first. From now on more are wanted. Nothing where nobody
+  // has asked for so long that what was kept is of another time.
   std::vector<std::shared_ptr<const Sight>> ask();
+
+  // What was kept is of another time: a recording was moved.
+  void clear();
 
  private:
   mutable std::mutex mutex_;

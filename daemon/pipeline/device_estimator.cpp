@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/publish/location_message.h"
+#include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
@@ -248,7 +249,7 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
   out.locations.push_back(
       location_message(snapshot, context_of(burst.transmitter, snapshot.time, *room)));
-  show_channel(burst, *room, out.locations.back());
+  show_channel(frames, *room, out.locations.back());
   if (room->tracker && !frames.empty()) {
     std::vector<DeviceUpdate> updates;
     room->tracker->hear(burst.transmitter, frames, updates, burst.heard_since);
@@ -262,19 +263,20 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   }
 }
 
-void DeviceEstimator::show_channel(const Burst& burst,
+// Of the frames that the location was made of, all of them: of a device that moves, some of a burst
+// are of another place than the burst.
+void DeviceEstimator::show_channel(std::span<const CsiFrame> frames,
                                    const Room& room,
                                    const v1::Location& location) {
   const auto* localizer = std::get_if<std::shared_ptr<const Localizer>>(&room.localizer);
   if (localizer == nullptr || !location.has_position() || !channels_.is_wanted()) {
     return;
   }
-  constexpr std::size_t kMostFrames = 24;  // over all access points: what a burst says is in them
-  const auto count = static_cast<std::ptrdiff_t>(std::min(burst.frames.size(), kMostFrames));
   channels_.add({target_component(location.target()),
-                 burst.last,
+                 location.target().name(),
+                 from_proto(location.time()),
                  {location.position().x(), location.position().y(), location.position().z()},
-                 {burst.frames.begin(), burst.frames.begin() + count},
+                 {frames.begin(), frames.end()},
                  *localizer});
 }
 
@@ -301,6 +303,7 @@ Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
 
 void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
   monitor_->restart();
+  channels_.clear();
   {
     const std::lock_guard lock(mutex_);
     warnings_.clear();

@@ -85,7 +85,9 @@ class DeviceEstimator : public Estimator {
   std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
   void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;
-  void show_channel(const Burst& burst, const Room& room, const v1::Location& location);
+  void show_channel(std::span<const CsiFrame> frames,
+                    const Room& room,
+                    const v1::Location& location);
   LocationContext context_of(const MacAddress& device, Timestamp time, const Room& room) const;
   std::uint64_t track_number(const MacAddress& device, const v1::Target& target);
   void append(const std::vector<DeviceUpdate>& updates, const Room& room, Estimates& out);

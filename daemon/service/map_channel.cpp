@@ -93,12 +93,13 @@ std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
     arrays.push_back(array_json(heard, std::move(simulated), grid));
   }
   return Json{{"target", sight.target},
+              {"name", sight.name},
               {"time", google::protobuf::util::TimeUtil::ToString(to_proto(sight.time))},
               {"position", {sight.position.x, sight.position.y, sight.position.z}},
               {"tones", grid.tone_index},
               {"tone_spacing_hz", grid.spacing_hz},
               {"access_points", std::move(arrays)}}
-      .dump();
+      .dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string MapChannel::json() {

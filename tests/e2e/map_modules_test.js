@@ -6,6 +6,7 @@
   const {Targets} = await import('/map/targets.js');
   const {showCalibration, showChannel} = await import('/map/panels.js');
   const {dotOf, pointsOf} = await import('/map/fits.js');
+  const {Plan} = await import('/map/plan.js');
   const {showSources} = await import('/map/sources.js');
   const {View} = await import('/map/view.js');
 
@@ -247,20 +248,48 @@
         `${name} has been in desk for 3.0 s`, `${name} entered desk`], 'events');
     },
 
-    'a channel is shown with its age'() {
-      const channel = (time) => ({target: 'phone', time: new Date(time).toISOString(), tones: [-1, 1], access_points: [
-        {id: 'ap1', correlation: 0.8, antennas: [{measured: [1, 1], simulated: [1, 0.9]}]}]});
+    'a channel is shown with its age, its place and its name'() {
+      const channel = (time, name = 'phone') => ({target: '02:00:00:00:00:01', name, time: new Date(time).toISOString(),
+        position: [1, -0.5, 1.2], tones: [-1, 1], access_points: [
+          {id: 'ap1', correlation: 0.8, antennas: [{measured: [1, 1], simulated: [1, 0.9]}]}]});
       const said = () => document.querySelector('#csi-text').textContent.split(':')[0];
-      const {model} = begin([]);
+      const laptop = {mac: '02:00:00:00:00:02', name: 'laptop', track: '2'};
+      const {model} = begin([location(NOW, {target: laptop})]);
       showChannel([channel(NOW - 7000)], null, model);
-      same(said(), 'phone, heard 7 s ago', 'live');
-      showChannel([channel(NOW - HOUR)], 'laptop', model);
-      same(said(), 'Of laptop no channel is known. phone, heard 3600 s ago', 'when another one is selected');
-      showChannel([channel(Date.parse('2020-01-01T00:01:07Z'))], 'phone', begin([playing(NOW, 1)]).model);
-      same(document.querySelector('#csi-text').textContent.startsWith('phone, 1:07.0 into the recording: '), true, 'of a recording');
+      same(said(), 'phone at 1.00, -0.50, heard 7 s ago', 'live');
+      showChannel([channel(NOW - 7000, '')], '02:00:00:00:00:01', model, false);
+      same(said(), 'Not of the moment that the map shows. 02', 'in review, of one without a name');
+      showChannel([channel(NOW - HOUR)], laptop.mac, model);
+      same(said(), 'Of laptop no channel is known. phone at 1.00, -0.50, heard 3600 s ago', 'when another one is selected');
+      showChannel([channel(Date.parse('2020-01-01T00:01:07Z'))], null, begin([playing(NOW, 1)]).model);
+      same(document.querySelector('#csi-text').textContent.startsWith('phone at 1.00, -0.50, 1:07.0 into the recording: '), true,
+        'of a recording');
+      same(document.querySelector('#csi-text').textContent.endsWith('Power explained: ap1 80 %.'), true, 'the power');
       same(document.querySelectorAll('#csi-charts svg').length, 1, 'charts');
       showChannel([], null, model);
       same(document.querySelectorAll('#csi-charts svg').length, 0, 'charts of nothing');
+    },
+
+    'what is said of the present is not mixed with a moment under review'() {
+      const source = {sent: new Date(NOW).toISOString(), source: {access_point: 'ap9', status: 'SOURCE_STATUS_STALLED', counters: {}}};
+      const lost = (sent) => ({sent: new Date(sent).toISOString(), track: {target: {mac: 'm'}, state: 'TRACK_STATE_LOST'}});
+      const {model} = begin([source, lost(NOW - 9000), lost(NOW - 1000)]);
+      same(model.events.length, 2, 'events by now');
+      same(model.eventsAt(NOW - 5000).map(({sent}) => sent), [NOW - 9000], 'events by then');
+      same(model.absence(false), 'No target had been located by then.', 'said then');
+      const heading = () => document.querySelector('#sources').textContent;
+      showSources(model, false);
+      same(heading(), 'Access points, now', 'in review');
+      showSources(model);
+      same(heading(), 'Access points', 'live');
+      const plan = new Plan({plan: [], zones: [], fixed_transmitters: [], access_points: [{id: 'ap9', facing: [1, 0], position: [0, 0]}]});
+      const drawn = () => [...document.querySelectorAll('#ap-ap9')].map((one) => [one.getAttribute('class'), one.textContent,
+        one.querySelector('.cross').getAttribute('visibility')])[0];
+      plan.showSources(model);
+      same(drawn(), ['access-point bad', 'ap9: stalled', 'visible'], 'on the map');
+      plan.showSources(model, false);
+      same(drawn(), ['access-point', 'ap9', 'hidden'], 'on the map of another moment');
+      document.querySelector('#fixed').replaceChildren();
     },
 
     'a view has places before its observer has told its size'() {

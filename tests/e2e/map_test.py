@@ -297,6 +297,7 @@ class MapTest:
         text = page.wait("document.querySelectorAll('#csi-charts .measured').length === 9 && "
                          "document.querySelectorAll('#csi-charts .simulated').length === 9 && "
                          "document.querySelector('#csi-text').textContent")
+        assert re.match(DEVICE + r" at -?\d+\.\d+, -?\d+\.\d+, heard \d+ s ago: ", text), text
         explained = [int(word) for word in re.findall(r"ap\d (\d+) %", text)]
         # Only the gains are calibrated, so not every access point agrees; an arbitrary channel
         # explains some 10 %.
@@ -657,10 +658,26 @@ class WalkTest(PlaybackTest):
         with open(os.path.join(SITE, "walk.csv"), encoding="ascii") as file:
             path = [(float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
         assert min(math.dist(one, (x, y)) for one in path) < 0.4, (x, y)
+        self.ask_for("position=0&speed=0.25&state=playing")
+        self.channel_of_a_burst(page)
         self.check(page)
         self.close(page)
         if self.picture:
             shutil.copy(os.path.join(self.out, "walk.png"), self.picture)
+
+    def channel_of_a_burst(self, page):
+        """The panel: of the burst and the place of one location, by name; while nobody stands still."""
+        told = "window.told"
+        page.ask(told + " = {}; for (const kind of ['snapshot', 'update']) (window.listening ||= new EventSource('events'))"
+                 ".addEventListener(kind, (event) => { for (const {location} of JSON.parse(event.data).messages) {"
+                 " if (location?.kind === 'LOCATION_KIND_SNAPSHOT' && location.position) {"
+                 f" const {{x, y, z}} = location.position; {told}[location.time] = [x, y, z]; }} }} }})")
+        page.ask("document.querySelector('#csi').open = true")
+        page.wait("/^phone at .*: amplitude/.test(document.querySelector('#csi-text').textContent)")
+        # Of a burst that was told to this page as well.
+        page.wait(f"(async () => (await (await fetch('api/v1/channel')).json()).some((one) => one.name === 'phone' && "
+                  f"JSON.stringify({told}[one.time]) === JSON.stringify(one.position)))()")
+        page.ask("document.querySelector('#csi').open = false; window.listening.close()")
 
     def walk_until(self, page, there):
         """From the beginning, and again where a busy machine has missed the moment."""

@@ -101,22 +101,24 @@ function draw(time) {
   drawn = time;
   stirred = false;
   const moment = model.held ?? timeline.step(elapsed);
-  showRoom(moment);
-  setText(byId('no-targets'), model.absence());
+  const isPresent = timeline.isPresent || model.held !== null;
+  showRoom(moment, isPresent);
+  setText(byId('no-targets'), model.absence(isPresent));
   targets.show(model.at(moment), view);
-  showSources(model);
+  showSources(model, isPresent);
   showDaemon(model.heartbeat);
-  showEvents(model.events);
+  showEvents(isPresent ? model.events : model.eventsAt(moment));
+  showChannel(isPresent);
 }
 
 // Without a plan nothing has a place on the drawing.
-function showRoom(moment) {
+function showRoom(moment, isPresent) {
   byId('map').classList.toggle('planless', !plan);
   byId('empty').hidden = Boolean(plan);
   byId('scale').hidden = !plan;
   if (!plan) return;
   plan.place(view);
-  plan.showSources(model);
+  plan.showSources(model, isPresent);
   plan.showZones(model.inside(moment));
   showScale();
 }
@@ -183,7 +185,7 @@ document.addEventListener('input', () => { stirred = true; });
 document.addEventListener('click', () => { stirred = true; });
 
 showTheme();
-watchChannel(targets, model);
+const showChannel = watchChannel(targets, model);
 setInterval(announce, ANNOUNCE_MS);
 setInterval(watchFeed, 1000);
 const feed = new Feed('events', {snapshot: told('snapshot'), update: told('update'), state: connection});

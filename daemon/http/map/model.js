@@ -130,8 +130,19 @@ export class Model {
     return playback && !playback.playing && !playback.ended ? this.latest : null;
   }
 
-  // An empty room, too, is told each second, as a person who is not there.
-  absence() {
+  // What the target is called that has this key.
+  nameOf(key) {
+    return this.targets.get(key)?.name ?? key;
+  }
+
+  // What had happened by that time, the latest first.
+  eventsAt(time) {
+    return this.events.filter(({sent}) => sent <= time);
+  }
+
+  // Why no target is shown. An empty room, too, is told each second, as a person who is not there.
+  absence(isPresent = true) {
+    if (!isPresent) return 'No target had been located by then.';
     const {nobody} = this;
     return nobody && this.now() - nobody.sent < FRESH_MS ? `Nobody is located: ${nobody.reason}.`
       : 'No target has been located yet.';

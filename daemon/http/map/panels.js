@@ -39,24 +39,38 @@ const CHANNEL_MS = 1000;
 const WIDE = 300;
 const HIGH = 90;
 
-// While its panel is open: the channel of the selected target, else of the one heard last.
+// While its panel is open: the channel of the selected target, else of the one heard last. Gives what
+// shows it anew, to be called with every picture: the selection and the moment shown change meanwhile.
 export function watchChannel(targets, model) {
   const panel = byId('csi');
   let next = null;
-  const look = async () => {
+  let known = null;  // what was answered since the panel was opened
+  const look = async (first) => {
     clearTimeout(next);
     if (!panel.open) return;
     try {
-      showChannel(await ask('api/v1/channel'), targets.selected, model);
+      const answer = await ask('api/v1/channel');
+      // The answer to the question before: to the first, of when somebody looked last.
+      known = first ? [] : answer;
     } catch (error) {
+      known = null;
       showNoChannel(`It is not known: ${error.message}.`);
     }
     next = setTimeout(look, CHANNEL_MS);
   };
-  panel.addEventListener('toggle', look);
+  panel.addEventListener('toggle', () => {
+    known = null;
+    look(true);
+  });
+  return (isPresent) => {
+    if (panel.open && known) showChannel(known, targets.selected, model, isPresent);
+  };
 }
 
+let drawn = null;  // the channel of the charts that stand there
+
 function showNoChannel(why) {
+  drawn = null;
   setText(byId('csi-text'), why);
   byId('csi-charts').replaceChildren();
 }
@@ -67,14 +81,21 @@ function heardText(time, {playback, now}) {
   return `heard ${number(Math.max(0, now - time) / 1000, 0)} s ago`;
 }
 
-export function showChannel(channels, selected, model) {
+// Whatever is said and drawn is of one burst, and of the place that it was located at: a target that
+// moves is at another one by now, which is where the map shows it.
+export function showChannel(channels, selected, model, isPresent = true) {
   const channel = channels.find((one) => one.target === selected) || channels[0];
   if (!channel) return showNoChannel('No device has been located since this panel was opened.');
-  const other = selected && selected !== channel.target ? `Of ${selected} no channel is known. ` : '';
+  const other = selected && selected !== channel.target ? `Of ${model.nameOf(selected)} no channel is known. ` : '';
+  const then = isPresent ? '' : 'Not of the moment that the map shows. ';
   const heard = heardText(Date.parse(channel.time), {playback: model.playback, now: model.now()});
+  const [x, y] = channel.position;
   const agreement = channel.access_points.map((ap) => `${ap.id} ${number(100 * ap.correlation, 0)} %`);
-  setText(byId('csi-text'), `${other}${channel.target}, ${heard}: amplitude over the tones of each antenna, measured `
-    + `(line) and simulated at the estimated position (dashed). Power explained: ${agreement.join(', ')}.`);
+  setText(byId('csi-text'), `${then}${other}${channel.name || channel.target} at ${number(x)}, ${number(y)}, ${heard}: `
+    + 'amplitude over the tones of each antenna, measured (line) and simulated there (dashed). '
+    + `Power explained: ${agreement.join(', ')}.`);
+  if (channel === drawn) return;
+  drawn = channel;
   byId('csi-charts').replaceChildren(...channel.access_points.flatMap((ap) =>
     ap.antennas.flatMap((antenna, i) => {
       const name = `${ap.id}, antenna ${i + 1}`;

@@ -57,9 +57,16 @@ export class Plan {
     }
   }
 
-  showSources(model) {
+  // What access points do is known of the present alone.
+  showSources(model, isPresent = true) {
     for (const one of this.fixed) {
       if (!one.id) continue;
+      if (!isPresent) {
+        one.group.setAttribute('class', 'access-point');
+        one.cross.setAttribute('visibility', 'hidden');
+        setText(one.text, one.id);
+        continue;
+      }
       const status = model.status(one.id);
       const bad = ['stalled', 'failed', 'no source'].includes(status);
       one.group.setAttribute('class', `access-point ${status === 'receiving' ? 'receiving' : bad ? 'bad' : ''}`);

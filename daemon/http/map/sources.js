@@ -27,8 +27,9 @@ function named(kinds) {
 
 const lost = (counters) => named(Object.fromEntries(Object.entries(LOSSES).map(([key, name]) => [name, counters[key]])));
 
-export function showSources(model) {
+export function showSources(model, isPresent = true) {
   const {sources} = model;
+  setText(byId('sources'), isPresent ? 'Access points' : 'Access points, now');
   for (const [id, {row}] of rows) {
     if (!sources.has(id)) {
       row.remove();

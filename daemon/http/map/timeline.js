@@ -13,6 +13,10 @@ export class Timeline {
     byId('live').addEventListener('click', () => this.present());
   }
 
+  get isPresent() {
+    return this.moment === null;
+  }
+
   present() {
     this.moment = null;
     this.running = false;
@@ -49,7 +53,7 @@ export class Timeline {
     }
     const shown = this.moment ?? now;
     const first = this.model.first ?? now;
-    const live = this.moment === null;
+    const live = this.isPresent;
     const ago = Math.round((now - shown) / 1000);
     if (document.activeElement !== this.slider || live || this.running) {
       this.slider.value = live ? 1000 : Math.round((1000 * (shown - first)) / Math.max(1, now - first));
