@@ -1,5 +1,6 @@
 #include "engine/scene/load_scene.h"
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <system_error>
@@ -26,6 +27,11 @@ Expected<std::string> read_file(const fs::path& file) {
     return make_error(ErrorKind::kUnavailable, file.string() + " cannot be read");
   }
   return bytes;
+}
+
+// No vector grows by more.
+double largest_stretch(const Mat3d& m) {
+  return std::sqrt(dot(m.row0, m.row0) + dot(m.row1, m.row1) + dot(m.row2, m.row2));
 }
 
 }  // namespace
@@ -58,6 +64,7 @@ Expected<Scene> parse_scene(std::string_view xml,
     for (Vec3d& vertex : shape.mesh.vertices) {
       vertex = shape.world_from_mesh.apply(vertex);
     }
+    shape.mesh.rounding *= largest_stretch(shape.world_from_mesh.linear);
     input.objects.push_back({std::move(shape.name), std::move(shape.mesh), shape.material});
   }
   auto scene = Scene::create(std::move(input));

@@ -12,6 +12,8 @@ namespace rayloc {
 struct Mesh {
   std::vector<Vec3d> vertices;                          // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices into `vertices`
+  // How far a vertex may be from where it was meant to be, as far as its file tells [m].
+  double rounding = 0.0;
 };
 
 }  // namespace rayloc

@@ -14,12 +14,13 @@ namespace {
 // Of the surfaces of one object, those on whose planes the vertex lies.
 Vec3d displacement(const Scene& scene,
                    std::span<const double> offset,
-                   std::uint32_t first,
-                   std::uint32_t end,
+                   std::uint32_t object,
                    const Vec3d& vertex) {
+  const double tolerance = coplanar_tolerance(scene.objects()[object].mesh);
+  const auto [first, end] = scene.surfaces_of(object);
   std::vector<std::uint32_t> touched;
   for (std::uint32_t s = first; s < end; ++s) {
-    if (std::abs(distance(scene.surfaces()[s].plane(), vertex)) <= kCoplanarTolerance) {
+    if (std::abs(distance(scene.surfaces()[s].plane(), vertex)) <= tolerance) {
       touched.push_back(s);
     }
   }
@@ -45,9 +46,8 @@ Expected<Scene> move_surfaces(const Scene& scene, std::span<const double> offset
   RAYLOC_CHECK(offset.size() == scene.surfaces().size());
   Scene::Input input{scene.objects(), scene.materials(), scene.carrier_hz()};
   for (std::uint32_t object = 0; object < input.objects.size(); ++object) {
-    const auto [first, end] = scene.surfaces_of(object);
     for (Vec3d& vertex : input.objects[object].mesh.vertices) {
-      vertex = vertex + displacement(scene, offset, first, end, vertex);
+      vertex = vertex + displacement(scene, offset, object, vertex);
     }
   }
   return Scene::create(std::move(input));

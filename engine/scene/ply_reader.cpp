@@ -206,6 +206,7 @@ class BodyReader {
     return encoding_ == Encoding::kAscii ? next_text() : next_binary(type);
   }
   std::size_t bytes_left() const { return bytes_.size() - at_; }
+  bool is_text() const { return encoding_ == Encoding::kAscii; }
   std::string place() const {
     return encoding_ == Encoding::kAscii ? ":" + std::to_string(line_)
                                          : ": byte " + std::to_string(at_);
@@ -327,6 +328,30 @@ class MeshReader {
                       " has a coordinate that is not a finite number");
       }
       mesh_.vertices.push_back(vertex);
+      return note_rounding(element, vertex);
+    }
+    return {};
+  }
+
+  // A float of a binary file tells no more than its 24 bits.
+  Expected<void> note_rounding(const Element& element, const Vec3d& vertex) {
+    constexpr double kFloatRounding = 5.9604644775390625e-8;  // 2^-24
+    constexpr double kCoarsest = 1e-3;                        // [m], 6 degrees of phase at 5 GHz
+    const bool is_float = std::any_of(
+        element.properties.begin(), element.properties.end(), [](const Property& property) {
+          return property.type == Type::kFloat32 &&
+                 (property.name == "x" || property.name == "y" || property.name == "z");
+        });
+    if (!is_float || body_.is_text()) {
+      return {};
+    }
+    const double furthest = std::max({std::abs(vertex.x), std::abs(vertex.y), std::abs(vertex.z)});
+    mesh_.rounding = std::max(mesh_.rounding, kFloatRounding * furthest);
+    if (mesh_.rounding > kCoarsest) {
+      return refuse("a coordinate of vertex " + std::to_string(mesh_.vertices.size() - 1) + " is " +
+                    std::to_string(std::llround(furthest)) +
+                    " m, of which a float keeps no millimetres; export the mesh about a local "
+                    "origin, or with coordinates of type double");
     }
     return {};
   }

@@ -12,8 +12,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastHeight = 1e-6;    // [m], of a triangle
-constexpr double kFarthest = 100'000.0;  // [m]: beyond it this is no room, and floats mean little
+constexpr double kLeastHeight = 1e-6;  // [m], of a triangle
+// Beyond it this is no room, and what tolerances take for nothing is rounding of a double [m].
+constexpr double kFarthest = 100'000.0;
+constexpr double kFarthestPlace = 1e8;  // [m], of coordinates of the earth
 
 bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
   const Vec3d ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
@@ -23,9 +25,27 @@ bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
   return !(norm(cross(ab, ac)) > kLeastHeight * longest);
 }
 
-bool is_usable(const Vec3d& v) {
-  const auto in_range = [](double x) { return std::abs(x) <= kFarthest; };  // false for NaN
-  return in_range(v.x) && in_range(v.y) && in_range(v.z);
+std::string in_metres(double x) { return std::to_string(std::llround(x)); }
+
+// What is wrong with the place of a vertex; empty: nothing.
+std::string fault_of(const Vec3d& v) {
+  if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
+    return " has a coordinate that is not a finite number";
+  }
+  const double furthest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (furthest <= kFarthest) {
+    return {};
+  }
+  // Beyond what anybody means, digits say nothing.
+  if (furthest > kFarthestPlace) {
+    return " is further than 100 km from the origin";
+  }
+  return " is at " + in_metres(v.x) + ", " + in_metres(v.y) + ", " + in_metres(v.z) +
+         ", further than 100 km from the origin; coordinates of a map must be made local: add "
+         "<translate x=\"" +
+         in_metres(-v.x) + "\" y=\"" + in_metres(-v.y) +
+         "\" z=\"0\"/> at the end of every <transform name=\"to_world\">, and shift the site's "
+         "places alike";
 }
 
 Expected<void> check_mesh(const SceneObject& object) {
@@ -34,9 +54,8 @@ Expected<void> check_mesh(const SceneObject& object) {
     return bad_input("object '" + object.name + "': " + what);
   };
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    if (!is_usable(mesh.vertices[i])) {
-      return refuse("vertex " + std::to_string(i) +
-                    " is not a finite number or further than 100 km away");
+    if (const std::string fault = fault_of(mesh.vertices[i]); !fault.empty()) {
+      return refuse("vertex " + std::to_string(i) + fault);
     }
   }
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <numeric>
-#include <tuple>
+#include <utility>
 
 #include "engine/scene/convex_hull.h"
 
@@ -14,15 +12,11 @@ namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-// Normals of coplanar triangles: cos(angle) at least this.
-constexpr double kParallel = 1.0 - 5e-7;
 // A corner nearer to the line between its neighbours than this is none [m]: more than the rounding
 // of coordinates within kFarthest of the origin, less than kEdgeTolerance.
 constexpr double kStraight = 1e-10;
 // Relative difference of areas up to which pieces fill their convex outline.
 constexpr double kAreaTolerance = 1e-7;
-
-Vec3d twice_area_vector(const Triangle& t) { return cross(t[1] - t[0], t[2] - t[0]); }
 
 Vec3d unit(const Vec3d& v) {
   const double length = norm(v);
@@ -34,7 +28,9 @@ double component_max(double a, double b) { return a < b ? b : a; }
 
 }  // namespace
 
-Surface::Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d, 3>>& triangles)
+Surface::Surface(const Plane<double>& plane,
+                 const std::vector<std::array<Vec3d, 3>>& triangles,
+                 double rounding)
     : plane_(plane) {
   // The first edge of the first triangle is a good axis for rectangles: their edges become
   // parallel to u and v.
@@ -44,52 +40,44 @@ Surface::Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d,
   const Vec3d& corner = triangles[0][0];
   origin_ = corner - distance(plane, corner) * plane.normal;
 
-  std::vector<Point2> all;
-  double triangles_area = 0.0;
+  double off_plane = 0.0;
+  std::vector<Triangle2> flat;
+  flat.reserve(triangles.size());
   for (const Triangle& t : triangles) {
-    triangles_area += 0.5 * norm(twice_area_vector(t));
+    flat.push_back({project(t[0]), project(t[1]), project(t[2])});
     for (const Vec3d& vertex : t) {
-      all.push_back(project(vertex));
+      off_plane = std::max(off_plane, std::abs(distance(plane, vertex)));
     }
   }
-  area_ = triangles_area;
-
-  const std::vector<Point2> hull = convex_hull(std::move(all), kStraight);
+  flat = without_doubles(std::move(flat));
+  std::vector<Point2> all;
+  for (const Triangle2& t : flat) {
+    area_ += 0.5 * std::abs((t[1].u - t[0].u) * (t[2].v - t[0].v) -
+                            (t[1].v - t[0].v) * (t[2].u - t[0].u));
+    all.insert(all.end(), t.begin(), t.end());
+  }
+  // Vertices are off sideways as they are off the plane.
+  const double straight = std::max({kStraight, 2.0 * rounding, 2.0 * off_plane});
+  const std::vector<Point2> hull = convex_hull(std::move(all), straight);
   double hull_area = 0.0;
+  double hull_length = 0.0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Point2& p = hull[i];
     const Point2& q = hull[(i + 1) % hull.size()];
     hull_area += 0.5 * (p.u * q.v - p.v * q.u);
+    hull_length += std::hypot(q.u - p.u, q.v - p.v);
     outline_.push_back(lift(p));
   }
-  if (std::abs(hull_area - triangles_area) <= kAreaTolerance * hull_area) {
-    add_piece(hull);
+  // Seams between pieces, and to other faces, are as wide as vertices are off.
+  const double seam = straight > kStraight ? straight : 0.0;
+  if (std::abs(hull_area - area_) <= kAreaTolerance * hull_area + straight * hull_length) {
+    add_piece(hull, seam);
     return;
   }
-  for (const Triangle& t : triangles) {
-    add_piece(convex_hull({project(t[0]), project(t[1]), project(t[2])}, 0.0));
+  for (const Triangle2& t : flat) {
+    add_piece(convex_hull({t[0], t[1], t[2]}, 0.0), seam);
   }
-  find_boundary(triangles);
-}
-
-// Sides of triangles that no other triangle has: those that two share lie inside.
-void Surface::find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles) {
-  std::map<std::array<double, 4>, int> uses;
-  for (const Triangle& t : triangles) {
-    for (std::size_t i = 0; i < t.size(); ++i) {
-      Point2 a = project(t[i]);
-      Point2 b = project(t[(i + 1) % t.size()]);
-      if (std::tie(b.u, b.v) < std::tie(a.u, a.v)) {
-        std::swap(a, b);
-      }
-      ++uses[{a.u, a.v, b.u, b.v}];
-    }
-  }
-  for (const auto& [side, count] : uses) {
-    if (count == 1) {
-      boundary_.push_back({{side[0], side[1]}, {side[2], side[3]}});
-    }
-  }
+  boundary_ = boundary_of(flat, straight);
 }
 
 Point2 Surface::project(const Vec3d& point) const {
@@ -101,7 +89,7 @@ Vec3d Surface::lift(const Point2& point) const {
   return origin_ + point.u * u_axis_ + point.v * v_axis_;
 }
 
-void Surface::add_piece(const std::vector<Point2>& corners) {
+void Surface::add_piece(const std::vector<Point2>& corners, double seam) {
   if (corners.size() < 3) {
     return;
   }
@@ -115,7 +103,7 @@ void Surface::add_piece(const std::vector<Point2>& corners) {
     const double length = std::hypot(q.u - p.u, q.v - p.v);
     const double a = -(q.v - p.v) / length;
     const double b = (q.u - p.u) / length;
-    edges_.push_back({a, b, -(a * p.u + b * p.v)});
+    edges_.push_back({a, b, seam - (a * p.u + b * p.v)});
     const Vec3d corner = lift(p);
     piece.lower = {component_min(piece.lower.x, corner.x),
                    component_min(piece.lower.y, corner.y),
@@ -124,55 +112,10 @@ void Surface::add_piece(const std::vector<Point2>& corners) {
                    component_max(piece.upper.y, corner.y),
                    component_max(piece.upper.z, corner.z)};
   }
+  const Vec3d wider{seam, seam, seam};
+  piece.lower = piece.lower - wider;
+  piece.upper = piece.upper + wider;
   pieces_.push_back(piece);
-}
-
-std::vector<MeshSurface> planar_surfaces(const Mesh& mesh) {
-  std::vector<Triangle> triangles;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    triangles.push_back({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
-  }
-  std::vector<std::size_t> order(triangles.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
-    return norm(twice_area_vector(triangles[i])) > norm(twice_area_vector(triangles[j]));
-  });
-
-  struct Group {
-    std::size_t first_triangle;  // lowest index
-    Plane<double> plane;
-    std::vector<Triangle> triangles;
-    bool one_facing = true;
-  };
-  std::vector<Group> groups;
-  for (const std::size_t i : order) {
-    const Triangle& t = triangles[i];
-    const Vec3d normal = unit(twice_area_vector(t));
-    const auto fits = [&](const Group& group) {
-      return std::abs(dot(group.plane.normal, normal)) >= kParallel &&
-             std::all_of(t.begin(), t.end(), [&](const Vec3d& vertex) {
-               return std::abs(distance(group.plane, vertex)) <= kCoplanarTolerance;
-             });
-    };
-    auto group = std::find_if(groups.begin(), groups.end(), fits);
-    if (group == groups.end()) {
-      groups.push_back({i, {normal, dot(normal, t[0])}, {}, true});
-      group = std::prev(groups.end());
-    }
-    group->first_triangle = std::min(group->first_triangle, i);
-    group->triangles.push_back(t);
-    group->one_facing = group->one_facing && dot(group->plane.normal, normal) > 0.0;
-  }
-
-  std::sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) {
-    return a.first_triangle < b.first_triangle;
-  });
-  std::vector<MeshSurface> surfaces;
-  surfaces.reserve(groups.size());
-  for (const Group& group : groups) {
-    surfaces.push_back({Surface(group.plane, group.triangles), group.one_facing});
-  }
-  return surfaces;
 }
 
 }  // namespace rayloc

@@ -5,6 +5,7 @@
 // convex, else its triangles).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
+#include "engine/scene/boundary.h"
 #include "engine/scene/mesh.h"
 #include "engine/scene/orientation.h"
 
@@ -49,14 +51,18 @@ class Surface {
     Vec3d upper;
   };
 
+  // `rounding`: how far vertices may be from where they are meant to be [m]; what is straight or
+  // whole but for that is straight or whole.
   // REQUIRES: triangles are not degenerate and lie in `plane` up to rounding.
-  Surface(const Plane<double>& plane, const std::vector<std::array<Vec3d, 3>>& triangles);
+  Surface(const Plane<double>& plane,
+          const std::vector<std::array<Vec3d, 3>>& triangles,
+          double rounding = 0.0);
 
   const Plane<double>& plane() const { return plane_; }
   // Corners of the convex outline, anticlockwise seen from where the normal points to.
   const std::vector<Vec3d>& outline() const { return outline_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
-  double area() const { return area_; }  // [m^2]
+  double area() const { return area_; }  // [m^2], of a sheet of two faces that of one
 
   // Axes of the plane coordinates and where they are 0, world.
   const Vec3d& origin() const { return origin_; }
@@ -97,14 +103,10 @@ class Surface {
   }
 
  private:
-  struct Side {  // of the boundary
-    Point2 from, to;
-  };
-
   Point2 project(const Vec3d& point) const;
-  void add_piece(const std::vector<Point2>& corners);
+  // With its edges moved outwards by `seam` [m].
+  void add_piece(const std::vector<Point2>& corners, double seam);
   Vec3d lift(const Point2& point) const;
-  void find_boundary(const std::vector<std::array<Vec3d, 3>>& triangles);
 
   Plane<double> plane_;
   Vec3d origin_;  // a point of the plane amid the surface: keeps (u, v) small
@@ -153,14 +155,21 @@ T Surface::inside_distance(const T& u, const T& v) const {
 }
 
 // The surfaces of one mesh, in the order of their first triangles, so that their numbers stay when
-// faces are moved. REQUIRES: finite vertices, valid indices, no degenerate
-// triangle. Coplanar: all corners within `kCoplanarTolerance` of the plane of the largest triangle
-// and normals parallel within about 0.06 degrees. Which way a triangle faces does not matter.
+// faces are moved. REQUIRES: finite vertices, valid indices, no degenerate triangle.
+//
+// Coplanar: all corners within `kCoplanarTolerance`, or a few roundings of the mesh where these are
+// more, of the plane through all, and normals parallel within about 0.06 degrees or what rounding
+// tilts a triangle of that height. So it does not matter how a wall is turned, where it stands or
+// into how many triangles it is cut. Which way a triangle faces does not matter either.
 struct MeshSurface {
   Surface surface;
   bool one_facing = false;  // every triangle faces the way of the plane's normal
 };
-inline constexpr double kCoplanarTolerance = 1e-5;  // [m], a few roundings of float at 30 m
+inline constexpr double kCoplanarTolerance = 1e-5;  // [m]
+inline double coplanar_tolerance(const Mesh& mesh) {
+  constexpr double kRoundings = 4.0;
+  return std::max(kCoplanarTolerance, kRoundings * mesh.rounding);
+}
 std::vector<MeshSurface> planar_surfaces(const Mesh& mesh);
 
 }  // namespace rayloc

@@ -240,7 +240,8 @@ TEST(Scene, RefusesWhatNoLoaderWouldLetThrough) {
   EXPECT_TRUE(Scene::create(input));
   auto broken = input;
   broken.objects[0].mesh.vertices[2].y = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(error_of(Scene::create(broken)).find("object 'wall': vertex 2 is not a finite number"),
+  EXPECT_NE(error_of(Scene::create(broken))
+                .find("object 'wall': vertex 2 has a coordinate that is not a finite"),
             std::string::npos);
   broken = input;
   broken.objects[0].mesh.triangles[1][0] = 9;

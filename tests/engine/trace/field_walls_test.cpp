@@ -97,6 +97,72 @@ TEST(Field, RigidMotionAndSubdivisionLeaveAllPathsOfRandomScenes) {
   EXPECT_GT(paths, 200U);
 }
 
+// 80 km away a double is known to 15 pm: nothing for a tolerance, something for a length.
+TEST(Field, PathsFarFromTheOriginAreThoseAtIt) {
+  std::mt19937_64 random(80);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int trial = 0; trial < 10; ++trial) {
+    const Scenery scenery = random_scenery(random);
+    const Vec3d& size = scenery[0].mesh.vertices[7];
+    const auto place = [&] {
+      return Vec3d{size.x * share(random), size.y * share(random), size.z * share(random)};
+    };
+    const Link link{place(), place()};
+    const TraceOptions options{.max_depth = 2, .transmission = trial % 2 == 1};
+    const Paths before = trace(scenery, options, link, {}, {});
+    const Orientation turn{6.0 * share(random), 0.3, -0.2};
+    const test::RigidMotion motion{rotation(turn), {80'000.0, -60'000.0, 500.0}};
+    const Paths after = trace(changed(scenery, motion, 4), options, link, motion, turn);
+    ASSERT_EQ(before.size(), after.size()) << trial;
+    std::vector<double> delays;
+    std::vector<double> far_delays;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      delays.push_back(before[i].tau);
+      far_delays.push_back(after[i].tau);
+    }
+    std::sort(delays.begin(), delays.end());
+    std::sort(far_delays.begin(), far_delays.end());
+    for (std::size_t i = 0; i < delays.size(); ++i) {
+      EXPECT_NEAR(delays[i] * kSpeedOfLight, far_delays[i] * kSpeedOfLight, 1e-8) << trial;
+    }
+  }
+}
+
+// Vertices that a file of floats has rounded.
+TEST(Field, SubdivisionLeavesThePathsOfARoomOfFloats) {
+  std::mt19937_64 random(81);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  const auto rounded = [](Scenery scenery) {
+    for (test::NamedMesh& named : scenery) {
+      for (Vec3d& v : named.mesh.vertices) {
+        v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+      }
+      named.mesh.rounding = 0x1p-24 * 250.0;
+    }
+    return scenery;
+  };
+  for (int trial = 0; trial < 10; ++trial) {
+    const Scenery scenery = random_scenery(random);
+    const Vec3d& size = scenery[0].mesh.vertices[7];
+    const auto place = [&] {
+      return Vec3d{size.x * share(random), size.y * share(random), size.z * share(random)};
+    };
+    const Link link{place(), place()};
+    const TraceOptions options{.max_depth = 2, .transmission = trial % 2 == 1};
+    const Orientation turn{6.0 * share(random), 0.3, -0.2};
+    const test::RigidMotion motion{rotation(turn), {200.0, -150.0, 20.0}};
+    const Paths exact = trace(changed(scenery, motion, 1), options, link, motion, turn);
+    for (const std::uint32_t parts : {1U, 10U}) {
+      const Paths paths =
+          trace(rounded(changed(scenery, motion, parts)), options, link, motion, turn);
+      ASSERT_EQ(exact.size(), paths.size()) << trial << ", " << parts;
+      for (std::size_t i = 0; i < paths.size(); ++i) {
+        EXPECT_NEAR(exact[i].tau * kSpeedOfLight, paths[i].tau * kSpeedOfLight, 2e-3) << trial;
+      }
+    }
+  }
+}
+
 TEST(Field, TurnedSubdividedWallReflectsUpToItsCorners) {
   std::mt19937_64 random(250);
   std::uniform_real_distribution<double> share(0.0, 1.0);
