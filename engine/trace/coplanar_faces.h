@@ -3,8 +3,9 @@
 //
 // Of such a pair the tracer must know which is met first. With transmission a wave meets both, as
 // it would when they were a hair apart: reflected at the second it goes through the first, there
-// and back. So paths are those of the limit in which the gap between the two goes to zero. Without
-// transmission one of the two acts: that of the lower number.
+// and back, and may go to and fro between them (round_trips.h). So paths are those of the limit in
+// which the gap between the two goes to zero; with soft edges (visibility.h) those without round
+// trips. Without transmission one of the two acts: that of the lower number.
 #pragma once
 
 #include <cstdint>

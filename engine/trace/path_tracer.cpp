@@ -12,6 +12,7 @@
 #include "engine/trace/evaluate_path.h"
 #include "engine/trace/interaction_finder.h"
 #include "engine/trace/path_differentiator.h"
+#include "engine/trace/round_trips.h"
 
 namespace rayloc {
 namespace {
@@ -121,8 +122,15 @@ Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   std::vector<Path> paths;
   paths.reserve(kUsually);
   tree_->visit_chains(root_, transmitter.position, [&](const SpecularChain& chain) {
-    if (finder.find(chain, from, to, interactions)) {
-      paths.push_back(evaluate(*context_, interactions, from, to));
+    if (!finder.find(chain, from, to, interactions)) {
+      return;
+    }
+    const auto add = [&](const std::vector<Interaction>& met) {
+      paths.push_back(evaluate(*context_, met, from, to));
+    };
+    add(interactions);
+    if (context_->options.transmission && context_->options.softness == 0.0) {
+      visit_round_trips(*context_, interactions, 0, add);
     }
   });
   std::sort(paths.begin(), paths.end(), canonical_order);
