@@ -1,5 +1,6 @@
 #include "daemon/cli/evaluate_report.h"
 
+#include <cmath>
 #include <optional>
 
 #include <spdlog/fmt/fmt.h>
@@ -9,11 +10,16 @@
 namespace rayloc::cli {
 namespace {
 
+// What misses made infinite has no number; other words than "inf", which is none.
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.3f}", value) : "missed";
+}
+
 std::string interval(const ErrorStatistics& statistics, const std::string& name) {
   const auto found = statistics.ci95.find(name);
   return found == statistics.ci95.end()
              ? ""
-             : fmt::format("   [{:.3f}, {:.3f}]", found->second[0], found->second[1]);
+             : fmt::format("   [{}, {}]", number(found->second[0]), number(found->second[1]));
 }
 
 }  // namespace
@@ -25,7 +31,11 @@ std::string statistics_table(const ErrorStatistics& s) {
   const auto row =
       [&](const char* label, std::optional<double> value, const char* unit, const char* name) {
         if (value) {
-          table += fmt::format("{:<20} {:>9.3f} {:<2}{}\n", label, *value, unit, interval(s, name));
+          table += fmt::format("{:<20} {:>9} {:<2}{}\n",
+                               label,
+                               number(*value),
+                               std::isfinite(*value) ? unit : "",
+                               interval(s, name));
         }
       };
   table += fmt::format("{:<20} {:>9}      {}\n", "horizontal error", "", "95 % interval");
@@ -56,6 +66,9 @@ std::string statistics_table(const ErrorStatistics& s) {
   row("  skill against it", s.skill_room_centre, "", "skill_room_centre");
   row("fingerprint, median", s.fingerprint_median_m, "m", "fingerprint_median_m");
   row("  skill against it", s.skill_fingerprint, "", "skill_fingerprint");
+  if (table.find("missed") != std::string::npos) {
+    table += "missed: so many points have no position that the figure has no number\n";
+  }
   return table;
 }
 

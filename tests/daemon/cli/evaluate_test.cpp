@@ -12,14 +12,16 @@
 namespace rayloc {
 namespace {
 
-class Evaluate : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("rayloc-evaluate-test." + std::to_string(::getpid()));
+class EvaluatedFiles {
+ public:
+  EvaluatedFiles()
+      : folder_(std::filesystem::temp_directory_path() /
+                ("rayloc-evaluate-test." + std::to_string(::getpid()))) {
     std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  ~EvaluatedFiles() { std::filesystem::remove_all(folder_); }
+  EvaluatedFiles(const EvaluatedFiles&) = delete;
+  EvaluatedFiles& operator=(const EvaluatedFiles&) = delete;
 
   std::string file(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
@@ -43,8 +45,10 @@ class Evaluate : public testing::Test {
     return file("t.csv", "t_start,t_end,x,y,z\n10,11,1,2,1\n20,21,1,2,1\n30,31,1,2,1\n");
   }
 
-  std::filesystem::path folder_;
+  const std::filesystem::path folder_;
 };
+
+class Evaluate : public testing::Test, protected EvaluatedFiles {};
 
 TEST_F(Evaluate, PrintsTheKeysOfTheContract) {
   const Finished finished =
@@ -97,9 +101,33 @@ TEST_F(Evaluate, PrintsATable) {
   EXPECT_EQ(finished.status, 0) << finished.err;
   EXPECT_NE(finished.out.find("located                      1 of 3\n"), std::string::npos)
       << finished.out;
-  EXPECT_NE(finished.out.find("median (CEP50)             inf m    [0.300, inf]\n"),
+  EXPECT_NE(finished.out.find("median (CEP50)          missed      [0.300, missed]\n"),
             std::string::npos)
       << finished.out;
+}
+
+// With skills against controls, which are minus infinity where half is missed.
+TEST(Field, EvaluateNeverPrintsInf) {
+  const EvaluatedFiles files;
+  const std::string nothing =
+      files.file("n.jsonl",
+                 R"({"kind":"LOCATION_KIND_SNAPSHOT","time":"1970-01-01T00:00:10.5Z",)"
+                 R"("mode":"FIX_MODE_NO_FIX","target":{"kind":"TARGET_KIND_DEVICE","mac":"a"}})"
+                 "\n");
+  for (const auto& [name, offset] :
+       {std::pair{nothing, "0"}, std::pair{files.estimates(), "100"}}) {
+    std::vector<std::string> arguments = {
+        "evaluate", "--estimates", name, "--truth", files.truth()};
+    arguments.insert(arguments.end(), {"--time-offset", offset, "--site"});
+    arguments.push_back(std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room"));
+    const Finished finished = RaylocProcess(arguments).wait();
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    EXPECT_EQ((finished.out + finished.err).find("inf"), std::string::npos) << finished.out;
+    EXPECT_EQ(finished.out.find("nan"), std::string::npos) << finished.out;
+    EXPECT_NE(finished.out.find("CEP95                   missed"), std::string::npos)
+        << finished.out;
+    EXPECT_NE(finished.out.find("missed: so many points"), std::string::npos) << finished.out;
+  }
 }
 
 TEST_F(Evaluate, DoesNotTakeSilenceAboutUncertaintyForNoCoverage) {
