@@ -12,10 +12,15 @@
 `rayloc.v1`, generated from proto/rayloc/v1.
 """
 
-from rayloc.asynchronous import AsyncSubscriber
-from rayloc.connection import NoSnapshot
-from rayloc.message import Gap, Message
-from rayloc.options import Curve
-from rayloc.subscriber import Subscriber
+from rayloc.needs import explained
+
+try:
+    from rayloc.asynchronous import AsyncSubscriber
+    from rayloc.connection import NoSnapshot
+    from rayloc.message import Gap, Message
+    from rayloc.options import Curve
+    from rayloc.subscriber import Subscriber
+except ModuleNotFoundError as error:
+    raise explained(error) from None
 
 __all__ = ["AsyncSubscriber", "Curve", "Gap", "Message", "NoSnapshot", "Subscriber"]

@@ -15,7 +15,15 @@ import time
 from pathlib import Path
 from typing import Any, Iterable, Optional
 
-import paho.mqtt.client
+from rayloc.needs import explained
+
+try:
+    import paho.mqtt.client
+except ModuleNotFoundError as error:
+    if __name__ != "__main__":
+        raise explained(error) from None
+    print(f"rayloc.bridges.mqtt: {explained(error)}", file=sys.stderr)
+    sys.exit(78)  # its unit does not try that again
 
 from rayloc.bridges.home_assistant import (
     COMPONENTS,
