@@ -99,7 +99,7 @@ extern const Verb kExperiment;
 const Verb kExperiment = {
     "experiment",
     "Run studies on simulated captures and report them",
-    "rayloc experiment deploy/experiments/clutter.toml --out clutter\n\n"
+    "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
     "The captures are made with the model that locates: they compare methods and conditions, and "
     "say nothing about accuracy.",
     declare};
