@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -14,9 +15,11 @@
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
+#include "daemon/service/readiness.h"
 #include "daemon/service/secrets.h"
 #include "daemon/site/room_match.h"
 #include "daemon/site/room_model.h"
+#include "daemon/site/site_lacks.h"
 
 namespace rayloc::cli {
 namespace {
@@ -35,14 +38,19 @@ std::string describe(const Site& site) {
          count_of(site.access_points.size(), "access point", "access points");
 }
 
+using LacksOf = std::function<SiteLacks(const RoomModel& room)>;
+
 // The scene and the calibration as raylocd will read them.
-Expected<std::string> read_room(const Site& site) {
+Expected<std::string> check_room(const Site& site, const LacksOf& lacks_of) {
   const Expected<RoomModel> room = load_room_model(site);
   if (!room) {
     return tl::make_unexpected(room.error());
   }
   for (const std::string& warning : room_warnings(*room->scene, site)) {
     std::fprintf(stderr, "%s\n", warning.c_str());
+  }
+  for (const std::string& lack : lacks_of(*room).all()) {
+    std::fprintf(stderr, "%s: %s\n", (site.directory / "site.toml").c_str(), lack.c_str());
   }
   return describe(site) + (room->calibration_id.empty() ? ", not calibrated" : ", calibrated");
 }
@@ -79,7 +87,10 @@ Expected<std::string> check(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
     const Expected<Site> site = load_site(path);
-    return site ? read_room(*site) : tl::make_unexpected(site.error());
+    if (!site) {
+      return tl::make_unexpected(site.error());
+    }
+    return check_room(*site, [&](const RoomModel& read) { return site_lacks(*site, read); });
   }
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
   if (!setup) {
@@ -88,7 +99,8 @@ Expected<std::string> check(const std::filesystem::path& path) {
   if (const Expected<void> secrets = check_secrets_of(setup->config); !secrets) {
     return tl::make_unexpected(secrets.error());
   }
-  Expected<std::string> room = read_room(setup->site);
+  Expected<std::string> room =
+      check_room(setup->site, [&](const RoomModel& read) { return lacks_of(*setup, read); });
   if (!room) {
     return room;
   }

@@ -5,7 +5,9 @@
 // exit status is 69 when there is a problem.
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +19,9 @@
 #include "daemon/publish/json.h"
 #include "daemon/service/config.h"
 #include "daemon/service/machine_check.h"
+#include "daemon/service/readiness.h"
 #include "daemon/service/source_hints.h"
+#include "daemon/site/room_model.h"
 
 namespace rayloc::cli {
 namespace {
@@ -54,6 +58,37 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
   return true;
 }
 
+// What the site lacks to locate.
+void check_site(const DaemonSetup& setup, std::vector<Finding>& findings) {
+  const Expected<RoomModel> room = load_room_model(setup.site);
+  if (!room) {
+    findings.push_back({Finding::Kind::kProblem, room.error().message, ""});
+    return;
+  }
+  const SiteLacks lacks = lacks_of(setup, *room);
+  for (const std::string& obstacle : lacks.obstacles) {
+    findings.push_back({Finding::Kind::kProblem, obstacle, ""});
+  }
+  for (const std::string& warning : lacks.warnings) {
+    findings.push_back({Finding::Kind::kWarning, warning, ""});
+  }
+}
+
+// Adds what it says in such a list of /readyz, but for what has been found here as well.
+void add_said(const nlohmann::json& list,
+              Finding::Kind kind,
+              const std::function<bool(const std::string&)>& is_known,
+              std::vector<Finding>& findings) {
+  for (const nlohmann::json& one : list) {
+    const std::string words = one.get<std::string>();
+    const bool is_found = std::any_of(
+        findings.begin(), findings.end(), [&](const Finding& f) { return f.what == words; });
+    if (!is_found && !is_known(words)) {
+      findings.push_back({kind, "raylocd: " + words, ""});
+    }
+  }
+}
+
 // What a running daemon says of itself; that none answers is no finding, ports are.
 void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
   const Expected<JsonResult> ready = get_json(query, "/readyz");
@@ -61,12 +96,15 @@ void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& 
     return;
   }
   const bool sources_told = ask_for_sources(query, site, findings);
-  for (const nlohmann::json& reason : ready->json.value("reasons", nlohmann::json::array())) {
-    const std::string words = reason.get<std::string>();
-    if (!sources_told || words.rfind("source ", 0) != 0) {
-      findings.push_back({Finding::Kind::kProblem, "raylocd: " + words, ""});
-    }
-  }
+  const nlohmann::json none = nlohmann::json::array();
+  const auto is_of_source = [&](const std::string& words) {
+    return sources_told && words.rfind("source ", 0) == 0;
+  };
+  add_said(ready->json.value("reasons", none), Finding::Kind::kProblem, is_of_source, findings);
+  const auto is_of_clock = [](const std::string& words) {
+    return words.rfind("the clock ", 0) == 0;
+  };
+  add_said(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
 }
 
 // Asks where the file says that the daemon answers, with the token that it asks for, unless the
@@ -95,6 +133,7 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
   const bool asked = setup->config.http.enabled || !options.address.empty();
   const bool running = asked && http_get(*query, "/healthz").has_value();
   std::vector<Finding> findings = check_machine(setup->config, running);
+  check_site(*setup, findings);
   if (running) {
     ask_daemon(*query, setup->site, findings);
   }

@@ -16,6 +16,7 @@
 
 #include "capture/pcap_source.h"
 #include "daemon/cli/capture_argument.h"
+#include "daemon/cli/no_fix_reasons.h"
 #include "daemon/cli/output_file.h"
 #include "daemon/cli/verb.h"
 #include "daemon/pipeline/device_estimator.h"
@@ -30,6 +31,7 @@
 #include "daemon/site/path_grid_files.h"
 #include "daemon/site/receiver_options.h"
 #include "daemon/site/site.h"
+#include "daemon/site/site_lacks.h"
 #include "engine/localize/likelihood.h"
 #include "engine/localize/paper_settings.h"
 
@@ -331,12 +333,17 @@ Expected<void> write_all(const Options& options,
     }
     events = std::move(*opened);
   }
-  OrderedSink sink([&](const v1::Location& location) { write(location, options.format, *out); },
-                   [&](const v1::ZoneEvent& event) {
-                     if (events) {
-                       write(event, options.format, *events);
-                     }
-                   });
+  NoFixReasons reasons;
+  OrderedSink sink(
+      [&](const v1::Location& location) {
+        reasons.count(location);
+        write(location, options.format, *out);
+      },
+      [&](const v1::ZoneEvent& event) {
+        if (events) {
+          write(event, options.format, *events);
+        }
+      });
   Pipeline pipeline(pipeline_options, std::move(inputs), estimator, sink);
   pipeline.start();
   pipeline.wait();
@@ -349,7 +356,27 @@ Expected<void> write_all(const Options& options,
       return closed;
     }
   }
-  return report(pipeline, options.quiet);
+  Expected<void> reported = report(pipeline, options.quiet);
+  if (const std::string text = reasons.text(); !text.empty() && !options.quiet) {
+    std::fprintf(stderr, "%s\n", text.c_str());
+  }
+  return reported;
+}
+
+// What the site lacks to locate what is asked for, by what was recorded.
+void report_lacks(const Options& options, const Site& site, const Estimators& estimators) {
+  if (options.quiet || !estimators.devices) {  // of people alone each estimate says so
+    return;
+  }
+  std::vector<int> heard;
+  const auto captures = resolve_captures(options.captures, access_point_ids(site));
+  for (std::size_t i = 0; captures && i < captures->size(); ++i) {
+    heard.push_back(*find_access_point(site, (*captures)[i].access_point));
+  }
+  const SiteLacks lacks = site_lacks(site, estimators.devices->room(), heard);
+  for (const std::string& lack : options.kind == "all" ? lacks.all() : lacks.obstacles) {
+    std::fprintf(stderr, "rayloc replay: %s\n", lack.c_str());
+  }
 }
 
 Expected<void> run(const Options& options) {
@@ -386,7 +413,9 @@ Expected<void> run(const Options& options) {
   pipeline_options.burst.length = *burst;
   pipeline_options.overflow = Overflow::kWait;
   ZoneEstimator zones(estimators->all, site->zones);
-  return write_all(options, pipeline_options, std::move(*inputs), zones);
+  const Expected<void> written = write_all(options, pipeline_options, std::move(*inputs), zones);
+  report_lacks(options, *site, *estimators);
+  return written;
 }
 
 RunVerb declare(CLI::App& app) {

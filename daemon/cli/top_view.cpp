@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/cli/age_text.h"
 #include "daemon/cli/printable.h"
 #include "daemon/cli/text_table.h"
 #include "daemon/publish/proto_time.h"
@@ -24,18 +25,6 @@ std::string short_name(const std::string& name, std::string_view prefix) {
     text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   }
   return text;
-}
-
-// "0.4 s", "12 s", "3 min", "2 h".
-std::string age_text(double seconds) {
-  if (seconds < 10.0) {
-    return fmt::format("{:.1f} s", std::max(seconds, 0.0));
-  }
-  if (seconds < 120.0) {
-    return fmt::format("{:.0f} s", seconds);
-  }
-  return seconds < 7200.0 ? fmt::format("{:.0f} min", seconds / 60.0)
-                          : fmt::format("{:.0f} h", seconds / 3600.0);
 }
 
 void append(const TextTable& table, std::size_t width, Lines& lines) {
@@ -69,8 +58,10 @@ void add_daemon(const TopModel& model, Now now, Lines& lines) {
                   model.targets().size(),
                   model.lost(),
                   model.restarts()));
-  for (const std::string& warning : heartbeat.calibration_warnings()) {
-    lines.push_back("warning: " + warning);
+  for (const auto* warnings : {&heartbeat.warnings(), &heartbeat.calibration_warnings()}) {
+    for (const std::string& warning : *warnings) {
+      lines.push_back("warning: " + warning);
+    }
   }
 }
 

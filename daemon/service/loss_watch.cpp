@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "daemon/service/saturation.h"
+
 namespace rayloc {
 
 void LossWatch::compare(const Loss& loss, std::uint64_t count) {
@@ -43,12 +45,13 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
   }
   compare({"frames_refused", "frames of transmitters beyond [limits] max_targets refused"},
           heartbeat.estimation().frames_refused());
-  compare(
-      {"bursts_dropped",
-       "bursts left unexplained, too old when their turn came: more transmitters are heard than "
-       "there is time for. Those of site.toml come first; unlisted = \"ignore\" in [targets] "
-       "leaves out all others"},
-      heartbeat.estimation().bursts_dropped());
+  compare({"bursts_merged",
+           overload_text("bursts gave way to newer ones of their device, so there are fewer "
+                         "estimates")},
+          heartbeat.estimation().bursts_merged());
+  compare({"bursts_dropped",
+           overload_text("bursts were left unexplained, too old when their turn came")},
+          heartbeat.estimation().bursts_dropped());
   compare({"events_dropped", "events dropped: the publisher did not keep up"},
           heartbeat.estimation().events_dropped());
   compare({"recorder_dropped", "datagrams missing in the recording: the disk did not keep up"},

@@ -54,9 +54,32 @@ std::optional<bool> synchronized_by_kernel() {
 
 }  // namespace
 
+SiteLacks lacks_of(const DaemonSetup& setup, const RoomModel& room) {
+  if (setup.config.engine.method == EngineMethod::kNone) {
+    return {};
+  }
+  std::vector<int> heard;
+  for (const SourceConfig& source : setup.config.sources) {
+    heard.push_back(source.access_point_index);
+  }
+  return site_lacks(setup.site, room, heard);
+}
+
+std::vector<std::string> warnings_for_everybody(const ServiceHealth& health) {
+  std::vector<std::string> all = health.lacks.all();
+  for (const auto* some : {&health.saturated, &health.overloaded}) {
+    all.insert(all.end(), some->begin(), some->end());
+  }
+  for (const std::string& error : health.recording_errors) {
+    all.push_back("recording: " + error);
+  }
+  return all;
+}
+
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
   Readiness result;
   result.clock = health.clock;
+  result.reasons = health.lacks.obstacles;
   for (const v1::SourceState& source : status.sources) {
     if (std::string trouble = source_trouble(source); !trouble.empty()) {
       result.reasons.push_back(std::move(trouble));
@@ -66,6 +89,8 @@ Readiness readiness(const StatusMessages& status, const ServiceHealth& health) {
     result.reasons.push_back("stage " + stage + ": no progress");
   }
   result.reasons.insert(result.reasons.end(), health.saturated.begin(), health.saturated.end());
+  result.warnings = health.lacks.warnings;
+  result.warnings.insert(result.warnings.end(), health.overloaded.begin(), health.overloaded.end());
   for (const std::string& error : health.recording_errors) {
     result.warnings.push_back("recording: " + error);
   }

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "daemon/pipeline/publisher_stage.h"
+#include "daemon/service/config.h"
+#include "daemon/site/site_lacks.h"
 
 namespace rayloc {
 
@@ -20,14 +22,23 @@ struct Readiness {
   bool ready() const { return reasons.empty(); }
 };
 
+// What a daemon with that configuration, which listens to some access points or to all, lacks to
+// locate; nothing where it is not to locate. REQUIRES: `room` was loaded of its site.
+SiteLacks lacks_of(const DaemonSetup& setup, const RoomModel& room);
+
 // What is known besides the counters.
 struct ServiceHealth {
+  SiteLacks lacks;  // lacks_of()
   std::vector<std::string> stuck_stages;
-  std::vector<std::string> saturated;  // Saturation::reasons()
+  std::vector<std::string> saturated;   // Saturation::reasons()
+  std::vector<std::string> overloaded;  // Saturation::warnings()
   std::vector<std::string> recording_errors;
   bool reload_failed = false;
   ClockState clock = ClockState::kUnknown;
 };
+
+// Of these, what nothing else that is published says: Heartbeat.warnings.
+std::vector<std::string> warnings_for_everybody(const ServiceHealth& health);
 
 // Sources that are silent, have failed or count wrongly; and what `health` says.
 Readiness readiness(const StatusMessages& status, const ServiceHealth& health);

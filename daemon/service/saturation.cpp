@@ -4,8 +4,14 @@
 
 namespace rayloc {
 
-void Saturation::compare(const std::string& reason, std::uint64_t lost, Time now) {
-  Queue& queue = queues_[reason];
+std::string overload_text(const std::string& consequence) {
+  return "more bursts come than this machine can explain: " + consequence +
+         "; locate fewer devices (unlisted = \"ignore\" in [targets] of site.toml, a filter of "
+         "addresses at the access point) or take a faster machine";
+}
+
+void Saturation::compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues) {
+  Queue& queue = queues[reason];
   if (lost > queue.lost) {
     queue = {lost, now, true};
   }
@@ -22,36 +28,51 @@ void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
                         name,
                         seconds),
             counters.kernel_drops(),
-            now);
+            now,
+            queues_);
     compare(fmt::format("source {}: datagrams were dropped in the last {} s", name, seconds),
             counters.ring_dropped(),
-            now);
+            now,
+            queues_);
     compare(fmt::format("source {}: frames were dropped in the last {} s: estimates take longer "
                         "than frames to come",
                         name,
                         seconds),
             counters.frames_dropped(),
-            now);
+            now,
+            queues_);
   }
   compare(
       fmt::format("events were dropped in the last {} s: the publisher does not keep up", seconds),
       heartbeat.estimation().events_dropped(),
-      now);
+      now,
+      queues_);
   compare(fmt::format("frames of CSI were not published in the last {} s: the publisher does not "
                       "keep up",
                       seconds),
           heartbeat.publisher().csi_dropped(),
-          now);
+          now,
+          queues_);
+  compare(overload_text(fmt::format("in the last {} s bursts gave way to newer ones of their "
+                                    "device, so there are fewer estimates",
+                                    seconds)),
+          heartbeat.estimation().bursts_merged(),
+          now,
+          bursts_);
 }
 
-std::vector<std::string> Saturation::reasons() const {
+std::vector<std::string> Saturation::lately(const Queues& queues) {
   std::vector<std::string> reasons;
-  for (const auto& [reason, queue] : queues_) {
+  for (const auto& [reason, queue] : queues) {
     if (queue.lately) {
       reasons.push_back(reason);
     }
   }
   return reasons;
 }
+
+std::vector<std::string> Saturation::reasons() const { return lately(queues_); }
+
+std::vector<std::string> Saturation::warnings() const { return lately(bursts_); }
 
 }  // namespace rayloc

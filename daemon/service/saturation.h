@@ -1,5 +1,6 @@
 // Saturation: which queues have overflowed lately, as a reason against being ready: what is
-// published then is late or made of less than what came. From the counters of the heartbeat.
+// published then is late or made of less than what came. And, as a warning, that more bursts come
+// than can be explained: positions are right then, and fewer. From the counters of the heartbeat.
 //
 // Thread safety: one thread.
 #pragma once
@@ -14,6 +15,9 @@
 
 namespace rayloc {
 
+// "more bursts come than this machine can explain: CONSEQUENCE; ...": and what to do.
+std::string overload_text(const std::string& consequence);
+
 class Saturation {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -24,6 +28,8 @@ class Saturation {
   void look(const v1::Heartbeat& heartbeat, Time now);
   // "source ap1: frames were dropped in the last 10 s: ..."; as of the last look.
   std::vector<std::string> reasons() const;
+  // The same of bursts: what happens to them, and what to do.
+  std::vector<std::string> warnings() const;
 
  private:
   struct Queue {
@@ -31,9 +37,12 @@ class Saturation {
     Time last_loss;
     bool lately = false;
   };
-  void compare(const std::string& reason, std::uint64_t lost, Time now);
+  using Queues = std::map<std::string, Queue>;  // by what is said of them
+  static void compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues);
+  static std::vector<std::string> lately(const Queues& queues);
 
-  std::map<std::string, Queue> queues_;  // by reason
+  Queues queues_;
+  Queues bursts_;
 };
 
 }  // namespace rayloc

@@ -118,9 +118,7 @@ Expected<std::unique_ptr<Service>> Service::open(
     }
   }
 
-  if (const std::string missing = service->missing_reference(); !missing.empty()) {
-    log(missing);
-  }
+  service->look_at_site();
   if (const Expected<void> opened = service->open_publishing(sockets); !opened) {
     return tl::make_unexpected(opened.error());
   }
@@ -235,16 +233,15 @@ Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grid
   return {};
 }
 
-// Why nobody who carries nothing will be found where that might be expected.
-std::string Service::missing_reference() const {
-  const bool has_fixed = std::any_of(
-      setup_.site.transmitters.begin(), setup_.site.transmitters.end(), [](const auto& one) {
-        return one.role == TransmitterRole::kFixed;
-      });
-  return has_fixed && estimator_ && !people_
-             ? "people are not looked for: there is a fixed transmitter, but no recording of the "
-               "empty room with it (rayloc reference)"
-             : "";
+// What it cannot locate is said at the start, and as long as it runs.
+void Service::look_at_site() {
+  if (estimator_) {
+    lacks_ = lacks_of(setup_, estimator_->room());
+  }
+  for (const std::string& text : lacks_.all()) {
+    log_event({LogLevel::kWarning, text});
+  }
+  status_.warnings = [this] { return warnings_for_everybody(health()); };
 }
 
 Expected<void> Service::open_sources(PassedSockets& sockets,
@@ -375,6 +372,10 @@ std::vector<std::string> Service::new_warnings() {
     fresh.push_back(warning.text);
   }
   return fresh;
+}
+
+Readiness Service::readiness() const {
+  return rayloc::readiness(status_messages(status_, system_now()), health());
 }
 
 void Service::log_losses() {

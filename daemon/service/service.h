@@ -27,6 +27,7 @@
 #include "daemon/service/config.h"
 #include "daemon/service/http_api.h"
 #include "daemon/service/loss_watch.h"
+#include "daemon/service/readiness.h"
 #include "daemon/service/saturation.h"
 #include "daemon/service/service_manager.h"
 #include "daemon/service/source_factory.h"
@@ -84,6 +85,8 @@ class Service {
   std::vector<std::string> news();
   // What speaks against the calibration; the same trouble once in ten minutes.
   std::vector<std::string> new_warnings();
+  // Whether it does what it is there for.
+  Readiness readiness() const;
   // What is being lost, in the log and as a reason against being ready; to be called every second
   // or so.
   void log_losses();
@@ -92,9 +95,9 @@ class Service {
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
   Expected<void> open_publishing(PassedSockets& sockets);
   Expected<void> open_estimators(std::shared_ptr<PathGridStore> path_grids);
-  std::string missing_reference() const;
+  void look_at_site();
   Expected<void> open_http(PassedSockets& sockets);
-  ServiceHealth health() const;
+  ServiceHealth health() const;  // as of now
   std::vector<ExtraMetric> extra_metrics() const;
   std::vector<Stage> working_stages() const;
   std::string stuck_in_pipeline() const;
@@ -117,6 +120,7 @@ class Service {
   EstimatorList estimators_;                    // both
   std::unique_ptr<ZoneEstimator> zones_;        // over them
   std::unique_ptr<PublisherStage> publisher_;
+  SiteLacks lacks_;  // none where nothing is to be located
   RecordingClock recording_clock_;
   std::vector<std::unique_ptr<RecorderStage>> recorders_;
   std::vector<std::unique_ptr<DatagramRing>> rings_;

@@ -136,6 +136,7 @@ void Service::note_stuck(std::vector<std::string> stages) {
 ServiceHealth Service::health() const {
   ServiceHealth health;
   health.clock = clock_state();
+  health.lacks = lacks_;
   for (const auto& recorder : recorders_) {
     if (std::string error = recorder->counters().files.error; !error.empty()) {
       health.recording_errors.push_back(std::move(error));
@@ -144,6 +145,7 @@ ServiceHealth Service::health() const {
   const std::lock_guard lock(health_mutex_);
   health.stuck_stages = stuck_stages_;
   health.saturated = saturation_.reasons();
+  health.overloaded = saturation_.warnings();
   health.reload_failed = reload_failed_;
   return health;
 }

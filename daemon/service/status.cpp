@@ -1,6 +1,7 @@
 #include "daemon/service/status.h"
 
 #include <numbers>
+#include <utility>
 
 #include "daemon/publish/proto_time.h"
 
@@ -241,6 +242,11 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   heartbeat.set_calibration_id(sources.calibration_id);
   if (sources.georeference) {
     *heartbeat.mutable_georeference() = to_proto(*sources.georeference);
+  }
+  if (sources.warnings) {
+    for (std::string& warning : sources.warnings()) {
+      heartbeat.add_warnings(std::move(warning));
+    }
   }
   if (sources.estimator != nullptr) {
     for (const CalibrationWarning& warning : sources.estimator->calibration_warnings()) {

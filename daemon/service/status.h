@@ -1,6 +1,7 @@
 // The counters of all stages as the messages Heartbeat and SourceState.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,7 @@ struct StatusSources {
   std::string scene_hash;
   std::string calibration_id;
   std::optional<Georeference> georeference;
+  std::function<std::vector<std::string>()> warnings;  // of Heartbeat; may be empty
 };
 
 // As the heartbeat and /api/v1/playback say it.

@@ -24,6 +24,9 @@ Expected<void> check_room(const RoomModel* room);
 // wrong.
 std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point);
 
+// Why there is nothing to locate by in a burst that gave these warnings and no array.
+std::string nothing_heard(const RoomModel& room, const std::vector<std::string>& warnings);
+
 // The burst of one access point of RoomModel::access_points, chain gains removed; nothing when it
 // heard none that can be used, and what was wrong with it is a warning.
 // REQUIRES: calibration_problem() is empty.

@@ -311,8 +311,7 @@ Hearing Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
   }
   hearing.arrays = listen(frames, estimate);
   if (hearing.arrays.empty()) {
-    estimate.reason = estimate.warnings.empty() ? "no access point of the site heard the burst"
-                                                : estimate.warnings.front();
+    estimate.reason = nothing_heard(*room_, estimate.warnings);
   }
   return hearing;
 }

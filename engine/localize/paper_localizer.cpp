@@ -86,8 +86,7 @@ LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames,
   }
   const auto measured = listen(frames, estimate);
   if (measured.empty()) {
-    estimate.reason = estimate.warnings.empty() ? "no access point of the site heard the burst"
-                                                : estimate.warnings.front();
+    estimate.reason = nothing_heard(*room_, estimate.warnings);
     return estimate;
   }
   const PaperPositionLoss loss = loss_of(measured);

@@ -53,7 +53,7 @@ export function showSources(model, isPresent = true) {
 
 export function showDaemon(heartbeat) {
   if (!heartbeat) return;
-  const warnings = heartbeat.calibration_warnings || [];
+  const warnings = [...(heartbeat.warnings || []), ...(heartbeat.calibration_warnings || [])];
   const list = byId('warnings');
   if (list.dataset.shown !== JSON.stringify(warnings)) {
     list.dataset.shown = JSON.stringify(warnings);

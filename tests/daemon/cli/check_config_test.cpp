@@ -63,12 +63,23 @@ class CheckConfig : public ::testing::Test {
 constexpr const char* kSource = "[[source]]\nkind = \"udp\"\naccess_point = \"ap1\"\n";
 
 TEST_F(CheckConfig, GoodOneExitsWithZero) {
-  const std::string file = config(kSite.string(), kSource);
+  // Where nothing is to be located nothing is lacking.
+  const std::string file =
+      config(kSite.string(), kSource + std::string("[engine]\nmethod = \"none\"\n"));
   const Outcome outcome = rayloc("check-config " + file);
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.output,
             file + ": good: site 'meeting_room', 3 access points, not calibrated, 1 source\n");
   EXPECT_EQ(rayloc("check-config --quiet " + file).output, "");
+}
+
+TEST(Field, CheckConfigSaysThatASiteCannotLocate) {
+  const Outcome outcome = rayloc("check-config " + kSite.string());
+  EXPECT_EQ(outcome.status, 0) << "raylocd starts with it";
+  EXPECT_THAT(outcome.output,
+              HasSubstr("site.toml: nothing can be located: the site is not calibrated; see "
+                        "`rayloc calibrate --help`"));
+  EXPECT_THAT(outcome.output, HasSubstr("site.toml: people are not looked for"));
 }
 
 TEST_F(CheckConfig, SiteAloneIsCheckedAsWell) {

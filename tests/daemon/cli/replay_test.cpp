@@ -1,4 +1,6 @@
 // What `rayloc replay` says of a wrong call; what it computes is tested in tests/e2e.
+#include <regex>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/rayloc_process.h"
@@ -53,6 +55,23 @@ TEST(Replay, NamesTheFileThatCannotBeRead) {
   EXPECT_EQ(finished.status, 65);
   EXPECT_NE(finished.err.find("site.toml"), std::string::npos) << finished.err;
   EXPECT_EQ(replay({"nowhere", "x.pcap"}).status, 78);
+}
+
+TEST(Field, AReplayThatLocatesNothingEndsWithTheReason) {
+  const Finished finished =
+      replay({kSite, "ap1=" + kRecording, "--burst", "2s", "--no-cache", "--out", "/dev/null"});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  std::smatch found;
+  ASSERT_TRUE(std::regex_search(
+      finished.err,
+      found,
+      std::regex("\n([0-9]+) without a fix: no chain gains, calibrate the site \\(([0-9]+)\\)\n")))
+      << finished.err;
+  EXPECT_EQ(found[1], found[2]);
+  EXPECT_NE(finished.err.find(
+                "rayloc replay: nothing can be located: what is heard is not calibrated (ap1)"),
+            std::string::npos)
+      << finished.err;
 }
 
 TEST(Replay, StatesNoFixWithoutACalibration) {

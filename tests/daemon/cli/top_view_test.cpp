@@ -6,6 +6,7 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include "daemon/cli/age_text.h"
 #include "daemon/cli/text_table.h"
 #include "daemon/cli/top_model.h"
 #include "daemon/cli/top_view.h"
@@ -285,6 +286,26 @@ TEST(TopView, TellsWhatToDoubtAndWhy) {
 
 TEST(TopView, SaysSoWhenNothingHasComeYet) {
   EXPECT_EQ(text_of(TopModel(), kStart), "no heartbeat yet\n");
+}
+
+TEST(Field, TopShowsWhyLessIsLocated) {
+  TopModel model;
+  v1::Envelope envelope = heartbeat(10, 1);
+  envelope.mutable_heartbeat()->add_warnings("the site is not calibrated");
+  envelope.mutable_heartbeat()->add_calibration_warnings("residual_drift: ap1");
+  model.add("v1/heartbeat/s", envelope, kStart);
+  const std::string text = text_of(model, kStart);
+  EXPECT_NE(text.find("warning: the site is not calibrated\nwarning: residual_drift: ap1\n"),
+            std::string::npos)
+      << text;
+}
+
+TEST(Field, AgesAreForPeople) {
+  EXPECT_EQ(age_text(0.023330128), "0.0 s");
+  EXPECT_EQ(age_text(-0.1), "0.0 s");
+  EXPECT_EQ(age_text(59.6), "60 s");
+  EXPECT_EQ(age_text(600.0), "10 min");
+  EXPECT_EQ(age_text(86'400.0), "24 h");
 }
 
 }  // namespace

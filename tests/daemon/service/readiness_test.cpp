@@ -28,5 +28,33 @@ TEST(Readiness, AClockOfWhichNothingIsKnownIsNoWarning) {
   EXPECT_EQ(off.warnings.size(), 1U);
 }
 
+TEST(Field, WhatKeepsASiteFromLocatingSpeaksAgainstBeingReady) {
+  ServiceHealth health;
+  health.lacks.obstacles = {"nothing can be located: the site is not calibrated"};
+  health.lacks.warnings = {"people are not looked for"};
+  health.overloaded = {"more bursts come than this machine can explain"};
+  const Readiness result = readiness({}, health);
+  EXPECT_FALSE(result.ready());
+  EXPECT_EQ(result.reasons, health.lacks.obstacles);
+  EXPECT_EQ(result.warnings,
+            (std::vector<std::string>{health.lacks.warnings[0], health.overloaded[0]}));
+}
+
+TEST(Field, EverybodyIsToldWhyLessIsLocatedOrRecorded) {
+  ServiceHealth health;
+  health.lacks.obstacles = {"not calibrated"};
+  health.lacks.warnings = {"no people"};
+  health.saturated = {"frames were dropped"};
+  health.overloaded = {"too many bursts"};
+  health.recording_errors = {"the disk is full"};
+  health.reload_failed = true;  // of no concern to who looks at the map
+  EXPECT_EQ(warnings_for_everybody(health),
+            (std::vector<std::string>{"not calibrated",
+                                      "no people",
+                                      "frames were dropped",
+                                      "too many bursts",
+                                      "recording: the disk is full"}));
+}
+
 }  // namespace
 }  // namespace rayloc

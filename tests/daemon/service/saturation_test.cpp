@@ -1,8 +1,12 @@
 #include "daemon/service/saturation.h"
 
+#include <memory>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/service/loss_watch.h"
 #include "daemon/service/readiness.h"
 
 namespace rayloc {
@@ -10,6 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr Saturation::Time kStart{1000s};
@@ -54,6 +59,40 @@ TEST(Readiness, ASaturatedQueueIsAReason) {
   const Readiness result = readiness({}, health);
   EXPECT_FALSE(result.ready());
   EXPECT_THAT(result.reasons, ElementsAre(kFrames));
+}
+
+TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  saturation.look(heartbeat, kStart);
+  EXPECT_THAT(saturation.warnings(), IsEmpty());
+  heartbeat.mutable_estimation()->set_bursts_merged(3);
+  saturation.look(heartbeat, kStart + 1s);
+  EXPECT_THAT(saturation.reasons(), IsEmpty()) << "positions are right";
+  EXPECT_THAT(
+      saturation.warnings(),
+      ElementsAre(::testing::AllOf(HasSubstr("more bursts come than this machine can explain"),
+                                   HasSubstr("unlisted = \"ignore\""),
+                                   HasSubstr("faster machine"))));
+  saturation.look(heartbeat, kStart + 12s);
+  EXPECT_THAT(saturation.warnings(), IsEmpty()) << "it is over";
+}
+
+TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
+  std::vector<LogEvent> said;
+  const auto log =
+      std::make_shared<LimitedLog>([&](const LogEvent& event) { said.push_back(event); });
+  LossWatch losses(log);
+  v1::Heartbeat heartbeat;
+  losses.look(heartbeat);
+  EXPECT_TRUE(said.empty());
+  for (std::uint64_t merged = 1; merged < 100; ++merged) {
+    heartbeat.mutable_estimation()->set_bursts_merged(merged);
+    losses.look(heartbeat);
+  }
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said.front().level, LogLevel::kWarning);
+  EXPECT_THAT(said.front().message, HasSubstr("more bursts come than this machine can explain"));
 }
 
 }  // namespace

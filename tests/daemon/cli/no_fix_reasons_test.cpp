@@ -1,0 +1,46 @@
+#include "daemon/cli/no_fix_reasons.h"
+
+#include <gtest/gtest.h>
+
+namespace rayloc::cli {
+namespace {
+
+v1::Location without_fix(const std::string& reason) {
+  v1::Location location;
+  location.set_kind(v1::LOCATION_KIND_SNAPSHOT);
+  location.set_mode(v1::FIX_MODE_NO_FIX);
+  location.mutable_quality()->set_no_fix_reason(reason);
+  return location;
+}
+
+TEST(Field, ReasonsWithoutAFixAreCountedTheMostFrequentFirst) {
+  NoFixReasons reasons;
+  EXPECT_EQ(reasons.text(), "");
+  v1::Location located;
+  located.set_kind(v1::LOCATION_KIND_SNAPSHOT);
+  located.set_mode(v1::FIX_MODE_2D);
+  v1::Location filtered = without_fix("of a tracker");
+  filtered.set_kind(v1::LOCATION_KIND_FILTERED);
+  reasons.count(located);
+  reasons.count(filtered);
+  EXPECT_EQ(reasons.text(), "") << "no snapshot is without a fix";
+  reasons.count(without_fix("no frames"));
+  for (int i = 0; i < 30; ++i) {
+    reasons.count(without_fix("no chain gains, calibrate the site"));
+  }
+  EXPECT_EQ(reasons.text(),
+            "31 without a fix: no chain gains, calibrate the site (30); no frames (1)");
+}
+
+TEST(Field, ReasonsWithoutAFixThatNobodyWouldReadAreCountedTogether) {
+  NoFixReasons reasons;
+  for (int i = 0; i < 100; ++i) {
+    reasons.count(without_fix("reason " + std::to_string(i)));
+  }
+  const std::string text = reasons.text();
+  EXPECT_EQ(text.rfind("100 without a fix: reason 0 (1); ", 0), 0U) << text;
+  EXPECT_NE(text.find("; other reasons (92)"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace rayloc::cli
