@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "daemon/service/config.h"
 #include "daemon/service/machine_check.h"
 #include "daemon/service/readiness.h"
+#include "daemon/service/running_daemon.h"
 #include "daemon/service/source_hints.h"
 #include "daemon/site/room_model.h"
 
@@ -107,6 +109,17 @@ void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& 
   add_said(ready->json.value("warnings", none), Finding::Kind::kWarning, is_of_clock, findings);
 }
 
+// One that runs and does not answer.
+Finding silent_daemon(pid_t process, bool has_http) {
+  const std::string what = "raylocd runs with this file as process " + std::to_string(process);
+  return has_http ? Finding{Finding::Kind::kWarning,
+                            what + " and does not answer yet: it is starting, or stopping",
+                            "ask again when its log says that it is running"}
+                  : Finding{Finding::Kind::kOk,
+                            what + ", and says nothing of its sources: [http] is not enabled",
+                            ""};
+}
+
 // Asks where the file says that the daemon answers, with the token that it asks for, unless the
 // options say otherwise. An unreadable token is a finding of check_machine(), no reason to end.
 Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
@@ -131,10 +144,14 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
     return tl::make_unexpected(query.error());
   }
   const bool asked = setup->config.http.enabled || !options.address.empty();
-  const bool running = asked && http_get(*query, "/healthz").has_value();
-  std::vector<Finding> findings = check_machine(setup->config, running);
+  const bool answers = asked && http_get(*query, "/healthz").has_value();
+  const std::optional<pid_t> silent = answers ? std::nullopt : running_daemon(file);
+  std::vector<Finding> findings = check_machine(setup->config, answers || silent);
+  if (silent) {
+    findings.push_back(silent_daemon(*silent, setup->config.http.enabled));
+  }
   check_site(*setup, findings);
-  if (running) {
+  if (answers) {
     ask_daemon(*query, setup->site, findings);
   }
   bool problem = false;

@@ -1,11 +1,13 @@
 // `rayloc status`: how a running raylocd is: readiness, sources, estimates, losses.
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "daemon/cli/age_text.h"
 #include "daemon/cli/http_options.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
@@ -29,6 +31,21 @@ std::string lower_tail(const std::string& name, std::size_t prefix) {
   return text;
 }
 
+// Of JSON's "0.023330128s".
+double seconds_of(const std::string& duration) { return std::strtod(duration.c_str(), nullptr); }
+
+// When the last datagram came; a recording's came long ago, whenever that was.
+std::string last_of(const Json& source) {
+  if (source.contains("age")) {
+    return age_text(seconds_of(source.at("age").get<std::string>())) + " ago";
+  }
+  if (count_of(source.at("counters"), "received") == 0) {
+    return "no datagram yet";
+  }
+  return source.at("status") == "SOURCE_STATUS_WAITING" ? "none that is wanted yet"
+                                                        : "from a recording";
+}
+
 void print_source(const Json& source) {
   const Json& counters = source.at("counters");
   std::uint64_t rejected = 0;
@@ -36,15 +53,18 @@ void print_source(const Json& source) {
     rejected += count.is_string() ? std::stoull(count.get<std::string>()) : 0U;
   }
   constexpr std::size_t kPrefix = std::string_view("SOURCE_STATUS_").size();
-  fmt::print("{:<12} {:<10} {:>12} datagrams {:>8} frames {:>6} rejected {:>6} lost  {}\n",
-             source.at("access_point").get<std::string>(),
-             lower_tail(source.at("status").get<std::string>(), kPrefix),
-             count_of(counters, "received"),
-             count_of(counters, "frames_complete") + count_of(counters, "frames_partial"),
-             rejected,
-             count_of(counters, "kernel_drops") + count_of(counters, "ring_dropped") +
-                 count_of(counters, "frames_dropped"),
-             source.value("age", "no datagram yet"));
+  const std::uint64_t partial = count_of(counters, "frames_partial");
+  fmt::print(
+      "{:<12} {:<10} {:>12} datagrams {:>8} frames ({} partial) {:>6} rejected {:>6} lost  {}\n",
+      source.at("access_point").get<std::string>(),
+      lower_tail(source.at("status").get<std::string>(), kPrefix),
+      count_of(counters, "received"),
+      count_of(counters, "frames_complete") + partial,
+      partial,
+      rejected,
+      count_of(counters, "kernel_drops") + count_of(counters, "ring_dropped") +
+          count_of(counters, "late") + count_of(counters, "frames_dropped"),
+      last_of(source));
 }
 
 // How many are followed now: people where they are looked for, with a measured empty room.
@@ -57,10 +77,16 @@ std::string tracks_of(const Json& status) {
   return text;
 }
 
+// "2026-11-26T22:00:00.123456789Z" without the fraction.
+std::string to_the_second(const std::string& time) {
+  const std::size_t point = time.find('.');
+  return point == std::string::npos ? time : time.substr(0, point) + "Z";
+}
+
 void print_state(const Json& ready, const Json& status) {
   fmt::print("raylocd {} since {}: {}\n",
              status.at("software_version").get<std::string>(),
-             status.at("started").get<std::string>(),
+             to_the_second(status.at("started").get<std::string>()),
              ready.at("ready").get<bool>() ? "ready" : "not ready");
   for (const Json& reason : ready.at("reasons")) {
     fmt::print("  {}\n", reason.get<std::string>());
@@ -77,11 +103,12 @@ void print_state(const Json& ready, const Json& status) {
   const Json& estimation = status.at("estimation");
   const Json& publisher = status.at("publisher");
   fmt::print(
-      "{} fixes, {} without a position, {}; {} messages to {} subscriptions, "
-      "{} times one was slow\n",
+      "{} fixes, {} without a position, {}; {} bursts gave way to newer ones; {} messages to {} "
+      "subscriptions, {} times one was slow\n",
       count_of(estimation, "fixes"),
       count_of(estimation, "no_fixes"),
       tracks_of(status),
+      count_of(estimation, "bursts_merged"),
       count_of(publisher, "published"),
       count_of(publisher, "subscriptions"),
       count_of(publisher, "slow_episodes"));

@@ -69,7 +69,7 @@ RunVerb declare(CLI::App& app) {
 
 extern const Verb kWaitReady;
 const Verb kWaitReady = {"wait-ready",
-                         "Wait until raylocd is ready: runs, and hears every access point",
+                         "Wait until raylocd is ready: runs, can locate, and hears every access point",
                          "rayloc wait-ready --timeout 30 && echo go",
                          declare};
 

@@ -58,7 +58,7 @@ Expected<void> serve(const std::string& file) {
   Reloader reloader(*setup);
   set_up_log(setup->config.log);
   auto watch = std::make_unique<StartWatch>(manager);
-  spdlog::info("raylocd {}: preparing the room of site '{}'", RAYLOC_VERSION, setup->site.name);
+  spdlog::info("raylocd {} starts", RAYLOC_VERSION);
   Expected<std::unique_ptr<Service>> opened = Service::open(
       std::move(*setup), *sockets, [](const std::string& line) { spdlog::info("{}", line); });
   if (!opened) {
@@ -76,7 +76,7 @@ Expected<void> serve(const std::string& file) {
     spdlog::info("answering at http://{}/", http);
   }
   watch.reset();
-  spdlog::info("ready: publishing at {}", service.endpoint());
+  spdlog::info("running: publishing at {}", service.endpoint());
   spdlog::default_logger()->flush();  // who waits for it looks there next
   manager.ready();
   const std::string reason = RunLoop(service, manager, std::move(reloader)).run(signals);

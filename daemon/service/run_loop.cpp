@@ -21,10 +21,10 @@ std::chrono::milliseconds patience(const ServiceManager& manager) {
   return manager.watchdog_period().value_or(std::chrono::seconds{20}) / 2;
 }
 
-std::string joined(const std::vector<std::string>& words) {
+std::string joined(const std::vector<std::string>& words, const char* between = ", ") {
   std::string list;
   for (const std::string& word : words) {
-    list += (list.empty() ? "" : ", ") + word;
+    list += (list.empty() ? "" : between) + word;
   }
   return list;
 }
@@ -82,6 +82,7 @@ void RunLoop::tick() {
     spdlog::info("{}", line);
   }
   service_.log_losses();
+  tell_readiness();
   feed_watchdog();
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_status_) {
@@ -91,6 +92,20 @@ void RunLoop::tick() {
   if (now >= next_spare_) {
     give_spare_memory_back();
     next_spare_ = now + kSpareInterval;
+  }
+}
+
+// What /readyz says, when that begins or ends to speak against being ready.
+void RunLoop::tell_readiness() {
+  const Readiness now = service_.readiness();
+  if (ready_ == now.ready()) {
+    return;
+  }
+  ready_ = now.ready();
+  if (now.ready()) {
+    log_.say("ready", {LogLevel::kInfo, "ready: every access point is heard", {}});
+  } else {
+    log_.say("not ready", {LogLevel::kWarning, "not ready: " + joined(now.reasons, "; "), {}});
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <optional>
 #include <string>
 
 #include "daemon/service/limited_log.h"
@@ -32,6 +33,7 @@ class RunLoop {
 
  private:
   void tick();
+  void tell_readiness();
   void reload();
   void snapshot(const std::string& reason);
   void feed_watchdog();
@@ -44,6 +46,7 @@ class RunLoop {
   std::chrono::steady_clock::time_point next_status_{};
   std::chrono::steady_clock::time_point next_spare_{};  // memory that is given back
   bool stuck_ = false;
+  std::optional<bool> ready_;  // as the log says; nothing: it has not said yet
   LimitedLog log_{log_event};  // of errors: some come and go with every second
 };
 

@@ -12,6 +12,7 @@
 #include "daemon/service/curve_access.h"
 #include "daemon/service/log.h"
 #include "daemon/service/passed_socket_check.h"
+#include "daemon/service/place_check.h"
 #include "daemon/service/privacy.h"
 #include "daemon/service/secrets.h"
 #include "daemon/site/path_grid_files.h"
@@ -96,12 +97,14 @@ Expected<std::unique_ptr<Service>> Service::open(
   const DaemonConfig& config = service->setup_.config;
   service->status_.started = system_now();
 
-  for (const Expected<void>& good :
-       {check_secrets(config), check_passed_sockets(sockets, config)}) {
+  for (const Expected<void>& good : {check_secrets(config),
+                                     check_passed_sockets(sockets, config),
+                                     check_places(config, sockets)}) {
     if (!good) {
       return tl::make_unexpected(good.error());
     }
   }
+  log("preparing the room of site '" + service->setup_.site.name + "'");
   if (const Expected<void> opened = service->open_estimators(path_grids(config.cache, log));
       !opened) {
     return tl::make_unexpected(opened.error());

@@ -38,9 +38,9 @@ namespace rayloc {
 
 class Service {
  public:
-  // Reads the scene, prepares the room, binds the publisher and opens the sources, in this order:
-  // what can be wrong with files is known before a port is taken, and a datagram that arrives is
-  // never left waiting for the room. Nothing runs yet.
+  // Sees that its ports can be had, reads the scene, prepares the room, binds the publisher and
+  // opens the sources, in this order: what can be wrong with files is known before a port is taken,
+  // and a datagram that arrives is never left waiting for the room. Nothing runs yet.
   // A socket that systemd bound takes the place of the address in the configuration: "publish",
   // "snapshot", "http", and "source-ID" of a UDP source. `log`: what a person may want to know
   // meanwhile, line by line.

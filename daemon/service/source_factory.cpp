@@ -80,27 +80,38 @@ void log_buffer(const UdpSource& opened, const UdpSourceOptions& options, const 
   }
 }
 
-// `passed_socket`: to be taken over; -1 for none.
-Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source, int passed_socket) {
-  switch (source.kind) {
-    case SourceKind::kUdp: {
-      UdpSourceOptions options;
-      options.address = listen_address(source);
-      options.adopted_fd = passed_socket;
-      options.interface = source.only_interface;
-      for (const std::string& text : source.allow) {
-        const auto range = AddressRange::parse(text);
-        if (!range) {
-          return tl::make_unexpected(range.error());
-        }
-        options.senders.push_back(*range);
-      }
-      auto opened = UdpSource::open(options);
-      if (opened) {
-        log_buffer(**opened, options, source.access_point);
-      }
-      return as_datagram_source(std::move(opened));
+using SeeUdp = void (*)(const UdpSource& opened,
+                        const UdpSourceOptions& options,
+                        const std::string& name);
+
+Expected<std::unique_ptr<DatagramSource>> open_udp(const SourceConfig& source,
+                                                   int passed_socket,
+                                                   SeeUdp see) {
+  UdpSourceOptions options;
+  options.address = listen_address(source);
+  options.adopted_fd = passed_socket;
+  options.interface = source.only_interface;
+  for (const std::string& text : source.allow) {
+    const auto range = AddressRange::parse(text);
+    if (!range) {
+      return tl::make_unexpected(range.error());
     }
+    options.senders.push_back(*range);
+  }
+  auto opened = UdpSource::open(options);
+  if (opened && see != nullptr) {
+    see(**opened, options, source.access_point);
+  }
+  return as_datagram_source(std::move(opened));
+}
+
+// `passed_socket`: to be taken over; -1 for none. `see`: a UDP source that was opened; may be null.
+Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source,
+                                                    int passed_socket,
+                                                    SeeUdp see = log_buffer) {
+  switch (source.kind) {
+    case SourceKind::kUdp:
+      return open_udp(source, passed_socket, see);
     case SourceKind::kInterface: {
       PcapLiveOptions options;
       options.interface = source.interface;
@@ -176,6 +187,11 @@ Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
   // Two bursts of what comes before a position: then it is known where everybody is.
   options.lead_in = 2 * config.engine.burst + std::chrono::milliseconds(300);
   return RecordingClock{std::make_shared<Playback>(std::move(options)), nullptr};
+}
+
+Expected<void> check_source(const SourceConfig& source) {
+  const auto opened = is_live(source) ? open_live(source, -1, nullptr) : nullptr;
+  return opened ? Expected<void>() : tl::make_unexpected(placed(source, opened.error()));
 }
 
 Expected<SourceWorker::Input> open_source(const SourceConfig& source,

@@ -30,6 +30,9 @@ Expected<SourceWorker::Input> open_source(const SourceConfig& source,
                                           std::optional<int> passed_socket,
                                           const RecordingClock& clock);
 
+// Whether the socket or the interface of a live source can be had, by having it for an instant.
+Expected<void> check_source(const SourceConfig& source);
+
 // Arrival stamps of such a source are of this machine's clock.
 inline bool is_live(const SourceConfig& source) { return source.kind != SourceKind::kPcap; }
 

@@ -111,7 +111,7 @@ TEST(Faults, AClockThatIsSetMakesNoAgeWrong) {
   EXPECT_THAT(json_at(daemon, "/readyz").at("reasons").dump(), HasSubstr("source ap2: silent for"));
   device = std::make_unique<Device>(folder.path(), daemon, "device-again");
   EXPECT_TRUE(status_is("SOURCE_STATUS_RECEIVING"));
-  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons"), nlohmann::json::array());
+  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons").dump().find("source ap2"), std::string::npos);
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
@@ -152,7 +152,7 @@ TEST(Faults, AnInterfaceThatWentAwayIsCapturedAgainWhenItComesBack) {
   const auto logs = [&](const std::string& text) {
     return eventually(kPatience, [&] { return daemon.errors().find(text) != std::string::npos; });
   };
-  ASSERT_TRUE(logs("ready: publishing")) << daemon.errors();
+  ASSERT_TRUE(logs("running: publishing")) << daemon.errors();
   Process subscriber(
       folder.path(),
       "sub",

@@ -1,4 +1,6 @@
 // What raylocd says over HTTP, from the silent start to datagrams that come.
+#include <sys/stat.h>
+
 #include <deque>
 #include <fstream>
 
@@ -29,12 +31,12 @@ TEST(Http, TellsStateMetricsAndReasons) {
   const std::uint16_t port = daemon.http_port();
   EXPECT_THAT(http_get(port, "/healthz"), StartsWith("HTTP/1.1 200 "));
   EXPECT_THAT(http_get(port, "/readyz"), StartsWith("HTTP/1.1 503 "));
-  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons"),
-            nlohmann::json({"source ap2: nothing has come yet at udp " + daemon.address(0)}));
+  const std::string waiting = "source ap2: nothing has come yet at udp " + daemon.address(0);
+  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons").back(), waiting);
   EXPECT_EQ(json_at(daemon, "/api/v1/targets"), nlohmann::json::array());
 
   ASSERT_EQ(send_for_a_second(folder.path(), daemon), 0);
-  EXPECT_THAT(http_get(port, "/readyz"), StartsWith("HTTP/1.1 200 "));
+  EXPECT_EQ(json_at(daemon, "/readyz").at("reasons").dump().find("source ap2"), std::string::npos);
   EXPECT_EQ(json_at(daemon, "/api/v1/sources").at(0).at("status"), "SOURCE_STATUS_RECEIVING");
   ASSERT_TRUE(eventually(kPatience, [&] { return !json_at(daemon, "/api/v1/targets").empty(); }));
   EXPECT_EQ(json_at(daemon, "/api/v1/targets").at(0).at("location").at("target").at("mac"),
@@ -66,9 +68,8 @@ TEST(Http, TellsStateMetricsAndReasons) {
 
   // Silence is a reason again.
   EXPECT_TRUE(eventually(kPatience, [&] {
-    const nlohmann::json reasons = json_at(daemon, "/readyz").at("reasons");
-    return !reasons.empty() &&
-           reasons.at(0).get<std::string>().rfind("source ap2: silent for", 0) == 0;
+    return json_at(daemon, "/readyz").at("reasons").dump().find("source ap2: silent for") !=
+           std::string::npos;
   }));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
   // The last heartbeat counts those as well that ask.
@@ -80,7 +81,11 @@ TEST(Http, TellsStateMetricsAndReasons) {
 
 TEST(Http, TheVerbsAskAndReport) {
   const TemporaryFolder folder;
-  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  // Which site it is does not matter to who locates nothing.
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n"});
   const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
   int runs = 0;
   const auto rayloc = [&](std::vector<std::string> words, int status) {
@@ -122,9 +127,123 @@ TEST(Http, TheVerbsAskAndReport) {
   // Somebody else has the port.
   LiveDaemon other(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
   ASSERT_TRUE(other.ready()) << other.errors();
+  const std::filesystem::path ours = folder.path() / "ours.toml";
+  std::filesystem::copy_file(other.configuration(), ours);
   EXPECT_THAT(
-      rayloc({"doctor", other.configuration().string(), "--http", address}, 69),
+      rayloc({"doctor", ours.string(), "--http", address}, 69),
       HasSubstr("problem  source ap2: UDP " + other.address(0) + ": Address already in use"));
+}
+
+// Output and words of `rayloc VERB`.
+std::string said(const std::filesystem::path& folder, const std::vector<std::string>& words) {
+  Process process(folder, "said", "rayloc", words);
+  EXPECT_TRUE(process.wait(kPatience)) << words.front();
+  return read_text(process.out()) + process.errors();
+}
+
+TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
+  const std::string cannot = "nothing can be located: what is heard is not calibrated (ap2)";
+  const std::string no_people = "people are not looked for";
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  EXPECT_THAT(daemon.log(),
+              ::testing::ContainsRegex("warning.*" + std::string("nothing can be located")));
+  EXPECT_THAT(daemon.log(), HasSubstr(no_people));
+  const nlohmann::json ready = json_at(daemon, "/readyz");
+  EXPECT_EQ(ready.at("ready"), false);
+  EXPECT_THAT(ready.at("reasons").at(0).get<std::string>(), StartsWith(cannot));
+  EXPECT_THAT(ready.at("warnings").dump(), HasSubstr(no_people));
+  // What the map reads; its page shows each.
+  const nlohmann::json warnings = daemon.bodies("heartbeat").back().at("warnings");
+  ASSERT_EQ(warnings.size(), 2U);
+  EXPECT_THAT(warnings.at(0).get<std::string>(), StartsWith(cannot));
+  EXPECT_THAT(http_get(daemon.http_port(), "/map/sources.js"), HasSubstr("heartbeat.warnings"));
+
+  const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
+  EXPECT_THAT(said(folder.path(), {"status", "--http", address}), HasSubstr("\n  " + cannot));
+  const std::string doctor = said(folder.path(), {"doctor", daemon.configuration().string()});
+  EXPECT_THAT(doctor, HasSubstr("problem  " + cannot));
+  EXPECT_THAT(doctor, HasSubstr("warning  " + no_people));
+  EXPECT_EQ(doctor.find(no_people), doctor.rfind(no_people)) << "once";
+  const std::string checked =
+      said(folder.path(), {"check-config", daemon.configuration().string()});
+  EXPECT_THAT(checked, HasSubstr("site.toml: " + cannot));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(Field, TheLogSaysReadyWhenTheStatusDoes) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  const auto logs = [&](const std::string& text) {
+    return eventually(kPatience, [&] { return daemon.log().find(text) != std::string::npos; });
+  };
+  EXPECT_TRUE(logs("not ready: source ap2: nothing has come yet")) << daemon.log();
+  EXPECT_EQ(daemon.log().find("info ready: "), std::string::npos) << daemon.log();
+  Process sender(folder.path(),
+                 "sender",
+                 "rayloc",
+                 {"send",
+                  bundled_recording("calibration", "ap2"),
+                  "--to",
+                  daemon.address(0),
+                  "--rate",
+                  "1000",
+                  "--duration",
+                  "5"});
+  EXPECT_TRUE(logs("info ready: every access point is heard")) << daemon.log();
+  const std::string status =
+      said(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+  EXPECT_THAT(status, HasSubstr(": ready\n"));
+  EXPECT_THAT(status,
+              ::testing::ContainsRegex("ap2 .* frames \\([0-9]+ partial\\) .* [0-9.]+ s ago\n"));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+TEST(Field, TheStatusOfARecordingDoesNotSayThatNothingCame) {
+  const TemporaryFolder folder;
+  LiveDaemon daemon(
+      folder.path(),
+      {.site = bundled(""),
+       .access_points = {"ap2"},
+       .more_configuration = "[engine]\nmethod = \"none\"\n",
+       .source = "kind = \"pcap\"\nfile = \"" + bundled_recording("calibration", "ap2") + "\""});
+  const std::string address = "127.0.0.1:" + std::to_string(daemon.http_port());
+  std::string status;
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    status = said(folder.path(), {"status", "--http", address});
+    return status.find("from a recording\n") != std::string::npos;
+  })) << status;
+  EXPECT_EQ(status.find("no datagram yet"), std::string::npos) << status;
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// It waits for somebody to open the other end of a pipe, with its publishing port bound.
+TEST(Field, TheDoctorBesideADaemonThatIsStartingBlamesNobody) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nmethod = \"none\"\n",
+                     .source = "kind = \"pcap\"\nfile = \"" + pipe.string() + "\""});
+  ASSERT_TRUE(eventually(kPatience, [&] {
+    return daemon.log().find("preparing the room") != std::string::npos;
+  })) << daemon.errors();
+  std::string doctor;
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    doctor = said(folder.path(), {"doctor", daemon.configuration().string()});
+    return doctor.find("is in use, raylocd runs") != std::string::npos;
+  })) << doctor;
+  EXPECT_THAT(doctor,
+              HasSubstr("raylocd runs with this file as process " + std::to_string(daemon.pid()) +
+                        " and does not answer yet: it is starting"));
+  EXPECT_EQ(doctor.find("problem"), std::string::npos) << doctor;
 }
 
 TEST(Http, TheDoctorAsksWhereTheConfigurationSaysAndWithItsToken) {

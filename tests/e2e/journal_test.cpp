@@ -69,7 +69,7 @@ TEST(Journal, IsNotWrittenToWhenStandardErrorIsAnotherFile) {
                      .more_configuration = "[engine]\nmethod = \"none\"\n",
                      .setting = {.environment = {"JOURNAL_STREAM=1:1"}}});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  EXPECT_THAT(daemon.log(), ::testing::HasSubstr("ready: publishing at"));
+  EXPECT_THAT(daemon.log(), ::testing::HasSubstr("running: publishing at"));
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 

@@ -17,6 +17,7 @@ namespace rayloc::e2e {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr std::chrono::seconds kPatience{60};
 
@@ -66,6 +67,7 @@ void expect_each_to_be_refused(const std::filesystem::path& folder, const Places
     EXPECT_EQ(second.wait(kPatience), 69) << taken.*place << "\n" << second.errors();
     EXPECT_THAT(second.errors(), HasSubstr(taken.*place));
     EXPECT_THAT(second.errors(), HasSubstr("Address already in use"));
+    EXPECT_THAT(second.errors(), Not(HasSubstr("preparing the room"))) << "it ends at once";
   }
 }
 
@@ -138,6 +140,17 @@ TEST_F(SecondDaemon, OnAPortSaysSoAndTheFirstGoesOn) {
            std::string::npos;
   })) << first_->errors();
   expect_to_end_well();
+}
+
+TEST(Field, ASecondDaemonOnATakenPortEndsBeforeItPreparesTheRoom) {
+  const TemporaryFolder folder;
+  LiveDaemon first(folder.path(), {.site = bundled(""), .access_points = {"ap2"}});
+  ASSERT_TRUE(first.ready()) << first.errors();
+  Process second(folder.path(), "second", "raylocd", {"--config", first.configuration().string()});
+  EXPECT_EQ(second.wait(kPatience), 69) << second.errors();
+  EXPECT_THAT(second.errors(), HasSubstr("Address already in use"));
+  EXPECT_THAT(second.errors(), Not(HasSubstr("preparing the room")));
+  EXPECT_EQ(first.stop(), 0) << first.errors();
 }
 
 // A path can be bound again once it is removed, and who does that takes it away unseen.
