@@ -50,7 +50,8 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
                          "estimates")},
           heartbeat.estimation().bursts_merged());
   compare({"bursts_dropped",
-           overload_text("bursts were left unexplained, too old when their turn came")},
+           overload_text("bursts waited until they were too old, and were left out; transmitters "
+                         "of site.toml come first")},
           heartbeat.estimation().bursts_dropped());
   compare({"events_dropped", "events dropped: the publisher did not keep up"},
           heartbeat.estimation().events_dropped());

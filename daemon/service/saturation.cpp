@@ -59,6 +59,12 @@ void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
           heartbeat.estimation().bursts_merged(),
           now,
           bursts_);
+  compare(overload_text(fmt::format("in the last {} s bursts waited until they were too old, and "
+                                    "were left out; transmitters of site.toml come first",
+                                    seconds)),
+          heartbeat.estimation().bursts_dropped(),
+          now,
+          bursts_);
 }
 
 std::vector<std::string> Saturation::lately(const Queues& queues) {

@@ -78,6 +78,17 @@ TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
   EXPECT_THAT(saturation.warnings(), IsEmpty()) << "it is over";
 }
 
+TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  saturation.look(heartbeat, kStart);
+  heartbeat.mutable_estimation()->set_bursts_dropped(1);
+  saturation.look(heartbeat, kStart + 1s);
+  EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("too old, and were left out")));
+  saturation.look(heartbeat, kStart + 12s);
+  EXPECT_THAT(saturation.warnings(), IsEmpty());
+}
+
 TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
   std::vector<LogEvent> said;
   const auto log =
