@@ -16,8 +16,8 @@
 namespace rayloc {
 namespace {
 
-// Boxes are widened by this share of the largest coordinate: some 16 roundings of a float, where
-// origin, direction and traversal together make about 6.
+// Boxes are widened by this share of the largest coordinate from the middle of the scene: some 16
+// roundings of a float, where origin, direction and traversal together make about 6.
 constexpr double kWidening = 2e-6;
 // Queries from further away than this many scene sizes would round by more than the widening.
 constexpr double kFarAway = 2.0;
@@ -44,16 +44,26 @@ struct Query {
 class Bvh::Impl {
  public:
   Impl(std::span<const Surface> surfaces, double margin) : surfaces_(surfaces), margin_(margin) {
-    double reach = 1.0;  // [m]
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    Vec3d lower{kInfinity, kInfinity, kInfinity};
+    Vec3d upper = -lower;
     for (std::size_t i = 0; i < surfaces.size(); ++i) {
       const auto& pieces = surfaces[i].pieces();
       for (std::size_t j = 0; j < pieces.size(); ++j) {
         primitives_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j)});
-        for (const Vec3d& corner : {pieces[j].lower, pieces[j].upper}) {
-          reach = std::max({reach, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
-        }
+        const Vec3d& low = pieces[j].lower;
+        const Vec3d& high = pieces[j].upper;
+        lower = {std::min(lower.x, low.x), std::min(lower.y, low.y), std::min(lower.z, low.z)};
+        upper = {std::max(upper.x, high.x), std::max(upper.y, high.y), std::max(upper.z, high.z)};
       }
     }
+    if (!primitives_.empty()) {
+      // Whole metres, as RayShooter: what is a round number in the scene stays one.
+      const Vec3d middle = 0.5 * (lower + upper);
+      origin_ = {std::round(middle.x), std::round(middle.y), std::round(middle.z)};
+    }
+    const Vec3d half = upper - origin_;
+    const double reach = std::max({1.0, half.x + 1.0, half.y + 1.0, half.z + 1.0});
     largest_coordinate_ = kFarAway * reach;
     widening_ = kWidening * largest_coordinate_ + kCornerReach * margin;
   }
@@ -105,7 +115,8 @@ class Bvh::Impl {
     query.segment = &segment;
     query.length = norm(along);
     query.found = found;
-    for (const Vec3d& end : {segment.from, segment.to}) {
+    const Vec3d from = segment.from - origin_;
+    for (const Vec3d& end : {from, segment.to - origin_}) {
       if (std::max({std::abs(end.x), std::abs(end.y), std::abs(end.z)}) > largest_coordinate_) {
         for (const Primitive& primitive : primitives_) {
           if (meet(query, primitive)) {
@@ -116,9 +127,9 @@ class Bvh::Impl {
       }
     }
     RTCRay ray{};
-    ray.org_x = static_cast<float>(segment.from.x);
-    ray.org_y = static_cast<float>(segment.from.y);
-    ray.org_z = static_cast<float>(segment.from.z);
+    ray.org_x = static_cast<float>(from.x);
+    ray.org_y = static_cast<float>(from.y);
+    ray.org_z = static_cast<float>(from.z);
     ray.dir_x = static_cast<float>(along.x);
     ray.dir_y = static_cast<float>(along.y);
     ray.dir_z = static_cast<float>(along.z);
@@ -179,13 +190,16 @@ class Bvh::Impl {
     const auto* self = static_cast<const Impl*>(arguments->geometryUserPtr);
     const Primitive& primitive = self->primitives_[arguments->primID];
     const Surface::Piece& piece = self->surfaces_[primitive.surface].pieces()[primitive.piece];
+    const Vec3d wider{self->widening_, self->widening_, self->widening_};
+    const Vec3d lower = piece.lower - self->origin_ - wider;
+    const Vec3d upper = piece.upper - self->origin_ + wider;
     RTCBounds* box = arguments->bounds_o;
-    box->lower_x = static_cast<float>(piece.lower.x - self->widening_);
-    box->lower_y = static_cast<float>(piece.lower.y - self->widening_);
-    box->lower_z = static_cast<float>(piece.lower.z - self->widening_);
-    box->upper_x = static_cast<float>(piece.upper.x + self->widening_);
-    box->upper_y = static_cast<float>(piece.upper.y + self->widening_);
-    box->upper_z = static_cast<float>(piece.upper.z + self->widening_);
+    box->lower_x = static_cast<float>(lower.x);
+    box->lower_y = static_cast<float>(lower.y);
+    box->lower_z = static_cast<float>(lower.z);
+    box->upper_x = static_cast<float>(upper.x);
+    box->upper_y = static_cast<float>(upper.y);
+    box->upper_z = static_cast<float>(upper.z);
   }
 
   static void occluded(const RTCOccludedFunctionNArguments* arguments) {
@@ -200,7 +214,8 @@ class Bvh::Impl {
 
   std::span<const Surface> surfaces_;
   std::vector<Primitive> primitives_;
-  double largest_coordinate_ = 0.0;  // [m]
+  Vec3d origin_;                     // what single precision is relative to, world
+  double largest_coordinate_ = 0.0;  // [m], relative to it
   double widening_ = 0.0;            // [m]
   double margin_ = 0.0;              // [m]
   RTCDevice device_ = nullptr;
