@@ -8,10 +8,11 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 #include <zmq.h>
+
+#include "daemon/publish/secret_file.h"
 
 namespace rayloc {
 namespace {
@@ -19,22 +20,15 @@ namespace {
 constexpr std::size_t kKeyCharacters = 40;
 constexpr std::size_t kKeyBytes = 32;
 constexpr const char* kAdvice = "make one with: rayloc keygen FILE";
+constexpr KeyKind kSecretKey = {"secret key", kAdvice};
+constexpr KeyKind kPublicKey = {"public key", kAdvice};
 
-Expected<std::string> read_key(const std::filesystem::path& file, const char* what) {
-  std::ifstream in(file);
-  if (!in) {
-    return make_error(
-        ErrorKind::kConfiguration,
-        file.string() + ": " + what + " cannot be read: " + std::strerror(errno) + "; " + kAdvice);
-  }
-  std::string line;
-  std::getline(in, line);
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) {
-    line.pop_back();
-  }
+Expected<std::string> checked_key(const std::filesystem::path& file,
+                                  const KeyKind& kind,
+                                  std::string line) {
   if (!is_curve_key(line)) {
     return make_error(ErrorKind::kConfiguration,
-                      file.string() + ": its first line is no " + what +
+                      file.string() + ": its first line is no " + kind.name +
                           ", which is 40 characters (Z85); " + kAdvice);
   }
   return line;
@@ -66,15 +60,8 @@ std::string curve_public_key(const std::string& secret_key) {
 }
 
 Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file) {
-  struct stat status {};
-  // Group may be allowed: systemd hands credentials over by an access list, which shows as that.
-  if (stat(file.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
-    return make_error(ErrorKind::kConfiguration,
-                      file.string() +
-                          ": everyone on this machine may use this secret key; take that away "
-                          "(chmod 600), and make a new key if others were here");
-  }
-  Expected<std::string> secret = read_key(file, "secret key");
+  Expected<std::string> line = read_secret(file, kSecretKey);
+  Expected<std::string> secret = line ? checked_key(file, kSecretKey, *line) : std::move(line);
   if (!secret) {
     return tl::make_unexpected(secret.error());
   }
@@ -83,7 +70,8 @@ Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file) {
 }
 
 Expected<std::string> read_curve_public(const std::filesystem::path& file) {
-  return read_key(file, "public key");
+  const Expected<std::string> line = read_key_line(file, kPublicKey);
+  return line ? checked_key(file, kPublicKey, *line) : line;
 }
 
 Expected<void> write_curve_secret(const std::filesystem::path& file,

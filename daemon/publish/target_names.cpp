@@ -1,13 +1,10 @@
 #include "daemon/publish/target_names.h"
 
 #include <sodium.h>
-#include <sys/stat.h>
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <stdexcept>
 
+#include "daemon/publish/secret_file.h"
 #include "rayloc/v1/target.pb.h"
 
 namespace rayloc {
@@ -79,19 +76,9 @@ void TargetNames::set(const MacAddress& transmitter, Timestamp time, v1::Target&
 }
 
 Expected<std::string> TargetNames::read_key(const std::filesystem::path& file) {
-  struct stat status {};
-  if (stat(file.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
-    return make_error(ErrorKind::kConfiguration,
-                      file.string() + ": everyone on this machine may use this key; chmod 600");
-  }
-  std::ifstream in(file);
-  if (!in) {
-    return make_error(ErrorKind::kConfiguration,
-                      file.string() + ": the key cannot be read: " + std::strerror(errno) +
-                          "; what root keeps, systemd passes (drop-in privacy-key.conf)");
-  }
-  std::string key;
-  if (!std::getline(in, key) || key.size() < kShortestKey) {
+  Expected<std::string> key =
+      read_secret(file, {"key", "what root keeps, systemd passes (drop-in privacy-key.conf)"});
+  if (key && key->size() < kShortestKey) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() +
                           ": no key: its first line must have 32 characters or more; write one "

@@ -15,6 +15,7 @@
 #include <system_error>
 
 #include "daemon/publish/curve_keys.h"
+#include "daemon/publish/secret_file.h"
 #include "daemon/service/readiness.h"
 
 namespace rayloc {
@@ -128,6 +129,9 @@ std::string address_text(const std::string& host, std::uint16_t port) {
 // Secrets are the user's that raylocd runs as; who asks may be another.
 Finding check_secret(const std::string& key, const fs::path& file) {
   const std::string what = key + " " + file.string();
+  if (const auto checked = check_private(file, {"secret", ""}); !checked) {
+    return {Kind::kProblem, key + " " + checked.error().message, ""};
+  }
   if (access(file.c_str(), R_OK) == 0) {
     return {Kind::kOk, what + " can be read", ""};
   }

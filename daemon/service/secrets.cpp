@@ -2,12 +2,10 @@
 
 #include <unistd.h>
 
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
-#include <fstream>
 
 #include "daemon/publish/curve_keys.h"
+#include "daemon/publish/secret_file.h"
 #include "daemon/publish/target_names.h"
 
 namespace rayloc {
@@ -43,19 +41,14 @@ void take_credentials(DaemonConfig& config) {
 
 Expected<std::string> read_http_token(const fs::path& file) {
   constexpr std::size_t kShortest = 16;
-  std::ifstream in(file);
-  if (!in) {
-    return make_error(ErrorKind::kConfiguration,
-                      file.string() + ": the token cannot be read: " + std::strerror(errno) +
-                          "; what root keeps, systemd passes (drop-in http-token.conf)");
-  }
-  std::string token;
-  if (!std::getline(in, token) || token.size() < kShortest) {
+  Expected<std::string> token =
+      read_secret(file, {"token", "what root keeps, systemd passes (drop-in http-token.conf)"});
+  if (token && token->size() < kShortest) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() +
-                          ": no token: its first line must have 16 characters or more; "
-                          "write one with: openssl rand -hex 32 >" +
-                          file.string());
+                          ": no token: its first line must have 16 characters or more; write one "
+                          "with: (umask 077; openssl rand -hex 32 >" +
+                          file.string() + ")");
   }
   return token;
 }

@@ -250,6 +250,7 @@ TEST(Http, TheDoctorAsksWhereTheConfigurationSaysAndWithItsToken) {
   const TemporaryFolder folder;
   const std::filesystem::path token = folder.path() / "token";
   std::ofstream(token) << "0123456789abcdef\n";
+  std::filesystem::permissions(token, std::filesystem::perms(0600));
   LiveDaemon daemon(folder.path(),
                     {.site = bundled(""),
                      .access_points = {"ap2"},
@@ -313,6 +314,7 @@ TEST(Http, ATokenThatSystemdPassesIsAskedFor) {
   const TemporaryFolder folder;
   const std::string token = "0123456789abcdef0123456789abcdef";
   std::ofstream(folder.path() / "http.token") << token << "\n";
+  std::filesystem::permissions(folder.path() / "http.token", std::filesystem::perms(0600));
   LiveDaemon daemon(
       folder.path(),
       {.site = bundled(""),

@@ -267,6 +267,7 @@ TEST(LifeCycle, RefusesPassedSocketsThatOthersReachAndNobodyGuards) {
   // With a token it is meant.
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "token") << "0123456789abcdef0123456789abcdef\n";
+  std::filesystem::permissions(folder.path() / "token", std::filesystem::perms(0600));
   const int http = bound_socket(SOCK_STREAM, free_port(SOCK_STREAM), INADDR_ANY);
   LiveDaemonOptions options = one_access_point({});
   options.http_configuration = "token_file = \"" + (folder.path() / "token").string() + "\"\n";

@@ -108,7 +108,7 @@ TEST_F(CheckConfig, SecretsAreReadAsRaylocdReadsThem) {
   EXPECT_THAT(missing.output, HasSubstr(token + ": the token cannot be read: No such file"));
 
   // The service's own view, once the token is there.
-  write("http.token", "0123456789abcdef\n");
+  fs::permissions(write("http.token", "0123456789abcdef\n"), fs::perms(0600));
   ASSERT_EQ(setenv("CREDENTIALS_DIRECTORY", folder_.c_str(), 1), 0);
   const Outcome passed = rayloc("check-config " + config(kSite.string(), everywhere));
   EXPECT_EQ(passed.status, 0) << passed.output;

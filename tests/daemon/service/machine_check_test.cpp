@@ -81,8 +81,15 @@ TEST(MachineCheck, SecretsMustBeThere) {
     EXPECT_THAT(missing.what, HasSubstr("No such file or directory")) << name;
   }
   std::ofstream(key) << "secret";
+  std::filesystem::permissions(key, std::filesystem::perms(0600));
   for (const char* const name : {"[privacy] key_file", "[http] token_file"}) {
     EXPECT_EQ(finding_of(config, name).kind, Kind::kOk) << name;
+  }
+  std::filesystem::permissions(key, std::filesystem::perms(0644));
+  for (const char* const name : {"[privacy] key_file", "[http] token_file"}) {
+    const Finding open = finding_of(config, name);
+    EXPECT_EQ(open.kind, Kind::kProblem) << name;
+    EXPECT_THAT(open.what, HasSubstr("everyone on this machine may use this secret")) << name;
   }
   std::filesystem::remove(key);
 }

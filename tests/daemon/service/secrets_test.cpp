@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/publish/curve_keys.h"
 #include "daemon/service/config.h"
 
 namespace rayloc {
@@ -95,6 +96,30 @@ TEST_F(Secrets, EachThatCannotBeUsedIsNamedWithTheReason) {
   config.http.enabled = false;
   config.http.token_file = folder_ / "none";
   EXPECT_TRUE(check_secrets(config));
+}
+
+class Field : public Secrets {};
+
+// The rule of every secret is that of the others.
+TEST_F(Field, SecretsThatEveryoneMayReadAreRefused) {
+  DaemonConfig config;
+  config.http.token_file = write("token", kToken);
+  config.privacy.target_id = TargetId::kHmac;
+  config.privacy.key_file = write("key", kToken);
+  config.curve.enabled = true;
+  config.curve.secret_file = write("curve", make_curve_keys().secret_key + "\n");
+  ASSERT_TRUE(check_secrets(config)) << check_secrets(config).error().message;
+  for (const fs::path& file :
+       {config.http.token_file, config.privacy.key_file, config.curve.secret_file}) {
+    fs::permissions(file, fs::perms(0604));
+    const Expected<void> checked = check_secrets(config);
+    ASSERT_FALSE(checked) << file;
+    EXPECT_THAT(checked.error().message,
+                HasSubstr(file.string() + ": everyone on this machine may use this "));
+    EXPECT_THAT(checked.error().message, HasSubstr("(chmod 600)"));
+    fs::permissions(file, fs::perms(0640));  // as systemd hands credentials over
+    EXPECT_TRUE(check_secrets(config)) << file;
+  }
 }
 
 TEST_F(Secrets, AShortTokenIsNone) {
