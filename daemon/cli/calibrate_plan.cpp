@@ -17,6 +17,7 @@
 #include "daemon/site/planned_points.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "engine/base/printable.h"
 #include "engine/calibrate/survey_plan.h"
 
 namespace rayloc::cli {
@@ -108,7 +109,7 @@ void print_coverage(const SurveyPlan& plan, const RoomModel& room, std::size_t w
     }
     const Scene& scene = *room.scene;
     const std::string& object = scene.objects()[scene.owner(seen.surface).object].name;
-    const auto [entry, added] = weak.emplace(object, &seen);
+    const auto [entry, added] = weak.emplace(printable(object), &seen);
     if (seen.points < entry->second->points) {
       entry->second = &seen;
     }

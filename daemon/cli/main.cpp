@@ -4,6 +4,7 @@
 
 #include "daemon/cli/command_line.h"
 #include "daemon/service/exit_status.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
@@ -22,7 +23,7 @@ int run(int argc, const char* const* argv) {
     return std::fflush(stdout) == 0 ? 0 : exit_status(ErrorKind::kUnavailable);
   }
   if (!result.error().message.empty()) {
-    std::fprintf(stderr, "rayloc: %s\n", result.error().message.c_str());
+    std::fprintf(stderr, "rayloc: %s\n", printable(result.error().message, '\n').c_str());
   }
   return exit_status(result.error().kind);
 }

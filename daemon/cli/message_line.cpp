@@ -5,8 +5,8 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/cli/printable.h"
 #include "daemon/publish/proto_time.h"
+#include "engine/base/printable.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc::cli {

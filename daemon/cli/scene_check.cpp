@@ -11,6 +11,7 @@
 #include "daemon/cli/file_error.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/scene/scene_report.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
@@ -146,7 +147,7 @@ Expected<void> run(const Arguments& arguments) {
   const SceneReport report = inspect_scene(*source);
   const std::string text =
       arguments.json ? report_json(*source, report) : report_text(*source, report);
-  std::fputs(text.c_str(), stdout);
+  std::fputs(printable(text, '\n').c_str(), stdout);
   std::string errors;
   for (const SceneWarning& error : report.errors) {
     errors += (errors.empty() ? "" : "\n") + source->file.string() + ": " + error.message;

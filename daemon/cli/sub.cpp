@@ -15,6 +15,7 @@
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/publish/gap_detector.h"
+#include "engine/base/printable.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc::cli {
@@ -46,7 +47,7 @@ void report_losses(GapDetector& gaps, const std::string& topic, const v1::Envelo
     std::fprintf(stderr,
                  "rayloc sub: lost %llu messages of %s\n",
                  static_cast<unsigned long long>(gap.lost),  // NOLINT(google-runtime-int)
-                 gap.topic.c_str());
+                 printable(gap.topic).c_str());
   }
   if (gaps.restarts() != restarts) {
     std::fprintf(stderr, "rayloc sub: the daemon was restarted\n");
@@ -111,7 +112,8 @@ class Subscription {
   Expected<void> take(const PublishedMessage& message) {
     v1::Envelope envelope;
     if (!envelope.ParseFromString(message.payload)) {
-      std::fprintf(stderr, "rayloc sub: a message of %s is no Envelope\n", message.topic.c_str());
+      std::fprintf(
+          stderr, "rayloc sub: a message of %s is no Envelope\n", printable(message.topic).c_str());
       return {};
     }
     report_losses(gaps_, message.topic, envelope);

@@ -25,6 +25,7 @@
 #include "daemon/scene/solid_around.h"
 #include "daemon/service/config.h"
 #include "daemon/site/room_model.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
@@ -162,7 +163,7 @@ class Survey {
           upper.z);
     }
     const auto solid = solid_around(*room_.scene, p);
-    return solid ? "inside of object '" + room_.scene->objects()[*solid].name + "'" : "";
+    return solid ? "inside of object '" + printable(room_.scene->objects()[*solid].name) + "'" : "";
   }
 
   // Nothing when the survey is over.

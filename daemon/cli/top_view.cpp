@@ -6,10 +6,10 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/cli/age_text.h"
-#include "daemon/cli/printable.h"
 #include "daemon/cli/text_table.h"
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {

@@ -13,6 +13,7 @@
 #include "daemon/cli/number_list.h"
 #include "daemon/cli/trace_report.h"
 #include "daemon/cli/verbs.h"
+#include "engine/base/printable.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {
@@ -132,10 +133,12 @@ Expected<void> run(const TraceArguments& arguments) {
     return tl::make_unexpected(report.error());
   }
   if (!report->note.empty()) {
-    std::fprintf(stderr, "rayloc trace: %s\n", report->note.c_str());
+    std::fprintf(stderr, "rayloc trace: %s\n", printable(report->note).c_str());
   }
-  std::fputs((arguments.json ? trace_json(*report, scene) : trace_table(*report, scene)).c_str(),
-             stdout);
+  std::fputs(
+      (arguments.json ? trace_json(*report, scene) : printable(trace_table(*report, scene), '\n'))
+          .c_str(),
+      stdout);
   return {};
 }
 

@@ -16,6 +16,7 @@
 #include "capture/pcap_live_source.h"
 #include "capture/relay_sender.h"
 #include "daemon/service/exit_status.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -146,7 +147,7 @@ int run(int argc, const char* const* argv) {
   }
   const Expected<void> done = capture(arguments);
   if (!done) {
-    std::fprintf(stderr, "rayloc-capture: %s\n", done.error().message.c_str());
+    std::fprintf(stderr, "rayloc-capture: %s\n", printable(done.error().message, '\n').c_str());
     return exit_status(done.error().kind);
   }
   return 0;

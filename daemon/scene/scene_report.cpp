@@ -8,6 +8,7 @@
 #include "daemon/scene/solid_around.h"
 #include "daemon/scene/surface_overlap.h"
 #include "daemon/site/room_match.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -21,8 +22,8 @@ std::vector<ObjectReport> report_objects(const Scene& scene) {
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
     const SceneObject& object = scene.objects()[i];
     ObjectReport report;
-    report.name = object.name;
-    report.material = scene.materials()[object.material].name;
+    report.name = printable(object.name);
+    report.material = printable(scene.materials()[object.material].name);
     report.triangles = object.mesh.triangles.size();
     report.bounds = bounds_of(object.mesh);
     reports.push_back(std::move(report));
@@ -87,8 +88,8 @@ std::size_t report_overlaps(const Scene& scene, std::vector<SceneWarning>& warni
         {"overlap",
          fmt::format("objects '{}' and '{}' share {:.3g} m^2 of one plane; it is undefined "
                      "which of them a wave meets: move one by a millimetre, or cut a hole",
-                     scene.objects()[scene.owner(overlap.first).object].name,
-                     scene.objects()[scene.owner(overlap.second).object].name,
+                     printable(scene.objects()[scene.owner(overlap.first).object].name),
+                     printable(scene.objects()[scene.owner(overlap.second).object].name),
                      overlap.area)});
   }
   return contacts;
@@ -101,7 +102,7 @@ void warn_of_antenna(const Scene& scene,
     warnings.push_back({"antenna_inside",
                         fmt::format("{} is inside of object '{}', where it hears nothing",
                                     antenna.name,
-                                    scene.objects()[*around].name)});
+                                    printable(scene.objects()[*around].name))});
   }
 }
 

@@ -19,6 +19,7 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/service/background_log.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -65,16 +66,22 @@ const char* priority(spdlog::level::level_enum level) {
   }
 }
 
+// What entries quote of files and of the network may neither control a terminal nor look like an
+// entry of its own: further lines of a message are indented.
 std::string line_of(const LogEntry& entry) {
-  std::string line = entry.message;
+  std::string text = entry.message;
   for (const LogField& field : entry.fields) {
-    line += " " + field.name + "=" + field.value;
+    text += " " + field.name + "=" + printable(field.value);
+  }
+  std::string line;
+  for (const char c : printable(std::move(text), '\n')) {
+    line += c == '\n' ? std::string("\n    ") : std::string(1, c);
   }
   return line;
 }
 
 void write_to_journal(const LogEntry& entry) {
-  std::vector<std::string> entries = {"MESSAGE=" + entry.message,
+  std::vector<std::string> entries = {"MESSAGE=" + printable(entry.message, '\n'),
                                       std::string("PRIORITY=") + priority(entry.level),
                                       "SYSLOG_IDENTIFIER=raylocd"};
   for (const LogField& field : entry.fields) {
@@ -82,7 +89,7 @@ void write_to_journal(const LogEntry& entry) {
     for (const char c : field.name) {
       name += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     }
-    entries.push_back(name + "=" + field.value);
+    entries.push_back(name + "=" + printable(field.value));
   }
   std::vector<iovec> parts;
   parts.reserve(entries.size());

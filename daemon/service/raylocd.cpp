@@ -19,6 +19,7 @@
 #include "daemon/service/service_manager.h"
 #include "daemon/service/spare_memory.h"
 #include "daemon/service/start_watch.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -107,7 +108,10 @@ int run(int argc, const char* const* argv) {
     spdlog::default_logger()->flush();
     // Errors of a configuration begin with file:line:column, one a line, as editors read them.
     const bool placed = served.error().kind == ErrorKind::kConfiguration;
-    std::fprintf(stderr, "%s%s\n", placed ? "" : "raylocd: ", served.error().message.c_str());
+    std::fprintf(stderr,
+                 "%s%s\n",
+                 placed ? "" : "raylocd: ",
+                 printable(served.error().message, '\n').c_str());
     return exit_status(served.error().kind);
   }
   return 0;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "daemon/site/csv_table.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 
@@ -30,8 +31,8 @@ Expected<std::vector<PlannedPoint>> load_planned_points(const std::filesystem::p
       }
       (axis == 0 ? point.position.x : axis == 1 ? point.position.y : point.position.z) = *number;
     }
-    point.name =
-        names ? std::string(table->text(row, names->front())) : "p" + std::to_string(row + 1);
+    point.name = names ? printable(std::string(table->text(row, names->front())))
+                       : "p" + std::to_string(row + 1);
     if (!taken.insert(point.name).second) {
       return tl::make_unexpected(table->error_at(
           row, names->front(), "'" + point.name + "' is the name of another point; give each one"));

@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "daemon/site/toml_reader.h"
+#include "engine/base/printable.h"
 #include "engine/base/suggestion.h"
 
 namespace rayloc {
@@ -159,12 +160,7 @@ TomlPosition TomlDocument::begin_of(const toml::source_region& region) const {
 
 void TomlDocument::error(TomlPosition position, std::string message) {
   // Messages quote the file; what it says must not control the terminal.
-  std::replace_if(
-      message.begin(),
-      message.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; },
-      '?');
-  notes_.push_back({std::move(position), std::move(message)});
+  notes_.push_back({std::move(position), printable(std::move(message))});
 }
 
 void TomlDocument::note_unknown_keys() {

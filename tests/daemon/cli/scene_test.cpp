@@ -210,6 +210,36 @@ TEST_F(Field, RoomCheckNamesTheAxisThatIsUpAndWhatToWrite) {
   expect_good();
 }
 
+// A shape's id with an escape sequence, a line end and the same as U+009B.
+TEST_F(Field, ShapeIdsDoNotControlTheTerminal) {
+  ASSERT_EQ(make_room(std::string(kPlan) + kAccessPoint).status, 0);
+  const fs::path xml = fs::path(out()) / "scene.xml";
+  std::string text = content(xml);
+  const std::string id = "mesh-table";
+  text.replace(text.find(id), id.size(), "mesh-&#27;[31mt&#10;able&#155;2J");
+  std::ofstream(xml) << text;
+  const auto expect_harmless = [](const Finished& finished) {
+    for (const std::string& words : {finished.out, finished.err}) {
+      EXPECT_EQ(words.find('\x1b'), std::string::npos) << words;
+      EXPECT_EQ(words.find("\xc2\x9b"), std::string::npos) << words;
+    }
+  };
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NE(checked.out.find("?[31mt?able?2J"), std::string::npos) << checked.out;
+  expect_harmless(checked);
+  const Finished traced =
+      RaylocProcess({"trace", out(), "--tx", "2,1.5,0.73", "--rx", "1,1,1.2"}).wait();
+  EXPECT_NE(traced.err.find("is inside of object '?[31mt"), std::string::npos) << traced.err;
+  expect_harmless(traced);
+  // An error of the scene names the shape as well.
+  fs::remove(fs::path(out()) / "meshes" / "table.ply");
+  const Finished broken = RaylocProcess({"check-config", out()}).wait();
+  EXPECT_EQ(broken.status, 78);
+  EXPECT_NE(broken.err.find("?[31mt"), std::string::npos) << broken.err;
+  expect_harmless(broken);
+}
+
 TEST_F(Field, RoomCheckOfASceneAloneWarns) {
   write_office("<scale value=\"1000\"/>");
   const Finished checked = RaylocProcess({"scene", "check", out() + "/scene.xml", "--json"}).wait();
