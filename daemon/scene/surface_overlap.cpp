@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <tuple>
 
-#include "engine/scene/bounds.h"
 #include "daemon/scene/surface_triangles.h"
+#include "engine/scene/bounds.h"
 
 namespace rayloc {
 namespace {

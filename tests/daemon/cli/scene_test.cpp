@@ -163,7 +163,7 @@ class Field : public SceneVerb {
     std::string text = content(folder_ / "office.xml");
     const std::string end = "</shape>";
     for (std::size_t at = 0; (at = text.find(end, at)) != std::string::npos;) {
-      const std::string transform = "<transform name=\"to_world\">" + steps + "</transform>";
+      const std::string transform = R"(<transform name="to_world">)" + steps + "</transform>";
       text.insert(at, transform);
       at += transform.size() + end.size();
     }
@@ -188,25 +188,24 @@ class Field : public SceneVerb {
 
 // What the check advises makes the room that it missed.
 TEST_F(Field, RoomCheckNamesCentimetresAndWhatToWrite) {
-  write_office("<scale value=\"100\"/>");
+  write_office(R"(<scale value="100"/>)");
   const std::string message = refusal();
   EXPECT_NE(message.find("its vertices are in centimetres"), std::string::npos) << message;
-  EXPECT_NE(message.find("write <scale value=\"0.01\"/> last"), std::string::npos) << message;
-  write_office("<scale value=\"100\"/><scale value=\"0.01\"/>");
+  EXPECT_NE(message.find(R"(write <scale value="0.01"/> last)"), std::string::npos) << message;
+  write_office(R"(<scale value="100"/><scale value="0.01"/>)");
   expect_good();
 }
 
 TEST_F(Field, RoomCheckNamesTheAxisThatIsUpAndWhatToWrite) {
-  write_office("<rotate x=\"1\" angle=\"-90\"/>");
+  write_office(R"(<rotate x="1" angle="-90"/>)");
   const std::string message = refusal();
   EXPECT_NE(message.find("its floor and ceiling lie along y"), std::string::npos) << message;
-  EXPECT_NE(message.find("write <rotate x=\"1\" angle=\"90\"/> last"), std::string::npos)
-      << message;
-  write_office("<rotate x=\"1\" angle=\"-90\"/><rotate x=\"1\" angle=\"90\"/>");
+  EXPECT_NE(message.find(R"(write <rotate x="1" angle="90"/> last)"), std::string::npos) << message;
+  write_office(R"(<rotate x="1" angle="-90"/><rotate x="1" angle="90"/>)");
   expect_good();
-  write_office("<rotate y=\"1\" angle=\"90\"/>");
-  EXPECT_NE(refusal().find("write <rotate y=\"1\" angle=\"-90\"/> last"), std::string::npos);
-  write_office("<rotate y=\"1\" angle=\"90\"/><rotate y=\"1\" angle=\"-90\"/>");
+  write_office(R"(<rotate y="1" angle="90"/>)");
+  EXPECT_NE(refusal().find(R"(write <rotate y="1" angle="-90"/> last)"), std::string::npos);
+  write_office(R"(<rotate y="1" angle="90"/><rotate y="1" angle="-90"/>)");
   expect_good();
 }
 
@@ -241,7 +240,7 @@ TEST_F(Field, ShapeIdsDoNotControlTheTerminal) {
 }
 
 TEST_F(Field, RoomCheckOfASceneAloneWarns) {
-  write_office("<scale value=\"1000\"/>");
+  write_office(R"(<scale value="1000"/>)");
   const Finished checked = RaylocProcess({"scene", "check", out() + "/scene.xml", "--json"}).wait();
   EXPECT_EQ(checked.status, 0) << checked.err;
   const auto json = nlohmann::json::parse(checked.out);

@@ -103,9 +103,10 @@ TEST(SceneReport, WarnsOfAntennasInsideAndOutside) {
   EXPECT_EQ(report.warnings[0].message,
             "the antenna of core 0 of access point 'ap1' is inside of object 'block', where it "
             "hears nothing");
-  EXPECT_EQ(report.warnings[1].message,
-            "the antenna of core 3 of access point 'ap1' is 3.5 m outside of the scene, at 1.5, 6.5, "
-            "1.5");
+  EXPECT_EQ(
+      report.warnings[1].message,
+      "the antenna of core 3 of access point 'ap1' is 3.5 m outside of the scene, at 1.5, 6.5, "
+      "1.5");
 }
 
 TEST(SolidAround, TellsInsideFromOnTheFaceAndFromTheRoom) {
