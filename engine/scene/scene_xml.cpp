@@ -106,7 +106,7 @@ class SceneReader {
                                           : "write what it stands for into this file"));
       } else if (tag == "bsdf") {
         add_bsdf(child, id);
-      } else if (contains(visual_tags(), tag)) {
+      } else if (contains(visual_tags(), tag) && !id.empty()) {
         visual_ids_[id] = tag;
       }
     }

@@ -254,6 +254,12 @@ TEST(Field, SceneXmlKeepsALampOfARadioMaterial) {
   });
 }
 
+TEST(Field, SceneXmlTakesNoReferenceWithoutAnIdForALamp) {
+  expect_refused({{"<emitter type=\"constant\"/>\n<shape type=\"cube\" id=\"a\"><ref/></shape>\n",
+                   "4:27",
+                   "there is no <bsdf> with the id ''"}});
+}
+
 TEST(Field, SceneXmlReadsDefaults) {
   const auto scene = parse(
       "<scene version=\"3.0.0\"><default name=\"h\" value=\"2.5\"/><default name=\"hall\" "
