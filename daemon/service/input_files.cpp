@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
 #include "engine/base/content_hash.h"
 #include "engine/scene/load_scene.h"
@@ -47,11 +48,9 @@ void InputFiles::add_scene(const Site& site) {
   if (!xml) {
     return;
   }
-  SceneOptions options;
-  options.carrier_hz = site.carrier.grid.centre_hz;
   const std::filesystem::path folder = site.scene_file.parent_path();
-  static_cast<void>(
-      parse_scene(*xml, site.scene_file.string(), options, [&](const std::string& name) {
+  static_cast<void>(parse_scene(
+      *xml, site.scene_file.string(), scene_options(site), [&](const std::string& name) {
         const std::filesystem::path mesh = folder / name;
         Expected<std::string> content = read_file(mesh);
         hash_[mesh.string()] = hash_of(content);

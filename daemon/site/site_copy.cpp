@@ -1,5 +1,6 @@
 #include "daemon/site/site_copy.h"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <sstream>
@@ -8,6 +9,7 @@
 
 #include <toml++/toml.h>
 
+#include "daemon/site/room_model.h"
 #include "engine/scene/load_scene.h"
 
 namespace rayloc {
@@ -85,6 +87,28 @@ struct SceneFiles {
   std::map<std::string, std::string> meshes;  // content by file, relative to the copy
 };
 
+bool is_outside(const fs::path& path) {  // of the scene's folder
+  const fs::path normal = path.lexically_normal();
+  return path.is_absolute() || (!normal.empty() && *normal.begin() == fs::path(".."));
+}
+
+// Changes the name of a mesh wherever it is a value; false where it is none, as written.
+bool rename_mesh(std::string& xml, const std::string& name, const std::string& own) {
+  bool found = false;
+  std::string of_windows = name;
+  std::replace(of_windows.begin(), of_windows.end(), '/', '\\');
+  for (const std::string& written : {name, of_windows}) {
+    for (const char* quote : {"\"", "'"}) {
+      for (std::size_t at = 0; (at = xml.find(quote + written + quote, at)) != std::string::npos;
+           at += own.size()) {
+        xml.replace(at + 1, written.size(), own);
+        found = true;
+      }
+    }
+  }
+  return found;
+}
+
 // The scene as text, with every mesh it names; names that leave the folder are changed.
 Expected<SceneFiles> read_scene(const Site& site) {
   auto xml = read_file(site.scene_file);
@@ -93,21 +117,16 @@ Expected<SceneFiles> read_scene(const Site& site) {
   }
   SceneFiles files;
   std::map<std::string, std::string> renamed;
-  SceneOptions options;
-  options.carrier_hz = site.carrier.grid.centre_hz;
   const auto parsed = parse_scene(
       *xml,
       site.scene_file.string(),
-      options,
+      scene_options(site),
       [&](const std::string& name) -> Expected<std::string> {
         const fs::path path(name);
         auto content = read_file(path.is_absolute() ? path : site.scene_file.parent_path() / path);
         if (content) {
-          const fs::path normal = path.lexically_normal();
-          const bool outside =
-              path.is_absolute() || (!normal.empty() && *normal.begin() == fs::path(".."));
-          const std::string own =
-              outside ? "meshes/" + path.filename().string() : normal.generic_string();
+          const std::string own = is_outside(path) ? "meshes/" + path.filename().string()
+                                                   : path.lexically_normal().generic_string();
           const auto [known, added] = files.meshes.emplace(own, *content);
           if (!added && known->second != *content) {
             return bad_input(site.scene_file.string() + ": two meshes are called " + own +
@@ -123,9 +142,11 @@ Expected<SceneFiles> read_scene(const Site& site) {
     return tl::make_unexpected(parsed.error());
   }
   for (const auto& [name, own] : renamed) {
-    for (std::size_t at = 0; (at = xml->find('"' + name + '"', at)) != std::string::npos;) {
-      xml->replace(at + 1, name.size(), own);
-      at += own.size();
+    if (!rename_mesh(*xml, name, own) && is_outside(name)) {
+      return bad_input(
+          site.scene_file.string() + ": the mesh " + name +
+          " lies outside of the scene's folder, and the copy cannot name it otherwise; "
+          "write its name out, or move it into the folder");
     }
   }
   files.xml = *std::move(xml);
