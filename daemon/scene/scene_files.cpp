@@ -5,7 +5,31 @@
 namespace rayloc {
 namespace {
 
-std::string mesh_file(const StatedObject& object) { return "meshes/" + object.name + ".ply"; }
+// Objects of a scene that was read have any name, "a/b" and "..\\b" among them.
+std::string mesh_file(const StatedObject& object, std::size_t index) {
+  return "meshes/" + (is_object_name(object.name) ? object.name : fmt::format("object.{}", index)) +
+         ".ply";
+}
+
+std::string attribute(std::string_view text) {
+  std::string quoted;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        quoted += "&amp;";
+        break;
+      case '<':
+        quoted += "&lt;";
+        break;
+      case '"':
+        quoted += "&quot;";
+        break;
+      default:
+        quoted += c;
+    }
+  }
+  return quoted;
+}
 
 // Text, so that a person can read and a script can change it. `{}` of a double is the shortest text
 // that reads back as the same number.
@@ -31,7 +55,7 @@ std::string bsdf(const StatedMaterial& material) {
   };
   std::string text = fmt::format("    <bsdf type=\"{}\" id=\"mat-{}\">\n",
                                  material.itu.empty() ? "radio-material" : "itu-radio-material",
-                                 material.name);
+                                 attribute(material.name));
   if (material.itu.empty()) {
     text += number("relative_permittivity", material.relative_permittivity) +
             number("conductivity", material.conductivity);
@@ -41,16 +65,16 @@ std::string bsdf(const StatedMaterial& material) {
   return text + number("thickness", material.thickness) + "    </bsdf>\n";
 }
 
-std::string shape(const StatedObject& object) {
+std::string shape(const StatedObject& object, const std::string& file) {
   return fmt::format(
       "    <shape type=\"ply\" id=\"mesh-{}\">\n"
       "        <string name=\"filename\" value=\"{}\"/>\n"
       "        <boolean name=\"face_normals\" value=\"true\"/>\n"
       "        <ref id=\"mat-{}\" name=\"bsdf\"/>\n"
       "    </shape>\n",
-      object.name,
-      mesh_file(object),
-      object.material);
+      attribute(object.name),
+      file,
+      attribute(object.material));
 }
 
 }  // namespace
@@ -68,8 +92,9 @@ std::map<std::string, std::string> scene_files(const StatedScene& scene) {
     xml += bsdf(material);
   }
   for (const StatedObject& object : scene.objects) {
-    xml += shape(object);
-    files[mesh_file(object)] = ply(object.mesh);
+    const std::string file = mesh_file(object, files.size());
+    xml += shape(object, file);
+    files[file] = ply(object.mesh);
   }
   files["scene.xml"] = xml + "</scene>\n";
   return files;

@@ -37,8 +37,8 @@ struct StatedScene {
   std::vector<StatedObject> objects;
 };
 
-// Content by file name: "scene.xml", "meshes/NAME.ply". Vertices are written so that they read back
-// as the same doubles.
+// Content by file name: "scene.xml", "meshes/NAME.ply" ("meshes/object.N.ply" of a name that is no
+// object name). Vertices are written so that they read back as the same doubles.
 std::map<std::string, std::string> scene_files(const StatedScene& scene);
 
 }  // namespace rayloc

@@ -46,6 +46,29 @@ std::shared_ptr<const Scene> scene_of(const std::string& plan_text) {
   return std::make_shared<const Scene>(*std::move(scene));
 }
 
+TEST(Field, SceneFilesOfAnyNameAreRead) {
+  const Mesh wall = test::rectangle_mesh({0, 0, 0}, {1, 0, 0}, {0, 0, 2});
+  StatedScene stated;
+  stated.materials.push_back({"a \"b\" & <c>", "", 3.0, 0.1, 0.2});
+  for (const char* name : {"a/b", "a\\b", "../../etc", "wall <1> & \"2\"", "$x", "plain"}) {
+    stated.objects.push_back({name, stated.materials[0].name, wall});
+  }
+  const auto files = scene_files(stated);
+  EXPECT_EQ(files.size(), stated.objects.size() + 1);
+  const auto scene =
+      parse_scene(files.at("scene.xml"),
+                  "scene.xml",
+                  {test::kCarrier, {}},
+                  [&](const std::string& name) -> Expected<std::string> { return files.at(name); });
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_EQ(scene->objects().size(), stated.objects.size());
+  for (std::size_t i = 0; i < stated.objects.size(); ++i) {
+    EXPECT_EQ(scene->objects()[i].name, stated.objects[i].name);
+  }
+  EXPECT_EQ(scene->materials()[0].name, stated.materials[0].name);
+  EXPECT_TRUE(files.contains("meshes/plain.ply"));
+}
+
 std::optional<std::uint32_t> object_named(const Scene& scene, const std::string& name) {
   for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
     if (scene.objects()[i].name == name) {
