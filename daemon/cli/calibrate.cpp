@@ -25,6 +25,7 @@
 #include "daemon/cli/calibration_points.h"
 #include "daemon/cli/calibration_progress.h"
 #include "daemon/cli/calibration_summary.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/room_match.h"
@@ -129,6 +130,9 @@ Expected<void> Calibration::measure() {
   plan_ = *std::move(room);
   for (const std::string& warning : room_warnings(*plan_.scene, site_)) {
     std::fprintf(stderr, "%s\n", warning.c_str());
+  }
+  if (!options_.quiet) {
+    print_scene_notes(*plan_.scene);
   }
   auto inputs = read_calibration_inputs(with_bounds(site_, plan_), *captures, options_.points);
   if (!inputs) {

@@ -10,6 +10,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/cli/output_file.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/draw/png.h"
 #include "daemon/draw/scene_picture.h"
 #include "daemon/draw/svg.h"
@@ -142,6 +143,9 @@ Expected<void> run_plan(const PlanArguments& arguments) {
   const auto room = load_room_model(*site);
   if (!room) {
     return tl::make_unexpected(room.error());
+  }
+  if (!arguments.quiet) {
+    print_scene_notes(*room->scene);
   }
   SurveyPlanOptions options;
   options.points = arguments.points;

@@ -17,6 +17,7 @@
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/fixed_frames.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
@@ -200,6 +201,9 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(room.error()));
   }
   room_ = *std::move(room);
+  if (!arguments_.quiet) {
+    print_scene_notes(*room_.scene);
+  }
   auto references = load_references(site_, room_);
   if (!references) {
     return tl::make_unexpected(std::move(references.error()));

@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "daemon/cli/file_error.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/service/config.h"
@@ -46,6 +47,7 @@ Expected<std::string> check_room(const Site& site, const LacksOf& lacks_of) {
   if (!room) {
     return tl::make_unexpected(room.error());
   }
+  print_scene_notes(*room->scene);
   for (const std::string& warning : room_warnings(*room->scene, site)) {
     std::fprintf(stderr, "%s\n", warning.c_str());
   }

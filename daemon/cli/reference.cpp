@@ -12,6 +12,7 @@
 
 #include "daemon/calibrate/refused_input.h"
 #include "daemon/cli/fixed_frames.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/site/points_csv.h"
@@ -134,6 +135,9 @@ Expected<void> Reference::read() {
     return tl::make_unexpected(std::move(room.error()));
   }
   room_ = *std::move(room);
+  if (!options_.quiet) {
+    print_scene_notes(*room_.scene);
+  }
   auto empty = read_captures(options_.captures);
   if (!empty) {
     return tl::make_unexpected(std::move(empty.error()));

@@ -18,6 +18,7 @@
 #include "daemon/cli/capture_argument.h"
 #include "daemon/cli/no_fix_reasons.h"
 #include "daemon/cli/output_file.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/verb.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/estimator_list.h"
@@ -313,6 +314,10 @@ Expected<Estimators> make_estimators(const Options& options,
     }
     estimators.people = *std::move(people);
     estimators.all.add(*estimators.people);
+  }
+  if (!options.quiet) {
+    print_scene_notes(
+        *(estimators.devices ? estimators.devices->room() : estimators.people->room()).scene);
   }
   return estimators;
 }

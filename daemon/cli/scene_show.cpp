@@ -13,6 +13,7 @@
 
 #include "daemon/cli/file_error.h"
 #include "daemon/cli/link_arguments.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/draw/png.h"
 #include "daemon/draw/scene_picture.h"
@@ -175,6 +176,7 @@ Expected<void> run(const Arguments& arguments) {
     return tl::make_unexpected(link.error());
   }
   const Scene& scene = *source->scene;
+  print_scene_notes(scene);
   const Vec3d size = scene.bounds_max() - scene.bounds_min();
   draw::ScenePicture picture;
   picture.scene = &scene;

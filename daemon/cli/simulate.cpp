@@ -10,6 +10,7 @@
 
 #include "capture/pcap_recorder.h"
 #include "daemon/cli/capture_argument.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/simulate_report.h"
 #include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
@@ -130,6 +131,9 @@ Expected<Simulation> prepare(const Arguments& arguments) {
     return tl::make_unexpected(std::move(room.error()));
   }
   simulation.room = *std::move(room);
+  if (!arguments.quiet) {
+    print_scene_notes(*simulation.room.scene);
+  }
   simulation.options.model_error = arguments.model_error;
   if (arguments.model_error) {
     simulation.options.trace = simulation.room.trace;

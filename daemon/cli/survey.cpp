@@ -16,6 +16,7 @@
 
 #include "daemon/cli/capture_argument.h"
 #include "daemon/cli/line_input.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/survey_answer.h"
 #include "daemon/cli/survey_file.h"
@@ -280,6 +281,7 @@ Expected<void> run(const Arguments& arguments) {
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));
   }
+  print_scene_notes(*room->scene);
   const auto ports = ports_of(arguments, *site);
   if (!ports) {
     return tl::make_unexpected(ports.error());

@@ -11,6 +11,7 @@
 #include "daemon/cli/gradient_argument.h"
 #include "daemon/cli/link_arguments.h"
 #include "daemon/cli/number_list.h"
+#include "daemon/cli/scene_notes.h"
 #include "daemon/cli/trace_report.h"
 #include "daemon/cli/verbs.h"
 #include "engine/base/printable.h"
@@ -125,6 +126,7 @@ Expected<void> run(const TraceArguments& arguments) {
     return report_file_error(source.error());
   }
   const Scene& scene = *source->scene;
+  print_scene_notes(scene);
   if (arguments.cfr.empty()) {
     grid = OfdmGrid{scene.carrier_hz(), 0.0, {0}};  // of a gradient: the carrier alone
   }

@@ -56,6 +56,8 @@ class PersonEstimator : public Estimator {
   void advance(Timestamp time, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
 
+  const RoomModel& room() const { return *room_; }
+
   // Of all trackers. Thread safety: may be called from any thread.
   PersonTrackerCounters tracker_counters() const;
 

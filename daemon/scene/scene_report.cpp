@@ -113,6 +113,9 @@ SceneReport inspect_scene(const SceneSource& source) {
   SceneReport report;
   report.objects = report_objects(scene);
   report.materials = report_materials(scene);
+  for (const SceneNote& note : scene.notes()) {
+    report.warnings.push_back({note.kind, note.place + note.message});
+  }
   report.dropped_triangles = scene.dropped_triangles();
   if (report.dropped_triangles > 0) {
     report.warnings.push_back(

@@ -116,6 +116,9 @@ Expected<std::unique_ptr<Service>> Service::open(
     const RoomModel& room = estimator->room();
     service->status_.scene_hash = room.scene_hash;
     service->status_.calibration_id = room.calibration_id;
+    for (const SceneNote& note : room.scene->notes()) {
+      log(to_line(note));
+    }
     for (const std::string& warning : room_warnings(*room.scene, service->setup_.site)) {
       log(warning);
     }
