@@ -68,9 +68,10 @@ RunVerb declare(CLI::App& app) {
 }  // namespace
 
 extern const Verb kWaitReady;
-const Verb kWaitReady = {"wait-ready",
-                         "Wait until raylocd is ready: runs, can locate, and hears every access point",
-                         "rayloc wait-ready --timeout 30 && echo go",
-                         declare};
+const Verb kWaitReady = {
+    "wait-ready",
+    "Wait until raylocd is ready: runs, can locate, and hears every access point",
+    "rayloc wait-ready --timeout 30 && echo go",
+    declare};
 
 }  // namespace rayloc::cli
