@@ -1,6 +1,7 @@
 // What raylocd says over HTTP, from the silent start to datagrams that come.
 #include <sys/stat.h>
 
+#include <csignal>
 #include <deque>
 #include <fstream>
 
@@ -169,6 +170,36 @@ TEST(Field, ASiteThatCannotLocateSaysSoEverywhere) {
   const std::string checked =
       said(folder.path(), {"check-config", daemon.configuration().string()});
   EXPECT_THAT(checked, HasSubstr("site.toml: " + cannot));
+  EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
+}
+
+// A daemon that stands still finds more bursts of one device than it has places for.
+TEST(Field, OverloadIsSaidEverywhere) {
+  const std::string overload = "more bursts come than this machine can explain";
+  const TemporaryFolder folder;
+  LiveDaemon daemon(folder.path(),
+                    {.site = bundled(""),
+                     .access_points = {"ap2"},
+                     .more_configuration = "[engine]\nburst_s = 0.01\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  daemon.signal(SIGSTOP);
+  EXPECT_EQ(send_for_a_second(folder.path(), daemon), 0);
+  daemon.signal(SIGCONT);
+  nlohmann::json warnings;
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    warnings = json_at(daemon, "/readyz").at("warnings");
+    return warnings.dump().find(overload) != std::string::npos;
+  })) << daemon.errors();
+  EXPECT_THAT(warnings.dump(), HasSubstr("faster machine")) << "what to do";
+  EXPECT_THAT(daemon.log(), HasSubstr(overload));
+  const std::string status =
+      said(folder.path(), {"status", "--http", "127.0.0.1:" + std::to_string(daemon.http_port())});
+  EXPECT_THAT(status, HasSubstr("  warning: " + overload));
+  EXPECT_THAT(status, ::testing::ContainsRegex("; [1-9][0-9]* bursts gave way to newer ones;"));
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();
+    return heartbeat.at("warnings").dump().find(overload) != std::string::npos;
+  })) << "the map reads it there";
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
