@@ -8,8 +8,8 @@
 namespace rayloc {
 namespace {
 
-// So many damaged stamps in a row may be one fault: a few frames of four cores and two streams.
-constexpr std::uint64_t kMostDamaged = 32;
+// So many damaged stamps in a row may be one fault: a frame of four cores and four streams.
+constexpr std::uint64_t kMostDamaged = 16;
 // At the beginning and the end of a file, where only one side tells.
 constexpr std::uint64_t kMostDamagedAtAnEnd = 3;
 constexpr Duration kLongSilence = std::chrono::hours(24);
@@ -25,11 +25,14 @@ bool follows(Timestamp latest, Timestamp stamp, const StampLimits& limits) {
   return stamp >= latest - limits.disorder && stamp <= latest + limits.gap;
 }
 
-// `stamp` comes back to where records were before those at `outside`: a jump of its own, and not
-// the passing of time.
+// Without what lies at `outside`, `stamp` goes on from `latest`, and that by a jump of its own: not
+// by the time that passes.
 bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const StampLimits& limits) {
-  return follows(latest, stamp, limits) &&
-         (outside > latest || stamp - outside >= (latest - outside) / 2);
+  if (stamp < latest - limits.disorder) {
+    return false;
+  }
+  return outside > latest ? stamp < outside - limits.disorder
+                          : stamp - outside >= (latest - outside) / 2;
 }
 
 std::string seconds_text(Duration duration) {
@@ -40,6 +43,19 @@ std::string seconds_text(Duration duration) {
 
 std::string at(const RecordPlace& place) {
   return "packet " + std::to_string(place.packet) + " (byte " + std::to_string(place.byte) + "): ";
+}
+
+// Of a machine without a battery that has not heard of the time yet. No recording of CSI is older.
+std::string unset_clock_words(const RecordTimes& times) {
+  constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
+  if (times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
+    return {};
+  }
+  const std::chrono::year_month_day date(
+      std::chrono::floor<std::chrono::days>(times.busy.front().begin));
+  return "its first time stamp is of the year " + std::to_string(static_cast<int>(date.year())) +
+         ": the clock of the machine that recorded it was not set, and the times that are told are "
+         "wrong by as much";
 }
 
 Duration size_of(const ClockJump& jump) { return jump.to - jump.from; }
@@ -64,27 +80,41 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
   run.latest = std::max(run.latest, stamp);
 }
 
-bool StampJudge::continues(const Run& before, const Run& run) const {
-  return follows(before.latest, run.first, limits_);
+bool StampJudge::continues(std::size_t before, std::size_t run) const {
+  return follows(runs_[before].latest, runs_[run].first, limits_);
 }
 
-// The run that follows the given one in time, where only a few records lie between them; else the
-// one that follows in the file.
-std::size_t StampJudge::next_of(std::size_t run) const {
-  std::uint64_t between = 0;
+// Whether a run that does not follow another one lies outside: within a few records somebody comes
+// back.
+bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
+  const Timestamp latest = runs_[before].latest;
+  const Timestamp outside = runs_[run].first;
+  std::uint64_t between = runs_[run].records;
   for (std::size_t next = run + 1; next < runs_.size() && between <= kMostDamaged; ++next) {
-    if (continues(runs_[run], runs_[next])) {
-      return next;
+    if (comes_back(latest, outside, runs_[next].first, limits_)) {
+      // Behind a clock that was set back by little there may be a longer silence.
+      const Duration back = latest - outside;
+      return outside > latest || between <= kMostDamagedAtAnEnd ||
+             runs_[next].first - runs_[next - 1].latest <=
+                 back + back / 2 + std::chrono::seconds(1);
     }
     between += runs_[next].records;
   }
-  return run + 1;
+  return false;
+}
+
+// A last record that nothing follows: from the past, or from far in the future.
+bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
+  return run + 1 == runs_.size() && runs_[run].records <= kMostDamagedAtAnEnd &&
+         runs_[before].records > runs_[run].records &&
+         (runs_[run].first < runs_[before].latest ||
+          runs_[before].latest + kLongSilence < runs_[run].first);
 }
 
 // A first record from the future, or from before there were clocks.
 std::size_t StampJudge::first_run() const {
   if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
-      runs_[0].records >= runs_[1].records || next_of(0) != 1) {
+      runs_[0].records >= runs_[1].records || is_damaged(0, 1)) {
     return 0;
   }
   const bool ahead = runs_[0].latest > runs_[1].first;
@@ -100,38 +130,36 @@ DamagedStamps StampJudge::damaged(std::size_t begin, std::size_t end, Timestamp 
   return stamps;
 }
 
+// The pause is cut to microseconds, the resolution of what our recorder writes.
+ClockJump StampJudge::jump_between(std::size_t before, std::size_t run) const {
+  const Run& last = runs_[before];
+  const Duration pause =
+      last.records > 1
+          ? std::chrono::floor<std::chrono::microseconds>(
+                (last.latest - last.earliest) / static_cast<std::int64_t>(last.records - 1))
+          : Duration::zero();
+  return {runs_[run].place, last.latest, runs_[run].first, pause, false};
+}
+
 RecordTimes StampJudge::finish() const {
   RecordTimes times;
   if (runs_.empty()) {
     return times;
   }
-  std::size_t run = first_run();
-  if (run > 0) {
-    times.damaged.push_back(damaged(0, run, runs_[run].first));
+  std::size_t before = first_run();
+  if (before > 0) {
+    times.damaged.push_back(damaged(0, before, runs_[before].first));
   }
-  std::vector<std::size_t> kept = {run};
-  for (std::size_t next = next_of(run); next < runs_.size(); next = next_of(run)) {
-    const bool joined = continues(runs_[run], runs_[next]);
-    const bool last = next + 1 == runs_.size() && next == run + 1;
-    const bool lone = last && runs_[next].records <= kMostDamagedAtAnEnd &&
-                      runs_[run].records > runs_[next].records;
-    const bool odd = lone && (runs_[next].first < runs_[run].latest ||
-                              runs_[run].latest + kLongSilence < runs_[next].first);
-    if (!joined && odd) {
-      times.damaged.push_back(damaged(next, next + 1, runs_[run].latest));
-      break;
+  std::vector<std::size_t> kept = {before};
+  for (std::size_t run = before + 1; run < runs_.size(); ++run) {
+    if (!continues(before, run)) {
+      if (is_damaged(before, run) || is_odd_end(before, run)) {
+        times.damaged.push_back(damaged(run, run + 1, runs_[before].latest));
+        continue;
+      }
+      times.jumps.push_back(jump_between(before, run));
     }
-    if (next > run + 1) {
-      times.damaged.push_back(damaged(run + 1, next, runs_[run].latest));
-    }
-    if (!joined) {
-      const Run& before = runs_[run];
-      const Duration pause = before.records > 1 ? (before.latest - before.earliest) /
-                                                      static_cast<int>(before.records - 1)
-                                                : Duration::zero();
-      times.jumps.push_back({runs_[next].place, before.latest, runs_[next].first, pause, false});
-    }
-    run = next;
+    before = run;
     kept.push_back(run);
   }
   if (!as_stamped_) {
@@ -247,14 +275,17 @@ bool StreamClock::give_at_end() {
   return !late_ && held <= *latest_ + kLongSilence;
 }
 
-std::vector<std::string> words_of(const RecordTimes& times, const std::string& name) {
+std::vector<std::string> words_of(const RecordTimes& times,
+                                  const std::string& name,
+                                  Duration least_gap) {
   // Of a file of which much is odd the first tell enough.
   constexpr std::size_t kMostLines = 3;
   std::vector<std::string> damaged;
   for (const DamagedStamps& stamps : times.damaged) {
     const bool late = stamps.ahead < Duration::zero();
-    const std::string many =
-        stamps.records > 1 ? std::to_string(stamps.records) + " packets from there on" : "it";
+    const std::string many = stamps.records > 1
+                                 ? std::to_string(stamps.records) + " packets from there on are"
+                                 : "it is";
     damaged.push_back(name + ": " + at(stamps.first) + "its time stamp lies " +
                       seconds_text(late ? -stamps.ahead : stamps.ahead) +
                       (late ? " behind" : " ahead of") + " its neighbours; " + many +
@@ -266,7 +297,9 @@ std::vector<std::string> words_of(const RecordTimes& times, const std::string& n
     const Duration size = size_of(jump) - jump.pause;
     const bool back = size < Duration::zero();
     if (!jump.was_set && !back) {
-      gaps.push_back(&jump);
+      if (size > least_gap) {
+        gaps.push_back(&jump);
+      }
       continue;
     }
     set.push_back(name + ": " + at(jump.place) + "the clock was set " +
@@ -282,6 +315,9 @@ std::vector<std::string> words_of(const RecordTimes& times, const std::string& n
     if (lines->size() > kMostLines) {
       words.push_back(name + ": " + std::to_string(lines->size() - kMostLines) + what);
     }
+  }
+  if (const std::string year = unset_clock_words(times); !year.empty()) {
+    words.push_back(name + ": " + year);
   }
   const auto longest =
       std::max_element(gaps.begin(), gaps.end(), [](const ClockJump* a, const ClockJump* b) {

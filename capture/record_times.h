@@ -2,8 +2,8 @@
 //
 // The records of a file are nearly in order of time. Where they are not, one of three things has
 // happened:
-//   - A few stamps are damaged: the records behind them go on where those before had been. What is
-//     damaged is left out, and governs nothing else.
+//   - A few stamps are damaged: without them time goes on as it had gone before. What is damaged is
+//     left out, and governs nothing else.
 //   - The clock was set. Event time goes on evenly, as that of live sources does (event_clock.h),
 //     and is told by the clock as it was at the end: whoever sets a clock sets it right. Time that
 //     goes back proves it; time that goes forward only where it is undone elsewhere.
@@ -89,10 +89,11 @@ class StampJudge {
     Timestamp latest;
   };
 
-  bool continues(const Run& before, const Run& run) const;
-  std::size_t next_of(std::size_t run) const;
+  bool continues(std::size_t before, std::size_t run) const;
+  bool is_damaged(std::size_t before, std::size_t run) const;
+  bool is_odd_end(std::size_t before, std::size_t run) const;
   std::size_t first_run() const;
-  void judge_end(std::size_t last, std::size_t before, RecordTimes& times) const;
+  ClockJump jump_between(std::size_t before, std::size_t run) const;
   void find_clocks_set(RecordTimes& times) const;
   void tell_times(const std::vector<std::size_t>& kept, RecordTimes& times) const;
   DamagedStamps damaged(std::size_t begin, std::size_t end, Timestamp around) const;
@@ -148,7 +149,10 @@ class StreamClock {
   bool late_ = false;
 };
 
-// What people should know of them, a line each; `name` is the file's.
-std::vector<std::string> words_of(const RecordTimes& times, const std::string& name);
+// What people should know of them, a line each; `name` is the file's. Gaps that are no longer than
+// `least_gap` are not spoken of.
+std::vector<std::string> words_of(const RecordTimes& times,
+                                  const std::string& name,
+                                  Duration least_gap);
 
 }  // namespace rayloc

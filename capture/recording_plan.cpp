@@ -144,6 +144,9 @@ std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans) {
 }
 
 std::vector<std::string> words_of(const RecordingPlan& plan) {
+  // Who is surveyed walks from place to place in silence.
+  constexpr Duration kPauseOfSurvey = std::chrono::minutes(10);
+  const Duration least_gap = plan.options.as_stamped ? kPauseOfSurvey : plan.options.max_gap;
   std::vector<std::string> words;
   for (std::size_t i = 0; i < plan.files.size(); ++i) {
     const PlannedFile& file = plan.files[i];
@@ -156,7 +159,7 @@ std::vector<std::string> words_of(const RecordingPlan& plan) {
     if (!file.look) {
       continue;
     }
-    const std::vector<std::string> own = words_of(file.look->times, file.path);
+    const std::vector<std::string> own = words_of(file.look->times, file.path, least_gap);
     words.insert(words.end(), own.begin(), own.end());
     if (std::string monitor = monitor_mode_words(file.look->counters, file.path);
         !monitor.empty()) {

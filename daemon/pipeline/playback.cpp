@@ -18,10 +18,11 @@ Duration times(double seconds, double speed) {
 
 Playback::Playback(Options options)
     : options_(std::move(options)),
+      time_(options_.busy, options_.max_gap),
       speed_(options_.speed),
-      anchor_(options_.begin),
+      anchor_(time_.begin()),
       anchored_(options_.now()),
-      given_(options_.begin) {}
+      given_(time_.begin()) {}
 
 // REQUIRES, as all private members: the mutex is held.
 Timestamp Playback::position() const {
@@ -29,29 +30,32 @@ Timestamp Playback::position() const {
     return anchor_;
   }
   if (!speed_) {
-    return std::clamp(given_, anchor_, options_.end);
+    return std::clamp(given_, anchor_, time_.end());
   }
   const std::chrono::duration<double> elapsed = options_.now() - anchored_;
   // In floating point: years of a clock that nobody stops are no overflow.
-  if (elapsed.count() * *speed_ >= to_seconds(options_.end - anchor_)) {
-    return options_.end;
+  const Duration from = time_.played(anchor_);
+  if (elapsed.count() * *speed_ >= to_seconds(time_.length() - from)) {
+    return time_.end();
   }
-  return anchor_ + times(elapsed.count(), *speed_);
+  const Duration played = times(elapsed.count(), *speed_);
+  return played > Duration::zero() ? time_.recorded(from + played) : anchor_;
 }
 
-Timestamp Playback::due() const { return playing_ && !speed_ ? options_.end : position(); }
+Timestamp Playback::due() const { return playing_ && !speed_ ? time_.end() : position(); }
 
 // Nothing: not by itself.
 std::optional<Playback::Clock::time_point> Playback::when(Timestamp time) const {
   if (!playing_ || !speed_) {
     return std::nullopt;
   }
-  const double seconds = std::min(to_seconds(time - anchor_) / *speed_, kLongestWait);
+  const Duration played = time_.played(time) - time_.played(anchor_);
+  const double seconds = std::min(to_seconds(played) / *speed_, kLongestWait);
   return anchored_ + std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 void Playback::anchor(Timestamp position) {
-  anchor_ = std::clamp(position, options_.begin, options_.end);
+  anchor_ = std::clamp(position, time_.begin(), time_.end());
   anchored_ = options_.now();
 }
 
@@ -61,7 +65,8 @@ void Playback::keep_step(Timestamp next) {
     anchor(anchor_);
   }
   if (playing_ && speed_) {
-    const Timestamp latest = next + options_.lead_in + times(kLateness, std::max(1.0, *speed_));
+    const Timestamp latest = time_.recorded(time_.played(next) + options_.lead_in +
+                                            times(kLateness, std::max(1.0, *speed_)));
     if (position() > latest) {
       anchor(latest);
     }
@@ -71,25 +76,26 @@ void Playback::keep_step(Timestamp next) {
 Playback::State Playback::state() const {
   const std::lock_guard lock(mutex_);
   const Timestamp now = position();
-  return {now >= options_.end ? Running::kEnded
-          : playing_          ? Running::kPlaying
-                              : Running::kPaused,
-          options_.begin,
-          options_.end,
+  return {now >= time_.end() ? Running::kEnded
+          : playing_         ? Running::kPlaying
+                             : Running::kPaused,
+          time_.begin(),
+          time_.end(),
           now,
           speed_,
-          place_.number};
+          place_.number,
+          time_.skipped()};
 }
 
 Playback::State Playback::change(const Change& change) {
   {
     const std::lock_guard lock(mutex_);
-    const bool again = change.play.value_or(false) && position() >= options_.end;
+    const bool again = change.play.value_or(false) && position() >= time_.end();
     anchor(position());
     playing_ = change.play.value_or(playing_);
     speed_ = change.speed.value_or(speed_);
     if (change.position || again) {
-      anchor(change.position.value_or(options_.begin));
+      anchor(change.position.value_or(time_.begin()));
       given_ = anchor_;
       place_ = {place_.number + 1, anchor_ - options_.lead_in};
     }

@@ -5,6 +5,8 @@
 // itself: it begins a little (`lead_in`) before the position asked for, so that the estimates of
 // that position are there at once, paused or not.
 //
+// Where the recordings hold nothing for longer than `max_gap`, it jumps over what is longer.
+//
 // The clock never runs away from a source that gives its datagrams later than they are due, because
 // the estimator has not kept up: it is set back. So what is paused stands still.
 //
@@ -17,7 +19,10 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <vector>
 
+#include "capture/record_times.h"
+#include "daemon/pipeline/play_time.h"
 #include "engine/base/timestamp.h"
 
 namespace rayloc {
@@ -27,12 +32,13 @@ class Playback {
   using Clock = std::chrono::steady_clock;
 
   struct Options {
-    // Of the first and the last datagram of all recordings.
-    Timestamp begin;
-    Timestamp end;
+    // When any of the recordings holds something (busy_times()), from the first datagram to the
+    // last. REQUIRES: not empty.
+    std::vector<TimeSpan> busy = {};
     std::optional<double> speed =
         1.0;  // recorded seconds per second, > 0; nothing: as fast as it goes
     Duration lead_in = std::chrono::milliseconds(700);
+    Duration max_gap = kMaxGap;  // the longest that is waited where there is nothing
     std::function<Clock::time_point()> now = [] { return Clock::now(); };
   };
   explicit Playback(Options options);
@@ -46,6 +52,7 @@ class Playback {
     Timestamp position;
     std::optional<double> speed;
     std::uint64_t moves = 0;
+    std::vector<TimeSpan> skipped = {};  // what is not waited for, in order
   };
   State state() const;
 
@@ -83,6 +90,7 @@ class Playback {
   void keep_step(Timestamp next);
 
   const Options options_;
+  const PlayTime time_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // All guarded by mutex_.

@@ -120,16 +120,4 @@ SourceCounters PlaybackSource::counters() const {
   return published_;
 }
 
-RecordingSpan span_of(DatagramSource& recording) {
-  RecordingSpan span;
-  DatagramBatch batch;
-  while (!batch.ended && recording.read(batch, std::chrono::seconds(1))) {
-    for (const Datagram& datagram : batch.datagrams) {
-      span.begin = std::min(span.begin, datagram.time);
-      span.end = std::max(span.end, datagram.time);
-    }
-  }
-  return span;
-}
-
 }  // namespace rayloc

@@ -53,12 +53,4 @@ class PlaybackSource : public DatagramSource {
   SourceCounters published_;  // guarded by mutex_
 };
 
-// Of the first and the last datagram of a recording.
-struct RecordingSpan {
-  Timestamp begin = Timestamp::max();  // after `end`: there is none
-  Timestamp end = Timestamp::min();
-};
-// Reads it to its end, or as far as it can be read.
-RecordingSpan span_of(DatagramSource& recording);
-
 }  // namespace rayloc

@@ -30,6 +30,18 @@ std::optional<ConfigValue> read_path(const TomlTable& table, const ConfigOption&
   return path ? std::optional(ConfigValue(path->string())) : std::nullopt;
 }
 
+// Which files a pattern names is seen when they are opened.
+std::optional<ConfigValue> read_paths(const TomlTable& table, const ConfigOption& option) {
+  if (table.is_string(option.key) && table.string(option.key) == "-") {
+    return ConfigValue(std::vector<std::string>{"-"});
+  }
+  std::vector<std::string> texts;
+  for (const fs::path& path : table.paths(option.key)) {
+    texts.push_back(path.string());
+  }
+  return texts.empty() ? std::nullopt : std::optional(ConfigValue(std::move(texts)));
+}
+
 std::optional<ConfigValue> read_speed(const TomlTable& table, const ConfigOption& option) {
   if (!table.is_string(option.key)) {
     return as_value(table.number(option.key, option.range));
@@ -59,6 +71,8 @@ std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption
     case ConfigType::kFolder:
     case ConfigType::kFile:
       return read_path(table, option);
+    case ConfigType::kFiles:
+      return read_paths(table, option);
     case ConfigType::kSpeed:
       return read_speed(table, option);
     case ConfigType::kTexts: {
@@ -192,6 +206,12 @@ void resolve_access_points(const Site& site, ConfigReading& reading) {
   }
 }
 
+std::string file_of_both(const SourceConfig& a, const SourceConfig& b) {
+  const auto both =
+      std::find_first_of(a.files.begin(), a.files.end(), b.files.begin(), b.files.end());
+  return both == a.files.end() ? "" : both->string();
+}
+
 // An input that two sources would take from each other.
 std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
   if (a.kind != b.kind) {
@@ -203,7 +223,7 @@ std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
                  ? "UDP port " + std::to_string(a.listen_port)
                  : "";
     case SourceKind::kPcap:
-      return a.file == b.file ? a.file.string() : "";
+      return file_of_both(a, b);
     case SourceKind::kUnix:
       return a.path == b.path ? "socket " + a.path.string() : "";
     case SourceKind::kInterface:
@@ -230,7 +250,7 @@ void check_allowed_senders(const TomlTable& table, const SourceConfig& source) {
 }
 
 // Recordings share one clock.
-void check_speeds(const ConfigReading& reading) {
+void check_clocks(const ConfigReading& reading) {
   std::optional<std::size_t> first;
   for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
     const SourceConfig& source = reading.config.sources[i];
@@ -239,12 +259,16 @@ void check_speeds(const ConfigReading& reading) {
     }
     first = first.value_or(i);
     const SourceConfig& other = reading.config.sources[*first];
-    if (source.speed != other.speed) {
-      const bool here = reading.source_tables[i].has("speed");
+    for (const auto& [key, differs] : {std::pair("speed", source.speed != other.speed),
+                                       std::pair("max_gap_s", source.max_gap != other.max_gap)}) {
+      if (!differs) {
+        continue;
+      }
+      const bool here = reading.source_tables[i].has(key);
       reading.source_tables[here ? i : *first].error_at(
-          "speed",
+          key,
           "recordings are played together, and that of " + line_of(here ? other : source) +
-              " has another 'speed'; write the same in each of them");
+              " has another '" + key + "'; write the same in each of them");
       return;
     }
   }
@@ -419,7 +443,7 @@ ConfigReading read_config(TomlDocument& document) {
   }
   take_credentials(reading.config);
   check_sources(reading);
-  check_speeds(reading);
+  check_clocks(reading);
   const PublishConfig& publish = reading.config.publish;
   const bool may_be_reached = publish.insecure || reading.config.curve.enabled;
   check_endpoint(root, "endpoint", publish.endpoint, may_be_reached);

@@ -37,13 +37,15 @@ struct SourceConfig {
   std::uint16_t listen_port = 0;   // udp
   std::string only_interface;      // udp: what arrives elsewhere is rejected; empty: nothing is
   std::vector<std::string> allow;  // udp: whose datagrams are taken (AddressRange); empty: all
-  std::filesystem::path file;      // pcap; "-" is standard input
-  std::optional<double> speed;     // pcap: recorded seconds per second; empty: as fast as it goes
-  std::string interface;           // interface: "eth0"
-  std::string filter;              // interface: BPF expression
-  std::filesystem::path path;      // unix: of the socket
-  Duration stall_after{};          // all but pcap: a longer silence is reported
-  std::string place;               // of [[source]]: "raylocd.toml:4:1: ", for messages
+  // pcap: of one access point, with wildcards (glob(7)); "-" is standard input.
+  std::vector<std::filesystem::path> files;
+  std::optional<double> speed;  // pcap: recorded seconds per second; empty: as fast as it goes
+  Duration max_gap{};           // pcap: longest wait where nothing is recorded
+  std::string interface;        // interface: "eth0"
+  std::string filter;           // interface: BPF expression
+  std::filesystem::path path;   // unix: of the socket
+  Duration stall_after{};       // all but pcap: a longer silence is reported
+  std::string place;            // of [[source]]: "raylocd.toml:4:1: ", for messages
 };
 
 enum class EngineMethod { kRayloc, kNone };

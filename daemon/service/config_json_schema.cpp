@@ -36,6 +36,11 @@ Json type_of(const ConfigOption& option) {
     }
     case ConfigType::kSpeed:
       return {{"anyOf", Json::array({bounds(option, "number"), {{"const", "max"}}})}};
+    case ConfigType::kFiles: {
+      const Json text = {{"type", "string"}, {"minLength", 1}};
+      return {
+          {"anyOf", Json::array({text, {{"type", "array"}, {"items", text}, {"minItems", 1}}})}};
+    }
     case ConfigType::kTexts:
       return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
   }

@@ -60,6 +60,8 @@ std::string_view type_text(const ConfigOption& option) {
       return "a folder";
     case ConfigType::kFile:
       return "a file";
+    case ConfigType::kFiles:
+      return "a file, or an array of files; with wildcards (glob(7))";
     case ConfigType::kSpeed:
       return "\"max\" or a number";
     case ConfigType::kTexts:

@@ -144,11 +144,17 @@ const std::array kOptions = {
                  .store_source = [](S& s, const V& v) { s.path = text(v); }},
     ConfigOption{.section = "source",
                  .key = "file",
-                 .type = T::kFile,
+                 .type = T::kFiles,
                  .example = "\"recording.pcap\"",
-                 .description = "pcap or pcapng, gzip'd or not; \"-\" is standard input",
+                 .description =
+                     "pcap or pcapng, gzip'd or not; \"-\" is standard input; several, as "
+                     "an array or by wildcards, are a sequence in order of time",
                  .only_kinds = kPcap,
-                 .store_source = [](S& s, const V& v) { s.file = text(v); }},
+                 .store_source =
+                     [](S& s, const V& v) {
+                       const auto& texts = std::get<std::vector<std::string>>(v);
+                       s.files.assign(texts.begin(), texts.end());
+                     }},
     ConfigOption{
         .section = "source",
         .key = "speed",
@@ -162,6 +168,16 @@ const std::array kOptions = {
               const double* speed = std::get_if<double>(&v);
               s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
             }},
+    ConfigOption{.section = "source",
+                 .key = "max_gap_s",
+                 .type = T::kNumber,
+                 .preset = "10",
+                 .range = {0.1, 1e7, "s"},
+                 .description =
+                     "Longest wait, in recorded time, where the recordings hold nothing or "
+                     "a clock was set; the same for all recordings",
+                 .only_kinds = kPcap,
+                 .store_source = [](S& s, const V& v) { s.max_gap = from_seconds(number(v)); }},
     ConfigOption{.section = "source",
                  .key = "stall_after_s",
                  .type = T::kNumber,

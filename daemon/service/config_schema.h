@@ -25,6 +25,7 @@ enum class ConfigType {
   kChoice,  // one of `choices`
   kFolder,  // a path
   kFile,    // a path, or "-" for standard input
+  kFiles,   // an array of paths and patterns of them, or one; or "-"
   kSpeed,   // a number, or "max"
   kTexts,   // an array of texts, or one
 };

@@ -17,6 +17,7 @@
 #include "daemon/publish/curve_keys.h"
 #include "daemon/publish/secret_file.h"
 #include "daemon/service/readiness.h"
+#include "daemon/service/recording_files.h"
 
 namespace rayloc {
 namespace {
@@ -181,11 +182,16 @@ Finding check_source(const SourceConfig& source, bool running) {
     case SourceKind::kPcap:
       break;
   }
-  const bool there = source.file == "-" || access(source.file.c_str(), R_OK) == 0;
-  return {there ? Kind::kOk : Kind::kProblem,
-          "source " + source.access_point + ": " + source.file.string() +
-              (there ? "" : std::string(": ") + std::strerror(errno)),
-          there ? "" : "name a recording that can be read"};
+  std::string names;
+  for (const std::string& file : recording_files(source)) {
+    names += (names.empty() ? "" : ", ") + file;
+    if (file != "-" && access(file.c_str(), R_OK) != 0) {
+      return {Kind::kProblem,
+              "source " + source.access_point + ": " + file + ": " + std::strerror(errno),
+              "name a recording that can be read"};
+    }
+  }
+  return {Kind::kOk, "source " + source.access_point + ": " + names, ""};
 }
 
 // The TCP port of a ZeroMQ endpoint.

@@ -2,21 +2,19 @@
 
 #include <fcntl.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 #include "capture/file_descriptor.h"
 #include "capture/pcap_live_source.h"
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "capture/reopening_source.h"
 #include "capture/udp_source.h"
 #include "capture/unix_source.h"
 #include "daemon/pipeline/playback_source.h"
 #include "daemon/service/log.h"
+#include "daemon/service/recording_files.h"
 #include "daemon/site/receiver_options.h"
 
 namespace rayloc {
@@ -37,22 +35,30 @@ std::string listen_address(const SourceConfig& source) {
          std::to_string(source.listen_port);
 }
 
-Expected<std::unique_ptr<DatagramSource>> open_file(const SourceConfig& source) {
-  return as_datagram_source(PcapFileSource::open(source.file.string()));
+// Each time anew, at the beginning.
+Expected<std::unique_ptr<DatagramSource>> open_planned(const RecordingPlan& plan) {
+  return as_datagram_source(RecordedSource::open(plan));
 }
 
 Expected<std::unique_ptr<DatagramSource>> open_recording(const SourceConfig& source,
                                                          const RecordingClock& clock) {
+  const RecordingPlan& plan = clock.plans.at(source.access_point);
   if (clock.playback) {
     return as_datagram_source(
-        PlaybackSource::open([source] { return open_file(source); }, clock.playback));
+        PlaybackSource::open([plan] { return open_planned(plan); }, clock.playback));
   }
-  auto file = open_file(source);
-  if (!file || !clock.pace) {
-    return file;
+  auto recording = open_planned(plan);
+  if (!recording || !clock.pace) {
+    return recording;
   }
   return std::unique_ptr<DatagramSource>(
-      std::make_unique<PacedSource>(std::move(*file), clock.pace));
+      std::make_unique<PacedSource>(std::move(*recording), clock.pace));
+}
+
+Expected<RecordingPlan> plan_of(const SourceConfig& source) {
+  PcapFileOptions options;
+  options.max_gap = source.max_gap;
+  return plan_recording(recording_files(source), options);
 }
 
 Error placed(const SourceConfig& source, Error error) {
@@ -155,38 +161,47 @@ Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& sou
 }  // namespace
 
 Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
+  RecordingClock clock;
   std::optional<double> speed;
+  Duration max_gap = kMaxGap;
   bool all_files = true;
   for (const SourceConfig& source : config.sources) {
-    const bool recording = source.kind == SourceKind::kPcap;
-    speed = recording ? source.speed : speed;  // the same for all, says the configuration
-    std::error_code unknown;
-    all_files = all_files && recording && std::filesystem::is_regular_file(source.file, unknown);
-  }
-  const RecordingClock without_hands{
-      nullptr, speed ? std::make_shared<Pace>(*speed) : std::shared_ptr<Pace>()};
-  if (!all_files) {
-    return without_hands;
-  }
-  RecordingSpan all;
-  for (const SourceConfig& source : config.sources) {
-    const auto file = open_file(source);
-    if (!file) {
-      return tl::make_unexpected(placed(source, file.error()));
+    if (source.kind != SourceKind::kPcap) {
+      all_files = false;
+      continue;
     }
-    const RecordingSpan span = span_of(**file);
-    all = {std::min(all.begin, span.begin), std::max(all.end, span.end)};
+    speed = source.speed;  // the same for all, says the configuration
+    max_gap = source.max_gap;
+    auto plan = plan_of(source);
+    if (!plan) {
+      return tl::make_unexpected(placed(source, plan.error()));
+    }
+    for (const std::string& words : words_of(*plan)) {
+      log_event({LogLevel::kWarning,
+                 "source " + source.access_point + ": " + words,
+                 {{"source", source.access_point}}});
+    }
+    for (const PlannedFile& file : plan->files) {
+      all_files = all_files && file.look;
+    }
+    clock.plans.emplace(source.access_point, *std::move(plan));
   }
-  if (all.begin > all.end) {
-    return without_hands;
+  std::vector<RecordingPlan> plans;
+  for (const auto& [access_point, plan] : clock.plans) {
+    plans.push_back(plan);
   }
   Playback::Options options;
-  options.begin = all.begin;
-  options.end = all.end;
+  options.busy = busy_times(plans);
+  if (!all_files || options.busy.empty()) {
+    clock.pace = speed ? std::make_shared<Pace>(*speed, max_gap) : nullptr;
+    return clock;
+  }
   options.speed = speed;
+  options.max_gap = max_gap;
   // Two bursts of what comes before a position: then it is known where everybody is.
   options.lead_in = 2 * config.engine.burst + std::chrono::milliseconds(300);
-  return RecordingClock{std::make_shared<Playback>(std::move(options)), nullptr};
+  clock.playback = std::make_shared<Playback>(std::move(options));
+  return clock;
 }
 
 Expected<void> check_source(const SourceConfig& source) {

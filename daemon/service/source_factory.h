@@ -1,9 +1,12 @@
 // From [[source]] of the configuration to an open source, ready for the pipeline.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "capture/recording_plan.h"
 #include "daemon/pipeline/paced_source.h"
 #include "daemon/pipeline/playback.h"
 #include "daemon/pipeline/source_worker.h"
@@ -19,8 +22,11 @@ struct RecordingClock {
   std::shared_ptr<Playback> playback = nullptr;
   // Otherwise, beside live sources and of pipes; null: as fast as it goes.
   std::shared_ptr<Pace> pace = nullptr;
+  // The files of each, looked through, by access point.
+  std::map<std::string, RecordingPlan> plans = {};
 };
-// Reads files to their ends, to know how long they are.
+// Reads files to their ends, to know how long they are and which of their stamps hold; logs what
+// people should know of that.
 Expected<RecordingClock> recording_clock(const DaemonConfig& config);
 
 // Opens the socket, interface or file; of a UDP source `passed_socket` instead, where there is one.

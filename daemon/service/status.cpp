@@ -227,6 +227,11 @@ v1::Playback playback_message(const Playback::State& state) {
     message.set_speed(*state.speed);
   }
   message.set_moves(state.moves);
+  for (const TimeSpan& gap : state.skipped) {
+    v1::PlaybackGap& skipped = *message.add_skipped();
+    *skipped.mutable_begin() = to_proto(gap.begin);
+    *skipped.mutable_end() = to_proto(gap.end);
+  }
   return message;
 }
 

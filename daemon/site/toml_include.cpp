@@ -1,49 +1,12 @@
-#include <glob.h>
-
-#include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <system_error>
-#include <utility>
 
+#include "daemon/site/file_pattern.h"
 #include "daemon/site/toml_reader.h"
 
 namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool has_wildcard(std::string_view pattern) {
-  return pattern.find_first_of("*?[") != std::string_view::npos;
-}
-
-// glob() hands its errors to a function without a context.
-thread_local std::vector<std::string> unreadable_folders;
-
-int note_unreadable(const char* folder, int error) {
-  if (error != ENOENT && error != ENOTDIR) {
-    unreadable_folders.push_back(std::string(folder) + ": " + std::strerror(error));
-  }
-  return 0;
-}
-
-struct Matches {
-  std::vector<fs::path> files;
-  std::vector<std::string>
-      unreadable;  // folders whose files cannot be listed, each with the reason
-};
-
-Matches matches(const fs::path& pattern) {
-  glob_t found{};
-  Matches result;
-  unreadable_folders.clear();
-  if (glob(pattern.c_str(), 0, note_unreadable, &found) == 0) {
-    result.files.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
-  }
-  globfree(&found);
-  result.unreadable = std::exchange(unreadable_folders, {});
-  return result;
-}
 
 // Why a file that is named without wildcards was not found.
 std::string reason_of_absence(const fs::path& file) {
@@ -67,7 +30,7 @@ void TomlDocument::include(std::string_view key) {
   const TomlPosition named_at = top.position(key);
   for (const std::string& pattern : top.strings(key)) {
     const fs::path whole = file_.parent_path() / pattern;
-    const Matches found = matches(whole);
+    const FileMatches found = match_files(whole);
     if (found.files.empty() && !has_wildcard(pattern)) {
       error(named_at, "'" + pattern + "' " + reason_of_absence(whole));
     }

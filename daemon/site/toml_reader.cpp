@@ -342,6 +342,17 @@ std::vector<std::string> TomlTable::strings(std::string_view key) const {
   return values;
 }
 
+std::vector<std::filesystem::path> TomlTable::paths(std::string_view key) const {
+  std::vector<std::filesystem::path> values;
+  for (const std::string& text : strings(key)) {
+    const TomlPosition at = position(key);
+    const std::filesystem::path stated_in =
+        at.included_file ? std::filesystem::path(*at.included_file) : document_->file();
+    values.push_back(document_->named_paths_.emplace_back(stated_in.parent_path() / text));
+  }
+  return values;
+}
+
 std::optional<TomlTable> TomlTable::table(std::string_view key) const {
   const toml::node* node = ask(key);
   if (node == nullptr) {

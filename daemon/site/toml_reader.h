@@ -99,6 +99,7 @@ class TomlTable {
   std::vector<bool> booleans(std::string_view key) const;
   std::vector<double> numbers(std::string_view key, const NumberRange& range) const;
   std::vector<std::string> strings(std::string_view key) const;
+  std::vector<std::filesystem::path> paths(std::string_view key) const;  // as path()
   bool is_array(std::string_view key) const;
 
   std::optional<TomlTable> table(std::string_view key) const;

@@ -161,6 +161,48 @@ TEST(Field, OneDamagedStampGovernsNothingButItsOwnRecord) {
   }
 }
 
+// As in a survey: the stamp of the last record before a pause, or of the first one behind it.
+TEST(Field, ADamagedStampBesideAPauseIsItsOwn) {
+  for (const std::int64_t error : {kHour, -kHour}) {
+    for (const std::size_t where : {14U, 15U}) {
+      std::vector<std::int64_t> stamps = walk(5);
+      const auto later = walk(5, kStart + 11 * kSecond);
+      stamps.insert(stamps.end(), later.begin(), later.end());
+      const auto even = stamps;
+      stamps[where] += error;
+      for (const Given& given : {read_stamps(stamps), read_piped(file_of(stamps))}) {
+        EXPECT_EQ(given.counters.rejected,
+                  (Counts{{error > 0 ? "damaged_time" : "time_went_back", 1}}))
+            << error << " at " << where;
+        ASSERT_EQ(given.times.size(), 29U);
+        for (std::size_t i = 0; i < given.times.size(); ++i) {
+          ASSERT_EQ(given.times[i], at(even[i < where ? i : i + 1])) << error << " at " << where;
+        }
+      }
+    }
+  }
+}
+
+TEST(Field, ARecordingOfAClockThatWasNeverSetIsSaid) {
+  const Given given = read_stamps(walk(10, 15 * kSecond));
+  EXPECT_EQ(given.times.size(), 30U);
+  ASSERT_EQ(given.words.size(), 1U);
+  EXPECT_THAT(given.words[0], HasSubstr("of the year 1970"));
+}
+
+// With a pause soon behind it that is longer than the step.
+TEST(Field, AClockThatWasSetBackBeforeAPauseLosesNothing) {
+  std::vector<std::int64_t> stamps = walk(20);
+  const auto spot = walk(5, kStart - 3 * kSecond);
+  stamps.insert(stamps.end(), spot.begin(), spot.end());
+  const auto later = walk(20, kStart + 9 * kSecond);
+  stamps.insert(stamps.end(), later.begin(), later.end());
+  const Given given = read_stamps(stamps);
+  EXPECT_THAT(given.counters.rejected, IsEmpty());
+  EXPECT_EQ(given.times.size(), stamps.size());
+  EXPECT_TRUE(std::is_sorted(given.times.begin(), given.times.end()));
+}
+
 TEST(Field, ADamagedStampIsSaidWithItsPlace) {
   std::vector<std::int64_t> stamps = walk(60);
   stamps[17] += kHour;

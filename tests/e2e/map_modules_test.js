@@ -292,6 +292,15 @@
       document.querySelector('#fixed').replaceChildren();
     },
 
+    'a gap that is not waited for takes no place on the slider'() {
+      const {model} = begin([{sent: new Date(NOW).toISOString(), heartbeat: {playback: {
+        state: 'PLAYBACK_STATE_PLAYING', speed: 1, begin: '2020-01-01T00:00:00Z', end: '2020-01-02T00:00:04Z',
+        position: '2020-01-02T00:00:01Z', skipped: [{begin: '2020-01-01T00:00:14Z', end: '2020-01-02T00:00:00Z'}]}}}]);
+      same([model.playback.position, model.playback.length], [15, 18], 'played');
+      same([0, 13, 14, 16].map((time) => model.recorded(time)), [0, 13, 86_400, 86_402], 'recorded');
+      same([5, 14, 50_000, 86_401].map((time) => model.played(time)), [5, 14, 14, 15], 'and back');
+    },
+
     'a view has places before its observer has told its size'() {
       const view = new View(document.querySelector('#map'), () => {});
       same(view.toPixel(1, 2).every(Number.isFinite), true, 'pixels');

@@ -119,9 +119,19 @@ export class Model {
       playing: playback.state === 'PLAYBACK_STATE_PLAYING',
       ended: playback.state === 'PLAYBACK_STATE_ENDED',
       speed: playback.speed,
-      position: (Date.parse(playback.position) - begin) / 1000,
-      length: (Date.parse(playback.end) - begin) / 1000,
+      skipped: (playback.skipped || []).map((gap) => [gap.begin, gap.end].map((time) => (Date.parse(time) - begin) / 1000)),
     };
+    this.playback.position = this.played((Date.parse(playback.position) - begin) / 1000);
+    this.playback.length = this.played((Date.parse(playback.end) - begin) / 1000);
+  }
+
+  // [s] after the beginning of the recordings, without what is not waited for; and back.
+  played(recorded) {
+    return this.playback.skipped.reduce((time, [from, to]) => time - Math.max(0, Math.min(recorded, to) - from), recorded);
+  }
+
+  recorded(played) {
+    return this.playback.skipped.reduce((time, [from, to]) => (time < from ? time : time + to - from), played);
   }
 
   // What is paused does not grow old.

@@ -76,9 +76,10 @@ function showNoChannel(why) {
 }
 
 // When its burst was heard, which is never now: it is asked for, and takes long to make.
-function heardText(time, {playback, now}) {
-  if (playback) return `${minutes((time - playback.begin) / 1000)} into the recording`;
-  return `heard ${number(Math.max(0, now - time) / 1000, 0)} s ago`;
+function heardText(time, model) {
+  const {playback} = model;
+  if (playback) return `${minutes(model.played((time - playback.begin) / 1000))} into the recording`;
+  return `heard ${number(Math.max(0, model.now() - time) / 1000, 0)} s ago`;
 }
 
 // Whatever is said and drawn is of one burst, and of the place that it was located at: a target that
@@ -88,7 +89,7 @@ export function showChannel(channels, selected, model, isPresent = true) {
   if (!channel) return showNoChannel('No device has been located since this panel was opened.');
   const other = selected && selected !== channel.target ? `Of ${model.nameOf(selected)} no channel is known. ` : '';
   const then = isPresent ? '' : 'Not of the moment that the map shows. ';
-  const heard = heardText(Date.parse(channel.time), {playback: model.playback, now: model.now()});
+  const heard = heardText(Date.parse(channel.time), model);
   const [x, y] = channel.position;
   const agreement = channel.access_points.map((ap) => `${ap.id} ${number(100 * ap.correlation, 0)} %`);
   setText(byId('csi-text'), `${then}${other}${channel.name || channel.target} at ${number(x)}, ${number(y)}, ${heard}: `

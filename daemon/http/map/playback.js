@@ -40,7 +40,7 @@ export class Playback {
 
   seek(position) {
     this.dragging = false;
-    this.ask({position: Math.min(this.model.playback.length, Math.max(0, position))});
+    this.ask({position: this.model.recorded(Math.min(this.model.playback.length, Math.max(0, position)))});
   }
 
   press(event) {
@@ -82,10 +82,10 @@ export class Playback {
     this.busy = false;
   }
 
-  // [s], where it is by now, or will be when what is asked for has been done.
+  // [s] of what is played, where it is by now, or will be when what is asked for has been done.
   position() {
     const wanted = this.asked?.position ?? this.sent?.position;
-    if (wanted !== undefined) return wanted;
+    if (wanted !== undefined) return this.model.played(wanted);
     const {playing, position, speed, at, length} = this.model.playback;
     // It may have been paused since the last word.
     const until = this.model.now() - (this.model.quiet ? this.model.silence : 0);

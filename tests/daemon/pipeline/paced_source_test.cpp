@@ -54,8 +54,33 @@ TEST(PacedSource, GivesEveryDatagramInOrderAndNotBeforeItIsDue) {
 
 TEST(PacedSource, SpeedShortensTheWait) {
   Pace pace(1000.0);
-  const auto origin = pace.due(Timestamp(milliseconds(5000)));
-  EXPECT_EQ(pace.due(Timestamp(milliseconds(6000))) - origin, milliseconds(1));
+  const std::size_t recording = pace.join();
+  const auto origin = pace.due(recording, Timestamp(milliseconds(5000)));
+  EXPECT_EQ(pace.due(recording, Timestamp(milliseconds(6000))) - origin, milliseconds(1));
+}
+
+// An hour of silence, or a clock that was set: at most the longest gap is waited for.
+TEST(Field, APaceDoesNotWaitForAGap) {
+  using std::chrono::hours;
+  Pace pace(1.0, milliseconds(1000));
+  const std::size_t a = pace.join();
+  const std::size_t b = pace.join();
+  const Timestamp begin(hours(1000));
+  const auto origin = pace.due(a, begin);
+  // What the other one brings is not known yet.
+  EXPECT_EQ(pace.due(a, begin + hours(1)) - origin, hours(1));
+  EXPECT_EQ(pace.due(b, begin + milliseconds(500)) - origin, milliseconds(500));
+  EXPECT_EQ(pace.due(a, begin + hours(1)) - origin, hours(1));
+  // Then both have nothing for an hour: they go on after a second, in step.
+  const auto before = Pace::Clock::now();
+  const auto next = pace.due(b, begin + hours(2));
+  EXPECT_GE(next, before + hours(1));
+  EXPECT_LE(next, Pace::Clock::now() + hours(1) + milliseconds(1000));
+  EXPECT_EQ(next - pace.due(a, begin + hours(1)), hours(1));
+  // One that has ended holds nobody up.
+  pace.leave(a);
+  const auto alone = pace.due(b, begin + hours(2));
+  EXPECT_LE(alone, Pace::Clock::now() + milliseconds(1000));
 }
 
 }  // namespace

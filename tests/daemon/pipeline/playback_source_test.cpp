@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/proto_time.h"
@@ -26,7 +26,7 @@ std::string file_of(int index) {
 }
 
 Expected<std::unique_ptr<DatagramSource>> open_recording(const std::string& file) {
-  auto opened = PcapFileSource::open(file);
+  auto opened = RecordedSource::open({file});
   if (!opened) {
     return tl::make_unexpected(opened.error());
   }
@@ -69,14 +69,12 @@ class PlayedRecordings : public ::testing::Test {
  protected:
   void SetUp() override {
     Playback::Options options;
-    options.begin = Timestamp::max();
-    options.end = Timestamp::min();
     options.speed = std::nullopt;
+    std::vector<RecordingPlan> plans;
     for (int index = 0; index < 3; ++index) {
-      const RecordingSpan span = span_of(**open_recording(file_of(index)));
-      options.begin = std::min(options.begin, span.begin);
-      options.end = std::max(options.end, span.end);
+      plans.push_back(plan_recording({file_of(index)}).value());
     }
+    options.busy = busy_times(plans);
     playback_ = std::make_shared<Playback>(options);
     std::vector<SourceWorker::Input> inputs(3);
     for (int index = 0; index < 3; ++index) {

@@ -17,7 +17,7 @@ class PlaybackTest : public ::testing::Test {
   // A minute, with a lead of a second.
   void start(std::optional<double> speed) {
     playback_ = std::make_unique<Playback>(Playback::Options{
-        kBegin, kBegin + seconds(60), speed, seconds(1), [this] { return now_; }});
+        {{kBegin, kBegin + seconds(60)}}, speed, seconds(1), seconds(10), [this] { return now_; }});
     EXPECT_EQ(due(kBegin), speed ? seconds(0) : seconds(60));
   }
   // Until where a source that waits for `next` may give out, after the beginning.
@@ -98,6 +98,50 @@ TEST_F(PlaybackTest, AsFastAsItGoesIsWhereTheSourcesAre) {
   EXPECT_EQ(position(), seconds(2));
   playback_->given(kBegin + seconds(60), 1);
   EXPECT_EQ(playback_->state().running, Running::kEnded);
+}
+
+// Four seconds, a clock that was set by a day, four more.
+TEST(Field, APlaybackDoesNotWaitForAGap) {
+  Playback::Clock::time_point now{};
+  const Timestamp later = kBegin + std::chrono::hours(24);
+  Playback playback({{{kBegin, kBegin + seconds(4)}, {later, later + seconds(4)}},
+                     1.0,
+                     seconds(1),
+                     seconds(10),
+                     [&now] { return now; }});
+  EXPECT_EQ(playback.wait_for(kBegin, 0, now), kBegin);
+  now += seconds(5);
+  EXPECT_EQ(playback.wait_for(later, 0, now), kBegin + seconds(5));
+  now += seconds(8);
+  EXPECT_EQ(playback.state().position, kBegin + seconds(13));
+  now += seconds(1);
+  EXPECT_EQ(playback.wait_for(later, 0, now), later);
+  now += seconds(2);
+  EXPECT_EQ(playback.state().position, later + seconds(2));
+  const Playback::State state = playback.state();
+  EXPECT_EQ(state.skipped, (std::vector<TimeSpan>{{kBegin + seconds(14), later}}));
+  now += seconds(2);
+  EXPECT_EQ(playback.state().running, Running::kEnded);
+  // A move into the gap and behind it.
+  EXPECT_EQ(playback.change({.position = later + seconds(1)}).position, later + seconds(1));
+  EXPECT_EQ(playback.change({.play = false, .position = kBegin + std::chrono::hours(5)}).position,
+            kBegin + std::chrono::hours(5));
+}
+
+TEST(Field, APlayTimeLeavesOutTheLongestGaps) {
+  std::vector<TimeSpan> busy;
+  Timestamp at = kBegin;
+  for (int i = 0; i < 300; ++i) {
+    busy.push_back({at, at + seconds(1)});
+    at += seconds(20 + i);
+  }
+  const PlayTime time(busy, seconds(10));
+  EXPECT_EQ(time.skipped().size(), PlayTime::kMostSkipped);
+  EXPECT_EQ(time.played(kBegin), seconds(0));
+  for (Duration played = seconds(0); played < time.length(); played += milliseconds(7001)) {
+    EXPECT_EQ(time.played(time.recorded(played)), played);
+  }
+  EXPECT_EQ(time.recorded(time.length()), time.end());
 }
 
 }  // namespace

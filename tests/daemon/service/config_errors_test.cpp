@@ -235,6 +235,16 @@ TEST(ConfigErrors, RecordingsArePlayedAtOneSpeed) {
   EXPECT_EQ(errors_of(sources("kind = \"udp\"", file("b", "speed = 2"))), "");
 }
 
+TEST(Field, RecordingsWaitForTheSameGaps) {
+  const std::string file = "kind = \"pcap\"\nfile = [\"a\", \"b\"]";
+  const std::string other = "kind = \"pcap\"\nfile = [\"c\", \"d\"]\nmax_gap_s = 20";
+  EXPECT_THAT(errors_of(sources(file, other)),
+              StartsWith("raylocd.toml:11:13: recordings are played together, and that of "
+                         "raylocd.toml:3 has another 'max_gap_s'"));
+  EXPECT_THAT(errors_of(sources(file, "kind = \"pcap\"\nfile = [\"b\", \"e\"]")),
+              StartsWith("raylocd.toml:10:8: a second source on b"));
+}
+
 TEST(ConfigErrors, EmptyFileLacksSiteAndSource) {
   EXPECT_EQ(errors_of(""),
             "raylocd.toml:1:1: the file lacks 'site'; add, for example: [site] with directory = "

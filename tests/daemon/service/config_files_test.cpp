@@ -60,7 +60,8 @@ TEST_F(ConfigFiles, IncludedFilesAddKeysAndSources) {
   ASSERT_TRUE(config) << config.error().message;
   ASSERT_EQ(config->sources.size(), 2U);
   EXPECT_EQ(config->sources[0].access_point, "a");
-  EXPECT_EQ(config->sources[0].file, folder_ / "conf.d/one.pcap") << "from the folder of its file";
+  EXPECT_EQ(config->sources[0].files, (std::vector<fs::path>{folder_ / "conf.d/one.pcap"}))
+      << "from the folder of its file";
   EXPECT_EQ(config->sources[1].place, (folder_ / "conf.d/20-two.toml").string() + ":1:1: ");
   EXPECT_EQ(config->publish.send_high_water_mark, 50U);
   EXPECT_EQ(config->publish.heartbeat, std::chrono::seconds(2));

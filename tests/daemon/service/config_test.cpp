@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/service/config_schema.h"
+#include "daemon/service/recording_files.h"
 #include "tests/daemon/service/config_text.h"
 
 namespace rayloc {
@@ -60,7 +61,7 @@ TEST(Config, ReadsEveryKey) {
   EXPECT_EQ(udp.place, kConfigFile.string() + ":5:1: ");
   const SourceConfig& pcap = config->sources[1];
   EXPECT_EQ(pcap.kind, SourceKind::kPcap);
-  EXPECT_EQ(pcap.file, folder / "two.pcap");
+  EXPECT_EQ(pcap.files, (std::vector<fs::path>{folder / "two.pcap"}));
   EXPECT_EQ(pcap.speed, 2.0);
   EXPECT_EQ(pcap.format, "axcsi-v4");
   const SourceConfig& interface = config->sources[2];
@@ -100,6 +101,7 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_EQ(config->sources[0].only_interface, "eth1");
   EXPECT_EQ(config->sources[0].allow, (std::vector<std::string>{"10.10.10.10", "192.168.1.0/24"}));
   EXPECT_EQ(config->sources[0].stall_after, std::chrono::milliseconds(7500));
+  EXPECT_EQ(config->sources[1].max_gap, std::chrono::seconds(20));
   EXPECT_EQ(config->engine.method, EngineMethod::kNone);
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
@@ -162,8 +164,36 @@ TEST(Config, StandardInputAndGreatestSpeedAreWritten) {
       "[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"pcap\"\nfile = \"-\"\nspeed = \"max\"\n",
       kConfigFile);
   ASSERT_TRUE(config) << config.error().message;
-  EXPECT_EQ(config->sources[0].file, "-");
+  EXPECT_EQ(config->sources[0].files, (std::vector<fs::path>{"-"}));
   EXPECT_FALSE(config->sources[0].speed);
+}
+
+TEST(Field, ASourceHasSeveralRecordingsAndWaitsForNoGap) {
+  const std::string begin = "[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"pcap\"\n";
+  const Expected<DaemonConfig> config =
+      parse_config(begin + "file = [\"/r/a.pcap1\", \"b.pcap*\"]\n", kConfigFile);
+  ASSERT_TRUE(config) << config.error().message;
+  EXPECT_EQ(config->sources[0].files,
+            (std::vector<fs::path>{"/r/a.pcap1", kConfigFile.parent_path() / "b.pcap*"}));
+  EXPECT_EQ(config->sources[0].max_gap, std::chrono::seconds(10));
+  const Expected<DaemonConfig> longer =
+      parse_config(begin + "file = \"a\"\nmax_gap_s = 3600\n", kConfigFile);
+  ASSERT_TRUE(longer) << longer.error().message;
+  EXPECT_EQ(longer->sources[0].max_gap, std::chrono::hours(1));
+}
+
+TEST(Field, WildcardsOfARecordingAreExpanded) {
+  const fs::path folder = fs::path(::testing::TempDir()) / "field_wildcards";
+  fs::create_directories(folder);
+  for (const char* name : {"ring.pcap0", "ring.pcap1", "other.pcap"}) {
+    std::ofstream(folder / name) << "x";
+  }
+  SourceConfig source;
+  source.files = {folder / "ring.pcap*", folder / "none*", "-"};
+  EXPECT_EQ(recording_files(source),
+            (std::vector<std::string>{
+                folder / "ring.pcap0", folder / "ring.pcap1", folder / "none*", "-"}));
+  fs::remove_all(folder);
 }
 
 TEST(DaemonSetup, ResolvesSourcesToAccessPoints) {

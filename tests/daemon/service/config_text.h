@@ -85,6 +85,11 @@ kind = "udp"
 only_interface = "eth1"
 allow = ["10.10.10.10", "192.168.1.0/24"]
 stall_after_s = 7.5
+[[source]]
+access_point = "ap2"
+kind = "pcap"
+file = "two.pcap"
+max_gap_s = 20
 [engine]
 method = "none"
 [publish]
