@@ -139,6 +139,11 @@ Expected<void> Calibration::measure() {
     return tl::make_unexpected(std::move(inputs.error()));
   }
   inputs_ = *std::move(inputs);
+  for (const std::string& note : inputs_.notes) {
+    if (!options_.quiet) {
+      std::fprintf(stderr, "%s\n", note.c_str());
+    }
+  }
   if (site_.reference_file) {  // it holds the phases of another calibration
     inputs_.refused.push_back({site_.reference_file->filename().string(), kOldReference});
     site_.reference_file.reset();

@@ -60,7 +60,8 @@ struct Heard {
   std::vector<SpotFrames> spots;
   std::vector<bool> recorded;  // of each access point
   std::vector<RefusedInput> refused;
-  std::string content;  // hash of it
+  std::string content;             // hash of it
+  std::vector<std::string> notes;  // of the recordings
 };
 
 struct RefitAccessPoint {
@@ -77,7 +78,11 @@ Expected<Heard> hear_points(const Site& site,
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
-  Heard heard{{}, std::move(inputs->recorded), std::move(inputs->refused), inputs->content};
+  Heard heard{{},
+              std::move(inputs->recorded),
+              std::move(inputs->refused),
+              inputs->content,
+              std::move(inputs->notes)};
   for (SurveyedFrames& spot : inputs->points) {
     heard.spots.push_back({spot.point.position, room.device, std::move(spot.frames), {}});
   }
@@ -95,11 +100,11 @@ Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>&
                       "places where a device stood, or add a [[transmitter]] with role = \"fixed\" "
                       "and its position to site.toml");
   }
-  auto frames = read_fixed_frames(site, captures);
+  Heard heard;
+  auto frames = read_fixed_frames(site, captures, heard.notes);
   if (!frames) {
     return tl::make_unexpected(std::move(frames.error()));
   }
-  Heard heard;
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
       heard.spots.push_back(
@@ -226,6 +231,11 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(heard.error()));
   }
   heard_ = *std::move(heard);
+  for (const std::string& note : heard_.notes) {
+    if (!arguments_.quiet) {
+      std::fprintf(stderr, "%s\n", note.c_str());
+    }
+  }
   return {};
 }
 

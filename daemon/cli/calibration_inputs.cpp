@@ -71,12 +71,12 @@ void add_to_hash(ContentHash& hash, const std::string& access_point, const CsiFr
   }
 }
 
-Expected<void> read_capture(const Site& site,
-                            const CaptureArgument& capture,
-                            CalibrationInputs& inputs,
-                            Recorded& recorded) {
-  recorded.files += (recorded.files.empty() ? "" : ", ") + capture.file;
-  return for_each_frame(site, capture, [&](CsiFrame&& frame) {
+Expected<void> read_recording(const Site& site,
+                              const RecordingArgument& recording,
+                              CalibrationInputs& inputs,
+                              Recorded& recorded) {
+  recorded.files = files_text(recording);
+  const auto use = [&](CsiFrame&& frame) {
     if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
       ++recorded.fixed_frames;
       return;
@@ -85,7 +85,8 @@ Expected<void> read_capture(const Site& site,
     if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
       spot->frames.push_back(std::move(frame));
     }
-  });
+  };
+  return for_each_frame(site, recording, use, inputs.notes);
 }
 
 bool is_listed(const Site& site, const MacAddress& mac) {
@@ -132,7 +133,7 @@ void keep_device(const std::optional<MacAddress>& device, CalibrationInputs& inp
       }
       return frame.transmitter != device;
     });
-    // An access point may have several recordings.
+    // The clock may have been set within a spot.
     std::stable_sort(
         spot.frames.begin(), spot.frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
           return std::pair(a.access_point, a.time) < std::pair(b.access_point, b.time);
@@ -228,11 +229,15 @@ std::string explain_silence(const Site& site,
                             const std::string& points_file) {
   const auto& heard = recorded.devices;
   if (heard.empty()) {
+    std::string all_notes;
+    for (const std::string& note : inputs.notes) {
+      all_notes += "\n" + note;
+    }
     return recorded.fixed_frames > 0
                ? "heard no device, only " + std::to_string(recorded.fixed_frames) +
                      " frames of fixed transmitters; give the recording in which the device was "
                      "carried from point to point"
-               : "heard no device; the recording holds no frame that can be decoded";
+               : "heard no device; the recording holds no frame that can be decoded" + all_notes;
   }
   auto found =
       device ? heard.find(*device) : std::find_if(heard.begin(), heard.end(), [&](const auto& one) {
@@ -325,13 +330,13 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
     return tl::make_unexpected(std::move(checked.error()));
   }
   std::map<int, Recorded> recorded;  // by access point
-  for (const CaptureArgument& capture : captures) {
-    const auto index = find_access_point(site, capture.access_point);
+  for (const RecordingArgument& recording : recordings_of(captures)) {
+    const auto index = find_access_point(site, recording.access_point);
     if (!index) {
       return tl::make_unexpected(index.error());
     }
     inputs.recorded[static_cast<std::size_t>(*index)] = true;
-    if (auto read = read_capture(site, capture, inputs, recorded[*index]); !read) {
+    if (auto read = read_recording(site, recording, inputs, recorded[*index]); !read) {
       return tl::make_unexpected(std::move(read.error()));
     }
   }

@@ -25,7 +25,8 @@ struct CalibrationInputs {
   std::vector<SurveyedFrames> points;  // one a row of the csv
   std::vector<bool> recorded;          // of each access point of the site
   std::vector<RefusedInput> refused;
-  std::string content;  // hash of the recordings' and the points' content
+  std::vector<std::string> notes;  // of the recordings: for_each_frame()
+  std::string content;             // hash of the recordings' and the points' content
   std::string points_hash;
 };
 

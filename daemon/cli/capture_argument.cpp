@@ -16,6 +16,17 @@ std::string list_of(const std::vector<std::string>& ids) {
   return list;
 }
 
+void add_file(const CaptureArgument& capture, std::vector<RecordingArgument>& recordings) {
+  const auto same = std::find_if(recordings.begin(), recordings.end(), [&](const auto& other) {
+    return !capture.access_point.empty() && other.access_point == capture.access_point;
+  });
+  if (same == recordings.end()) {
+    recordings.push_back({capture.access_point, {capture.file}});
+  } else {
+    same->files.push_back(capture.file);
+  }
+}
+
 }  // namespace
 
 CaptureArgument parse_capture_argument(const std::string& text) {
@@ -58,5 +69,23 @@ Expected<std::vector<CaptureArgument>> resolve_captures(const std::vector<std::s
   }
   return captures;
 }
+
+std::vector<RecordingArgument> recordings_of(const std::vector<CaptureArgument>& captures) {
+  std::vector<RecordingArgument> recordings;
+  for (const CaptureArgument& capture : captures) {
+    add_file(capture, recordings);
+  }
+  return recordings;
+}
+
+std::vector<RecordingArgument> recordings_of_any(const std::vector<std::string>& arguments) {
+  std::vector<RecordingArgument> recordings;
+  for (const std::string& argument : arguments) {
+    add_file(parse_capture_argument(argument), recordings);
+  }
+  return recordings;
+}
+
+std::string files_text(const RecordingArgument& recording) { return list_of(recording.files); }
 
 }  // namespace rayloc::cli

@@ -1,7 +1,9 @@
 #include "daemon/cli/evaluate_fingerprints.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
+#include <string>
 #include <utility>
 
 #include "daemon/cli/capture_argument.h"
@@ -60,7 +62,8 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
                                            const std::vector<CaptureArgument>& captures,
                                            const std::vector<Window>& windows) {
   WindowFrames found(windows);
-  for (const CaptureArgument& capture : captures) {
+  std::vector<std::string> notes;
+  for (const RecordingArgument& recording : recordings_of(captures)) {
     const auto use = [&](CsiFrame&& frame) {
       const bool wanted =
           request.transmitter.empty()
@@ -70,9 +73,12 @@ Expected<std::vector<Frames>> read_windows(const Site& site,
         found.add(frame);
       }
     };
-    if (auto read = for_each_frame(site, capture, use); !read) {
+    if (auto read = for_each_frame(site, recording, use, notes); !read) {
       return tl::make_unexpected(std::move(read.error()));
     }
+  }
+  for (const std::string& note : notes) {
+    std::fprintf(stderr, "rayloc evaluate: %s\n", note.c_str());
   }
   if (!found.any()) {
     return bad_input(captures.front().file + ": no frame of a " +
@@ -141,8 +147,9 @@ Expected<FingerprintMap> learn(const Site& site,
 Expected<std::vector<double>> fingerprint_errors(const Site& site,
                                                  const FingerprintRequest& request,
                                                  const std::vector<TruthPoint>& truth) {
-  const auto survey = resolve_captures(request.survey, access_point_ids(site));
-  const auto captures = resolve_captures(request.captures, access_point_ids(site));
+  const auto ids = access_point_ids(site);
+  const auto survey = resolve_captures(request.survey, ids, PerAccessPoint::kSeveral);
+  const auto captures = resolve_captures(request.captures, ids, PerAccessPoint::kSeveral);
   if (!survey || !captures) {
     return tl::make_unexpected(survey ? captures.error() : survey.error());
   }

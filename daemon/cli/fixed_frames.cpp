@@ -7,15 +7,17 @@
 namespace rayloc::cli {
 
 Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
-    const Site& site, const std::vector<CaptureArgument>& captures) {
+    const Site& site,
+    const std::vector<CaptureArgument>& captures,
+    std::vector<std::string>& notes) {
   std::map<MacAddress, std::vector<CsiFrame>> found;
-  for (const CaptureArgument& capture : captures) {
-    auto read = for_each_frame(site, capture, [&](CsiFrame&& frame) {
+  for (const RecordingArgument& recording : recordings_of(captures)) {
+    const auto keep = [&](CsiFrame&& frame) {
       if (find_fixed_transmitter(site, frame.transmitter) != nullptr) {
         found[frame.transmitter].push_back(std::move(frame));
       }
-    });
-    if (!read) {
+    };
+    if (auto read = for_each_frame(site, recording, keep, notes); !read) {
       return tl::make_unexpected(std::move(read.error()));
     }
   }

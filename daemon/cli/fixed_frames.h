@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <string>
 #include <vector>
 
 #include "daemon/cli/capture_argument.h"
@@ -11,8 +12,11 @@
 
 namespace rayloc::cli {
 
-// By transmitter; of each, by capture and then by time. Frames of others are left out.
+// By transmitter; of each, by access point and then by time. Frames of others are left out. An
+// access point may have several captures; `notes` as of for_each_frame().
 Expected<std::map<MacAddress, std::vector<CsiFrame>>> read_fixed_frames(
-    const Site& site, const std::vector<CaptureArgument>& captures);
+    const Site& site,
+    const std::vector<CaptureArgument>& captures,
+    std::vector<std::string>& notes);
 
 }  // namespace rayloc::cli

@@ -12,7 +12,7 @@
 
 #include "capture/csi_receiver.h"
 #include "capture/decoder_registry.h"
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "daemon/cli/capture_argument.h"
 #include "daemon/cli/verb.h"
 
@@ -212,13 +212,11 @@ Expected<void> print_frames(const std::vector<CsiFrame>& frames,
   return {};
 }
 
-Expected<void> run_capture(const CaptureArgument& capture,
-                           const FramesOptions& options,
-                           std::FILE* out,
-                           Summary& summary) {
-  PcapFileOptions file_options;
-  file_options.max_disorder = kAnyDisorder;  // a listing leaves nothing out
-  auto source = PcapFileSource::open(capture.file, file_options);
+Expected<void> run_recording(const RecordingArgument& recording,
+                             const FramesOptions& options,
+                             std::FILE* out,
+                             Summary& summary) {
+  auto source = RecordedSource::open(recording.files, as_stamped_options());
   if (!source) {
     return tl::make_unexpected(source.error());
   }
@@ -227,7 +225,7 @@ Expected<void> run_capture(const CaptureArgument& capture,
   receiver_options.raw = options.raw;
   CsiReceiver receiver(receiver_options);
   const std::string access_point =
-      capture.access_point.empty() ? capture.file : capture.access_point;
+      recording.access_point.empty() ? recording.files.front() : recording.access_point;
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   Expected<void> result;
@@ -249,8 +247,12 @@ Expected<void> run_capture(const CaptureArgument& capture,
     frames.clear();
   }
   summary.add((*source)->counters(), receiver.counters());
-  if (const std::string warning = (*source)->warning(); !warning.empty() && !options.quiet) {
-    std::fprintf(stderr, "rayloc: %s\n", warning.c_str());
+  for (const auto& words : {words_of((*source)->plan()), (*source)->warnings()}) {
+    for (const std::string& line : words) {
+      if (!options.quiet) {
+        std::fprintf(stderr, "rayloc: %s\n", line.c_str());
+      }
+    }
   }
   return result;
 }
@@ -270,8 +272,8 @@ Expected<void> run(const FramesOptions& options) {
   }
   Summary summary;
   Expected<void> result;
-  for (const std::string& argument : options.captures) {
-    result = run_capture(parse_capture_argument(argument), options, out->get(), summary);
+  for (const RecordingArgument& recording : recordings_of_any(options.captures)) {
+    result = run_recording(recording, options, out->get(), summary);
     if (!result) {
       break;
     }
@@ -290,7 +292,11 @@ Expected<void> run(const FramesOptions& options) {
 
 RunVerb declare(CLI::App& app) {
   const auto options = std::make_shared<FramesOptions>();
-  app.add_option("captures", options->captures, "recordings: [AP=]FILE, pcap or pcapng, .gz, -")
+  app.add_option(
+         "captures",
+         options->captures,
+         "recordings: [AP=]FILE, pcap or pcapng, .gz, -; several of one AP are a sequence in "
+         "order of time")
       ->required();
   app.add_flag("--json", options->json, "a JSON object a line");
   app.add_flag("--values", options->values, "with tone_index and csi; implies --json");

@@ -8,21 +8,20 @@
 #include <vector>
 
 #include "capture/csi_receiver.h"
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "daemon/site/receiver_options.h"
 
 namespace rayloc::cli {
 
 Expected<void> for_each_frame(const Site& site,
-                              const CaptureArgument& capture,
-                              const std::function<void(CsiFrame&&)>& take) {
-  const auto index = find_access_point(site, capture.access_point);
+                              const RecordingArgument& recording,
+                              const std::function<void(CsiFrame&&)>& take,
+                              std::vector<std::string>& notes) {
+  const auto index = find_access_point(site, recording.access_point);
   if (!index) {
     return tl::make_unexpected(index.error());
   }
-  PcapFileOptions options;
-  options.max_disorder = kAnyDisorder;
-  auto source = PcapFileSource::open(capture.file, options);
+  auto source = RecordedSource::open(recording.files, as_stamped_options());
   if (!source) {
     return tl::make_unexpected(std::move(source.error()));
   }
@@ -44,7 +43,36 @@ Expected<void> for_each_frame(const Site& site,
       take(std::move(frame));
     }
   }
+  note_recording(**source, receiver.counters(), recording.access_point, notes);
   return {};
+}
+
+void note_recording(const RecordedSource& source,
+                    const CsiReceiverCounters& decoded,
+                    const std::string& access_point,
+                    std::vector<std::string>& notes) {
+  for (const std::vector<std::string>& words : {words_of(source.plan()), source.warnings()}) {
+    for (const std::string& line : words) {
+      notes.push_back(access_point.empty() ? line : access_point + ": " + line);
+    }
+  }
+  const SourceCounters read = source.counters();
+  auto rejected = read.rejected;
+  rejected.erase("gap_mark");  // is told as what it says
+  for (const auto& [reason, count] : decoded.rejected) {
+    rejected[reason] += count;
+  }
+  if (const std::string reasons = rejections_text(rejected); !reasons.empty()) {
+    notes.push_back((access_point.empty() ? "" : access_point + ": ") + source.description() +
+                    ": of " + std::to_string(read.received) + " packets rejected: " + reasons);
+  }
+  if (read.rejected.contains("gap_mark")) {
+    notes.push_back(
+        (access_point.empty() ? "" : access_point + ": ") + source.description() +
+        ": gaps are marked in the recording: " + std::to_string(read.rejected.at("gap_mark")) +
+        ", with at least " + std::to_string(read.unrecorded) +
+        " datagrams that were received and not recorded");
+  }
 }
 
 std::optional<MacAddress> keep_most_heard(std::vector<CsiFrame>& frames) {

@@ -3,8 +3,11 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "capture/csi_receiver.h"
+#include "capture/recorded_source.h"
 #include "daemon/cli/capture_argument.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
@@ -12,11 +15,20 @@
 
 namespace rayloc::cli {
 
-// `capture.access_point` is one of the site's (resolve_captures). Frames come in the order of the
-// recording's times, whatever that of its packets. Errors: a file that cannot be read as a capture.
+// `recording.access_point` is one of the site's (resolve_captures). Frames come in the order of the
+// files, and in each in that of its packets; their times are those of the stamps. `notes` gets a
+// line for everything that people should know: clocks that were set, gaps, how many packets were
+// rejected for which reason. Errors: a file that cannot be read as a capture.
 Expected<void> for_each_frame(const Site& site,
-                              const CaptureArgument& capture,
-                              const std::function<void(CsiFrame&&)>& take);
+                              const RecordingArgument& recording,
+                              const std::function<void(CsiFrame&&)>& take,
+                              std::vector<std::string>& notes);
+
+// The notes of a recording that was read to its end; of which access point, or empty.
+void note_recording(const RecordedSource& source,
+                    const CsiReceiverCounters& decoded,
+                    const std::string& access_point,
+                    std::vector<std::string>& notes);
 
 // Of frames of several transmitters those of the one heard most stay (of equals the first by
 // address); which one that is. Nothing when there was no choice to make.

@@ -80,28 +80,34 @@ class Reference {
   std::size_t spots_ = 0;
   ContentHash content_;
   std::vector<RefusedInput> refused_;
+  std::vector<std::string> notes_;  // of the recordings
 };
 
 Expected<Reference::Frames> Reference::read_captures(const std::vector<std::string>& arguments) {
-  const auto captures = resolve_captures(arguments, access_point_ids(site_));
+  const auto captures =
+      resolve_captures(arguments, access_point_ids(site_), PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto frames = read_fixed_frames(site_, *captures);
+  auto frames = read_fixed_frames(site_, *captures, notes_);
   if (!frames) {
     return tl::make_unexpected(std::move(frames.error()));
   }
-  for (const CaptureArgument& capture : *captures) {
-    const int index = *find_access_point(site_, capture.access_point);
+  for (const RecordingArgument& recording : recordings_of(*captures)) {
+    const int index = *find_access_point(site_, recording.access_point);
     const bool heard = std::any_of(frames->begin(), frames->end(), [&](const auto& entry) {
       return std::any_of(entry.second.begin(), entry.second.end(), [&](const CsiFrame& frame) {
         return frame.access_point == index;
       });
     });
     if (!heard) {
-      return bad_input(capture.file + ": access point '" + capture.access_point +
-                       "' heard no fixed transmitter of the site; give a recording of one of the "
-                       "[[transmitter]] with role = \"fixed\"");
+      std::string message = files_text(recording) + ": access point '" + recording.access_point +
+                            "' heard no fixed transmitter of the site; give a recording of one of "
+                            "the [[transmitter]] with role = \"fixed\"";
+      for (const std::string& note : notes_) {
+        message += "\n" + note;
+      }
+      return bad_input(message);
     }
   }
   return frames;
@@ -341,6 +347,9 @@ void Reference::print() const {
                  "access points\n",
                  *person.second_person);
   }
+  for (const std::string& note : notes_) {
+    std::fprintf(stderr, "%s\n", note.c_str());
+  }
   for (const RefusedInput& refused : refused_) {
     std::fprintf(stderr, "not used: %s: %s\n", refused.what.c_str(), refused.reason.c_str());
   }
@@ -400,6 +409,8 @@ const Verb kReference = {
     "reference",
     "Learn the empty room, so that people without a device can be located",
     "rayloc reference office-calibrated --capture ap1=empty.pcap --out office-people\n"
+    "  rayloc reference office-calibrated --capture ap1=empty.pcap0 ap1=empty.pcap1 --out "
+    "office-people\n"
     "  rayloc reference office-calibrated --capture ap1=empty.pcap --people ap1=somebody.pcap "
     "--points places.csv --out office-people\n"
     "  rayloc reference office-calibrated --capture ap1=monday.pcap --occupied --out office-people",

@@ -2,6 +2,7 @@
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,10 +15,11 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "daemon/cli/capture_argument.h"
 #include "daemon/cli/no_fix_reasons.h"
 #include "daemon/cli/output_file.h"
+#include "daemon/cli/recorded_frames.h"
 #include "daemon/cli/scene_notes.h"
 #include "daemon/cli/verb.h"
 #include "daemon/pipeline/device_estimator.h"
@@ -47,6 +49,7 @@ struct Options {
   std::string kind = "all";
   std::string burst = "0.2s";
   std::string speed = "max";
+  double max_gap = to_seconds(kMaxGap);
   std::string format = "jsonl";
   std::string out = "-";
   std::string zone_events;  // file; empty: not written
@@ -120,8 +123,16 @@ Expected<std::optional<double>> parse_speed(const std::string& text) {
   return std::optional<double>(speed->value);
 }
 
-Expected<std::vector<SourceWorker::Input>> open_captures(const Options& options, const Site& site) {
-  const auto captures = resolve_captures(options.captures, access_point_ids(site));
+// What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
+struct Recordings {
+  std::vector<SourceWorker::Input> inputs;
+  std::vector<const RecordedSource*> sources;  // of the inputs, in their order
+  std::vector<int> access_points;              // of the inputs, indices in the site
+};
+
+Expected<Recordings> open_captures(const Options& options, const Site& site) {
+  const auto captures =
+      resolve_captures(options.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
@@ -129,24 +140,28 @@ Expected<std::vector<SourceWorker::Input>> open_captures(const Options& options,
   if (!speed) {
     return tl::make_unexpected(speed.error());
   }
-  const auto pace = *speed ? std::make_shared<Pace>(**speed) : nullptr;
-  std::vector<SourceWorker::Input> inputs;
-  for (const CaptureArgument& capture : *captures) {
-    Expected<std::unique_ptr<PcapFileSource>> file = PcapFileSource::open(capture.file);
-    if (!file) {
-      return tl::make_unexpected(file.error());
+  PcapFileOptions file_options;
+  file_options.max_gap = from_seconds(options.max_gap);
+  const auto pace = *speed ? std::make_shared<Pace>(**speed, file_options.max_gap) : nullptr;
+  Recordings all;
+  for (const RecordingArgument& recording : recordings_of(*captures)) {
+    auto source = RecordedSource::open(recording.files, file_options);
+    if (!source) {
+      return tl::make_unexpected(source.error());
     }
-    const int index = *find_access_point(site, capture.access_point);
+    const int index = *find_access_point(site, recording.access_point);
     SourceWorker::Input input;
-    input.access_point = capture.access_point;
-    input.source = std::move(*file);
+    input.access_point = recording.access_point;
+    all.sources.push_back(source->get());
+    all.access_points.push_back(index);
+    input.source = std::move(*source);
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
     input.receiver = receiver_options(site, index);
-    inputs.push_back(std::move(input));
+    all.inputs.push_back(std::move(input));
   }
-  return inputs;
+  return all;
 }
 
 // Messages of our own always have a JSON form.
@@ -161,45 +176,57 @@ void write(const google::protobuf::Message& message, const std::string& format, 
   }
 }
 
-// What the recording itself says that it lacks.
-void report_gaps(const SourceReport& source) {
-  const auto marks = source.source.rejected.find("gap_mark");
-  if (marks != source.source.rejected.end()) {
-    std::fprintf(stderr,
-                 "%s: gaps are marked in the recording: %llu, with at least %llu datagrams that "
-                 "were received and not recorded\n",
-                 source.access_point.c_str(),
-                 static_cast<unsigned long long>(marks->second),
-                 static_cast<unsigned long long>(source.source.unrecorded));
+std::uint64_t sum_of(const std::map<std::string, std::uint64_t>& counts) {
+  std::uint64_t sum = 0;
+  for (const auto& [reason, count] : counts) {
+    sum += count;
+  }
+  return sum;
+}
+
+void report_source(const SourceReport& source, const std::vector<std::string>& notes) {
+  std::fprintf(stderr,
+               "%s: %s: %llu packets, %llu rejected, %llu frames (%llu partial)\n",
+               source.access_point.c_str(),
+               source.description.c_str(),
+               static_cast<unsigned long long>(source.source.received),
+               static_cast<unsigned long long>(sum_of(source.source.rejected) +
+                                               sum_of(source.receiver.rejected)),
+               static_cast<unsigned long long>(source.receiver.frames),
+               static_cast<unsigned long long>(source.receiver.partial));
+  for (const std::string& note : notes) {
+    std::fprintf(stderr, "%s\n", note.c_str());
   }
 }
 
 // What was read and what became of it, and every source that ended before its time.
-Expected<void> report(const Pipeline& pipeline, bool quiet) {
+Expected<void> report(const Pipeline& pipeline,
+                      const std::vector<const RecordedSource*>& recordings,
+                      bool quiet) {
   const EstimationCounters counters = pipeline.estimation_counters();
   std::string failed;
-  for (const SourceReport& source : pipeline.source_reports()) {
-    std::uint64_t rejected = 0;
-    for (const auto& [reason, count] : source.source.rejected) {
-      rejected += count;
-    }
-    for (const auto& [reason, count] : source.receiver.rejected) {
-      rejected += count;
-    }
+  std::string without_csi;
+  std::uint64_t received = 0;
+  std::uint64_t frames = 0;
+  const std::vector<SourceReport> sources = pipeline.source_reports();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const SourceReport& source = sources[i];
+    std::vector<std::string> notes;
+    note_recording(*recordings[i], source.receiver, source.access_point, notes);
     if (!quiet) {
-      std::fprintf(stderr,
-                   "%s: %s: %llu packets, %llu rejected, %llu frames (%llu partial)\n",
-                   source.access_point.c_str(),
-                   source.description.c_str(),
-                   static_cast<unsigned long long>(source.source.received),
-                   static_cast<unsigned long long>(rejected),
-                   static_cast<unsigned long long>(source.receiver.frames),
-                   static_cast<unsigned long long>(source.receiver.partial));
-      report_gaps(source);
+      report_source(source, notes);
     }
+    for (const std::string& note : quiet ? notes : std::vector<std::string>()) {
+      without_csi += "\n" + note;
+    }
+    received += source.source.received;
+    frames += source.receiver.frames;
     if (!source.error.empty()) {
       failed += (failed.empty() ? "" : "\n") + source.error;
     }
+  }
+  if (failed.empty() && received > 0 && frames == 0) {
+    return bad_input("no CSI in " + std::to_string(received) + " packets" + without_csi);
   }
   if (!quiet) {
     std::fprintf(
@@ -324,7 +351,7 @@ Expected<Estimators> make_estimators(const Options& options,
 
 Expected<void> write_all(const Options& options,
                          const PipelineOptions& pipeline_options,
-                         std::vector<SourceWorker::Input> inputs,
+                         Recordings recordings,
                          Estimator& estimator) {
   Expected<OutputFile> out = OutputFile::open(options.out);
   if (!out) {
@@ -349,7 +376,7 @@ Expected<void> write_all(const Options& options,
           write(event, options.format, *events);
         }
       });
-  Pipeline pipeline(pipeline_options, std::move(inputs), estimator, sink);
+  Pipeline pipeline(pipeline_options, std::move(recordings.inputs), estimator, sink);
   pipeline.start();
   pipeline.wait();
   sink.finish();
@@ -361,22 +388,20 @@ Expected<void> write_all(const Options& options,
       return closed;
     }
   }
-  Expected<void> reported = report(pipeline, options.quiet);
+  Expected<void> reported = report(pipeline, recordings.sources, options.quiet);
   if (const std::string text = reasons.text(); !text.empty() && !options.quiet) {
     std::fprintf(stderr, "%s\n", text.c_str());
   }
   return reported;
 }
 
-// What the site lacks to locate what is asked for, by what was recorded.
-void report_lacks(const Options& options, const Site& site, const Estimators& estimators) {
+// What the site lacks to locate what is asked for, by the access points that were recorded.
+void report_lacks(const Options& options,
+                  const Site& site,
+                  const Estimators& estimators,
+                  const std::vector<int>& heard) {
   if (options.quiet || !estimators.devices) {  // of people alone each estimate says so
     return;
-  }
-  std::vector<int> heard;
-  const auto captures = resolve_captures(options.captures, access_point_ids(site));
-  for (std::size_t i = 0; captures && i < captures->size(); ++i) {
-    heard.push_back(*find_access_point(site, (*captures)[i].access_point));
   }
   const SiteLacks lacks = site_lacks(site, estimators.devices->room(), heard);
   for (const std::string& lack : options.kind == "all" ? lacks.all() : lacks.obstacles) {
@@ -406,9 +431,9 @@ Expected<void> run(const Options& options) {
       oneapi::tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(options.threads > 0 ? options.threads
                                                    : oneapi::tbb::info::default_concurrency()));
-  Expected<std::vector<SourceWorker::Input>> inputs = open_captures(options, *site);
-  if (!inputs) {
-    return tl::make_unexpected(inputs.error());
+  auto recordings = open_captures(options, *site);
+  if (!recordings) {
+    return tl::make_unexpected(recordings.error());
   }
   auto estimators = make_estimators(options, *site, *paper);
   if (!estimators) {
@@ -418,15 +443,21 @@ Expected<void> run(const Options& options) {
   pipeline_options.burst.length = *burst;
   pipeline_options.overflow = Overflow::kWait;
   ZoneEstimator zones(estimators->all, site->zones);
-  const Expected<void> written = write_all(options, pipeline_options, std::move(*inputs), zones);
-  report_lacks(options, *site, *estimators);
+  const std::vector<int> heard = recordings->access_points;
+  const Expected<void> written =
+      write_all(options, pipeline_options, std::move(*recordings), zones);
+  report_lacks(options, *site, *estimators, heard);
   return written;
 }
 
 RunVerb declare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
-  app.add_option("captures", options->captures, "[AP=]FILE: pcap, pcapng, .gz, or - for stdin")
+  app.add_option(
+         "captures",
+         options->captures,
+         "[AP=]FILE: pcap, pcapng, .gz, or - for stdin; several of one AP are a sequence in "
+         "order of time")
       ->required();
   app.add_option("--method", options->method, "rayloc, or paper: the published one, as it is")
       ->check(CLI::IsMember({"rayloc", "paper"}))
@@ -442,6 +473,12 @@ RunVerb declare(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--burst", options->burst, "length of a burst of frames")->capture_default_str();
   app.add_option("--speed", options->speed, "max, or N times the recorded pace")
+      ->capture_default_str();
+  app.add_option("--max-gap",
+                 options->max_gap,
+                 "seconds of the recordings that --speed waits at most where they hold nothing, or "
+                 "the clock was set")
+      ->check(CLI::Range(0.1, 1e9))
       ->capture_default_str();
   app.add_option("--format", options->format, "jsonl, or varint-delimited protobuf")
       ->check(CLI::IsMember({"jsonl", "pb"}))
@@ -484,6 +521,7 @@ const Verb kReplay = {
     "replay",
     "Locate targets in recordings, as raylocd would have",
     "rayloc replay room/ ap1=monday.pcap ap2=monday-2.pcap.gz > locations.jsonl\n"
+    "  rayloc replay room/ ap1=ring.pcap0 ap1=ring.pcap1 ap1=ring.pcap2 > locations.jsonl\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --paper alpha=0.5 smoothing=false\n"
     "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"

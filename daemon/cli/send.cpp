@@ -16,8 +16,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/pcap_source.h"
+#include "capture/recorded_source.h"
 #include "capture/udp_address.h"
+#include "daemon/cli/capture_argument.h"
 #include "daemon/cli/datagram_sender.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verb.h"
@@ -32,6 +33,7 @@ struct SendArguments {
   std::string speed = "1";
   std::optional<double> rate;      // datagrams per second, whatever the recording says
   std::optional<double> duration;  // seconds
+  double max_gap = to_seconds(kMaxGap);
 };
 
 // CLOCK_MONOTONIC
@@ -53,12 +55,16 @@ void sleep_until(Duration monotonic) {
 // Several recordings as one, in order of time.
 class Recordings {
  public:
-  static Expected<Recordings> open(const std::vector<std::string>& files) {
+  static Expected<Recordings> open(const std::vector<RecordingArgument>& recordings,
+                                   const PcapFileOptions& options) {
     Recordings all;
-    for (const std::string& file : files) {
-      auto source = PcapFileSource::open(file, {.port = {}, .max_disorder = kAnyDisorder});
+    for (const RecordingArgument& recording : recordings) {
+      auto source = RecordedSource::open(recording.files, options);
       if (!source) {
         return tl::make_unexpected(std::move(source.error()));
+      }
+      for (const std::string& line : words_of((*source)->plan())) {
+        std::fprintf(stderr, "rayloc send: %s\n", line.c_str());
       }
       all.files_.push_back({std::move(*source), {}, 0});
     }
@@ -102,7 +108,7 @@ class Recordings {
 
   void print_warnings() const {
     for (const File& file : files_) {
-      if (const std::string warning = file.source->warning(); !warning.empty()) {
+      for (const std::string& warning : file.source->warnings()) {
         std::fprintf(stderr, "rayloc send: %s\n", warning.c_str());
       }
     }
@@ -110,7 +116,7 @@ class Recordings {
 
  private:
   struct File {
-    std::unique_ptr<PcapFileSource> source;
+    std::unique_ptr<RecordedSource> source;
     DatagramBatch batch;
     std::size_t next = 0;
 
@@ -158,17 +164,37 @@ void announce(std::optional<Duration> time_offset, const SendArguments& argument
   print_line(line);
 }
 
-// Each datagram at the recording's time, divided by the speed (infinite: at once).
+// A gap that is not waited for: what comes behind it arrives that much sooner.
+void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> time_offset) {
+  nlohmann::ordered_json line;
+  line["event"] = "gap";
+  line["gap_s"] = to_seconds(gap);
+  line["skipped_s"] = to_seconds(skipped);
+  line["time_offset_s"] = nullptr;
+  if (time_offset) {
+    line["time_offset_s"] = to_seconds(*time_offset);
+  }
+  print_line(line);
+  std::fprintf(stderr,
+               "rayloc send: a gap of %.1f s in the recording, of which %.1f s are waited for (see "
+               "--max-gap)\n",
+               to_seconds(gap),
+               to_seconds(gap - skipped));
+}
+
+// Each datagram at the recording's time, divided by the speed (infinite: at once), without what is
+// skipped of gaps.
 Expected<Outcome> send_paced(Recordings& recordings,
                              DatagramSender& sender,
                              const SendArguments& arguments,
                              double speed) {
   // Time to get going, so that the first datagram is not late.
   constexpr Duration kLead = std::chrono::milliseconds(20);
-  constexpr double kLongestWait = 1e9;  // seconds: no damaged time stamp overflows
+  const Duration max_gap = from_seconds(arguments.max_gap);
   auto next = recordings.next();
   const Duration begin = monotonic_now() + kLead;
-  const Timestamp first = next && next->datagram != nullptr ? next->datagram->time : Timestamp{};
+  Timestamp first = next && next->datagram != nullptr ? next->datagram->time : Timestamp{};
+  Timestamp latest = first;
   const Timestamp wall = std::chrono::system_clock::now() + kLead;
   // At another speed no single offset tells where a datagram of the recording arrived.
   announce(speed == 1.0 ? std::optional<Duration>(wall - first) : std::nullopt, arguments);
@@ -177,8 +203,13 @@ Expected<Outcome> send_paced(Recordings& recordings,
       arguments.duration ? begin + from_seconds(*arguments.duration) : Duration::max();
   while (next && next->datagram != nullptr && !StopSignal::requested()) {
     const Datagram& datagram = *next->datagram;
-    const double after = std::min(to_seconds(datagram.time - first) / speed, kLongestWait);
-    const Duration due = begin + from_seconds(after);
+    if (const Duration gap = datagram.time - latest; gap > max_gap && std::isfinite(speed)) {
+      first += gap - max_gap;
+      announce_skipped(
+          gap, gap - max_gap, speed == 1.0 ? std::optional<Duration>(wall - first) : std::nullopt);
+    }
+    latest = std::max(latest, datagram.time);
+    const Duration due = begin + from_seconds(to_seconds(datagram.time - first) / speed);
     if (due > end) {
       break;
     }
@@ -310,6 +341,9 @@ void report(const DatagramSender& sender, const Outcome& outcome, const Recordin
                elapsed,
                rate,
                to_seconds(outcome.latest) * 1e3);
+  if (const std::string reasons = rejections_text(recordings.rejected()); !reasons.empty()) {
+    std::fprintf(stderr, "rayloc send: packets rejected: %s\n", reasons.c_str());
+  }
 }
 
 Expected<void> run(const SendArguments& arguments) {
@@ -317,11 +351,13 @@ Expected<void> run(const SendArguments& arguments) {
   if (!speed) {
     return tl::make_unexpected(speed.error());
   }
-  if (arguments.files.size() != arguments.destinations.size()) {
+  const std::vector<RecordingArgument> captures = recordings_of_any(arguments.files);
+  if (captures.size() != arguments.destinations.size()) {
     return make_error(ErrorKind::kUsage,
-                      std::to_string(arguments.files.size()) + " files and " +
+                      std::to_string(captures.size()) + " recordings and " +
                           std::to_string(arguments.destinations.size()) +
-                          " destinations; give one --to for each file, in the same order");
+                          " destinations; give one --to for each, in the same order (files of one "
+                          "access point are one recording: AP=FILE AP=FILE)");
   }
   std::vector<sockaddr_in> destinations;
   for (const std::string& text : arguments.destinations) {
@@ -331,7 +367,9 @@ Expected<void> run(const SendArguments& arguments) {
     }
     destinations.push_back(*address);
   }
-  auto recordings = Recordings::open(arguments.files);
+  PcapFileOptions options;
+  options.max_gap = from_seconds(arguments.max_gap);
+  auto recordings = Recordings::open(captures, options);
   if (!recordings) {
     return tl::make_unexpected(std::move(recordings.error()));
   }
@@ -353,9 +391,14 @@ Expected<void> run(const SendArguments& arguments) {
 
 RunVerb declare(CLI::App& app) {
   auto arguments = std::make_shared<SendArguments>();
-  app.add_option("FILE", arguments->files, "Recordings: pcap, pcapng, .gz, or - for standard input")
+  app.add_option("FILE",
+                 arguments->files,
+                 "Recordings: [AP=]FILE, pcap, pcapng, .gz, or - for standard input. Several of "
+                 "one AP are a sequence in order of time")
       ->required();
-  app.add_option("--to", arguments->destinations, "HOST:PORT; one for each file, in order")
+  app.add_option("--to",
+                 arguments->destinations,
+                 "HOST:PORT; one for each recording (or AP), in the order of the first files")
       ->required()
       ->allow_extra_args(false);
   auto* speed = app.add_option("--speed",
@@ -368,6 +411,12 @@ RunVerb declare(CLI::App& app) {
                  "is repeated, frame counters and all")
       ->check(CLI::PositiveNumber)
       ->excludes(speed);
+  app.add_option("--max-gap",
+                 arguments->max_gap,
+                 "Seconds of the recording that are waited at most where it holds nothing, or the "
+                 "clock was set")
+      ->check(CLI::Range(0.1, 1e9))
+      ->capture_default_str();
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
       ->check(CLI::PositiveNumber);
   return [arguments] { return run(*arguments); };
@@ -378,7 +427,8 @@ RunVerb declare(CLI::App& app) {
 extern const Verb kSend;
 const Verb kSend{"send",
                  "Send a recording to a UDP port, as the access point would",
-                 "rayloc send ap1.pcap ap2.pcap --to 127.0.0.1:5500 --to 127.0.0.1:5501",
+                 "rayloc send ap1.pcap ap2.pcap --to 127.0.0.1:5500 --to 127.0.0.1:5501\n"
+                 "  rayloc send ap1=ring.pcap0 ap1=ring.pcap1 --to 127.0.0.1:5500",
                  declare};
 
 }  // namespace rayloc::cli

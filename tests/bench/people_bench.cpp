@@ -242,7 +242,8 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
   if (!captures) {
     return fail(captures.error());
   }
-  const auto frames = cli::read_fixed_frames(*site, *captures);
+  std::vector<std::string> notes;
+  const auto frames = cli::read_fixed_frames(*site, *captures, notes);
   if (!frames) {
     return fail(frames.error());
   }

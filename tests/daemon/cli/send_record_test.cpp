@@ -59,8 +59,10 @@ std::string recording(const std::string& name,
   const auto little = test::Endian::kLittle;
   std::string file = test::pcap_header(little, false);
   for (const auto& [milliseconds, payload] : payloads) {
-    file += test::pcap_record(
-        little, kFirst, milliseconds * 1000, test::ethernet(test::ipv4({.payload = payload})));
+    file += test::pcap_record(little,
+                              kFirst + milliseconds / 1000,
+                              milliseconds % 1000 * 1000,
+                              test::ethernet(test::ipv4({.payload = payload})));
   }
   std::string path = test::temporary_path(name);
   test::write_file(path, file);
@@ -133,6 +135,67 @@ TEST(Send, KeepsTheTimesOfSeveralRecordingsByOneOffset) {
   EXPECT_LE(at_a[1].time, recorded(120) + offset + std::chrono::minutes(1));
   unlink(file_a.c_str());
   unlink(file_b.c_str());
+}
+
+// A clock that was set by a day, or a device that was away: with 100 ms it is over in no time, and
+// by itself it would take a day.
+TEST(Field, SendDoesNotWaitForAGap) {
+  Port port;
+  constexpr std::uint32_t kDay = 86'400'000;
+  const std::string file = recording(
+      "send_gap.pcap", {{0, "a"}, {10, "b"}, {kDay, "c"}, {kDay + 10, "d"}, {kDay + 20, "e"}});
+  const Outcome outcome =
+      rayloc("send " + file + " --to " + port.address() + " --max-gap 0.1 2>/dev/null");
+  ASSERT_EQ(outcome.status, 0);
+  const auto lines = json_lines(outcome.output);
+  ASSERT_EQ(lines.size(), 3U);
+  EXPECT_EQ(lines[1].at("event"), "gap");
+  EXPECT_NEAR(lines[1].at("gap_s").get<double>(), 86399.99, 1e-6);
+  EXPECT_NEAR(lines[1].at("skipped_s").get<double>(), 86399.89, 1e-6);
+  EXPECT_EQ(lines[2].at("rejected"), nlohmann::json::object());
+  const auto all = port.receive();
+  ASSERT_EQ(all.size(), 5U);
+  // What comes behind the gap arrives at the offset that was said with it.
+  const Duration offset = from_seconds(lines[1].at("time_offset_s").get<double>());
+  EXPECT_EQ(all[2].payload, "c");
+  EXPECT_GE(all[2].time, recorded(kDay) + offset - kClockReading);
+  EXPECT_LE(all[2].time, recorded(kDay) + offset + std::chrono::minutes(1));
+  unlink(file.c_str());
+}
+
+TEST(Field, SendTakesFilesOfOneAccessPointAsOneRecording) {
+  Port a;
+  Port b;
+  const std::string first = recording("send_ring.pcap0", {{0, "1"}, {10, "2"}});
+  const std::string second = recording("send_ring.pcap1", {{20, "3"}, {30, "4"}});
+  const std::string other = recording("send_other.pcap", {{15, "x"}});
+  const Outcome outcome = rayloc("send ap1=" + second + " ap2=" + other + " ap1=" + first +
+                                 " --to " + a.address() + " --to " + b.address() + " 2>/dev/null");
+  ASSERT_EQ(outcome.status, 0);
+  std::string payloads;
+  for (const Received& one : a.receive()) {
+    payloads += one.payload;
+  }
+  EXPECT_EQ(payloads, "1234");
+  EXPECT_EQ(b.receive().size(), 1U);
+  const Outcome many = rayloc("send " + first + " " + second + " --to 127.0.0.1:1 2>&1");
+  EXPECT_EQ(many.status, 64);
+  EXPECT_THAT(many.output, HasSubstr("2 recordings and 1 destinations"));
+  for (const std::string& file : {first, second, other}) {
+    unlink(file.c_str());
+  }
+}
+
+TEST(Field, SendLeavesOutADamagedStampAndSaysSo) {
+  Port port;
+  const std::string file =
+      recording("send_damaged.pcap", {{0, "a"}, {10, "b"}, {3'600'000, "c"}, {20, "d"}, {30, "e"}});
+  const Outcome outcome = rayloc("send " + file + " --to " + port.address() + " 2>&1 >/dev/null");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.output, HasSubstr("packet 3 (byte "));
+  EXPECT_THAT(outcome.output, HasSubstr("packets rejected: 1 damaged_time"));
+  EXPECT_EQ(port.receive().size(), 4U);
+  unlink(file.c_str());
 }
 
 TEST(Send, RepeatsTheRecordingAtARate) {
