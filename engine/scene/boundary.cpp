@@ -92,6 +92,7 @@ std::vector<std::uint32_t> on_side(const Point2& a,
   }
   std::sort(met.begin(), met.end());
   std::vector<std::uint32_t> numbers;
+  numbers.reserve(met.size());
   for (const auto& [along, number] : met) {
     numbers.push_back(number);
   }

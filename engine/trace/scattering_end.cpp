@@ -49,7 +49,9 @@ std::vector<MirrorChains> ScatteringEnd::chains_to(const TargetPosition& positio
       return group.chains.front().surfaces.size() == chain.surfaces.size() &&
              norm(group.image - image) < kSameImage;
     });
-    if (known == groups.end() || context_->options.softness > 0.0) {
+    // Each of two mirrors at one place has its share of a wave where both count.
+    const bool all_count = context_->options.softness > 0.0 || context_->options.transmission;
+    if (known == groups.end() || all_count) {
       groups.push_back({image, {std::move(chain)}});
     } else {
       known->chains.push_back(std::move(chain));

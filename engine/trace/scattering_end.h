@@ -47,8 +47,8 @@ class ScatteringEnd {
   std::vector<MirrorChains> chains_to(const TargetPosition& position,
                                       std::span<const double> heights) const;
 
-  // What the ray to `point` meets, from there on; false when there is none. With hard edges the
-  // first of the chains that has it; with soft ones MirrorChains has one only.
+  // What the ray to `point` meets, from there on; false when there is none. Of opaque surfaces with
+  // hard edges the first of the chains that has it; else MirrorChains has one only.
   bool find(MirrorChains& chains,
             const Vec3d& point,
             InteractionFinder& finder,

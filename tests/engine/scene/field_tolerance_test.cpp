@@ -146,10 +146,10 @@ TEST(Field, SheetOfTwoFacesHasItsEdges) {
   EXPECT_TRUE(surfaces[0].surface.is_convex());
   EXPECT_NEAR(surfaces[0].surface.area(), 1.0, 1e-15);
   // And so has one with a hole, whose faces are cut in different ways.
-  const Mesh parts[] = {test::rectangle_mesh({0, 0, 0}, {3, 0, 0}, {0, 1, 0}),
-                        test::rectangle_mesh({0, 1, 0}, {1, 0, 0}, {0, 1, 0}),
-                        test::rectangle_mesh({2, 1, 0}, {1, 0, 0}, {0, 1, 0}),
-                        test::rectangle_mesh({0, 2, 0}, {3, 0, 0}, {0, 1, 0})};
+  const std::vector<Mesh> parts{test::rectangle_mesh({0, 0, 0}, {3, 0, 0}, {0, 1, 0}),
+                                test::rectangle_mesh({0, 1, 0}, {1, 0, 0}, {0, 1, 0}),
+                                test::rectangle_mesh({2, 1, 0}, {1, 0, 0}, {0, 1, 0}),
+                                test::rectangle_mesh({0, 2, 0}, {3, 0, 0}, {0, 1, 0})};
   Mesh frame;
   for (const bool behind : {false, true}) {
     for (const Mesh& part : parts) {
