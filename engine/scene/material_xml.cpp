@@ -90,8 +90,8 @@ std::vector<pugi::xml_node> MaterialReader::levels_of(const pugi::xml_node& bsdf
       levels.push_back(found);
     }
   };
-  for (std::size_t i = 0; i < levels.size(); ++i) {
-    const pugi::xml_node level = levels[i];
+  for (std::size_t next = 0; next < levels.size();) {
+    const pugi::xml_node level = levels[next++];
     for (const pugi::xml_node& child : level.children()) {
       const std::string_view tag = child.name();
       if (tag == "bsdf") {
@@ -298,7 +298,7 @@ Expected<RadioMaterial> MaterialReader::of_values(const Stated& stated,
 Expected<RadioMaterial> MaterialReader::of_table(const Stated& stated, const pugi::xml_node& bsdf) {
   const std::string& name = stated.itu_type ? *stated.itu_type : stated.itu_id;
   if (name.empty()) {
-    return bad_input("an itu-radio-material needs <string name=\"type\" value=\"NAME\"/>" +
+    return bad_input(R"(an itu-radio-material needs <string name="type" value="NAME"/>)" +
                      suggestion(name, itu_material_names()));
   }
   if (name != stated.itu_id && is_itu_material(stated.itu_id)) {

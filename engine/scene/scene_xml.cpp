@@ -256,7 +256,7 @@ class SceneReader {
     if (found.empty() && is_known) {
       file_.complain(
           shape,
-          "shape '" + name + "' has no material; add <ref id=\"mat-itu_NAME\" name=\"bsdf\"/>");
+          "shape '" + name + R"(' has no material; add <ref id="mat-itu_NAME" name="bsdf"/>)");
     }
     return found.empty() ? std::nullopt : material_of_bsdf(found.front(), name);
   }

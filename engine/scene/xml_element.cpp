@@ -94,8 +94,8 @@ bool XmlElement::has_attribute(std::string_view name) const {
 pugi::xml_node XmlElement::property(std::string_view tag, std::string_view name) {
   properties_.emplace_back(name, tag);
   pugi::xml_node found;
-  for (const pugi::xml_node& child : node_.children(std::string(tag).c_str())) {
-    if (child.attribute("name").value() != name) {
+  for (const pugi::xml_node& child : node_.children()) {
+    if (child.name() != tag || child.attribute("name").value() != name) {
       continue;
     }
     if (found) {

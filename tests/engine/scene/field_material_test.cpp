@@ -21,13 +21,13 @@ std::string error_of(const Expected<Scene>& scene) {
 }
 
 std::string wall_of(const std::string& id) {
-  return "<shape type=\"rectangle\" id=\"wall\"><ref id=\"" + id + "\" name=\"bsdf\"/></shape>\n";
+  return R"(<shape type="rectangle" id="wall"><ref id=")" + id + "\" name=\"bsdf\"/></shape>\n";
 }
 std::string number(const std::string& name, const std::string& value) {
   return "<float name=\"" + name + "\" value=\"" + value + "\"/>";
 }
 std::string type_is(const std::string& value) {
-  return "<string name=\"type\" value=\"" + value + "\"/>";
+  return R"(<string name="type" value=")" + value + "\"/>";
 }
 std::string bsdf(const std::string& type, const std::string& id, const std::string& inside) {
   return "<bsdf type=\"" + type + "\"" + (id.empty() ? "" : " id=\"" + id + "\"") + ">" + inside +
@@ -98,7 +98,7 @@ TEST(Field, MaterialOfItuTypeNeedsATypeOrAnId) {
   EXPECT_EQ(read("itu_brick", bsdf("itu-radio-material", "itu_brick", "")).material,
             of_table("brick", "brick", 0.1));
   const auto none =
-      parse(bsdf("itu-radio-material", "wall-mat", "<string name=\"material\" value=\"brick\"/>") +
+      parse(bsdf("itu-radio-material", "wall-mat", R"(<string name="material" value="brick"/>)") +
             wall_of("wall-mat"));
   EXPECT_NE(error_of(none).find("scene.xml:2:47: <string name=\"material\"> of the material "
                                 "'wall-mat' is not read"),
@@ -139,8 +139,8 @@ TEST(Field, MaterialWithoutValuesIsVacuumAndSaysSo) {
 
 TEST(Field, MaterialThatScattersSaysThatItDoesNot) {
   const std::string rest = number("xpd_coefficient", "0.1") +
-                           "<integer name=\"alpha_r\" value=\"4\"/>" +
-                           "<rgb name=\"color\" value=\"1 0 0\"/>";
+                           R"(<integer name="alpha_r" value="4"/>)" +
+                           R"(<rgb name="color" value="1 0 0"/>)";
   const std::string permittivity = number("relative_permittivity", "3");
   const Read found = read(
       "x",
@@ -182,24 +182,24 @@ TEST(Field, MaterialNamesWhatWasNotReadOfIt) {
             {"is of the type itu-radio-material only"}},
            {bsdf("radio-material", "m", number("sigma", "3")), {"<float name=\"sigma\">"}},
            {bsdf("radio-material", "m", number("thicknes", "3")), {"did you mean 'thickness'?"}},
-           {bsdf("radio-material", "m", "<integer name=\"thickness\" value=\"1\"/>"),
+           {bsdf("radio-material", "m", R"(<integer name="thickness" value="1"/>)"),
             {"scene.xml:2:36: <integer name=\"thickness\"> of the material 'm' is not read; write "
              "<float "
              "name=\"thickness\">"}},
            {bsdf("radio-material", "m", "<float name=\"thickness\">0.3</float>"),
             {"'thickness' must be a number, not ''", "text within <float> is not read"}},
-           {bsdf("radio-material", "m", "<float name=\"thickness\" val=\"0.3\"/>"),
+           {bsdf("radio-material", "m", R"(<float name="thickness" val="0.3"/>)"),
             {"the attribute 'val' of <float> is not read; did you mean 'value'?"}},
            {bsdf("radio-material", "m", number("thickness", "1") + number("thickness", "2")),
             {"is stated twice"}},
            {bsdf("radio-material", "m", number("conductivity", "1"))
-                .insert(6, "name=\"m\" thickness=\"1\" "),
+                .insert(6, R"(name="m" thickness="1" )"),
             {"the attribute 'thickness' of <bsdf> is not read"}},
            {bsdf("difuse", "mat-itu_wood", ""), {"did you mean 'diffuse'?"}},
            {bsdf("twosided", "mat-itu_wood", bsdf("diffuse", "", number("thicknes", "1"))),
             {"<float name=\"thicknes\"> of the material 'wood' is not read; did you mean "
              "'thickness'?"}},
-           {bsdf("diffuse", "mat-itu_wood", "<string name=\"material\" value=\"glass\"/>"),
+           {bsdf("diffuse", "mat-itu_wood", R"(<string name="material" value="glass"/>)"),
             {"<string name=\"material\"> of the material 'wood' is not read"}},
        }) {
     const bool is_wood = each.bsdf.find("mat-itu_wood") != std::string::npos;
@@ -273,7 +273,7 @@ TEST(Field, MaterialsOfOneNameAreOneOrToldApart) {
   const std::string two =
       bsdf("diffuse", "mat-itu_wood", "") + bsdf("diffuse", "itu_wood", number("thickness", "0.1"));
   const std::string shapes =
-      wall_of("mat-itu_wood") + "<shape type=\"cube\" id=\"box\"><ref id=\"itu_wood\"/></shape>";
+      wall_of("mat-itu_wood") + R"(<shape type="cube" id="box"><ref id="itu_wood"/></shape>)";
   const auto same = parse(two + shapes);
   ASSERT_TRUE(same) << error_of(same);
   EXPECT_EQ(same->materials().size(), 1U);
@@ -294,8 +294,8 @@ TEST(Field, MaterialsOfAnErrorAreListedOnce) {
   const auto scene =
       parse(bsdf("diffuse", "mat-itu_wood", "") +
                 bsdf("diffuse", "itu_wood", number("thickness", "0.2")) + wall_of("mat-itu_wood") +
-                "<shape type=\"cube\" id=\"box\"><ref id=\"itu_wood\"/></shape>" +
-                "<shape type=\"cube\" id=\"b2\"><bsdf type=\"diffuse\" id=\"itu_wood\"/></shape>",
+                R"(<shape type="cube" id="box"><ref id="itu_wood"/></shape>)" +
+                R"(<shape type="cube" id="b2"><bsdf type="diffuse" id="itu_wood"/></shape>)",
             options);
   EXPECT_EQ(
       error_of(scene),

@@ -23,7 +23,7 @@ constexpr const char* kFloor =
 
 constexpr const char* kConcrete =
     "<bsdf type=\"twosided\" id=\"mat-itu_concrete\"><bsdf type=\"diffuse\"/></bsdf>\n";
-constexpr const char* kRef = "<ref id=\"mat-itu_concrete\" name=\"bsdf\"/>";
+constexpr const char* kRef = R"(<ref id="mat-itu_concrete" name="bsdf"/>)";
 
 Expected<Scene> parse(const std::string& xml, std::vector<std::string>* asked_for = nullptr) {
   return parse_scene(xml,
@@ -47,7 +47,7 @@ std::string error_of(const Expected<Scene>& scene) {
 }
 
 std::string shape(const std::string& inside) {
-  return "<shape type=\"rectangle\" id=\"wall\">" + inside + kRef + "</shape>\n";
+  return R"(<shape type="rectangle" id="wall">)" + inside + kRef + "</shape>\n";
 }
 
 struct Mistake {
@@ -68,33 +68,33 @@ void expect_refused(const std::vector<Mistake>& mistakes) {
 
 TEST(Field, SceneXmlNamesWhatItDidNotReadOfAShape) {
   expect_refused({
-      {shape("<transform name=\"toWorld\"><scale x=\"2\"/></transform>"),
+      {shape(R"(<transform name="toWorld"><scale x="2"/></transform>)"),
        "3:35",
        "<transform name=\"toWorld\"> of the shape 'wall' is not read; did you mean 'to_world'?"},
       {shape("<transform><scale x=\"2\"/></transform>"),
        "3:35",
        "it has no name; there are: to_world"},
-      {shape("<transform name=\"to_world\"/><transform name=\"to_world\"/>"),
+      {shape(R"(<transform name="to_world"/><transform name="to_world"/>)"),
        "3:63",
        "stated twice"},
       {shape("<scale x=\"2\"/>"),
        "3:35",
        "<scale> of the shape 'wall' is not read; it belongs into"},
-      {shape("<float name=\"thickness\" value=\"0.3\"/>"), "3:35", "<float name=\"thickness\">"},
-      {shape("<string name=\"material\" value=\"glass\"/>"), "3:35", "<string name=\"material\">"},
+      {shape(R"(<float name="thickness" value="0.3"/>)"), "3:35", "<float name=\"thickness\">"},
+      {shape(R"(<string name="material" value="glass"/>)"), "3:35", "<string name=\"material\">"},
       {shape("concrete"), "3:35", "text within <shape> is not read"},
-      {"<shape type=\"rectangle\" id=\"wall\" material=\"glass\">" + std::string(kRef) + "</shape>",
+      {R"(<shape type="rectangle" id="wall" material="glass">)" + std::string(kRef) + "</shape>",
        "3:1",
        "the attribute 'material' of <shape> is not read"},
-      {"<shape type=\"ply\" id=\"wall\"><rgb name=\"filename\" value=\"a.ply\"/>" +
-           std::string(kRef) + "</shape>",
+      {R"(<shape type="ply" id="wall"><rgb name="filename" value="a.ply"/>)" + std::string(kRef) +
+           "</shape>",
        "3:29",
        "write <string name=\"filename\">"},
-      {"<shape type=\"ply\" id=\"w\"><string name=\"fileName\" value=\"a.ply\"/>" +
-           std::string(kRef) + "</shape>",
+      {R"(<shape type="ply" id="w"><string name="fileName" value="a.ply"/>)" + std::string(kRef) +
+           "</shape>",
        "3:26",
        "did you mean 'filename'?"},
-      {"<shape type=\"rectangle\"><ref id=\"mat-itu_concrete\" as=\"bsdf\"/></shape>",
+      {R"(<shape type="rectangle"><ref id="mat-itu_concrete" as="bsdf"/></shape>)",
        "3:25",
        "the attribute 'as' of <ref> is not read"},
   });
@@ -109,22 +109,20 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfATransform) {
        "4:1",
        "the attribute 'X' of <translate> is not read; did you"},
       {step("<translate/>"), "4:1", "a <translate> needs x, y, z or value"},
-      {step("<translate x=\"1\" value=\"2\"/>"), "4:1", "either 'value' or x, y, z"},
+      {step(R"(<translate x="1" value="2"/>)"), "4:1", "either 'value' or x, y, z"},
       {step("<translate x=\"1,5\"/>"), "4:1", "'x' must be a number, not '1,5'"},
-      {step("<rotate axis=\"z\" angle=\"9\"/>"), "4:1", "the attribute 'axis' of <rotate>"},
-      {step("<rotate z=\"1\" angle=\"9\" unit=\"rad\"/>"),
-       "4:1",
-       "the attribute 'unit' of <rotate>"},
+      {step(R"(<rotate axis="z" angle="9"/>)"), "4:1", "the attribute 'axis' of <rotate>"},
+      {step(R"(<rotate z="1" angle="9" unit="rad"/>)"), "4:1", "the attribute 'unit' of <rotate>"},
       {step("<matrix values=\"1\"/>"), "4:1", "the attribute 'values' of <matrix>"},
       // Written column by column: the translation would be lost.
       {step("<matrix value=\"1 0 0 0 0 1 0 0 0 0 1 0 5 0 0 1\"/>"),
        "4:1",
        "the last row of a <matrix> must be 0 0 0 1"},
       {step("<matrix value=\"1 0 0 0 0 -1 0 1 0\"/>"), "4:1", "a <matrix> needs 16 numbers"},
-      {step("<lookat origin=\"0,0,0\" target=\"0,1,0\" up=\"0,0,1\"/>"),
+      {step(R"(<lookat origin="0,0,0" target="0,1,0" up="0,0,1"/>)"),
        "4:1",
        "<lookat> is not supported in a transform"},
-      {shape("<transform name=\"to_world\" type=\"x\"/>"), "3:35", "the attribute 'type'"},
+      {shape(R"(<transform name="to_world" type="x"/>)"), "3:35", "the attribute 'type'"},
   });
 }
 
@@ -133,11 +131,11 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfTheScene) {
   expect_refused({
       {good + "<Shape type=\"cube\"/>", "4:1", "<Shape> of the scene is not read; did you mean"},
       {good + "<group>" + shape("") + "</group>", "4:1", "<group> of the scene is not read"},
-      {good + "<float name=\"unit\" value=\"0.01\"/>", "4:1", "<float name=\"unit\">"},
+      {good + R"(<float name="unit" value="0.01"/>)", "4:1", "<float name=\"unit\">"},
       {good + "<path value=\"meshes\"/>", "4:1", "<path> is not supported"},
-      {good + "<alias id=\"mat-itu_concrete\" as=\"x\"/>", "4:1", "<alias> is not supported"},
+      {good + R"(<alias id="mat-itu_concrete" as="x"/>)", "4:1", "<alias> is not supported"},
       {good + "<bsdf type=\"diffuse\"/>", "4:1", "this <bsdf> has no id"},
-      {good + "<bsdf type=\"diffuse\" id=\"mat-itu_concrete\"/>",
+      {good + R"(<bsdf type="diffuse" id="mat-itu_concrete"/>)",
        "4:1",
        "two <bsdf>s have the id 'mat-itu_concrete'; the first is at scene.xml:2:1"},
       {good + "</scene><scene version=\"2.1.0\">", "4:9", "a file has one <scene>"},
@@ -149,7 +147,7 @@ TEST(Field, SceneXmlNamesWhatItDidNotReadOfTheScene) {
 
 TEST(Field, SceneXmlSaysAllMistakesInTheOrderOfTheFile) {
   const std::string message =
-      error_of(parse_rest(shape("<float name=\"thickness\" value=\"0.3\"/>") +
+      error_of(parse_rest(shape(R"(<float name="thickness" value="0.3"/>)") +
                           "<shape type=\"cube\" id=\"box\"><transform name=\"toWorld\"/><ref "
                           "id=\"glass\"/></shape>\n"));
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 2) << message;
@@ -160,7 +158,7 @@ TEST(Field, SceneXmlSaysAllMistakesInTheOrderOfTheFile) {
 TEST(Field, SceneXmlSaysAManyMistakesBriefly) {
   std::string rest;
   for (int i = 0; i < 5'000; ++i) {
-    rest += "<shape type=\"cube\" id=\"w" + std::to_string(i) + "\"><flaot name=\"x\"/></shape>\n";
+    rest += R"(<shape type="cube" id="w)" + std::to_string(i) + "\"><flaot name=\"x\"/></shape>\n";
   }
   const std::string message = error_of(parse_rest(rest));
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 20) << message;
@@ -169,19 +167,19 @@ TEST(Field, SceneXmlSaysAManyMistakesBriefly) {
 TEST(Field, SceneXmlRefusesTwoShapesOfOneId) {
   expect_refused({
       {shape("") + shape(""), "4:1", "two shapes are called 'wall'; the first is at scene.xml:3:1"},
-      {"<shape type=\"cube\" id=\"mesh-box\">" + std::string(kRef) +
-           "</shape><shape type=\"cube\" id=\"box\">" + kRef + "</shape>",
+      {R"(<shape type="cube" id="mesh-box">)" + std::string(kRef) +
+           R"(</shape><shape type="cube" id="box">)" + kRef + "</shape>",
        "3:82",
        "two shapes are called 'box'"},
   });
-  const auto unnamed = parse_rest("<shape type=\"cube\" id=\"shape1\">" + std::string(kRef) +
+  const auto unnamed = parse_rest(R"(<shape type="cube" id="shape1">)" + std::string(kRef) +
                                   "</shape><shape type=\"cube\">" + kRef + "</shape>");
   ASSERT_TRUE(unnamed) << error_of(unnamed);
   EXPECT_EQ(unnamed->objects()[1].name, "shape2");
 }
 
 TEST(Field, SceneXmlRefusesTwoMaterialsOfOneShape) {
-  expect_refused({{shape("<bsdf type=\"diffuse\" id=\"mat-itu_glass\"/>"),
+  expect_refused({{shape(R"(<bsdf type="diffuse" id="mat-itu_glass"/>)"),
                    "3:1",
                    "shape 'wall' has two materials"}});
 }
@@ -240,15 +238,14 @@ TEST(Field, SceneXmlKeepsALampOfARadioMaterial) {
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->objects().size(), 1U);
   expect_refused({
-      {"<shape type=\"sphere\" id=\"ball\"><emitter type=\"area\"/>" + std::string(kRef) +
-           "</shape>",
+      {R"(<shape type="sphere" id="ball"><emitter type="area"/>)" + std::string(kRef) + "</shape>",
        "3:1",
        "shape 'ball' has type 'sphere'"},
       {"<shape type=\"cube\" id=\"a\"><emitter type=\"area\"/><ref "
        "id=\"mat-itu_concret\"/></shape>",
        "3:49",
        "there is no <bsdf> with the id 'mat-itu_concret'"},
-      {"<shape type=\"cube\" id=\"a\"><emitter type=\"area\"/></shape>",
+      {R"(<shape type="cube" id="a"><emitter type="area"/></shape>)",
        "1:1",
        "every <shape> of the scene is a lamp"},
   });
@@ -276,16 +273,16 @@ TEST(Field, SceneXmlReadsDefaults) {
 
 TEST(Field, SceneXmlRefusesDefaultsThatAreNotThere) {
   expect_refused({
-      {"<default name=\"h\" value=\"2\"/>" + shape("<transform name=\"to_world\"><translate "
-                                                   "z=\"$height\"/></transform>"),
+      {R"(<default name="h" value="2"/>)" + shape("<transform name=\"to_world\"><translate "
+                                                  "z=\"$height\"/></transform>"),
        "3:91",
        "'z' must be a number, not '2eight'"},
-      {"<default name=\"height\" value=\"2\"/>" + shape("<transform name=\"to_world\"><translate "
-                                                        "z=\"$heigth\"/></transform>"),
+      {R"(<default name="height" value="2"/>)" + shape("<transform name=\"to_world\"><translate "
+                                                       "z=\"$heigth\"/></transform>"),
        "3:96",
        "there is no <default> for '$heigth' before this; did you mean 'height'?"},
       {"<default value=\"2\"/>" + shape(""), "3:1", "a <default> needs a name and a value"},
-      {shape("<transform name=\"to_world\"><translate z=\"$h\"/></transform>"),
+      {shape(R"(<transform name="to_world"><translate z="$h"/></transform>)"),
        "3:62",
        "'z' must be a number, not '$h'"},
   });
@@ -358,7 +355,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
   const auto turned = [](const std::string& axis) {
     return shape("<transform name=\"to_world\"><rotate " + axis + " angle=\"40\"/></transform>");
   };
-  const auto scene = parse_rest(turned("x=\"1\" y=\"1\""));
+  const auto scene = parse_rest(turned(R"(x="1" y="1")"));
   ASSERT_TRUE(scene) << error_of(scene);
   ASSERT_EQ(scene->notes().size(), 1U);
   EXPECT_EQ(scene->notes()[0].kind, "rotation_axis");
@@ -379,7 +376,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
   ASSERT_EQ(several->notes().size(), 1U);
   EXPECT_NE(several->notes()[0].message.find("and so have 1 more"), std::string::npos);
 
-  const auto unit = parse_rest(turned("x=\"0.5774\" y=\"0.5774\" z=\"-0.5774\""));
+  const auto unit = parse_rest(turned(R"(x="0.5774" y="0.5774" z="-0.5774")"));
   ASSERT_TRUE(unit) << error_of(unit);
   EXPECT_TRUE(unit->notes().empty());
 }
