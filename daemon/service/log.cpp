@@ -66,16 +66,12 @@ const char* priority(spdlog::level::level_enum level) {
   }
 }
 
-// What entries quote of files and of the network may neither control a terminal nor look like an
-// entry of its own: further lines of a message are indented.
+// What entries quote of files and of the network may not control a terminal. The lines of an entry
+// are those that we write ourselves; log_event() takes one line.
 std::string line_of(const LogEntry& entry) {
-  std::string text = entry.message;
+  std::string line = printable(entry.message, '\n');
   for (const LogField& field : entry.fields) {
-    text += " " + field.name + "=" + printable(field.value);
-  }
-  std::string line;
-  for (const char c : printable(std::move(text), '\n')) {
-    line += c == '\n' ? std::string("\n    ") : std::string(1, c);
+    line += " " + field.name + "=" + printable(field.value);
   }
   return line;
 }
@@ -154,7 +150,7 @@ void log_event(const LogEvent& event) {
   if (!spdlog::should_log(level)) {
     return;
   }
-  LogEntry entry{level, std::chrono::system_clock::now(), event.message, event.fields};
+  LogEntry entry{level, std::chrono::system_clock::now(), printable(event.message), event.fields};
   if (BackgroundLog* const background = background_log(); background != nullptr) {
     background->put(std::move(entry));
   } else {

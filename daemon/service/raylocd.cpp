@@ -60,8 +60,10 @@ Expected<void> serve(const std::string& file) {
   set_up_log(setup->config.log);
   auto watch = std::make_unique<StartWatch>(manager);
   spdlog::info("raylocd {} starts", RAYLOC_VERSION);
-  Expected<std::unique_ptr<Service>> opened = Service::open(
-      std::move(*setup), *sockets, [](const std::string& line) { spdlog::info("{}", line); });
+  Expected<std::unique_ptr<Service>> opened =
+      Service::open(std::move(*setup), *sockets, [](const std::string& line) {
+        spdlog::info("{}", printable(line));
+      });
   if (!opened) {
     return tl::make_unexpected(opened.error());
   }

@@ -8,6 +8,7 @@
 
 #include "daemon/service/log.h"
 #include "daemon/service/spare_memory.h"
+#include "engine/base/printable.h"
 
 namespace rayloc {
 namespace {
@@ -76,10 +77,10 @@ void RunLoop::tick() {
   }
   log_.flush();
   for (const std::string& warning : service_.new_warnings()) {
-    spdlog::warn("{}", warning);
+    spdlog::warn("{}", printable(warning));
   }
   for (const std::string& line : service_.news()) {
-    spdlog::info("{}", line);
+    spdlog::info("{}", printable(line));
   }
   service_.log_losses();
   tell_readiness();

@@ -23,7 +23,7 @@ TEST(Field, LogHasNoControlCharactersAndNoEntriesOfOthers) {
   spdlog::default_logger()->flush();
   const std::string text = testing::internal::GetCapturedStderr();
   spdlog::set_default_logger(before);
-  EXPECT_THAT(text, HasSubstr("info shape '?[31mred?' first\n    second source=a??b\n"));
+  EXPECT_THAT(text, HasSubstr("info shape '?[31mred?' first?second source=a??b\n"));
   for (const char control : {'\x1b', '\r', '\x07'}) {
     EXPECT_THAT(text, Not(HasSubstr(std::string(1, control))));
   }
