@@ -3,6 +3,7 @@
 #include <exception>
 
 #include "daemon/cli/command_line.h"
+#include "daemon/publish/quiet_protobuf.h"
 #include "daemon/service/exit_status.h"
 #include "engine/base/printable.h"
 
@@ -33,6 +34,7 @@ int run(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   try {
+    rayloc::quiet_protobuf();
     return rayloc::cli::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rayloc: internal error: %s\n", error.what());

@@ -4,12 +4,15 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <mutex>
 #include <set>
 #include <thread>
 #include <utility>
 
 #include <zmq.hpp>
+
+#include "daemon/publish/inbound_watch.h"
 
 namespace rayloc {
 namespace {
@@ -27,6 +30,8 @@ constexpr int kHandshakeMs = 10'000;
 constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+constexpr int kConnectionEvents =
+    ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
 
 using Frames = std::vector<zmq::message_t>;
 
@@ -50,6 +55,19 @@ std::string z85(const zmq::message_t& key) {
 }
 
 }  // namespace
+
+// What the monitor of a socket tells (zmq_socket_monitor(3)): the first frame of its messages.
+struct MonitorEvent {
+  std::uint16_t number = 0;
+  std::int32_t value = 0;  // for our events of connections the descriptor
+
+  explicit MonitorEvent(const zmq::message_t& frame) {
+    if (frame.size() >= sizeof number + sizeof value) {
+      std::memcpy(&number, frame.data(), sizeof number);
+      std::memcpy(&value, frame.data<char>() + sizeof number, sizeof value);
+    }
+  }
+};
 
 class ConnectionGuard::Impl {
  public:
@@ -82,7 +100,15 @@ class ConnectionGuard::Impl {
     allowed_ = std::set<std::string>(public_keys.begin(), public_keys.end());
   }
 
-  GuardCounters counters() const { return {admitted_, denied_, failed_}; }
+  GuardCounters counters() const { return {admitted_, denied_, failed_, inbound_.cut_off()}; }
+
+  void delivered(zmq::message_t& part) {
+    // Nothing of what libzmq makes itself, as of the end of a subscription.
+    const int fd = zmq_msg_get(part.handle(), ZMQ_SRCFD);
+    if (fd >= 0) {
+      inbound_.delivered(fd, part.size());
+    }
+  }
 
   void secure(zmq::socket_t& socket) {
     if (!options_.secret_key.empty()) {
@@ -93,7 +119,8 @@ class ConnectionGuard::Impl {
     socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
     const std::lock_guard lock(mutex_);
     const std::string endpoint = "inproc://monitor-" + std::to_string(++monitored_);
-    if (zmq_socket_monitor(socket.handle(), endpoint.c_str(), kHandshakeEvents) != 0) {
+    if (zmq_socket_monitor(
+            socket.handle(), endpoint.c_str(), kHandshakeEvents | kConnectionEvents) != 0) {
       throw zmq::error_t();
     }
     zmq::socket_t monitor(context_, zmq::socket_type::pair);
@@ -122,20 +149,38 @@ class ConnectionGuard::Impl {
         items.push_back({monitor.handle(), 0, ZMQ_POLLIN, 0});
       }
       try {
-        zmq::poll(items, kPoll);
+        zmq::poll(items, inbound_.empty() ? kPoll : kLook);
         if ((items[0].revents & ZMQ_POLLIN) != 0) {
           return;
         }
         answer();
-        for (zmq::socket_t& monitor : monitors) {
-          while (!receive(monitor).empty()) {
-            ++failed_;
-          }
+        for (std::size_t i = 0; i < monitors.size(); ++i) {
+          hear(monitors[i], static_cast<int>(i));
         }
+        inbound_.look(std::chrono::steady_clock::now());
       } catch (const zmq::error_t& error) {
         if (error.num() != EINTR) {
           throw;
         }
+      }
+    }
+  }
+
+  void hear(zmq::socket_t& monitor, int socket) {
+    for (Frames frames = receive(monitor); !frames.empty(); frames = receive(monitor)) {
+      const MonitorEvent event(frames.front());
+      switch (event.number) {
+        case ZMQ_EVENT_ACCEPTED:
+          inbound_.accepted(socket, event.value, std::chrono::steady_clock::now());
+          break;
+        case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+          inbound_.shook_hands(socket, event.value);
+          break;
+        case ZMQ_EVENT_DISCONNECTED:
+          inbound_.gone(socket, event.value);
+          break;
+        default:
+          ++failed_;
       }
     }
   }
@@ -173,6 +218,8 @@ class ConnectionGuard::Impl {
 
   // How long a socket that was just added waits for its monitor to be read.
   static constexpr std::chrono::milliseconds kPoll{100};
+  // How long a connection may send as fast as it can before it is looked at.
+  static constexpr std::chrono::milliseconds kLook{20};
 
   const Options options_;
   zmq::context_t context_;  // before all sockets, which it waits for at its end
@@ -183,6 +230,7 @@ class ConnectionGuard::Impl {
   std::atomic<std::uint64_t> admitted_ = 0;
   std::atomic<std::uint64_t> denied_ = 0;
   std::atomic<std::uint64_t> failed_ = 0;
+  InboundWatch inbound_{inbound_limits()};
   zmq::socket_t zap_;      // the thread's once it runs
   zmq::socket_t stop_;     // this end is the destructor's
   zmq::socket_t stopped_;  // this one the thread's
@@ -199,6 +247,7 @@ void ConnectionGuard::allow(const std::vector<std::string>& public_keys) {
 GuardCounters ConnectionGuard::counters() const { return impl_->counters(); }
 zmq::context_t& ConnectionGuard::context() { return impl_->context(); }
 void ConnectionGuard::secure(zmq::socket_t& socket) { impl_->secure(socket); }
+void ConnectionGuard::delivered(zmq::message_t& part) { impl_->delivered(part); }
 void ConnectionGuard::release(zmq::socket_t& socket) {
   zmq_socket_monitor(socket.handle(), nullptr, 0);
 }

@@ -3,7 +3,8 @@
 // With keys, every socket speaks CURVE: nothing is readable on the wire, and a client is let in
 // when it proves to have the secret of a public key on the allow list (ZAP, RFC 27). Without, all
 // who reach the sockets are let in. Either way connections that break off their handshake (another
-// protocol, a wrong server key, a scan of ports) are counted.
+// protocol, a wrong server key, a scan of ports) are counted, and who sends without ending a
+// message is cut off (InboundWatch).
 //
 // It lends the sockets their context and serves ZAP on a thread of its own, and so outlives them.
 // For the .cpp files of this folder: the zmq part. Thread safety: secure() and release() before
@@ -20,6 +21,7 @@
 
 namespace zmq {
 class context_t;
+class message_t;
 class socket_t;
 }  // namespace zmq
 
@@ -29,6 +31,7 @@ struct GuardCounters {
   std::uint64_t clients_admitted = 0;   // by CURVE, each connection
   std::uint64_t clients_denied = 0;     // whose key is not on the list
   std::uint64_t handshakes_failed = 0;  // connections that did not become any, the denied included
+  std::uint64_t clients_cut_off = 0;    // by InboundWatch
 };
 
 class ConnectionGuard {
@@ -54,6 +57,8 @@ class ConnectionGuard {
   zmq::context_t& context();
   // Before the socket is bound.
   void secure(zmq::socket_t& socket);
+  // Of every part of what a socket has received.
+  void delivered(zmq::message_t& part);
   // Before it is closed.
   static void release(zmq::socket_t& socket);
 

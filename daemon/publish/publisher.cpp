@@ -115,7 +115,8 @@ class Publisher::Impl {
             slow_episodes_,
             subscriptions_,
             guard.clients_denied,
-            guard.handshakes_failed};
+            guard.handshakes_failed,
+            guard.clients_cut_off};
   }
 
   template <typename Classes>
@@ -155,6 +156,7 @@ class Publisher::Impl {
   void count_subscriptions() {
     zmq::message_t message;
     while (receive(message)) {
+      guard_->delivered(message);
       if (message.empty()) {
         continue;
       }
@@ -245,6 +247,7 @@ void Publisher::publish(v1::Heartbeat heartbeat, Timestamp sent) {
   own.set_subscriptions(counters.subscriptions);
   own.set_clients_denied(counters.clients_denied);
   own.set_handshakes_failed(counters.handshakes_failed);
+  own.set_clients_cut_off(counters.clients_cut_off);
   *impl_->envelope().mutable_heartbeat() = std::move(heartbeat);
   impl_->send(make_topic("heartbeat", impl_->site()), sent, 0);
 }

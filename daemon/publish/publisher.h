@@ -70,6 +70,7 @@ struct PublishedCounters {
   std::uint64_t subscriptions = 0;
   std::uint64_t clients_denied = 0;
   std::uint64_t handshakes_failed = 0;
+  std::uint64_t clients_cut_off = 0;
 };
 
 // 64 bits from the system's entropy; never 0.

@@ -98,6 +98,7 @@ class SnapshotServer::Impl {
       if (!socket_.recv(frame)) {
         return {};
       }
+      guard_->delivered(frame);
       frames.push_back(std::move(frame));
     } while (frames.back().more());
     return frames;

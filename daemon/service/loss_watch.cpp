@@ -63,8 +63,13 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
           heartbeat.publisher().csi_dropped());
   compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},
           heartbeat.publisher().handshakes_failed());
+  compare({"clients_cut_off",
+           "connections cut off: they sent a message without an end, or were too many"},
+          heartbeat.publisher().clients_cut_off());
   compare({"snapshots_dropped", "answers to late subscribers that these did not fetch"},
           heartbeat.snapshot_server().dropped());
+  compare({"snapshot_requests_malformed", "requests of late subscribers that are none"},
+          heartbeat.snapshot_server().malformed());
   compare({"snapshot_files_failed", "what was received lately could not be written"},
           heartbeat.ring_snapshots().failed());
 }

@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "daemon/publish/quiet_protobuf.h"
 #include "daemon/service/exit_status.h"
 #include "daemon/service/log.h"
 #include "daemon/service/run_loop.h"
@@ -125,6 +126,7 @@ int run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   try {
     rayloc::bound_spare_memory();
+    rayloc::quiet_protobuf();
     return rayloc::run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "raylocd: internal error: %s\n", error.what());

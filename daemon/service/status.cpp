@@ -118,6 +118,7 @@ void fill_publisher(const StatusSources& sources, v1::PublisherCounters* counter
   counters->set_subscriptions(published.subscriptions);
   counters->set_clients_denied(published.clients_denied);
   counters->set_handshakes_failed(published.handshakes_failed);
+  counters->set_clients_cut_off(published.clients_cut_off);
   counters->set_csi_dropped(sources.publisher->counters().csi_dropped);
 }
 

@@ -1,0 +1,261 @@
+// Messages without an end, to both of our sockets: bounded, counted, and who sends them cut off.
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <zmq.hpp>
+
+#include "capture/file_descriptor.h"
+#include "daemon/publish/connection_guard.h"
+#include "daemon/publish/curve_keys.h"
+#include "daemon/publish/inbound_watch.h"
+#include "daemon/publish/last_messages.h"
+#include "daemon/publish/late_subscriber.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/publish/snapshot_server.h"
+#include "rayloc/v1/heartbeat.pb.h"
+#include "tests/support/endless_message.h"
+#include "tests/support/eventually.h"
+
+namespace rayloc {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kPatience = 60s;
+constexpr std::size_t kFlood = 200'000'000;  // bytes, at most
+
+// Both sockets behind one guard.
+class Daemon {
+ public:
+  explicit Daemon(const ConnectionGuard::Options& access)
+      : guard_(std::make_shared<ConnectionGuard>(access)) {
+    const auto last = std::make_shared<LastMessages>(100);
+    PublisherOptions publishing;
+    publishing.endpoint = "tcp://127.0.0.1:*";
+    publishing.site = "office";
+    publishing.epoch = 5;
+    publishing.last = last;
+    publishing.guard = guard_;
+    publisher_.emplace(std::move(*Publisher::bind(publishing)));
+    endpoint_ = publisher_->endpoint();
+    SnapshotServer::Options snapshots;
+    snapshots.endpoint = "tcp://127.0.0.1:*";
+    snapshots.epoch = 5;
+    snapshots.last = last;
+    snapshots.guard = guard_;
+    snapshots_ = std::move(*SnapshotServer::open(snapshots));
+    thread_ = std::thread([this] {
+      while (!stopping_) {
+        publisher_->publish(v1::Heartbeat(), Timestamp{1718000000s});
+        subscriptions_ = publisher_->counters().subscriptions;
+        std::this_thread::sleep_for(1ms);
+      }
+    });
+  }
+  ~Daemon() {
+    stopping_ = true;
+    thread_.join();
+  }
+  const std::string& endpoint() const { return endpoint_; }
+  const SnapshotServer& snapshots() const { return *snapshots_; }
+  std::uint64_t cut_off() const { return guard_->counters().clients_cut_off; }
+  std::uint64_t subscriptions() const { return subscriptions_; }
+
+ private:
+  std::shared_ptr<ConnectionGuard> guard_;
+  std::optional<Publisher> publisher_;
+  std::string endpoint_;
+  std::unique_ptr<SnapshotServer> snapshots_;
+  std::atomic<bool> stopping_ = false;
+  std::atomic<std::uint64_t> subscriptions_ = 0;
+  std::thread thread_;
+};
+
+TEST(Field, EndlessMessagesAreCutOffAndCounted) {
+  const Daemon daemon({});
+  auto late =
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
+  ASSERT_TRUE(late) << late.error().message;
+  std::uint64_t cut = 0;
+  for (const std::size_t part_bytes : {0U, 60U, 4000U}) {
+    const std::size_t to_publisher =
+        send_endless_message(daemon.endpoint(), "SUB", part_bytes, kFlood);
+    EXPECT_LT(to_publisher, kFlood);
+    const std::size_t to_snapshots =
+        send_endless_message(daemon.snapshots().endpoint(), "DEALER", part_bytes, kFlood);
+    EXPECT_LT(to_snapshots, kFlood);
+    cut += 2;
+    EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= cut; })) << part_bytes;
+  }
+  EXPECT_EQ(daemon.cut_off(), cut);
+  EXPECT_EQ(daemon.snapshots().counters().malformed, 0U) << "none came to its end";
+  // Everybody else is served as before.
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(late->receive(kPatience));
+  }
+  EXPECT_TRUE(
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience));
+}
+
+// A message of 60,000 parts. libzmq sends it when it is whole, so it has an end, far away.
+void send_many_parts(zmq::socket_t& socket) {
+  constexpr int kParts = 60'000;
+  const std::string part(200, 'x');
+  for (int i = 0; i < kParts; ++i) {
+    socket.send(zmq::message_t(part),
+                i + 1 < kParts ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  }
+}
+
+TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
+  const CurveKeyPair server = make_curve_keys();
+  const CurveKeyPair client = make_curve_keys();
+  ConnectionGuard::Options access;
+  access.secret_key = server.secret_key;
+  access.allow = {client.public_key};
+  const Daemon daemon(access);
+  zmq::context_t context;
+  std::uint64_t cut = 0;
+  for (const auto& [endpoint, type] :
+       {std::pair(daemon.endpoint(), zmq::socket_type::xsub),
+        std::pair(daemon.snapshots().endpoint(), zmq::socket_type::dealer)}) {
+    zmq::socket_t socket(context, type);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::curve_serverkey, server.public_key);
+    socket.set(zmq::sockopt::curve_publickey, client.public_key);
+    socket.set(zmq::sockopt::curve_secretkey, client.secret_key);
+    socket.connect(endpoint);
+    send_many_parts(socket);
+    ++cut;
+    EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= cut; })) << endpoint;
+  }
+  EXPECT_EQ(daemon.snapshots().counters().malformed, 0U);
+  EXPECT_TRUE(LateSubscriber::join(daemon.endpoint(),
+                                   daemon.snapshots().endpoint(),
+                                   {"v1/"},
+                                   kPatience,
+                                   CurveClientKeys{server.public_key, client}));
+}
+
+// What is long and has an end: many requests, and many subscriptions at once.
+TEST(Field, MessagesWithAnEndAreNeverCutOff) {
+  const Daemon daemon({});
+  zmq::context_t context;
+  zmq::socket_t requests(context, zmq::socket_type::dealer);
+  requests.set(zmq::sockopt::linger, 0);
+  requests.connect(daemon.snapshots().endpoint());
+  constexpr std::uint64_t kRequests = 20'000;
+  for (std::uint64_t i = 0; i < kRequests; ++i) {
+    requests.send(zmq::message_t(std::string(100, '\xff')), zmq::send_flags::none);
+  }
+  zmq::socket_t subscriber(context, zmq::socket_type::sub);
+  subscriber.set(zmq::sockopt::linger, 0);
+  constexpr std::uint64_t kPrefixes = 900;  // libzmq itself forgets some of more than 1,000
+  for (std::uint64_t i = 0; i < kPrefixes; ++i) {
+    subscriber.set(zmq::sockopt::subscribe, "v1/location/office/" + std::to_string(i) + "/");
+  }
+  subscriber.connect(daemon.endpoint());
+  EXPECT_TRUE(
+      eventually(kPatience, [&] { return daemon.snapshots().counters().malformed == kRequests; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return daemon.subscriptions() == kPrefixes; }));
+  EXPECT_EQ(daemon.cut_off(), 0U);
+}
+
+// A connection of which one end is watched.
+class Connected {
+ public:
+  Connected() : listener_(::socket(AF_INET, SOCK_STREAM, 0)), ours_(dial()), theirs_(answer()) {}
+
+  int watched() const { return theirs_.get(); }
+  void send(std::size_t bytes) const {
+    std::string text(bytes, 'x');
+    EXPECT_EQ(::send(ours_.get(), text.data(), bytes, MSG_NOSIGNAL), static_cast<ssize_t>(bytes));
+    EXPECT_EQ(::recv(watched(), text.data(), bytes, MSG_WAITALL), static_cast<ssize_t>(bytes));
+  }
+  // As it is when one end was shut down.
+  bool ended() const {
+    char byte = 0;
+    return ::recv(ours_.get(), &byte, 1, MSG_DONTWAIT) == 0;
+  }
+
+ private:
+  int dial() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    ::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), size);
+    ::listen(listener_.get(), 1);
+    ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size);
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    EXPECT_EQ(::connect(fd, reinterpret_cast<const sockaddr*>(&address), size), 0);
+    return fd;
+  }
+  int answer() { return ::accept(listener_.get(), nullptr, nullptr); }
+
+  FileDescriptor listener_;
+  FileDescriptor ours_;
+  FileDescriptor theirs_;
+};
+
+TEST(Field, InboundWatchCountsWhatHasNoEnd) {
+  const InboundWatch::Time begin{};
+  InboundWatch watch({.unfinished_bytes = 1000,
+                      .unfinished_bytes_in_all = 1500,
+                      .signs_of_life_bytes = 10,
+                      .connections = 3});
+  EXPECT_TRUE(watch.empty());
+  const Connected one;
+  const Connected two;
+  const Connected three;
+  const Connected four;
+  for (const Connected* connection : {&one, &two, &three}) {
+    watch.accepted(0, connection->watched(), begin);
+  }
+  // What belongs to whole messages and to the handshake does not count.
+  one.send(2000);
+  watch.shook_hands(0, one.watched());
+  two.send(5000);
+  watch.delivered(two.watched(), 5000);
+  watch.look(begin);
+  EXPECT_EQ(watch.cut_off(), 0U);
+  // Nor do signs of life; what was not sent is no credit.
+  one.send(1000);
+  two.send(400);
+  watch.look(begin + 50s);
+  one.send(500);
+  watch.look(begin + 50s);
+  EXPECT_EQ(watch.cut_off(), 0U);
+  // All together have too much: the worst goes.
+  two.send(600);
+  watch.look(begin + 50s);
+  EXPECT_EQ(watch.cut_off(), 1U);
+  EXPECT_TRUE(one.ended());
+  EXPECT_FALSE(two.ended());
+  // One alone has.
+  two.send(500);
+  watch.look(begin + 50s);
+  EXPECT_EQ(watch.cut_off(), 2U);
+  EXPECT_TRUE(two.ended());
+  EXPECT_FALSE(three.ended());
+  // An event of another socket is of an earlier connection with this descriptor.
+  watch.gone(1, three.watched());
+  EXPECT_FALSE(watch.empty());
+  watch.gone(0, three.watched());
+  EXPECT_TRUE(watch.empty());
+  // One too many.
+  for (const Connected* connection : {&one, &two, &three, &four}) {
+    watch.accepted(0, connection->watched(), begin);
+  }
+  EXPECT_EQ(watch.cut_off(), 3U);
+  EXPECT_TRUE(four.ended());
+}
+
+}  // namespace
+}  // namespace rayloc
