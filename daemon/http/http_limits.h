@@ -8,7 +8,10 @@ namespace rayloc {
 
 struct HttpLimits {
   std::size_t head_bytes = 8192;  // request line and headers together
-  std::size_t connections = 64;   // past that the oldest one that is no viewer is closed
+  // Past that the oldest one that has been answered is closed, else the oldest that had `chance`
+  // to ask and is no viewer; while there is none of these, whoever comes waits to be accepted.
+  std::size_t connections = 64;
+  std::chrono::milliseconds chance{500};
   // From the connection to the end of the head, and for fetching the answer.
   std::chrono::milliseconds time{5000};
   // Streams of events: how many, how often one is asked what is new for it, and how long it may

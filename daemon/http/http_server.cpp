@@ -34,6 +34,7 @@ constexpr std::chrono::milliseconds kRest{100};
 
 struct Connection {
   FileDescriptor socket;
+  Clock::time_point since;  // it is connected
   Clock::time_point deadline;
   std::string head;       // while it is read
   std::string answer;     // while it is written
@@ -77,10 +78,11 @@ Expected<int> listen_at(const HttpServer::Options& options) {
 
 class HttpServer::Impl {
  public:
-  Impl(int listener, const Options& options, std::map<std::string, HttpRoute> routes)
+  // `wake`: an eventfd.
+  Impl(int listener, int wake, const Options& options, std::map<std::string, HttpRoute> routes)
       : limits_(options.limits),
         listener_(listener),
-        wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        wake_(wake),
         handler_(std::move(routes), options.token, options.front),
         on_round_(options.on_round) {
     fcntl(listener, F_SETFL, fcntl(listener, F_GETFL) | O_NONBLOCK);
@@ -110,6 +112,8 @@ class HttpServer::Impl {
  private:
   void run();
   void accept_all();
+  bool somebody_waits() const;
+  bool make_room(bool heard);
   // False when the connection is over.
   bool advance(Connection& connection, PollEvents events);
   bool read_head(Connection& connection);
@@ -180,7 +184,12 @@ void HttpServer::Impl::run() {
 }
 
 void HttpServer::Impl::accept_all() {
-  while (true) {
+  for (bool heard = true; somebody_waits(); heard = false) {
+    if (!make_room(heard)) {
+      // Those who have just come are heard first; if that makes no room, it takes a while.
+      accepts_again_ = heard ? Clock::now() + kRest : accepts_again_;
+      return;
+    }
     const int fd = accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (fd < 0) {
       // Whoever waits keeps waiting, and would be reported again at once.
@@ -188,15 +197,36 @@ void HttpServer::Impl::accept_all() {
       accepts_again_ = lacks ? Clock::now() + kRest : accepts_again_;
       return;
     }
-    if (connections_.size() >= limits_.connections) {
-      const auto oldest = std::find_if(
-          connections_.begin(), connections_.end(), [](const auto& one) { return !one.events; });
-      connections_.erase(oldest == connections_.end() ? connections_.begin() : oldest);
-      count([](HttpCounters& counters) { ++counters.displaced; });
-    }
+    const Clock::time_point now = Clock::now();
     connections_.push_back(
-        {FileDescriptor(fd), Clock::now() + limits_.time, {}, {}, 0, false, nullptr, {}, {}, {}});
+        {FileDescriptor(fd), now, now + limits_.time, {}, {}, 0, false, nullptr, {}, {}, {}});
   }
+}
+
+bool HttpServer::Impl::somebody_waits() const {
+  pollfd listener{listener_.get(), POLLIN, 0};
+  return poll(&listener, 1, 0) > 0;
+}
+
+// `heard`: whatever those who are here have said. False while they still have their chance.
+bool HttpServer::Impl::make_room(bool heard) {
+  if (connections_.size() < limits_.connections) {
+    return true;
+  }
+  const auto first = [this](auto that) {
+    return std::find_if(connections_.begin(), connections_.end(), that);
+  };
+  auto victim = first([](const Connection& one) { return one.finished; });
+  if (victim == connections_.end() && heard) {
+    const Clock::time_point begun = Clock::now() - limits_.chance;
+    victim = first([&](const Connection& one) { return !one.events && one.since <= begun; });
+  }
+  if (victim == connections_.end()) {
+    return false;
+  }
+  connections_.erase(victim);
+  count([](HttpCounters& counters) { ++counters.displaced; });
+  return true;
 }
 
 bool HttpServer::Impl::advance(Connection& connection, PollEvents events) {
@@ -355,8 +385,15 @@ Expected<std::unique_ptr<HttpServer>> HttpServer::open(const Options& options,
     }
     listener = *opened;
   }
+  const int wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (wake < 0) {
+    const int error = errno;
+    close(listener);
+    return make_error(ErrorKind::kUnavailable,
+                      std::string("http: no descriptor to be stopped by: ") + std::strerror(error));
+  }
   return std::unique_ptr<HttpServer>(
-      new HttpServer(std::make_unique<Impl>(listener, options, std::move(routes))));
+      new HttpServer(std::make_unique<Impl>(listener, wake, options, std::move(routes))));
 }
 
 HttpServer::HttpServer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
