@@ -103,12 +103,13 @@ void print_state(const Json& ready, const Json& status) {
   const Json& estimation = status.at("estimation");
   const Json& publisher = status.at("publisher");
   fmt::print(
-      "{} fixes, {} without a position, {}; {} bursts gave way to newer ones; {} messages to {} "
-      "subscriptions, {} times one was slow\n",
+      "{} fixes, {} without a position, {}; {} bursts gave way to newer ones, {} were left out; {} "
+      "messages to {} subscriptions, {} times one was slow\n",
       count_of(estimation, "fixes"),
       count_of(estimation, "no_fixes"),
       tracks_of(status),
       count_of(estimation, "bursts_merged"),
+      count_of(estimation, "bursts_dropped"),
       count_of(publisher, "published"),
       count_of(publisher, "subscriptions"),
       count_of(publisher, "slow_episodes"));

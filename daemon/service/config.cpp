@@ -5,6 +5,7 @@
 
 #include "capture/address_range.h"
 #include "daemon/publish/curve_keys.h"
+#include "daemon/service/config_http.h"
 #include "daemon/service/config_reader.h"
 #include "daemon/service/endpoint.h"
 #include "daemon/service/secrets.h"
@@ -361,51 +362,6 @@ void check_curve(const TomlTable& root, const CurveConfig& curve) {
   }
 }
 
-void check_http(const TomlTable& root, const HttpConfig& http) {
-  const std::optional<TomlTable> table = root.table("http");
-  if (!table || !http.enabled || !table->is_string("listen")) {
-    return;
-  }
-  if (http.host.empty()) {
-    table->error_at("listen",
-                    "'listen' is no ADDRESS:PORT; write, for example: listen = "
-                    "\"127.0.0.1:8480\"");
-  } else if (!is_loopback(http.host) && http.token_file.empty() && !http.insecure) {
-    table->error_at("listen",
-                    "'listen' can be reached from the network, where everyone could read who is "
-                    "where; write 127.0.0.1:PORT, or set token_file, or insecure = true if that "
-                    "is meant");
-  }
-}
-
-void check_http_front(const TomlTable& root, const HttpFront& front) {
-  const std::optional<TomlTable> table = root.table("http");
-  if (!table) {
-    return;
-  }
-  if (!parse_base_path(front.base_path)) {
-    table->error_at("base_path",
-                    "'base_path' is '" + front.base_path +
-                        "', which is no path of letters, digits and -._~; write, for example: "
-                        "base_path = \"/rayloc\"");
-  }
-  const auto check = [&](const std::string& key,
-                         const std::vector<std::string>& list,
-                         bool (*is_good)(std::string_view),
-                         const char* else_what) {
-    const auto wrong = std::find_if_not(list.begin(), list.end(), is_good);
-    if (wrong != list.end()) {
-      table->error_at(key,
-                      "'" + key + "': '" + *wrong +
-                          "' is no origin; write, for example, https://home.example or "
-                          "http://192.168.1.2:8123, without a path" +
-                          else_what);
-    }
-  };
-  check("origins", front.origins, is_origin, "");
-  check("frame_ancestors", front.frame_ancestors, is_frame_ancestor, ", or self, or *");
-}
-
 Expected<DaemonConfig> finish_config(TomlDocument& document) {
   ConfigReading reading = read_config(document);
   if (const Expected<void> result = document.finish(); !result) {
@@ -450,7 +406,6 @@ ConfigReading read_config(TomlDocument& document) {
   check_endpoint(root, "snapshot", publish.snapshot, may_be_reached);
   check_curve(root, reading.config.curve);
   check_http(root, reading.config.http);
-  check_http_front(root, reading.config.http.front);
   return reading;
 }
 
