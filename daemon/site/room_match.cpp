@@ -130,6 +130,24 @@ std::string up_advice(std::size_t axis) {
       axis == 1 ? 90 : -90);
 }
 
+// A room from 0 to -4 m is one that was moved or one that was mirrored. Its box does not tell.
+std::string mirror_text(const Bounds& box, const Bounds& room) {
+  constexpr double kSame = 0.3;  // [m]
+  std::string axes;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto along = [&](const Vec3d& v) { return i == 0 ? v.x : i == 1 ? v.y : v.z; };
+    if (std::abs(along(box.lower) - along(room.lower)) < kSame) {
+      continue;
+    }
+    if (std::abs(along(box.lower) + along(room.upper)) > kSame ||
+        std::abs(along(box.upper) + along(room.lower)) > kSame) {
+      return "";
+    }
+    axes += fmt::format("{}{}", axes.empty() ? "" : ", ", kAxes[i]);
+  }
+  return axes.empty() ? "" : fmt::format("; or is the sign of {} wrong?", axes);
+}
+
 // The one finding about a scene that is the stated room in another frame.
 RoomFinding frame_finding(const Scene& scene, const Bounds& room, const SceneFrame& frame) {
   const Bounds box = box_of(scene);
@@ -156,6 +174,7 @@ RoomFinding frame_finding(const Scene& scene, const Bounds& room, const SceneFra
         frame.shift.x,
         frame.shift.y,
         frame.shift.z);
+    finding.message += frame.is_scaled() || frame.is_turned() ? "" : mirror_text(box, room);
   }
   return finding;
 }

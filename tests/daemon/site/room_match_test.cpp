@@ -166,6 +166,11 @@ TEST(Field, RoomWithAnotherOriginNamesTheWayToMoveIt) {
   const auto centred = [](const Vec3d& p) { return p - Vec3d{2, 1.5, 0}; };
   EXPECT_THAT(found(*scene_of(room_of(kOffice), centred), &office),
               AllOf(HasSubstr("error origin: "), HasSubstr("move it by 2.000, 1.500, 0.000 m")));
+  const auto mirrored = [](const Vec3d& p) { return Vec3d{-p.x, p.y, p.z}; };
+  EXPECT_THAT(found(*scene_of(room_of(kOffice), mirrored), &office),
+              AllOf(HasSubstr("error origin: "),
+                    HasSubstr("move it by 4.000, 0.000, 0.000 m"),
+                    HasSubstr("; or is the sign of x wrong?")));
   const auto upstairs = [](const Vec3d& p) { return p + Vec3d{500, 700, 520}; };
   EXPECT_THAT(found(*scene_of(room_of(kOffice), upstairs), &office),
               HasSubstr("move it by -500.000, -700.000, -520.000 m"));
