@@ -11,6 +11,7 @@
 
 #include "capture/pcap_live_source.h"
 #include "capture/pcap_recorder.h"
+#include "capture/recording_plan.h"
 #include "capture/udp_source.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verb.h"
@@ -121,6 +122,13 @@ void report(const DatagramSource& source, const PcapRecorder& recorder) {
   nlohmann::ordered_json line;
   line["summary"] = summary;
   std::printf("%s\n", line.dump().c_str());
+  if (const std::string reasons = rejections_text(from.rejected); !reasons.empty()) {
+    std::fprintf(stderr, "rayloc record: packets rejected: %s\n", reasons.c_str());
+  }
+  if (const std::string monitor = monitor_mode_words(from, source.description());
+      !monitor.empty()) {
+    std::fprintf(stderr, "rayloc record: %s\n", monitor.c_str());
+  }
 }
 
 Expected<void> run(const RecordArguments& arguments) {

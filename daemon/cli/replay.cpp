@@ -382,6 +382,20 @@ Expected<void> run(const Options& options) {
   return written;
 }
 
+void add_method_options(CLI::App& app, Options& options) {
+  app.add_option("--seed", options.seed, "of random numbers; rayloc draws none")
+      ->capture_default_str();
+  app.add_option("--multi-start", options.starts, "random starts of paper; the least loss wins")
+      ->check(CLI::Range(1, 10'000))
+      ->capture_default_str();
+  app.add_option(
+      "--paper",
+      options.paper,
+      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
+      "(for people where they differ):\n" +
+          paper_settings_help());
+}
+
 RunVerb declare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
@@ -419,17 +433,7 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--zone-events",
                  options->zone_events,
                  "file for who enters and leaves the zones of the site, one ZoneEvent a line");
-  app.add_option("--seed", options->seed, "of random numbers; rayloc draws none")
-      ->capture_default_str();
-  app.add_option("--multi-start", options->starts, "random starts of paper; the least loss wins")
-      ->check(CLI::Range(1, 10'000))
-      ->capture_default_str();
-  app.add_option(
-      "--paper",
-      options->paper,
-      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
-      "(for people where they differ):\n" +
-          paper_settings_help());
+  add_method_options(app, *options);
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

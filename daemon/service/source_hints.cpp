@@ -1,6 +1,7 @@
 #include "daemon/service/source_hints.h"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -18,6 +19,15 @@ constexpr double kDeafDb = 20.0;
 // Reasons of UdpSource to reject what the configuration keeps out.
 constexpr std::string_view kSenderNotAllowed = "sender_not_allowed";
 constexpr std::string_view kInterfaceNotAllowed = "interface_not_allowed";
+// Frames of the air, and what says nothing of the format: stamps and marks of a recording.
+constexpr std::string_view kMonitorMode = "monitor_mode";
+constexpr std::array<std::string_view, 7> kNotOfTheFormat = {kSenderNotAllowed,
+                                                             kInterfaceNotAllowed,
+                                                             kMonitorMode,
+                                                             "damaged_time",
+                                                             "time_went_back",
+                                                             "gap_mark",
+                                                             "torn_record"};
 
 class Hints {
  public:
@@ -31,6 +41,7 @@ class Hints {
     silence();
     kept_out(kSenderNotAllowed, "come from addresses that are not allowed", "allow");
     kept_out(kInterfaceNotAllowed, "come through another interface", "only_interface");
+    monitor_mode();
     format();
     if (frames_ >= kEnoughFrames) {
       cores();
@@ -69,11 +80,24 @@ class Hints {
     }
   }
 
+  void monitor_mode() {
+    const auto found = source_.counters().rejected().find(std::string(kMonitorMode));
+    if (found != source_.counters().rejected().end()) {
+      add(frames_ == 0 ? Kind::kProblem : Kind::kWarning,
+          fmt::format("{} packets are frames of the air, of an interface in monitor mode: they "
+                      "hold no CSI",
+                      found->second),
+          "capture what the access point sends, on the wired interface it sends to: UDP to port "
+          "5500");
+    }
+  }
+
   void format() {
     std::uint64_t rejected = 0;
     std::string reasons;
     for (const auto& [reason, count] : source_.counters().rejected()) {
-      if (reason == kSenderNotAllowed || reason == kInterfaceNotAllowed) {
+      if (std::find(kNotOfTheFormat.begin(), kNotOfTheFormat.end(), reason) !=
+          kNotOfTheFormat.end()) {
         continue;
       }
       rejected += count;

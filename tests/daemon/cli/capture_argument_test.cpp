@@ -26,6 +26,19 @@ TEST(CaptureArgument, TakesSeveralFilesOfAnAccessPointWhereAskedTo) {
   EXPECT_EQ(captures->at(1).file, "y");
 }
 
+TEST(Field, FilesOfOneAccessPointAreOneRecording) {
+  const auto captures =
+      resolve_captures({"ap1=b", "ap2=x", "ap1=a"}, {"ap1", "ap2"}, PerAccessPoint::kSeveral);
+  ASSERT_TRUE(captures.has_value());
+  const auto recordings = recordings_of(*captures);
+  ASSERT_EQ(recordings.size(), 2U);
+  EXPECT_EQ(recordings[0].access_point, "ap1");
+  EXPECT_EQ(recordings[0].files, (std::vector<std::string>{"b", "a"}));
+  EXPECT_EQ(files_text(recordings[0]), "b, a");
+  // Where no site says which there are, a file without a name is a recording of its own.
+  EXPECT_EQ(recordings_of_any({"x", "ap1=a", "y", "ap1=b"}).size(), 3U);
+}
+
 TEST(CaptureArgument, RefusesWhatIsUnclear) {
   const std::vector<std::string> ids = {"ap1", "ap2"};
   EXPECT_NE(resolve_captures({"x.pcap"}, ids).error().message.find("ap1, ap2"), std::string::npos);

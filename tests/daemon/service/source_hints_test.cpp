@@ -53,6 +53,18 @@ std::vector<std::string> hints_of(const v1::SourceState& source) {
 
 TEST(SourceHints, AreNoneWhenAllIsWell) { EXPECT_THAT(hints_of(healthy()), IsEmpty()); }
 
+TEST(Field, HintsNameACaptureInMonitorModeAndBlameNoFormatForStamps) {
+  v1::SourceState source = healthy();
+  auto& rejected = *source.mutable_counters()->mutable_rejected();
+  rejected["damaged_time"] = 1500;
+  rejected["time_went_back"] = 1500;
+  EXPECT_THAT(hints_of(source), IsEmpty());
+  rejected["monitor_mode"] = 20;
+  EXPECT_THAT(
+      hints_of(source),
+      ElementsAre(HasSubstr("20 packets are frames of the air, of an interface in monitor")));
+}
+
 TEST(SourceHints, Silence) {
   v1::SourceState source = healthy();
   source.set_status(v1::SOURCE_STATUS_STALLED);
