@@ -371,6 +371,11 @@ Expected<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& opt
     }
   }
   const int wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (wake_fd < 0) {
+    const auto error = unavailable(description);
+    close(fd);
+    return error;
+  }
   auto impl = std::make_unique<Impl>(fd, wake_fd, description, options);
   if (const auto ready = impl->set_up(options); !ready) {
     return tl::make_unexpected(ready.error());

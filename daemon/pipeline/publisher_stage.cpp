@@ -35,9 +35,16 @@ PublisherStage::PublisherStage(Publisher publisher, Options options)
       options_(std::move(options)),
       heartbeat_(options_.heartbeat.count()) {}
 
-PublisherStage::~PublisherStage() {
+PublisherStage::~PublisherStage() { halt(); }
+
+void PublisherStage::halt() {
+  {
+    const std::lock_guard lock(mutex_);
+    finishing_ = true;
+  }
+  wake_.notify_one();
   if (thread_.joinable()) {
-    finish("stopped");
+    thread_.join();
   }
 }
 
@@ -161,14 +168,7 @@ void PublisherStage::publish_status() {
 }
 
 void PublisherStage::finish(const std::string& reason) {
-  {
-    const std::lock_guard lock(mutex_);
-    finishing_ = true;
-  }
-  wake_.notify_one();
-  if (thread_.joinable()) {
-    thread_.join();
-  }
+  halt();
   v1::Goodbye goodbye;
   goodbye.set_reason(reason);
   publisher_.publish(std::move(goodbye), options_.now());

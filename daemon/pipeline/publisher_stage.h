@@ -72,6 +72,9 @@ class PublisherStage : public LocationSink, public FrameTap {
 
   // Publishes what waits, a last heartbeat and the goodbye, and ends the thread.
   void finish(const std::string& reason);
+  // Ends the thread without a goodbye, after which `options.status` is not called any more: for a
+  // start that came half-way. Done by the destructor as well.
+  void halt();
 
   const std::string& endpoint() const { return publisher_.endpoint(); }
   PublisherStageCounters counters() const;

@@ -19,6 +19,7 @@
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
 #include "daemon/service/spare_memory.h"
+#include "daemon/service/start_resources.h"
 #include "daemon/service/start_watch.h"
 #include "engine/base/printable.h"
 
@@ -31,11 +32,14 @@ constexpr auto kLinger = std::chrono::milliseconds(100);
 
 // Ends the process when a thread does not end, for example because its disk does not answer.
 void stop_in_time(Service& service, const std::string& reason) {
+  const auto begin = std::chrono::steady_clock::now();
   const std::vector<std::string> hung = service.stop(reason, kStopPatience);
+  const auto taken = std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::steady_clock::now() - begin);
   for (const std::string& stage : hung) {
     const bool recorder = stage.rfind("recorder", 0) == 0;
     spdlog::critical("not stopped after {} ms: '{}' does not come back{}",
-                     kStopPatience.count(),
+                     taken.count(),
                      stage,
                      recorder ? ": what waits for the disk is lost" : "");
   }
@@ -59,7 +63,7 @@ Expected<void> serve(const std::string& file) {
   }
   Reloader reloader(*setup);
   set_up_log(setup->config.log);
-  auto watch = std::make_unique<StartWatch>(manager);
+  auto watch = std::make_unique<StartWatch>(manager);  // throws where there is no thread for it
   spdlog::info("raylocd {} starts", RAYLOC_VERSION);
   Expected<std::unique_ptr<Service>> opened =
       Service::open(std::move(*setup), *sockets, [](const std::string& line) {
@@ -127,9 +131,11 @@ int main(int argc, char** argv) {
   try {
     rayloc::bound_spare_memory();
     rayloc::quiet_protobuf();
+    rayloc::say_last_words_of_threads();
     return rayloc::run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "raylocd: internal error: %s\n", error.what());
-    return rayloc::kExitInternal;
+    const rayloc::LastWords words = rayloc::last_words(error);
+    std::fprintf(stderr, "raylocd: %s\n", words.text.c_str());
+    return words.exit_status;
   }
 }

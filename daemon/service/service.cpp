@@ -99,7 +99,8 @@ Expected<std::unique_ptr<Service>> Service::open(
 
   for (const Expected<void>& good : {check_secrets(config),
                                      check_passed_sockets(sockets, config),
-                                     check_places(config, sockets)}) {
+                                     check_places(config, sockets),
+                                     service->check_resources(false)}) {
     if (!good) {
       return tl::make_unexpected(good.error());
     }
@@ -154,6 +155,9 @@ Expected<std::unique_ptr<Service>> Service::open(
 }
 
 Expected<void> Service::open_publishing(PassedSockets& sockets) {
+  if (const Expected<void> enough = check_resources(true); !enough) {
+    return enough;
+  }
   const DaemonConfig& config = setup_.config;
   auto guard = open_curve_access(config.curve, limited_log_, [this] { guard_progress_.beat(); });
   if (!guard) {
@@ -315,8 +319,6 @@ void Service::add_ring(SourceWorker::Input& input) {
   rings_.push_back(std::make_unique<DatagramRing>(config.ring, config.ring_bytes));
   input.taps.push_back(rings_.back().get());
 }
-
-Service::~Service() = default;
 
 void Service::apply(const DaemonConfig& config) {
   publisher_->set_heartbeat(config.publish.heartbeat);

@@ -93,6 +93,7 @@ class Service {
 
  private:
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
+  Expected<void> check_resources(bool estimators_ready) const;
   Expected<void> open_publishing(PassedSockets& sockets);
   Expected<void> open_estimators(std::shared_ptr<PathGridStore> path_grids);
   void look_at_site();

@@ -12,6 +12,7 @@
 #include "daemon/service/map_geometry.h"
 #include "daemon/service/secrets.h"
 #include "daemon/service/service.h"
+#include "daemon/service/start_resources.h"
 
 namespace rayloc {
 namespace {
@@ -62,6 +63,7 @@ Expected<void> Service::open_http(PassedSockets& sockets) {
     return tl::make_unexpected(token.error());
   }
   HttpServer::Options options;
+  options.limits.connections = affordable_connections(options.limits.connections);
   options.host = config.host;
   options.port = config.port;
   options.adopted_fd = sockets.take("http").value_or(-1);

@@ -7,6 +7,7 @@
 
 #include "daemon/service/service.h"
 #include "daemon/service/shutdown.h"
+#include "daemon/service/start_resources.h"
 
 namespace rayloc {
 namespace {
@@ -22,6 +23,37 @@ void wait_until_started(const std::vector<Stage>& stages) {
 }
 
 }  // namespace
+
+// Before anything is opened that would run on the threads and descriptors that there are not.
+// Before the room is prepared, too, which many threads do together.
+Expected<void> Service::check_resources(bool estimators_ready) const {
+  const std::size_t sources = setup_.config.sources.size();
+  // Of libzmq three; guard, snapshot server, publisher, estimation, HTTP, channel, ring, one that
+  // stops them; of a source its own and a recorder's.
+  constexpr std::size_t kThreads = 12;
+  constexpr std::size_t kMostTracing = 8;
+  const std::size_t tracing =
+      estimators_ready ? 0
+                       : std::min<std::size_t>(std::thread::hardware_concurrency(), kMostTracing);
+  // Of libzmq some 20, of HTTP two; the others are for clients.
+  constexpr std::size_t kDescriptors = 48;
+  return check_start_resources(kThreads + tracing + 2 * sources, kDescriptors + 4 * sources);
+}
+
+// However far a start has come: every thread ends before anything that it looks at. The publisher's
+// looks at the pipeline, and the pipeline's give to the publisher.
+Service::~Service() {
+  if (http_) {
+    http_->stop();
+  }
+  if (pipeline_) {
+    pipeline_->hurry();
+    pipeline_->stop();
+  }
+  if (publisher_) {
+    publisher_->halt();
+  }
+}
 
 void Service::start() {
   publisher_->start();

@@ -1,6 +1,7 @@
 #include "daemon/service/spare_memory.h"
 
 #include <malloc.h>
+#include <sys/resource.h>
 
 namespace rayloc {
 namespace {
@@ -12,12 +13,23 @@ constexpr int kFreeEnd = 1 << 20;
 // it grows in the same way; set alone, that would leave it at 128 KiB, and the vectors of each fix
 // would be mapped anew.
 constexpr int kMappedBlock = 4 << 20;
+// Heaps under a limit of address space (ulimit -v), of which each takes 64 MiB at once: what the
+// stacks of further threads would need.
+constexpr int kHeapsUnderALimit = 2;
+
+bool address_space_is_limited() {
+  rlimit limit{};
+  return getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+}
 
 }  // namespace
 
 void bound_spare_memory() {
   mallopt(M_TRIM_THRESHOLD, kFreeEnd);
   mallopt(M_MMAP_THRESHOLD, kMappedBlock);
+  if (address_space_is_limited()) {
+    mallopt(M_ARENA_MAX, kHeapsUnderALimit);
+  }
 }
 
 void give_spare_memory_back() { malloc_trim(0); }

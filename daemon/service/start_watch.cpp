@@ -6,8 +6,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <system_error>
 
 #include <spdlog/spdlog.h>
 
@@ -22,12 +24,20 @@ int descriptor_of_stop_signals() {
   return signalfd(-1, &signals, SFD_CLOEXEC);
 }
 
+// Without them it would neither hear signals nor ever end.
+int checked(int fd) {
+  if (fd < 0) {
+    throw std::system_error(errno, std::generic_category(), "watching for signals");
+  }
+  return fd;
+}
+
 }  // namespace
 
 StartWatch::StartWatch(const ServiceManager& manager)
     : manager_(manager),
-      signals_(descriptor_of_stop_signals()),
-      over_(eventfd(0, EFD_CLOEXEC)),
+      signals_(checked(descriptor_of_stop_signals())),
+      over_(checked(eventfd(0, EFD_CLOEXEC))),
       thread_([this] { watch(); }) {}
 
 StartWatch::~StartWatch() {

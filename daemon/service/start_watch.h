@@ -17,7 +17,8 @@ namespace rayloc {
 
 class StartWatch {
  public:
-  // REQUIRES: the signals are blocked, the log is set up; `manager` outlives the watch.
+  // REQUIRES: the signals are blocked, the log is set up; `manager` outlives the watch. Throws
+  // std::system_error when there is no descriptor or thread for it.
   explicit StartWatch(const ServiceManager& manager);
   ~StartWatch();
   StartWatch(const StartWatch&) = delete;

@@ -14,6 +14,7 @@
 namespace rayloc::e2e {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -71,7 +72,7 @@ TEST(StuckStop, TheOthersFinishAndTheGuiltyOneIsNamed) {
   EXPECT_TRUE(eventually(kPatience, [&] { return held.ended(); })) << daemon.errors();
   EXPECT_EQ(daemon.wait(kPatience), 70) << daemon.errors();
   EXPECT_THAT(daemon.log(),
-              HasSubstr("not stopped after 5000 ms: 'estimation' does not come back"));
+              ContainsRegex("not stopped after [0-9]+ ms: 'estimation' does not come back"));
   EXPECT_THAT(daemon.log(), Not(HasSubstr("is lost")));
   EXPECT_TRUE(eventually(kPatience, [&] { return !daemon.bodies("goodbye").empty(); }));
   const nlohmann::json last = daemon.bodies("heartbeat").back();

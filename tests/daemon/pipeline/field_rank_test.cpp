@@ -1,0 +1,27 @@
+// Whose bursts come first, as the estimator of a real site says it.
+#include <gtest/gtest.h>
+
+#include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/estimator_list.h"
+#include "daemon/pipeline/zone_estimator.h"
+
+namespace rayloc {
+namespace {
+
+TEST(Field, DeviceEstimatorRanksTheTransmittersOfTheSiteFirst) {
+  const Expected<Site> site = load_site(RAYLOC_TEST_DATA "/sites/meeting_room");
+  ASSERT_TRUE(site) << site.error().message;
+  const auto devices = DeviceEstimator::create(*site, {});
+  ASSERT_TRUE(devices) << devices.error().message;
+  EstimatorList all;
+  all.add(**devices);
+  const ZoneEstimator zones(all, {});
+  for (const SiteTransmitter& transmitter : site->transmitters) {
+    EXPECT_EQ(zones.rank(transmitter.mac), Rank::kListed) << to_string(transmitter.mac);
+  }
+  EXPECT_GE(site->transmitters.size(), 2U);
+  EXPECT_EQ(zones.rank({{0x02, 0x52, 0x4c, 0xff, 0, 1}}), Rank::kOther);
+}
+
+}  // namespace
+}  // namespace rayloc
