@@ -1,7 +1,9 @@
-// read_number: a number of a mesh that is written as text.
+// Numbers of a mesh that are written as text.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string_view>
@@ -22,5 +24,38 @@ inline std::optional<double> read_number(std::string_view& text) {
   text.remove_prefix(static_cast<std::size_t>(end - text.data()));
   return value;
 }
+
+// How exactly a file tells its coordinates, by the most digits that it writes. Many programs write
+// six of them, whatever comes before the point: 12.3457 is known to 0.05 mm.
+class TextPrecision {
+ public:
+  void note(std::string_view number, double value) {
+    const std::string_view digits = number.substr(0, number.find_first_of("eE"));
+    const std::size_t first = digits.find_first_of("123456789");
+    if (first != std::string_view::npos) {
+      digits_ = std::max(digits_,
+                         std::count_if(digits.begin() + static_cast<std::ptrdiff_t>(first),
+                                       digits.end(),
+                                       [](char c) { return c >= '0' && c <= '9'; }));
+    }
+    largest_ = std::max(largest_, std::abs(value));
+  }
+
+  // Mesh::rounding [m]. Numbers of fewer digits are round ones, as people write them, and so may be
+  // those whose last digit is a millimetre: they are not taken for coarser than this.
+  double rounding() const {
+    constexpr std::ptrdiff_t kFewest = 6;
+    constexpr double kCoarsest = 5e-5;
+    if (digits_ < kFewest || !(largest_ > 0.0)) {
+      return 0.0;
+    }
+    const double before_point = std::floor(std::log10(largest_)) + 1.0;
+    return std::min(kCoarsest, 0.5 * std::pow(10.0, before_point - static_cast<double>(digits_)));
+  }
+
+ private:
+  std::ptrdiff_t digits_ = 0;
+  double largest_ = 0.0;
+};
 
 }  // namespace rayloc

@@ -49,6 +49,7 @@ class ObjReader {
     if (faces_.size() == 0) {
       return bad_input(name_ + ": the mesh has no face");
     }
+    mesh_.rounding = precision_.rounding();
     auto cut = faces_.append_to(
         mesh_, [&](std::size_t i) { return name_ + ":" + std::to_string(line_of_face_[i]); });
     if (!cut) {
@@ -111,7 +112,11 @@ class ObjReader {
   Expected<void> read_vertex(std::string_view rest) {
     std::vector<double> numbers;
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+      const std::string_view text = word;
       const auto number = read_number(word);
+      if (number && numbers.size() < 3) {
+        precision_.note(text, *number);
+      }
       if (!number || !word.empty() || !std::isfinite(*number)) {
         return refuse("a coordinate of vertex " + std::to_string(mesh_.vertices.size() + 1) +
                       " is not a finite number");
@@ -163,6 +168,7 @@ class ObjReader {
   std::size_t line_ = 1;
   std::size_t next_line_ = 1;
   Mesh mesh_;
+  TextPrecision precision_;
   PolygonList faces_;
   std::vector<std::size_t> line_of_face_;
 };

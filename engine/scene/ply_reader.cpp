@@ -206,7 +206,8 @@ class BodyReader {
     return encoding_ == Encoding::kAscii ? next_text() : next_binary(type);
   }
   std::size_t bytes_left() const { return bytes_.size() - at_; }
-  bool is_text() const { return encoding_ == Encoding::kAscii; }
+  // How the newest number is written; empty in a binary file.
+  std::string_view text() const { return text_; }
   std::string place() const {
     return encoding_ == Encoding::kAscii ? ":" + std::to_string(line_)
                                          : ": byte " + std::to_string(at_);
@@ -220,6 +221,7 @@ class BodyReader {
     }
     std::string_view rest = bytes_.substr(at_);
     const auto value = read_number(rest);
+    text_ = bytes_.substr(at_, bytes_.size() - rest.size() - at_);
     at_ = bytes_.size() - rest.size();
     return value;
   }
@@ -261,6 +263,7 @@ class BodyReader {
   }
 
   std::string_view bytes_;
+  std::string_view text_;
   Encoding encoding_;
   std::size_t at_;
   std::size_t line_;
@@ -289,6 +292,7 @@ class MeshReader {
     if (mesh_.vertices.empty() || faces_.size() == 0) {
       return bad_input(name_ + ": the mesh has no " + (mesh_.vertices.empty() ? "vertex" : "face"));
     }
+    mesh_.rounding = std::max(mesh_.rounding, precision_.rounding());
     if (auto cut = faces_.append_to(mesh_, [&](std::size_t) { return name_; }); !cut) {
       return tl::make_unexpected(cut.error());
     }
@@ -314,6 +318,9 @@ class MeshReader {
       if (!value) {
         return refuse("a number is missing for '" + property.name + "'");
       }
+      if (is_vertex && !body_.text().empty() && is_coordinate(property)) {
+        precision_.note(body_.text(), *value);
+      }
       if (property.name == "x") {
         vertex.x = *value;
       } else if (property.name == "y") {
@@ -333,16 +340,19 @@ class MeshReader {
     return {};
   }
 
+  static bool is_coordinate(const Property& property) {
+    return property.name == "x" || property.name == "y" || property.name == "z";
+  }
+
   // A float of a binary file tells no more than its 24 bits.
   Expected<void> note_rounding(const Element& element, const Vec3d& vertex) {
     constexpr double kFloatRounding = 5.9604644775390625e-8;  // 2^-24
     constexpr double kCoarsest = 1e-3;                        // [m], 6 degrees of phase at 5 GHz
     const bool is_float = std::any_of(
         element.properties.begin(), element.properties.end(), [](const Property& property) {
-          return property.type == Type::kFloat32 &&
-                 (property.name == "x" || property.name == "y" || property.name == "z");
+          return property.type == Type::kFloat32 && is_coordinate(property);
         });
-    if (!is_float || body_.is_text()) {
+    if (!is_float || !body_.text().empty()) {
       return {};
     }
     const double furthest = std::max({std::abs(vertex.x), std::abs(vertex.y), std::abs(vertex.z)});
@@ -426,6 +436,7 @@ class MeshReader {
   const std::string& name_;
   BodyReader body_;
   Mesh mesh_;
+  TextPrecision precision_;
   PolygonList faces_;
 };
 

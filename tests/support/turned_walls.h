@@ -1,6 +1,7 @@
 // Walls as real files have them: turned any way, far from the origin, of few triangles or of many.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -60,6 +61,17 @@ inline Mesh subdivided(const Mesh& mesh, std::uint32_t n) {
     }
   }
   return fine;
+}
+
+// As a file of floats keeps it.
+inline Mesh rounded_to_float(Mesh mesh) {
+  for (Vec3d& v : mesh.vertices) {
+    for (double* x : {&v.x, &v.y, &v.z}) {
+      *x = static_cast<double>(static_cast<float>(*x));
+      mesh.rounding = std::max(mesh.rounding, 0x1p-24 * std::abs(*x));
+    }
+  }
+  return mesh;
 }
 
 }  // namespace rayloc::test

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -18,16 +19,6 @@
 
 namespace rayloc {
 namespace {
-
-// As a file of floats keeps it.
-Mesh rounded_to_float(Mesh mesh) {
-  for (Vec3d& v : mesh.vertices) {
-    v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-    mesh.rounding = std::max(
-        {mesh.rounding, 0x1p-24 * std::abs(v.x), 0x1p-24 * std::abs(v.y), 0x1p-24 * std::abs(v.z)});
-  }
-  return mesh;
-}
 
 double nearest(const std::vector<Vec3d>& corners, const Vec3d& point) {
   double least = 1e9;
@@ -50,7 +41,7 @@ TEST(Field, WallOfFloatsIsOneMirrorHoweverFineAndFar) {
     const Vec3d size{side(random), side(random), 0.0};
     const test::RigidMotion motion = test::random_motion(random, trial % 2 == 0 ? 20.0 : 500.0);
     const Mesh wall = test::rectangle_mesh({0, 0, 0}, {size.x, 0, 0}, {0, size.y, 0});
-    const Mesh mesh = rounded_to_float(motion(test::subdivided(wall, parts(random))));
+    const Mesh mesh = test::rounded_to_float(motion(test::subdivided(wall, parts(random))));
     const auto surfaces = planar_surfaces(mesh);
     ASSERT_EQ(surfaces.size(), 1U) << trial;
     const Surface& surface = surfaces[0].surface;
@@ -70,7 +61,8 @@ TEST(Field, SliversOfAWallOfFloatsBelongToIt) {
     Mesh mesh;
     for (std::uint32_t i = 0; i <= 40; ++i) {
       // Wide and narrow strips in turn.
-      const double x = 0.1 * (i / 2) + (i % 2 == 1 ? 1e-3 : 0.0);
+      const bool is_narrow = i % 2 == 1;
+      const double x = 0.05 * (is_narrow ? i - 1 : i) + (is_narrow ? 1e-3 : 0.0);
       mesh.vertices.push_back({x, 0, 0});
       mesh.vertices.push_back({x, 2.5, 0});
       if (i > 0) {
@@ -79,7 +71,7 @@ TEST(Field, SliversOfAWallOfFloatsBelongToIt) {
       }
     }
     const auto surfaces =
-        planar_surfaces(rounded_to_float(test::random_motion(random, 60.0)(mesh)));
+        planar_surfaces(test::rounded_to_float(test::random_motion(random, 60.0)(mesh)));
     ASSERT_EQ(surfaces.size(), 1U) << trial;
     EXPECT_TRUE(surfaces[0].one_facing) << trial;
   }
@@ -114,7 +106,7 @@ TEST(Field, SidesThatMeetWithoutSharedCornersAreNoBoundary) {
   for (int trial = 0; trial < 50; ++trial) {
     const test::RigidMotion motion = test::random_motion(random, trial == 0 ? 0.0 : 100.0);
     const bool floats = trial % 2 == 1;
-    const Mesh mesh = floats ? rounded_to_float(motion(wall)) : motion(wall);
+    const Mesh mesh = floats ? test::rounded_to_float(motion(wall)) : motion(wall);
     const auto surfaces = planar_surfaces(mesh);
     ASSERT_EQ(surfaces.size(), 1U);
     const Surface& surface = surfaces[0].surface;
@@ -173,8 +165,8 @@ TEST(Field, SheetOfTwoFacesHasItsEdges) {
 
 TEST(Field, FacesOfABoxOfFloatsFarAwayMoveByTheirOffsets) {
   std::mt19937_64 random(9);
-  Mesh box =
-      rounded_to_float(test::random_motion(random, 400.0)(test::box_mesh({0, 0, 0}, {1, 2, 3})));
+  Mesh box = test::rounded_to_float(
+      test::random_motion(random, 400.0)(test::box_mesh({0, 0, 0}, {1, 2, 3})));
   const auto scene = test::make_scene({{"box", box}}, test::kConcrete);
   ASSERT_EQ(scene->surfaces().size(), 6U);
   const std::vector<double> offset(6, 0.01);
@@ -254,6 +246,48 @@ TEST(Field, MeshKnowsTheRoundingOfItsFile) {
   ASSERT_TRUE(floats && doubles);
   EXPECT_EQ(floats->rounding, 0x1p-24 * 304.0);
   EXPECT_EQ(doubles->rounding, 0.0);
+}
+
+// As a stream of C++ writes numbers unless told otherwise.
+TEST(Field, WallWrittenWithSixDigitsIsOneMirror) {
+  std::mt19937_64 random(66);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Mesh wall = test::random_motion(random, 60.0)(
+        test::subdivided(test::rectangle_mesh({0, 0, 0}, {4, 0, 0}, {0, 2.5, 0}), 10));
+    std::ostringstream ply;
+    std::ostringstream obj;
+    ply << "ply\nformat ascii 1.0\nelement vertex " << wall.vertices.size()
+        << "\nproperty float x\nproperty float y\nproperty float z\nelement face "
+        << wall.triangles.size() << "\nproperty list uchar int vertex_indices\nend_header\n";
+    for (const Vec3d& v : wall.vertices) {
+      ply << v.x << ' ' << v.y << ' ' << v.z << '\n';
+      obj << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+    }
+    for (const auto& [a, b, c] : wall.triangles) {
+      ply << "3 " << a << ' ' << b << ' ' << c << '\n';
+      obj << "f " << a + 1 << ' ' << b + 1 << ' ' << c + 1 << '\n';
+    }
+    for (const auto& mesh : {read_ply(ply.str(), "a.ply"), read_obj(obj.str(), "a.obj")}) {
+      ASSERT_TRUE(mesh) << mesh.error().message;
+      const auto surfaces = planar_surfaces(*mesh);
+      ASSERT_EQ(surfaces.size(), 1U) << trial;
+      EXPECT_TRUE(surfaces[0].surface.is_convex()) << trial;
+      EXPECT_NEAR(surfaces[0].surface.area(), 10.0, 0.01) << trial;
+    }
+  }
+}
+
+TEST(Field, RoundNumbersOfATextFileAreExact) {
+  const auto rounding_of = [](const std::string& vertices) {
+    const auto mesh = read_obj(vertices + "f 1 2 3\n", "a.obj");
+    EXPECT_TRUE(mesh);
+    return mesh ? mesh->rounding : -1.0;
+  };
+  EXPECT_EQ(rounding_of("v 0 0 0\nv 12.34 0 0\nv 0 0.0025 0\n"), 0.0);
+  EXPECT_NEAR(rounding_of("v 0 0 0\nv 12.3457 0 0\nv 0 1.5 0\n"), 5e-5, 1e-18);
+  EXPECT_NEAR(rounding_of("v 0 0 0\nv 2.345678 0 0\nv 0 1.5e0 0\n"), 5e-7, 1e-18);
+  EXPECT_NEAR(rounding_of("v 0 0 0\nv 1.234567890123e1 0 0\nv 0 1 0\n"), 5e-12, 1e-20);
+  EXPECT_NEAR(rounding_of("v 0 0 0\nv 9000.25 0 0\nv 0 1 0\n"), 5e-5, 1e-18);
 }
 
 }  // namespace

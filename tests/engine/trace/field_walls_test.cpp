@@ -6,6 +6,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/base/constants.h"
@@ -134,10 +135,7 @@ TEST(Field, SubdivisionLeavesThePathsOfARoomOfFloats) {
   std::uniform_real_distribution<double> share(0.0, 1.0);
   const auto rounded = [](Scenery scenery) {
     for (test::NamedMesh& named : scenery) {
-      for (Vec3d& v : named.mesh.vertices) {
-        v = {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-      }
-      named.mesh.rounding = 0x1p-24 * 250.0;
+      named.mesh = test::rounded_to_float(std::move(named.mesh));
     }
     return scenery;
   };
@@ -205,7 +203,8 @@ TEST(Field, CornerOfASheetTurnedByARotateElementReflects) {
       "-2.0 -1.5 0.0\n0.0 -1.5 0.0\n2.0 -1.5 0.0\n-2.0 0.0 0.0\n0.0 0.0 0.0\n2.0 0.0 0.0\n"
       "-2.0 1.5 0.0\n0.0 1.5 0.0\n2.0 1.5 0.0\n"
       "3 0 1 4\n3 0 4 3\n3 1 2 5\n3 1 5 4\n3 3 4 7\n3 3 7 6\n3 4 5 8\n3 4 8 7\n";
-  auto scene = parse_scene(xml, "scene.xml", {5e9, {}}, [&](const std::string&) { return ply; });
+  auto scene = parse_scene(
+      xml, "scene.xml", {5e9, {}}, [&](const std::string&) { return Expected<std::string>(ply); });
   ASSERT_TRUE(scene) << scene.error().message;
   const Paths paths =
       PathTracer(std::make_shared<const Scene>(std::move(*scene)), {.max_depth = 1})
