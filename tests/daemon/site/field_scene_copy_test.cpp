@@ -52,7 +52,6 @@ class FieldSceneCopy : public testing::Test {
     fs::remove_all(copy);
     const auto written = write_site(*site, "", copy);
     ASSERT_TRUE(written) << mesh << "\n" << written.error().message;
-    std::ofstream(copy / "calibration.toml");
     auto copied = load_site(copy);
     ASSERT_TRUE(copied) << copied.error().message;
     copied->calibration_file.reset();
@@ -65,11 +64,11 @@ class FieldSceneCopy : public testing::Test {
 };
 
 TEST_F(FieldSceneCopy, OfASceneFromWindowsIsRead) {
-  for (const char* mesh : {"\"meshes\\floor.PLY\"",
-                           "'.\\meshes\\floor.PLY'",
-                           "'..\\meshes\\floor.PLY'",
+  for (const char* mesh : {R"("meshes\floor.PLY")",
+                           R"('.\meshes\floor.PLY')",
+                           R"('..\meshes\floor.PLY')",
                            "'../meshes/floor.PLY'",
-                           "\"../meshes/floor.PLY\""}) {
+                           R"("../meshes/floor.PLY")"}) {
     expect_copy(mesh);
   }
 }
