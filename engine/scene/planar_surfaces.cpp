@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -20,6 +19,9 @@ constexpr double kLargestTilt = 1e-3;  // [rad], acos(kParallel)
 // A plane found from some triangles reaches those around them, which make it better: the reach
 // doubles at least, so 2^10 triangles a side are one surface.
 constexpr int kMostFits = 10;
+constexpr double kNoChange = 0.01;  // of a plane, in tolerances
+// The list of free facets is made anew when an eighth of it is taken.
+constexpr std::size_t kCompaction = 8;
 
 Vec3d unit(const Vec3d& v) {
   const double length = norm(v);
@@ -28,8 +30,15 @@ Vec3d unit(const Vec3d& v) {
 
 struct Facet3 {
   Triangle corners;
-  Vec3d twice_area;     // along its normal
-  Vec3d normal;         // unit
+  Vec3d twice_area;  // along its normal
+  Vec3d normal;      // unit
+};
+
+// A facet that may be without a group. Side by side in memory, for every plane looks at all of
+// them.
+struct FreeFacet {
+  std::size_t number;
+  Vec3d normal;
   double least_cosine;  // to the normal of a plane that all its corners are in, up to rounding
 };
 
@@ -39,6 +48,9 @@ class PlaneFinder {
     for (const auto& [a, b, c] : mesh.triangles) {
       add({mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]});
     }
+    for (const Facet3& facet : facets_) {
+      size_ = std::max(size_, 2.0 * norm(facet.corners[0] - facets_[0].corners[0]));
+    }
     group_.assign(facets_.size(), kNone);
     largest_first_.resize(facets_.size());
     std::iota(largest_first_.begin(), largest_first_.end(), std::size_t{0});
@@ -46,13 +58,18 @@ class PlaneFinder {
         largest_first_.begin(), largest_first_.end(), [&](std::size_t i, std::size_t j) {
           return norm(facets_[i].twice_area) > norm(facets_[j].twice_area);
         });
-    free_ = largest_first_;
+    free_.reserve(facets_.size());
+    for (const std::size_t i : largest_first_) {
+      free_.push_back({i, facets_[i].normal, least_cosine(facets_[i])});
+    }
   }
 
   std::vector<MeshSurface> find(double rounding) {
     std::vector<Plane<double>> planes;
-    while (!free_.empty()) {
-      planes.push_back(take_plane(free_.front(), planes.size()));
+    for (const std::size_t seed : largest_first_) {
+      if (group_[seed] == kNone) {
+        planes.push_back(take_plane(seed, planes.size()));
+      }
     }
     return surfaces(planes, rounding);
   }
@@ -62,17 +79,23 @@ class PlaneFinder {
 
   void add(const Triangle& t) {
     const Vec3d twice_area = cross(t[1] - t[0], t[2] - t[0]);
-    const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[0]), norm(t[2] - t[1])});
-    const double height = norm(twice_area) / longest;
-    // Corners that are off by the tolerance tilt a low triangle by more than a tall one.
-    const double tilt = std::max(kLargestTilt, 3.0 * tolerance_ / height);
-    facets_.push_back(
-        {t, twice_area, unit(twice_area), tilt < 1.0 ? 1.0 - 0.5 * tilt * tilt : 0.0});
+    facets_.push_back({t, twice_area, unit(twice_area)});
   }
 
-  bool fits(const Plane<double>& plane, const Facet3& facet) const {
+  // Corners that are off by the tolerance tilt a low triangle by more than a tall one.
+  double least_cosine(const Facet3& facet) const {
+    const auto& [a, b, c] = facet.corners;
+    const double height =
+        norm(facet.twice_area) / std::max({norm(b - a), norm(c - a), norm(c - b)});
+    const double tilt = std::max(kLargestTilt, 3.0 * tolerance_ / height);
+    return tilt < 1.0 ? 1.0 - 0.5 * tilt * tilt : 0.0;
+  }
+
+  bool fits(const Plane<double>& plane, const FreeFacet& facet) const {
+    const Triangle& corners = facets_[facet.number].corners;
     return std::abs(dot(plane.normal, facet.normal)) >= facet.least_cosine &&
-           std::all_of(facet.corners.begin(), facet.corners.end(), [&](const Vec3d& corner) {
+           group_[facet.number] == kNone &&
+           std::all_of(corners.begin(), corners.end(), [&](const Vec3d& corner) {
              return std::abs(distance(plane, corner)) <= tolerance_;
            });
   }
@@ -84,23 +107,35 @@ class PlaneFinder {
     std::vector<std::size_t> members;
     for (int i = 0; i < kMostFits; ++i) {
       std::vector<std::size_t> met;
-      std::copy_if(free_.begin(), free_.end(), std::back_inserter(met), [&](std::size_t k) {
-        return k == seed || fits(plane, facets_[k]);
-      });
+      for (const FreeFacet& facet : free_) {
+        if (facet.number == seed || fits(plane, facet)) {
+          met.push_back(facet.number);
+        }
+      }
       if (met == members) {
         break;
       }
       members = std::move(met);
-      if (members.size() > 1) {
-        plane = fitted(members, first);
+      if (members.size() == 1) {
+        break;
+      }
+      const Plane<double> before = std::exchange(plane, fitted(members, first));
+      // Where planes are exact, as most are, nothing else comes within reach.
+      if (norm(plane.normal - before.normal) * size_ +
+              std::abs(distance(plane, first.corners[0]) - distance(before, first.corners[0])) <=
+          kNoChange * tolerance_) {
+        break;
       }
     }
     for (const std::size_t k : members) {
       group_[k] = number;
     }
-    free_.erase(std::remove_if(
-                    free_.begin(), free_.end(), [&](std::size_t k) { return group_[k] != kNone; }),
-                free_.end());
+    taken_ += members.size();
+    // Seldom, or moving the others would cost more than looking at them.
+    if (kCompaction * taken_ >= free_.size()) {
+      std::erase_if(free_, [&](const FreeFacet& f) { return group_[f.number] != kNone; });
+      taken_ = 0;
+    }
     return plane;
   }
 
@@ -152,10 +187,12 @@ class PlaneFinder {
   }
 
   double tolerance_;
+  double size_ = 0.0;  // how far apart corners may be [m]
   std::vector<Facet3> facets_;
   std::vector<std::size_t> group_;  // of each facet
   std::vector<std::size_t> largest_first_;
-  std::vector<std::size_t> free_;  // those without a group, the largest first
+  std::vector<FreeFacet> free_;  // the largest first
+  std::size_t taken_ = 0;        // of free_, by groups
 };
 
 }  // namespace
