@@ -60,6 +60,27 @@ std::string unset_clock_words(const RecordTimes& times) {
 
 Duration size_of(const ClockJump& jump) { return jump.to - jump.from; }
 
+std::string damage_words(const DamagedStamps& stamps) {
+  const bool late = stamps.ahead < Duration::zero();
+  std::string words = at(stamps.first) + "its time stamp lies ";
+  words += seconds_text(late ? -stamps.ahead : stamps.ahead);
+  words += late ? " behind" : " ahead of";
+  words += " its neighbours; ";
+  words += stamps.records > 1 ? std::to_string(stamps.records) + " packets from there on are"
+                              : std::string("it is");
+  words += " left out (";
+  return words + (late ? "time_went_back)" : "damaged_time)");
+}
+
+std::string clock_words(const ClockJump& jump) {
+  const Duration size = size_of(jump) - jump.pause;
+  const bool back = size < Duration::zero();
+  std::string words = at(jump.place) + "the clock was set ";
+  words += back ? "back by " : "forward by ";
+  words += seconds_text(back ? -size : size);
+  return words + (jump.was_set ? "; all times are told by the clock as it was at the end" : "");
+}
+
 }  // namespace
 
 void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
@@ -282,29 +303,17 @@ std::vector<std::string> words_of(const RecordTimes& times,
   constexpr std::size_t kMostLines = 3;
   std::vector<std::string> damaged;
   for (const DamagedStamps& stamps : times.damaged) {
-    const bool late = stamps.ahead < Duration::zero();
-    const std::string many = stamps.records > 1
-                                 ? std::to_string(stamps.records) + " packets from there on are"
-                                 : "it is";
-    damaged.push_back(name + ": " + at(stamps.first) + "its time stamp lies " +
-                      seconds_text(late ? -stamps.ahead : stamps.ahead) +
-                      (late ? " behind" : " ahead of") + " its neighbours; " + many +
-                      " left out (" + (late ? "time_went_back" : "damaged_time") + ")");
+    damaged.push_back(name + ": " + damage_words(stamps));
   }
   std::vector<std::string> set;
   std::vector<const ClockJump*> gaps;
   for (const ClockJump& jump : times.jumps) {
     const Duration size = size_of(jump) - jump.pause;
-    const bool back = size < Duration::zero();
-    if (!jump.was_set && !back) {
-      if (size > least_gap) {
-        gaps.push_back(&jump);
-      }
-      continue;
+    if (jump.was_set || size < Duration::zero()) {
+      set.push_back(name + ": " + clock_words(jump));
+    } else if (size > least_gap) {
+      gaps.push_back(&jump);
     }
-    set.push_back(name + ": " + at(jump.place) + "the clock was set " +
-                  (back ? "back by " : "forward by ") + seconds_text(back ? -size : size) +
-                  (jump.was_set ? "; all times are told by the clock as it was at the end" : ""));
   }
   std::vector<std::string> words;
   for (const auto& [lines, what] : {std::pair(&damaged, " more such places"),
@@ -313,7 +322,8 @@ std::vector<std::string> words_of(const RecordTimes& times,
                  lines->begin(),
                  lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
     if (lines->size() > kMostLines) {
-      words.push_back(name + ": " + std::to_string(lines->size() - kMostLines) + what);
+      const std::string more = std::to_string(lines->size() - kMostLines) + what;
+      words.push_back(name + ": " + more);
     }
   }
   if (const std::string year = unset_clock_words(times); !year.empty()) {
