@@ -301,16 +301,17 @@ std::vector<std::string> words_of(const RecordTimes& times,
                                   Duration least_gap) {
   // Of a file of which much is odd the first tell enough.
   constexpr std::size_t kMostLines = 3;
+  const std::string file = name + ": ";
   std::vector<std::string> damaged;
   for (const DamagedStamps& stamps : times.damaged) {
-    damaged.push_back(name + ": " + damage_words(stamps));
+    damaged.push_back(file + damage_words(stamps));
   }
   std::vector<std::string> set;
   std::vector<const ClockJump*> gaps;
   for (const ClockJump& jump : times.jumps) {
     const Duration size = size_of(jump) - jump.pause;
     if (jump.was_set || size < Duration::zero()) {
-      set.push_back(name + ": " + clock_words(jump));
+      set.push_back(file + clock_words(jump));
     } else if (size > least_gap) {
       gaps.push_back(&jump);
     }
@@ -322,12 +323,11 @@ std::vector<std::string> words_of(const RecordTimes& times,
                  lines->begin(),
                  lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
     if (lines->size() > kMostLines) {
-      const std::string more = std::to_string(lines->size() - kMostLines) + what;
-      words.push_back(name + ": " + more);
+      words.push_back(file + std::to_string(lines->size() - kMostLines) + what);
     }
   }
   if (const std::string year = unset_clock_words(times); !year.empty()) {
-    words.push_back(name + ": " + year);
+    words.push_back(file + year);
   }
   const auto longest =
       std::max_element(gaps.begin(), gaps.end(), [](const ClockJump* a, const ClockJump* b) {
@@ -335,8 +335,7 @@ std::vector<std::string> words_of(const RecordTimes& times,
       });
   if (longest != gaps.end()) {
     words.push_back(
-        name + ": " + at((*longest)->place) + "its time stamp is " +
-        seconds_text(size_of(**longest)) +
+        file + at((*longest)->place) + "its time stamp is " + seconds_text(size_of(**longest)) +
         " later than the one before: the clock was set, or nothing was received" +
         (gaps.size() > 1 ? " (the longest of " + std::to_string(gaps.size()) + " such gaps)" : ""));
   }

@@ -51,9 +51,10 @@ void note_recording(const RecordedSource& source,
                     const CsiReceiverCounters& decoded,
                     const std::string& access_point,
                     std::vector<std::string>& notes) {
+  const std::string whose = access_point.empty() ? "" : access_point + ": ";
   for (const std::vector<std::string>& words : {words_of(source.plan()), source.warnings()}) {
     for (const std::string& line : words) {
-      notes.push_back(access_point.empty() ? line : access_point + ": " + line);
+      notes.push_back(whose + line);
     }
   }
   const SourceCounters read = source.counters();
@@ -62,16 +63,14 @@ void note_recording(const RecordedSource& source,
   for (const auto& [reason, count] : decoded.rejected) {
     rejected[reason] += count;
   }
+  const std::string what = whose + source.description() + ": ";
   if (const std::string reasons = rejections_text(rejected); !reasons.empty()) {
-    notes.push_back((access_point.empty() ? "" : access_point + ": ") + source.description() +
-                    ": of " + std::to_string(read.received) + " packets rejected: " + reasons);
+    notes.push_back(what + "of " + std::to_string(read.received) + " packets rejected: " + reasons);
   }
-  if (read.rejected.contains("gap_mark")) {
-    notes.push_back(
-        (access_point.empty() ? "" : access_point + ": ") + source.description() +
-        ": gaps are marked in the recording: " + std::to_string(read.rejected.at("gap_mark")) +
-        ", with at least " + std::to_string(read.unrecorded) +
-        " datagrams that were received and not recorded");
+  if (const auto marks = read.rejected.find("gap_mark"); marks != read.rejected.end()) {
+    notes.push_back(what + "gaps are marked in the recording: " + std::to_string(marks->second) +
+                    ", with at least " + std::to_string(read.unrecorded) +
+                    " datagrams that were received and not recorded");
   }
 }
 

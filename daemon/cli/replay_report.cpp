@@ -19,13 +19,13 @@ std::uint64_t sum_of(const std::map<std::string, std::uint64_t>& counts) {
 }
 
 void report_source(const SourceReport& source, const std::vector<std::string>& notes) {
+  const std::uint64_t rejected = sum_of(source.source.rejected) + sum_of(source.receiver.rejected);
   std::fprintf(stderr,
                "%s: %s: %llu packets, %llu rejected, %llu frames (%llu partial)\n",
                source.access_point.c_str(),
                source.description.c_str(),
                static_cast<unsigned long long>(source.source.received),
-               static_cast<unsigned long long>(sum_of(source.source.rejected) +
-                                               sum_of(source.receiver.rejected)),
+               static_cast<unsigned long long>(rejected),
                static_cast<unsigned long long>(source.receiver.frames),
                static_cast<unsigned long long>(source.receiver.partial));
   for (const std::string& note : notes) {
