@@ -14,6 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/calibrate/calibration_verdict.h"
 #include "daemon/calibrate/refused_input.h"
 #include "engine/base/vec3.h"
 #include "engine/calibrate/room_calibration.h"
@@ -59,6 +60,7 @@ struct CalibrationReport {
   std::vector<PointFit> located;
   std::vector<HeldOutFixes> fixes;  // of the first method, the last was taken
   std::vector<RefusedInput> refused;
+  CalibrationVerdict verdict;
   std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known
 };
 

@@ -108,6 +108,37 @@ std::string headline(const CalibrationReport& report) {
   return html;
 }
 
+std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
+  constexpr std::size_t kMost = 10;
+  HtmlTable table{{"tried", "mean correlation", "as stated", "standard errors", "to change"}, {}};
+  for (std::size_t i = 0; i < std::min(mistakes.size(), kMost); ++i) {
+    const TriedMistake& one = mistakes[i];
+    table.rows.push_back({one.what,
+                          fmt::format("{:.2f}", one.explained),
+                          fmt::format("{:.2f}", one.stated),
+                          fmt::format("{:+.1f}", one.significance),
+                          one.remedy});
+  }
+  return to_html(table) +
+         paragraph(
+             "What people get wrong, best first, tried under the floor plan with chain gains of "
+             "one "
+             "half of the points and judged by the other half. Standard errors are those of the "
+             "mean difference, point by point.");
+}
+
+// Nothing of a success: then only the list of what was tried, behind all else.
+std::string failure(const CalibrationReport& report) {
+  if (report.verdict.is_success()) {
+    return "";
+  }
+  std::string html;
+  for (const std::string& reason : report.verdict.reasons) {
+    html += paragraph(reason);
+  }
+  return section("This calibration is no success", html + mistake_table(report.verdict.tried));
+}
+
 std::string loss_text(const std::vector<CalibrationStep>& history) {
   const auto least = std::min_element(
       history.begin(), history.end(), [](const auto& a, const auto& b) { return a.loss < b.loss; });
@@ -242,7 +273,7 @@ std::string to_html(const CalibrationReport& report) {
   RAYLOC_CHECK(!report.methods.empty() && report.positions.size() == report.held_out.size());
   return html_page(
       "Calibration of " + report.site,
-      headline(report) + section("Methods", method_table(report)) +
+      failure(report) + headline(report) + section("Methods", method_table(report)) +
           section("Course of the fit", progress(report)) +
           section("Fit of the points held out", fit_distributions(report)) +
           section("What moved",

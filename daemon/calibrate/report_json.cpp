@@ -132,6 +132,25 @@ Json refused_json(const std::vector<RefusedInput>& refused) {
   return all;
 }
 
+Json mistakes_json(const std::vector<TriedMistake>& mistakes) {
+  Json all = Json::array();
+  for (const TriedMistake& one : mistakes) {
+    all.push_back({{"what", one.what},
+                   {"change", one.remedy},
+                   {"correlation_as_stated", one.stated},
+                   {"correlation", one.explained},
+                   {"significance", one.significance}});
+  }
+  return all;
+}
+
+Json verdict_json(const CalibrationVerdict& verdict) {
+  return {{"success", verdict.is_success()},
+          {"reasons", verdict.reasons},
+          {"explained_by", mistakes_json(verdict.found)},
+          {"tried", mistakes_json(verdict.tried)}};
+}
+
 }  // namespace
 
 Json to_json(const CalibrationReport& report) {
@@ -144,6 +163,7 @@ Json to_json(const CalibrationReport& report) {
   const double wavelength = kSpeedOfLight / report.before.grid.centre_hz;
   constexpr double kMebibyte = 1024.0 * 1024.0;
   return {{"method", written.method},
+          {"verdict", verdict_json(report.verdict)},
           {"site", report.site},
           {"calibration_id", report.calibration_id},
           {"seed", report.seed},

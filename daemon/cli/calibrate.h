@@ -21,13 +21,19 @@ struct CalibrateArguments {
   std::uint64_t seed = 1;
   bool compare = false;
   bool resume = false;
-  bool force = false;
+  bool force = false;  // into a folder that is not empty, and what is no success
   bool quiet = false;
 };
 
-// Writes `out` as a complete site with report.json and report.html. An Error when the inputs do not
-// fit together, naming the row or the access point. SIGINT and SIGTERM end the fit: `out` then
-// holds the last good state, and the process ends by the signal.
-Expected<void> run_calibration(const CalibrateArguments& arguments);
+enum class CalibrationOutcome : std::uint8_t {
+  kExplains,  // a success, as far as the points held out tell
+  kFails,     // CalibrationVerdict says why; the site was written with `force` only
+};
+
+// Writes `out` as a complete site with report.json and report.html, or, where the calibration is no
+// success, the reports alone. An Error when the inputs do not fit together, naming the row or the
+// access point. SIGINT and SIGTERM end the fit: `out` then holds the last good state, and the
+// process ends by the signal.
+Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments);
 
 }  // namespace rayloc::cli

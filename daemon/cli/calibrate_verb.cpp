@@ -6,6 +6,7 @@
 #include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibrate_rechain.h"
 #include "daemon/cli/verb.h"
+#include "daemon/service/exit_status.h"
 
 namespace rayloc::cli {
 namespace {
@@ -18,22 +19,26 @@ struct Options {
   bool gains_only = false;
 };
 
-Expected<void> run(const Options& options) {
+Expected<int> done(const Expected<void>& result) {
+  return result.map([] { return 0; });
+}
+
+Expected<int> run(const Options& options) {
   CalibrateArguments calibrate = options.calibrate;
   if (options.make_plan) {
     PlanArguments plan = options.plan;
     plan.site = calibrate.site;
     plan.out = calibrate.out.empty() ? "-" : calibrate.out;
     plan.quiet = calibrate.quiet;
-    return run_plan(plan);
+    return done(run_plan(plan));
   }
   if (options.rechain && !calibrate.captures.empty() && !calibrate.out.empty()) {
-    return run_rechain({calibrate.site,
-                        calibrate.captures,
-                        calibrate.points,
-                        calibrate.out,
-                        calibrate.force,
-                        calibrate.quiet});
+    return done(run_rechain({calibrate.site,
+                             calibrate.captures,
+                             calibrate.points,
+                             calibrate.out,
+                             calibrate.force,
+                             calibrate.quiet}));
   }
   if (options.rechain) {
     return make_error(ErrorKind::kUsage, "--rechain needs --capture and --out");
@@ -56,7 +61,9 @@ Expected<void> run(const Options& options) {
   if (calibrate.resume && calibrate.method != "joint") {
     return make_error(ErrorKind::kUsage, "--resume goes on with the joint method only");
   }
-  return run_calibration(calibrate);
+  return run_calibration(calibrate).map([](CalibrationOutcome outcome) {
+    return outcome == CalibrationOutcome::kExplains ? 0 : kExitUnexplained;
+  });
 }
 
 RunVerb declare(CLI::App& app) {
@@ -95,7 +102,11 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--seed", options->calibrate.seed, "of the draw of those points")
       ->capture_default_str();
   app.add_flag("--resume", options->calibrate.resume, "goes on with what was interrupted in --out");
-  app.add_flag("--force", options->calibrate.force, "write into a folder that is not empty");
+  app.add_flag(
+      "--force",
+      options->calibrate.force,
+      "write into a folder that is not empty, and write a site that explains its survey no "
+      "better than the plan does (the exit status is 79 all the same)");
   app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
   return [options] { return run(*options); };
 }
@@ -109,7 +120,10 @@ const Verb kCalibrate = {"calibrate",
                          "  rayloc calibrate office --capture ap1=survey.pcap --points survey.csv "
                          "--out office-calibrated\n"
                          "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
-                         "--out office-today",
+                         "--out office-today\n"
+                         "Exit status 79: the calibration explains the survey no better than the "
+                         "plan does, or the site contradicts it; standard error and report.json "
+                         "say why, and without --force no site is written",
                          declare};
 
 }  // namespace rayloc::cli

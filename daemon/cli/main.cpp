@@ -19,9 +19,9 @@ int run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kExitUsage;
   }
-  const Expected<void> result = chosen();
+  const Expected<int> result = chosen();
   if (result) {
-    return std::fflush(stdout) == 0 ? 0 : exit_status(ErrorKind::kUnavailable);
+    return std::fflush(stdout) == 0 ? *result : exit_status(ErrorKind::kUnavailable);
   }
   if (!result.error().message.empty()) {
     std::fprintf(stderr, "rayloc: %s\n", printable(result.error().message, '\n').c_str());

@@ -48,6 +48,10 @@ a fault of rayloc itself
 .TP
 .B 78
 the configuration is wrong
+.TP
+.B 79
+a calibration is no success: it explains its survey no better than the plan does, or the survey
+contradicts the site
 .SH SEE ALSO
 .BR raylocd (8),
 .BR raylocd.toml (5)

@@ -33,7 +33,7 @@ RunVerb declare(CLI::App& app) {
     RunVerb run = part.declare(*sub);
     parts.emplace_back(sub, std::move(run));
   }
-  return [parts = std::move(parts)]() -> Expected<void> {
+  return [parts = std::move(parts)]() -> Expected<int> {
     for (const auto& [sub, run] : parts) {
       if (sub->parsed()) {
         return run();

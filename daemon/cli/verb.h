@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <type_traits>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 
@@ -10,8 +12,24 @@
 namespace rayloc::cli {
 
 // Runs the verb once the command line is parsed. An Error becomes a line on stderr and the exit
-// status of INTERFACE 1.
-using RunVerb = std::function<Expected<void>()>;
+// status of INTERFACE 1. A verb that is done ends with 0, or with the status that it returns.
+class RunVerb {
+ public:
+  RunVerb() = default;
+  template <typename Run, typename = std::enable_if_t<!std::is_same_v<std::decay_t<Run>, RunVerb>>>
+  RunVerb(Run run)  // NOLINT(google-explicit-constructor): what declares a verb returns a lambda
+      : run_([run = std::move(run)] { return status_of(run()); }) {}
+
+  Expected<int> operator()() const { return run_(); }
+
+ private:
+  static Expected<int> status_of(Expected<int> result) { return result; }
+  static Expected<int> status_of(const Expected<void>& result) {
+    return result.map([] { return 0; });
+  }
+
+  std::function<Expected<int>()> run_;
+};
 
 struct Verb {
   const char* name;

@@ -7,6 +7,8 @@ namespace rayloc {
 
 constexpr int kExitUsage = 64;
 constexpr int kExitInternal = 70;
+// Behind those of sysexits.h: all was done, and a calibration is no success.
+constexpr int kExitUnexplained = 79;
 
 constexpr int exit_status(ErrorKind kind) {
   switch (kind) {

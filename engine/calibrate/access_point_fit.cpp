@@ -1,6 +1,7 @@
 #include "engine/calibrate/access_point_fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -94,11 +95,13 @@ ObservationModel::Place AccessPointCalibrator::place(const Sample& sample,
 
 ChainGains AccessPointCalibrator::principal_gains(const std::vector<Vec3d>& offsets,
                                                   const ModelError& error,
-                                                  std::vector<double>* sigma) const {
+                                                  std::vector<double>* sigma,
+                                                  const Part& part) const {
   ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
-  std::vector<ArrayPair> pairs(samples_.size());
-  parallel_for(samples_.size(), 4, [&](std::size_t i) {
-    pairs[i] = {samples_[i].h, model_.expected(place(samples_[i], offsets), error)};
+  std::vector<ArrayPair> pairs((samples_.size() - part.first + part.step - 1) / part.step);
+  parallel_for(pairs.size(), 4, [&](std::size_t i) {
+    const Sample& sample = samples_[part.first + i * part.step];
+    pairs[i] = {sample.h, model_.expected(place(sample, offsets), error)};
     apply_coupling(gains, pairs[i].expected);
   });
   ChainRipple ripple = chain_ripple(Aligner(grid_), grid_, std::move(pairs));
@@ -142,12 +145,12 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
   const ModelError error = fit.error.value();
   fit.yaw_offset = maximise(scan, 0.0, [&](double yaw) {
     const auto turned = offsets(yaw);
-    const auto gains = principal_gains(turned, error, nullptr);
+    const auto gains = principal_gains(turned, error, nullptr, {});
     const double prior = yaw / kYawPrior;
     return kEvidence * log_likelihood(observe(gains), turned, error) - 0.5 * prior * prior;
   });
   fit.gain_sigma.clear();
-  fit.gains = principal_gains(offsets(fit.yaw_offset.value), error, &fit.gain_sigma);
+  fit.gains = principal_gains(offsets(fit.yaw_offset.value), error, &fit.gain_sigma, {});
 }
 
 void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
@@ -182,7 +185,7 @@ Expected<AccessPointFit> AccessPointCalibrator::fit(ArrayFit array) const {
     if (array == ArrayFit::kFitted) {
       fit_yaw(*fit);
     } else {
-      principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma);
+      principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma, {});
       fit->gains = access_point_.gains;
     }
     fit_error(*fit);
@@ -193,7 +196,7 @@ Expected<AccessPointFit> AccessPointCalibrator::fit(ArrayFit array) const {
 Expected<AccessPointFit> AccessPointCalibrator::fit_gains() const {
   auto fit = start();
   if (fit) {
-    fit->gains = principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma);
+    fit->gains = principal_gains(offsets(0.0), fit->error.value(), &fit->gain_sigma, {});
   }
   return fit;
 }
@@ -213,6 +216,35 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
         aligner.align(model_.expected(place(samples_[i], turned), error), h).correlation;
   });
   return each;
+}
+
+std::vector<std::optional<double>> AccessPointCalibrator::crossed_correlations(
+    const std::vector<Vec3d>& offsets) const {
+  std::vector<std::optional<double>> each(given_);
+  constexpr std::size_t kHalves = 2;
+  if (samples_.size() / kHalves < kLeastSamples) {
+    return each;
+  }
+  const ModelError error = assumed_model_error().value();
+  std::array<ChainGains, kHalves> gains;
+  for (std::size_t half = 0; half < kHalves; ++half) {
+    gains.at(half) = principal_gains(offsets, error, nullptr, {half, kHalves});
+  }
+  const Aligner aligner(grid_);
+  parallel_for(samples_.size(), 4, [&](std::size_t i) {
+    auto h = samples_[i].h;
+    remove_gains(gains.at((i + 1) % kHalves), h);
+    each[samples_[i].index] =
+        aligner.align(model_.expected(place(samples_[i], offsets), error), h).correlation;
+  });
+  return each;
+}
+
+AccessPointCalibrator AccessPointCalibrator::at_carrier(double centre_hz) const {
+  AccessPointCalibrator other = *this;
+  other.grid_.centre_hz = centre_hz;
+  other.model_ = ObservationModel(other.grid_, access_point_.cores.size());
+  return other;
 }
 
 double AccessPointCalibrator::correlation(const AccessPointFit* fit) const {

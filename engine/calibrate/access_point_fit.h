@@ -64,6 +64,13 @@ class AccessPointCalibrator {
   double correlation(const AccessPointFit* fit) const;
   // The same of each sample that was given; nothing where no ray reaches it.
   std::vector<std::optional<double>> correlations(const AccessPointFit* fit) const;
+  // The same of each sample with gains that have not seen it: those of every second sample judge
+  // the others. As if the elements stood at `offsets` [m] from the array's position, world axes;
+  // the rays are those of the array as it is. Nothing of any sample where half of the samples are
+  // fewer than kLeastSamples.
+  std::vector<std::optional<double>> crossed_correlations(const std::vector<Vec3d>& offsets) const;
+  // As if the carrier were another: the rays stay, their phases are those of another wave.
+  AccessPointCalibrator at_carrier(double centre_hz) const;
 
   std::size_t usable_samples() const { return samples_.size(); }
 
@@ -78,9 +85,15 @@ class AccessPointCalibrator {
   Expected<AccessPointFit> start() const;
   std::vector<Vec3d> offsets(double yaw_offset) const;
   ObservationModel::Place place(const Sample& sample, const std::vector<Vec3d>& offsets) const;
+  // Every `step`-th of the samples, from `first` on.
+  struct Part {
+    std::size_t first = 0;
+    std::size_t step = 1;
+  };
   ChainGains principal_gains(const std::vector<Vec3d>& offsets,
                              const ModelError& error,
-                             std::vector<double>* sigma) const;
+                             std::vector<double>* sigma,
+                             const Part& part) const;
   std::vector<ObservedArray> observe(const ChainGains& gains) const;
   double log_likelihood(const std::vector<ObservedArray>& observed,
                         const std::vector<Vec3d>& offsets,

@@ -1,161 +1,26 @@
 #include "engine/calibrate/input_check.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
-#include <functional>
+#include <cstddef>
 #include <initializer_list>
-#include <map>
+#include <iterator>
+#include <numeric>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
-#include "engine/base/check.h"
-#include "engine/base/log_odds.h"
-#include "engine/base/median.h"
-#include "engine/calibrate/access_point_fit.h"
+#include "engine/base/fixed_text.h"
+#include "engine/calibrate/array_mistakes.h"
+#include "engine/calibrate/place_mistakes.h"
+#include "engine/calibrate/stated_survey.h"
 
 namespace rayloc {
 namespace {
 
-using Correlations = std::vector<std::optional<double>>;  // of each point
-
-// Where a point really was, if the survey made one mistake.
-struct Mistake {
-  std::string meaning;
-  std::function<Vec3d(std::size_t)> place;
-};
-
-std::vector<Mistake> mistakes_of_survey(std::span<const CalibrationPoint> points) {
-  const std::size_t count = points.size();
-  const auto at = [=](std::size_t i) { return points[i % count].position; };
-  return {
-      {"with x and y exchanged",
-       [=](std::size_t i) {
-         return Vec3d{at(i).y, at(i).x, at(i).z};
-       }},
-      {"with the sign of x changed",
-       [=](std::size_t i) {
-         return Vec3d{-at(i).x, at(i).y, at(i).z};
-       }},
-      {"with the sign of y changed",
-       [=](std::size_t i) {
-         return Vec3d{at(i).x, -at(i).y, at(i).z};
-       }},
-      {"with the signs of x and y changed",
-       [=](std::size_t i) {
-         return Vec3d{-at(i).x, -at(i).y, at(i).z};
-       }},
-      {"with every place moved one row up", [=](std::size_t i) { return at(i + 1); }},
-      {"with every place moved one row down", [=](std::size_t i) { return at(i + count - 1); }}};
-}
-
-bool is_inside(const RoomModel& room, const Vec3d& p) {
-  return p.x >= room.bounds_min.x && p.x <= room.bounds_max.x && p.y >= room.bounds_min.y &&
-         p.y <= room.bounds_max.y && p.z >= room.bounds_min.z && p.z <= room.bounds_max.z;
-}
-
-// The measurement of `from`'s chains in the order of `to`'s; empty when they are not the same.
-std::vector<std::complex<double>> reordered(const std::vector<std::complex<double>>& h,
-                                            const RoomAccessPoint& from,
-                                            const RoomAccessPoint& to,
-                                            std::size_t tones) {
-  if (from.cores.size() != to.cores.size()) {
-    return {};
-  }
-  std::vector<std::complex<double>> result;
-  for (const std::uint8_t core : to.cores) {
-    const auto found = std::find(from.cores.begin(), from.cores.end(), core);
-    if (found == from.cores.end()) {
-      return {};
-    }
-    const auto row = h.begin() + (found - from.cores.begin()) * static_cast<std::ptrdiff_t>(tones);
-    result.insert(result.end(), row, row + static_cast<std::ptrdiff_t>(tones));
-  }
-  return result;
-}
-
-struct Hypothesis {
-  std::size_t recorded = 0;  // the access point whose recording it is said to be
-  std::size_t pose = 0;      // the one that stands where it was recorded
-  std::function<Vec3d(std::size_t)> place;
-};
-
-// How well the hypothesis explains each point; nothing where it was not heard or is not reached.
-Correlations explain(const RoomModel& room,
-                     std::span<const CalibrationPoint> points,
-                     const Hypothesis& hypothesis) {
-  const auto& aps = room.access_points;
-  std::vector<CalibrationSample> samples;
-  std::vector<std::size_t> point_of;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto& h = points[i].h.at(hypothesis.recorded);
-    if (h.empty()) {
-      continue;
-    }
-    auto rows = reordered(h, aps[hypothesis.recorded], aps[hypothesis.pose], room.grid.size());
-    if (!rows.empty()) {
-      samples.push_back({hypothesis.place(i), std::move(rows)});
-      point_of.push_back(i);
-    }
-  }
-  Correlations result(points.size());
-  const AccessPointCalibrator calibrator(room, hypothesis.pose, std::move(samples));
-  if (const auto fit = calibrator.fit_gains()) {
-    const Correlations each = calibrator.correlations(&*fit);
-    for (std::size_t i = 0; i < each.size(); ++i) {
-      result[point_of[i]] = each[i];
-    }
-  }
-  return result;
-}
-
-// Paired comparison of two hypotheses.
-class Comparison {
- public:
-  void add(const Correlations& stated, const Correlations& other) {
-    for (std::size_t i = 0; i < stated.size(); ++i) {
-      if (stated[i] && other[i]) {
-        difference_.push_back(*other[i] - *stated[i]);
-        stated_ += *stated[i];
-        other_ += *other[i];
-      }
-    }
-  }
-  // Mean difference over its standard error; 0 where nothing can be said.
-  double significance() const {
-    const auto count = static_cast<double>(difference_.size());
-    if (difference_.size() < kLeastPairs) {
-      return 0.0;
-    }
-    double mean = 0.0;
-    for (const double d : difference_) {
-      mean += d / count;
-    }
-    double square = 0.0;
-    for (const double d : difference_) {
-      square += (d - mean) * (d - mean);
-    }
-    const double error = std::sqrt(square / (count * (count - 1.0)));
-    return error > 0.0 ? mean / error : 0.0;
-  }
-  bool empty() const { return difference_.empty(); }
-  double stated() const { return stated_ / static_cast<double>(difference_.size()); }
-  double other() const { return other_ / static_cast<double>(difference_.size()); }
-
- private:
-  std::vector<double> difference_;
-  double stated_ = 0.0;
-  double other_ = 0.0;
-};
-
-std::string number_text(double value) {
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, 2);
-  return {text.data(), end.ptr};
-}
+using Kind = TriedMistake::Kind;
+using Comparisons = std::vector<PairedComparison>;  // of each access point
 
 std::string concatenated(std::initializer_list<std::string_view> parts) {
   std::string text;
@@ -165,51 +30,26 @@ std::string concatenated(std::initializer_list<std::string_view> parts) {
   return text;
 }
 
-struct Finding {
-  double significance = kClearly;  // to be exceeded
-  std::string message;             // empty: no mistake is clearly better
-};
+std::string quoted(const std::string& id) { return "'" + id + "'"; }
 
-// An access point whose place explains the recording clearly better than its own.
-void compare_access_points(const RoomModel& room,
-                           std::span<const CalibrationPoint> points,
-                           const std::vector<Correlations>& stated,
-                           Finding& finding) {
-  const auto as_stated = [&](std::size_t i) { return points[i].position; };
-  for (std::size_t i = 0; i < stated.size(); ++i) {
-    for (std::size_t j = 0; j < stated.size(); ++j) {
-      Comparison comparison;
-      if (i != j) {
-        comparison.add(stated[i], explain(room, points, {i, j, as_stated}));
-      }
-      if (comparison.significance() > finding.significance) {
-        const std::string& own = room.access_points[i].id;
-        const std::string& other = room.access_points[j].id;
-        finding = {comparison.significance(),
-                   concatenated({"the recording given for access point '",
-                                 own,
-                                 "' fits the place of access point '",
-                                 other,
-                                 "' (mean correlation ",
-                                 number_text(comparison.other()),
-                                 ") better than that of '",
-                                 own,
-                                 "' (",
-                                 number_text(comparison.stated()),
-                                 "): are the recordings of the two exchanged?"})};
-      }
-    }
-  }
+TriedMistake tried(Kind kind, const PairedComparison& comparison) {
+  TriedMistake mistake;
+  mistake.kind = kind;
+  mistake.stated = comparison.stated();
+  mistake.explained = comparison.other();
+  mistake.gained = comparison.gained();
+  mistake.significance = comparison.significance();
+  return mistake;
 }
 
 // "(0.71 at ap1, 0.66 at ap2)", of those where both hypotheses say something.
 std::string means_text(const RoomModel& room,
-                       const std::vector<Comparison>& each,
-                       double (Comparison::*mean)() const) {
+                       const Comparisons& each,
+                       double (PairedComparison::*mean)() const) {
   std::string text;
   for (std::size_t ap = 0; ap < each.size(); ++ap) {
     if (!each[ap].empty()) {
-      text += (text.empty() ? "(" : ", ") + number_text((each[ap].*mean)()) + " at " +
+      text += (text.empty() ? "(" : ", ") + fixed_text((each[ap].*mean)()) + " at " +
               room.access_points[ap].id;
     }
   }
@@ -217,144 +57,317 @@ std::string means_text(const RoomModel& room,
 }
 
 // "(-1.54, 1.10, 1.20)", the point, as stated, at which the other hypothesis is better by most.
-std::string clearest_point(std::span<const CalibrationPoint> points,
-                           const std::vector<Correlations>& stated,
-                           const std::vector<Correlations>& other) {
-  std::vector<double> better(points.size());
-  for (std::size_t ap = 0; ap < stated.size(); ++ap) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (stated[ap][i] && other[ap][i]) {
-        better[i] += *other[ap][i] - *stated[ap][i];
+std::string clearest_point(const StatedSurvey& survey, const std::vector<Correlations>& other) {
+  std::vector<double> better(survey.points().size());
+  for (std::size_t ap = 0; ap < other.size(); ++ap) {
+    const Correlations& stated = survey.stated()[ap];
+    for (std::size_t i = 0; i < stated.size(); ++i) {
+      if (stated[i] && other[ap][i]) {
+        better[i] += *other[ap][i] - *stated[i];
       }
     }
   }
   const auto most = std::max_element(better.begin(), better.end()) - better.begin();
-  const Vec3d& p = points[static_cast<std::size_t>(most)].position;
-  return concatenated({"(", number_text(p.x), ", ", number_text(p.y), ", ", number_text(p.z), ")"});
+  const Vec3d& p = survey.points()[static_cast<std::size_t>(most)].position;
+  return concatenated({"(", fixed_text(p.x), ", ", fixed_text(p.y), ", ", fixed_text(p.z), ")"});
 }
 
 // A mistake of the points shows at all access points.
-void compare_places(const RoomModel& room,
-                    std::span<const CalibrationPoint> points,
-                    const std::vector<Correlations>& stated,
-                    Finding& finding) {
-  for (const Mistake& mistake : mistakes_of_survey(points)) {
-    Comparison comparison;
-    std::vector<Comparison> each(stated.size());
+std::vector<TriedMistake> try_places(const StatedSurvey& survey) {
+  std::vector<TriedMistake> all;
+  const std::size_t count = survey.stated().size();
+  for (const PlaceMistake& mistake : mistakes_of_places(survey.room(), survey.points())) {
+    PairedComparison comparison;
+    Comparisons each(count);
     std::vector<Correlations> other;
-    bool possible = true;  // the truth lies inside of the room
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      possible = possible && is_inside(room, mistake.place(i));
+    for (std::size_t ap = 0; ap < count; ++ap) {
+      other.push_back(survey.at_places(ap, mistake.place));
+      comparison.add(survey.stated()[ap], other.back());
+      each[ap].add(survey.stated()[ap], other.back());
     }
-    for (std::size_t ap = 0; possible && ap < stated.size(); ++ap) {
-      other.push_back(explain(room, points, {ap, ap, mistake.place}));
-      comparison.add(stated[ap], other.back());
-      each[ap].add(stated[ap], other.back());
+    if (comparison.empty()) {
+      continue;
     }
-    if (comparison.significance() > finding.significance) {
-      finding = {comparison.significance(),
-                 concatenated({"the recordings fit the points ",
-                               mistake.meaning,
-                               " (mean correlation ",
-                               means_text(room, each, &Comparison::other).substr(1),
-                               " better than the points as stated ",
-                               means_text(room, each, &Comparison::stated),
-                               ", most clearly the one stated to be at ",
-                               clearest_point(points, stated, other),
-                               ": check the columns, axes and rows of the points"})};
-    }
+    TriedMistake one = tried(Kind::kPlaces, comparison);
+    one.what = "the points " + mistake.meaning;
+    one.remedy = "check the columns, axes and rows of the points";
+    one.message = concatenated({"the recordings fit the points ",
+                                mistake.meaning,
+                                " (mean correlation ",
+                                means_text(survey.room(), each, &PairedComparison::other).substr(1),
+                                " better than the points as stated ",
+                                means_text(survey.room(), each, &PairedComparison::stated),
+                                ", most clearly the one stated to be at ",
+                                clearest_point(survey, other),
+                                ": ",
+                                one.remedy});
+    all.push_back(std::move(one));
   }
+  return all;
 }
 
-// The usual fit at an access point.
-struct Usual {
-  double share = 0.0;
-  double log_odds = 0.0;
-  double deviation = 0.0;
+// Of each access point, whose place its recording is said to be of; itself where it is as stated.
+using Assignment = std::vector<std::size_t>;
+
+// One recording given for another access point, and of up to kAllOrders access points all in every
+// order, of more any two exchanged.
+std::set<Assignment> other_assignments(const StatedSurvey& survey) {
+  const std::size_t count = survey.stated().size();
+  Assignment own(count);
+  std::iota(own.begin(), own.end(), std::size_t{0});
+  std::set<Assignment> all;
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < count; ++j) {
+      Assignment moved = own;
+      moved[i] = j;
+      all.insert(moved);
+      moved[j] = i;
+      all.insert(moved);
+    }
+  }
+  Assignment order = own;
+  while (count <= kAllOrders && std::next_permutation(order.begin(), order.end())) {
+    all.insert(order);
+  }
+  std::set<Assignment> heard;  // where there is no recording nothing is moved
+  for (Assignment one : all) {
+    for (std::size_t i = 0; i < count; ++i) {
+      one[i] = survey.is_recorded(i) ? one[i] : i;
+    }
+    heard.insert(std::move(one));
+  }
+  heard.erase(own);
+  return heard;
+}
+
+struct MovedRecording {
+  std::string from;
+  std::string to;
+  PairedComparison comparison;
 };
 
-std::optional<Usual> usual_fit(const std::vector<double>& shares) {
-  if (shares.size() < kLeastPairs) {
-    return std::nullopt;
+TriedMistake told(const std::vector<MovedRecording>& moved, TriedMistake mistake) {
+  std::string fits;
+  for (const MovedRecording& one : moved) {
+    const std::string from = quoted(one.from);
+    const std::string to = quoted(one.to);
+    mistake.what += (mistake.what.empty() ? "" : ", ") +
+                    concatenated({"the recording of access point ", from, " as that of ", to});
+    mistake.remedy += (mistake.remedy.empty() ? "" : ", ") +
+                      concatenated({"--capture ", one.to, "= with what is given for ", one.from});
+    fits += (fits.empty() ? "the recording given for access point "
+                          : ", and that given for access point ") +
+            concatenated({from,
+                          " fits the place of access point ",
+                          to,
+                          " (mean correlation ",
+                          fixed_text(one.comparison.other()),
+                          ") better than that of ",
+                          from,
+                          " (",
+                          fixed_text(one.comparison.stated()),
+                          ")"});
   }
-  // Shares that agree to the last digit are no reason to refuse the next one.
-  constexpr double kLeastDeviation = 0.3;
-  constexpr double kOfNormal = 1.4826;
-  // How far the deviation of n values may be off itself: twice its relative error, 1.17 / sqrt(n).
-  const double allowance = 1.0 + 2.0 * 1.17 / std::sqrt(static_cast<double>(shares.size()));
-  Usual usual;
-  usual.share = median(shares);
-  usual.log_odds = log_odds(usual.share);
-  std::vector<double> away;
-  away.reserve(shares.size());
-  for (const double share : shares) {
-    away.push_back(std::abs(log_odds(share) - usual.log_odds));
+  mistake.message = concatenated({fits,
+                                  ": are the recordings of ",
+                                  moved.size() > 2 ? "these access points" : "the two",
+                                  " exchanged? Then give ",
+                                  mistake.remedy});
+  return mistake;
+}
+
+std::vector<TriedMistake> try_recordings(const StatedSurvey& survey) {
+  const std::size_t count = survey.stated().size();
+  std::vector<std::vector<Correlations>> as(count, std::vector<Correlations>(count));
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = 0; j < count; ++j) {
+      if (i != j && survey.is_recorded(i)) {
+        as[i][j] = survey.as_another(i, j);
+      }
+    }
   }
-  usual.deviation = allowance * std::max(kOfNormal * median(std::move(away)), kLeastDeviation);
-  return usual;
+  std::vector<TriedMistake> all;
+  for (const Assignment& assignment : other_assignments(survey)) {
+    PairedComparison comparison;
+    std::vector<MovedRecording> moved;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = assignment[i];
+      if (i == j) {
+        continue;
+      }
+      comparison.add(survey.stated()[i], as[i][j]);
+      moved.push_back({survey.room().access_points[i].id, survey.room().access_points[j].id, {}});
+      moved.back().comparison.add(survey.stated()[i], as[i][j]);
+    }
+    const bool possible = std::none_of(
+        moved.begin(), moved.end(), [](const auto& one) { return one.comparison.empty(); });
+    if (possible) {
+      all.push_back(told(moved, tried(Kind::kRecordings, comparison)));
+    }
+  }
+  return all;
+}
+
+bool same(const Correlations& a, const Correlations& b) {
+  constexpr double kRounding = 1e-6;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (a[i].has_value() != b[i].has_value() || (a[i] && std::abs(*a[i] - *b[i]) > kRounding)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Of one access point. Mistakes that no recording tells apart are one: which it is, people see.
+std::vector<TriedMistake> try_arrays(const StatedSurvey& survey, std::size_t ap) {
+  const RoomAccessPoint& access_point = survey.room().access_points[ap];
+  const Correlations& stated = survey.stated()[ap];
+  struct Distinct {
+    Correlations explained;
+    std::string meaning;
+    std::string remedy;
+  };
+  std::vector<Distinct> distinct;
+  for (ArrayMistake& mistake : mistakes_of_array(access_point)) {
+    Correlations explained = survey.with_array(ap, mistake.array);
+    if (same(explained, stated)) {
+      continue;
+    }
+    const auto known = std::find_if(distinct.begin(), distinct.end(), [&](const Distinct& one) {
+      return same(one.explained, explained);
+    });
+    if (known == distinct.end()) {
+      distinct.push_back(
+          {std::move(explained), std::move(mistake.meaning), std::move(mistake.remedy)});
+    } else {
+      known->meaning += ", or " + mistake.meaning;
+      known->remedy += ", or " + mistake.remedy;
+    }
+  }
+  std::vector<TriedMistake> all;
+  for (const Distinct& one : distinct) {
+    PairedComparison comparison;
+    comparison.add(stated, one.explained);
+    if (comparison.empty()) {
+      continue;
+    }
+    TriedMistake mistake = tried(Kind::kArray, comparison);
+    const std::string id = quoted(access_point.id);
+    mistake.what = concatenated({"access point ", id, " ", one.meaning});
+    mistake.remedy = concatenated({"in site.toml, of access point ", id, ": ", one.remedy});
+    mistake.message = concatenated({"the recording of access point ",
+                                    id,
+                                    " fits it ",
+                                    one.meaning,
+                                    " (mean correlation ",
+                                    fixed_text(mistake.explained),
+                                    ") better than as the site states it (",
+                                    fixed_text(mistake.stated),
+                                    "): write ",
+                                    mistake.remedy});
+    all.push_back(std::move(mistake));
+  }
+  return all;
+}
+
+bool gains_less(const TriedMistake& a, const TriedMistake& b) { return a.gained < b.gained; }
+
+// The clear one that gains most.
+std::optional<TriedMistake> clearest(const std::vector<TriedMistake>& mistakes) {
+  const TriedMistake* best = nullptr;
+  for (const TriedMistake& one : mistakes) {
+    if (is_clear(one) && (best == nullptr || gains_less(*best, one))) {
+      best = &one;
+    }
+  }
+  return best == nullptr ? std::nullopt : std::optional(*best);
+}
+
+double gained_by(const std::vector<TriedMistake>& mistakes) {
+  return std::accumulate(mistakes.begin(), mistakes.end(), 0.0, [](double sum, const auto& one) {
+    return sum + one.gained;
+  });
+}
+
+void keep_better(std::vector<TriedMistake> mistakes, std::vector<TriedMistake>& found) {
+  if (gained_by(mistakes) > gained_by(found)) {
+    found = std::move(mistakes);
+  }
 }
 
 }  // namespace
 
-std::vector<PointRefusal> misfitting_points(const RoomModel& room,
-                                            std::span<const PointFit> fits,
-                                            double PointFit::*share) {
-  std::map<std::size_t, std::vector<double>> shares;  // by access point
-  for (const PointFit& fit : fits) {
-    shares[fit.access_point].push_back(fit.*share);
-  }
-  struct Sum {
-    double deviations = 0.0;
-    double count = 0.0;
-    std::string own;
-    std::string others;
-  };
-  std::map<std::size_t, Sum> sums;  // by point
-  for (const auto& [ap, of_ap] : shares) {
-    const auto usual = usual_fit(of_ap);
-    for (const PointFit& fit : fits) {
-      if (!usual || fit.access_point != ap) {
-        continue;
-      }
-      Sum& sum = sums[fit.point];
-      sum.deviations += (log_odds(fit.*share) - usual->log_odds) / usual->deviation;
-      sum.count += 1.0;
-      sum.own += (sum.own.empty() ? "" : ", ") + number_text(fit.*share) + " (" +
-                 room.access_points.at(ap).id + ")";
-      sum.others += (sum.others.empty() ? "" : ", ") + number_text(usual->share);
-    }
-  }
-  std::vector<PointRefusal> refused;
-  for (const auto& [point, sum] : sums) {
-    if (sum.deviations / std::sqrt(sum.count) < -kFarBelow) {
-      refused.push_back({point,
-                         "fits its place by " + sum.own + " where the others fit by " + sum.others +
-                             ": wrong place or time?"});
-    }
-  }
-  return refused;
+bool is_clear(const TriedMistake& mistake) {
+  const bool of_site = mistake.kind == Kind::kArray || mistake.kind == Kind::kCarrier;
+  const double least = of_site ? kSubstantial : 0.0;
+  return mistake.significance > kClearly &&
+         mistake.explained - mistake.stated > least * (1.0 - mistake.stated);
 }
 
-Expected<std::vector<PointRefusal>> check_calibration_inputs(
-    const RoomModel& room, std::span<const CalibrationPoint> points) {
-  std::vector<Correlations> stated;
-  std::vector<PointFit> fits;
-  for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    stated.push_back(
-        explain(room, points, {ap, ap, [&](std::size_t i) { return points[i].position; }}));
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (stated[ap][i]) {
-        fits.push_back({i, ap, *stated[ap][i], *stated[ap][i]});
-      }
+InputCheck check_calibration_inputs(const RoomModel& room,
+                                    std::span<const CalibrationPoint> points) {
+  InputCheck check;
+  const StatedSurvey survey(room, points);
+  const auto add = [&](std::vector<TriedMistake> mistakes) {
+    std::move(mistakes.begin(), mistakes.end(), std::back_inserter(check.tried));
+  };
+  for (auto mistakes : {try_places(survey), try_recordings(survey)}) {
+    if (auto best = clearest(mistakes)) {
+      keep_better({*std::move(best)}, check.found);
     }
+    add(std::move(mistakes));
   }
-  Finding finding;
-  compare_access_points(room, points, stated, finding);
-  compare_places(room, points, stated, finding);
-  if (!finding.message.empty()) {
-    return bad_input(std::move(finding.message));
+  std::vector<TriedMistake> arrays;  // of each access point that stands otherwise
+  for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
+    auto mistakes = try_arrays(survey, ap);
+    if (auto best = clearest(mistakes)) {
+      arrays.push_back(*std::move(best));
+    }
+    add(std::move(mistakes));
   }
-  return misfitting_points(room, fits, &PointFit::before);
+  keep_better(std::move(arrays), check.found);
+  std::stable_sort(check.tried.begin(), check.tried.end(), [](const auto& a, const auto& b) {
+    return gains_less(b, a);
+  });
+  if (check.found.empty()) {
+    check.misfits = misfitting_points(room, survey.fits(), &PointFit::before);
+  }
+  return check;
+}
+
+std::vector<TriedMistake> try_carriers(const RoomModel& room,
+                                       std::span<const CalibrationPoint> points) {
+  const StatedSurvey survey(room, points);
+  // Of the whole channel, null tones at its edges and all.
+  const double used = room.grid.spacing_hz *
+                      static_cast<double>(room.grid.tone_index.back() - room.grid.tone_index[0]);
+  constexpr double kNarrowest = 20e6;
+  const double width = kNarrowest * std::ceil(used / kNarrowest);
+  std::vector<TriedMistake> all;
+  for (const double widths : {-2.0, -1.0, 1.0, 2.0}) {
+    const double centre_hz = room.grid.centre_hz + widths * width;
+    PairedComparison comparison;
+    for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
+      comparison.add(survey.stated()[ap], survey.at_carrier(ap, centre_hz));
+    }
+    if (comparison.empty()) {
+      continue;
+    }
+    TriedMistake mistake = tried(Kind::kCarrier, comparison);
+    const std::string centre = std::to_string(std::llround(centre_hz));
+    mistake.what = "a channel with its centre at " + centre + " Hz";
+    mistake.remedy = "in site.toml, [carrier]: centre_hz = " + centre + " and its channel";
+    mistake.message = concatenated({"the recordings fit ",
+                                    mistake.what,
+                                    " (mean correlation ",
+                                    fixed_text(mistake.explained),
+                                    ") better than that of the site (",
+                                    fixed_text(mistake.stated),
+                                    "): write ",
+                                    mistake.remedy});
+    all.push_back(std::move(mistake));
+  }
+  return all;
 }
 
 }  // namespace rayloc

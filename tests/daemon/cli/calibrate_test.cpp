@@ -301,5 +301,98 @@ TEST_F(CalibrateVerb, RefusesAnAccessPointThatTheSiteDoesNotHave) {
   EXPECT_NE(run.err.find("no access point 'attic'"), std::string::npos) << run.err;
 }
 
+// A site that states the first access point as `to` where it is `from`.
+class Field : public CalibrateVerb {
+ protected:
+  void SetUp() override {
+    CalibrateVerb::SetUp();
+    site_ = copied_site();
+  }
+  void TearDown() override {
+    fs::remove_all(site_);
+    CalibrateVerb::TearDown();
+  }
+
+  void state(const std::string& from, const std::string& to) const {
+    const std::string text = read_text(kSite + "/site.toml");
+    std::ofstream(site_ / "site.toml") << testing::edited_text(text, from, to);
+  }
+  Finished calibrate_gains(const std::vector<std::string>& more = {}) const {
+    return calibrate_points(points(kRows), more);
+  }
+  Finished calibrate_points(const std::string& points,
+                            const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {"calibrate",
+                                          site_,
+                                          "--gains-only",
+                                          "--out",
+                                          out_,
+                                          "--capture",
+                                          "ap1=" + kSite + "/calibration-ap1.pcap.gz",
+                                          "--points",
+                                          points};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RaylocProcess(arguments).wait();
+  }
+  nlohmann::json verdict() const {
+    return nlohmann::json::parse(read_text(out_ / "report.json")).at("verdict");
+  }
+
+  static constexpr int kRows = 50;
+  fs::path site_;
+};
+
+TEST_F(Field, CalibrateNamesATurnedAccessPointAndWritesNoSite) {
+  state("yaw_deg = -37", "yaw_deg = 143");
+  const Finished refused = calibrate_gains({"--quiet"});
+  EXPECT_EQ(refused.status, 79) << refused.err;
+  for (const char* part : {"access point 'ap1'",
+                           "turned by 180 degrees",
+                           "yaw_deg = -37 instead of 143",
+                           "no site was written",
+                           "--force writes the site all the same"}) {
+    EXPECT_NE(refused.err.find(part), std::string::npos) << part << "\n" << refused.err;
+  }
+  EXPECT_FALSE(fs::exists(out_ / "site.toml"));
+  EXPECT_FALSE(fs::exists(out_ / "calibration.toml"));
+  EXPECT_FALSE(verdict().at("success"));
+  EXPECT_EQ(verdict().at("explained_by").size(), 1U);
+  EXPECT_NE(read_text(out_ / "report.html").find("This calibration is no success"),
+            std::string::npos);
+
+  // What was refused is in nobody's way.
+  state("yaw_deg = -37", "yaw_deg = -37");
+  const Finished right = calibrate_gains();
+  EXPECT_EQ(right.status, 0) << right.err;
+  EXPECT_TRUE(fs::exists(out_ / "site.toml"));
+  EXPECT_TRUE(verdict().at("success"));
+}
+
+TEST_F(Field, CalibrateWritesAWorseSiteOnlyWhenForced) {
+  state("core = 2", "core = X");
+  const std::string text = read_text(site_ / "site.toml");
+  std::ofstream(site_ / "site.toml") << testing::edited_text(
+      testing::edited_text(text, "core = 0", "core = 2"), "core = X", "core = 0");
+  const Finished refused = calibrate_gains();
+  EXPECT_EQ(refused.status, 79) << refused.err;
+  EXPECT_NE(refused.err.find("with cores 0 and 2 exchanged"), std::string::npos) << refused.err;
+  EXPECT_FALSE(fs::exists(out_ / "site.toml"));
+  const Finished forced = calibrate_gains({"--force"});
+  EXPECT_EQ(forced.status, 79) << forced.err;
+  EXPECT_NE(forced.err.find("with cores 0 and 2 exchanged"), std::string::npos) << forced.err;
+  EXPECT_EQ(forced.err.find("no site was written"), std::string::npos) << forced.err;
+  EXPECT_TRUE(fs::exists(out_ / "site.toml"));
+  EXPECT_FALSE(verdict().at("success"));
+}
+
+TEST_F(Field, CalibrateStillRefusesAFolderThatHoldsMoreThanItsReports) {
+  fs::create_directories(out_);
+  std::ofstream(out_ / "report.json") << "{}";
+  std::ofstream(out_ / "notes.txt") << "mine";
+  const Finished run = calibrate_gains();
+  EXPECT_EQ(run.status, 64);
+  EXPECT_NE(run.err.find("is not empty"), std::string::npos) << run.err;
+}
+
 }  // namespace
 }  // namespace rayloc

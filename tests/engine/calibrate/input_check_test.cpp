@@ -4,10 +4,15 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "engine/calibrate/access_point_fit.h"
+#include "engine/calibrate/array_mistakes.h"
 #include "engine/observe/burst.h"
 #include "tests/support/synthetic_room.h"
 
@@ -51,8 +56,8 @@ RoomModel surveyed_room() {
 }
 
 std::string refusal(const std::vector<CalibrationPoint>& points) {
-  const auto checked = check_calibration_inputs(surveyed_room(), points);
-  return checked ? "passes" : checked.error().message;
+  const InputCheck check = check_calibration_inputs(surveyed_room(), points);
+  return check.found.empty() ? "passes" : check.found.front().message;
 }
 
 testing::AssertionResult says(const std::string& message, const std::string& part) {
@@ -62,9 +67,13 @@ testing::AssertionResult says(const std::string& message, const std::string& par
 }
 
 TEST(CalibrationInputCheck, PassesARightSurvey) {
-  const auto checked = check_calibration_inputs(surveyed_room(), survey());
-  ASSERT_TRUE(checked) << checked.error().message;
-  EXPECT_TRUE(checked->empty()) << checked->front().point << ' ' << checked->front().reason;
+  const InputCheck check = check_calibration_inputs(surveyed_room(), survey());
+  ASSERT_TRUE(check.found.empty()) << check.found.front().message;
+  EXPECT_TRUE(check.misfits.empty())
+      << check.misfits.front().point << ' ' << check.misfits.front().reason;
+  for (const TriedMistake& tried : check.tried) {
+    EXPECT_LT(tried.gained, 0.0) << tried.what;
+  }
 }
 
 TEST(CalibrationInputCheck, NamesExchangedColumns) {
@@ -133,21 +142,21 @@ TEST(CalibrationInputCheck, ReadsChainsInTheOrderOfTheOtherAccessPoint) {
     point.h[0].clear();
     point.h[2].clear();
   }
-  const auto checked = check_calibration_inputs(room, points);
-  ASSERT_FALSE(checked);
-  EXPECT_TRUE(says(checked.error().message,
+  const InputCheck check = check_calibration_inputs(room, points);
+  ASSERT_EQ(check.found.size(), 1U);
+  EXPECT_TRUE(says(check.found.front().message,
                    "given for access point 'b' fits the place of access point 'a'"));
 }
 
 TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
   auto points = survey();
   points[8].position = {0.75, 0.9, 1.2};
-  const auto checked = check_calibration_inputs(surveyed_room(), points);
-  ASSERT_TRUE(checked) << checked.error().message;
-  ASSERT_EQ(checked->size(), 1U);
-  EXPECT_EQ(checked->front().point, 8U);
-  EXPECT_TRUE(says(checked->front().reason, "wrong place or time?"));
-  EXPECT_TRUE(says(checked->front().reason, "(a), "));
+  const InputCheck check = check_calibration_inputs(surveyed_room(), points);
+  ASSERT_TRUE(check.found.empty()) << check.found.front().message;
+  ASSERT_EQ(check.misfits.size(), 1U);
+  EXPECT_EQ(check.misfits.front().point, 8U);
+  EXPECT_TRUE(says(check.misfits.front().reason, "wrong place or time?"));
+  EXPECT_TRUE(says(check.misfits.front().reason, "(a), "));
 }
 
 TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
@@ -159,6 +168,141 @@ TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
     point.h[2].clear();
   }
   EXPECT_EQ(refusal(points), "passes");
+}
+
+// The site states them otherwise than they stand; the recordings are right.
+using Edit = void (*)(RoomAccessPoint&);
+std::vector<TriedMistake> found_where(std::initializer_list<std::pair<std::size_t, Edit>> edits) {
+  RoomModel room = surveyed_room();
+  for (const auto& [ap, edit] : edits) {
+    edit(room.access_points[ap]);
+  }
+  return check_calibration_inputs(room, survey()).found;
+}
+
+void turn(RoomAccessPoint& ap) { ap.array.pose.orientation.yaw += std::numbers::pi; }
+void exchange_first_two(RoomAccessPoint& ap) {
+  std::swap(ap.array.element_offset[0], ap.array.element_offset[1]);
+}
+void shift_all(RoomAccessPoint& ap) {
+  std::rotate(ap.array.element_offset.begin(),
+              ap.array.element_offset.begin() + 1,
+              ap.array.element_offset.end());
+}
+
+TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
+  const auto found = found_where({{1, turn}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray);
+  EXPECT_GT(found.front().explained, found.front().stated);
+  EXPECT_TRUE(says(found.front().message, "access point 'b'"));
+  EXPECT_TRUE(says(found.front().message, "turned by 180 degrees"));
+  EXPECT_TRUE(says(found.front().remedy, "yaw_deg = "));
+}
+
+TEST(Field, CalibrationCheckNamesExchangedCores) {
+  const RoomModel room = surveyed_room();
+  const auto& cores = room.access_points[0].cores;
+  const auto found = found_where({{0, exchange_first_two}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(says(found.front().message,
+                   "with cores " + std::to_string(cores[0]) + " and " + std::to_string(cores[1]) +
+                       " exchanged"));
+}
+
+TEST(Field, CalibrationCheckNamesCoresInAnotherOrder) {
+  const auto found = found_where({{2, shift_all}});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_TRUE(says(found.front().message, "access point 'c'"));
+  EXPECT_TRUE(says(found.front().message, "with its antennas wired to cores "));
+  // At the place that the site states for its first antenna the second stands.
+  const RoomModel room = surveyed_room();
+  const auto& cores = room.access_points[2].cores;
+  EXPECT_TRUE(says(found.front().remedy,
+                   "core = " + std::to_string(cores[1]) + ", " + std::to_string(cores[2]) + ", " +
+                       std::to_string(cores[0])));
+}
+
+TEST(Field, CalibrationCheckNamesEachAccessPointThatStandsOtherwise) {
+  const auto found = found_where({{0, exchange_first_two}, {2, turn}});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_TRUE(says(found[0].message, "access point 'a'"));
+  EXPECT_TRUE(says(found[1].message, "access point 'c'"));
+}
+
+// With one access point a mistake of the points may be better than nothing, too.
+TEST(Field, CalibrationCheckTellsATurnedAccessPointFromATurnedSurvey) {
+  RoomModel room = surveyed_room();
+  turn(room.access_points[0]);
+  auto points = survey();
+  for (CalibrationPoint& point : points) {
+    point.h[1].clear();
+    point.h[2].clear();
+  }
+  const auto found = check_calibration_inputs(room, points).found;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().kind, TriedMistake::Kind::kArray) << found.front().message;
+}
+
+TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
+  auto points = survey();
+  for (CalibrationPoint& point : points) {
+    std::rotate(point.h.begin(), point.h.begin() + 1, point.h.end());  // a holds what b heard
+  }
+  const auto found = check_calibration_inputs(surveyed_room(), points).found;
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found.front().kind, TriedMistake::Kind::kRecordings);
+  for (const char* part : {"--capture b= with what is given for a",
+                           "--capture c= with what is given for b",
+                           "--capture a= with what is given for c"}) {
+    EXPECT_TRUE(says(found.front().remedy, part));
+  }
+}
+
+// Of two halves of seven points neither has gains that another could be judged with.
+TEST(Field, CalibrationCheckJudgesByPointsThatTheGainsHaveNotSeen) {
+  const RoomModel room = surveyed_room();
+  std::vector<CalibrationSample> samples;
+  for (const CalibrationPoint& point : survey()) {
+    samples.push_back({point.position, point.h[0]});
+  }
+  const auto offsets = offsets_of(room.access_points[0].array);
+  const AccessPointCalibrator all(room, 0, samples);
+  const auto crossed = all.crossed_correlations(offsets);
+  const auto fit = all.fit_gains();
+  ASSERT_TRUE(fit);
+  const auto own = all.correlations(&*fit);
+  double less = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    ASSERT_TRUE(crossed[i] && own[i]);
+    less += *own[i] - *crossed[i];
+  }
+  EXPECT_GT(less, 0.0);
+  samples.resize(7);
+  const auto few = AccessPointCalibrator(room, 0, samples).crossed_correlations(offsets);
+  EXPECT_TRUE(std::none_of(few.begin(), few.end(), [](const auto& one) { return one; }));
+}
+
+TEST(Field, ArrayMistakesAreAllOrdersOfFewCoresAndAllPairsOfMany) {
+  RoomAccessPoint ap = surveyed_room().access_points[0];
+  EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 5U);  // turned, mirrored, the other orders
+  while (ap.cores.size() < 6) {
+    ap.cores.push_back(static_cast<std::uint8_t>(10 + ap.cores.size()));
+    ap.array.element_offset.push_back({0.0, 0.03 * static_cast<double>(ap.cores.size()), 0.0});
+  }
+  EXPECT_EQ(mistakes_of_array(ap).size(), 2U + 15U);
+  ap.cores.resize(1);
+  ap.array.element_offset.resize(1);
+  EXPECT_TRUE(mistakes_of_array(ap).empty());
+}
+
+// An antenna that looks one way is another one when it is turned.
+TEST(Field, ArrayMistakesShareRaysWhereTheAntennaIsRound) {
+  RoomAccessPoint ap = surveyed_room().access_points[0];
+  EXPECT_TRUE(share_rays(mistakes_of_array(ap)[0].array, ap.array));
+  ap.array.pattern = AntennaPattern::kTr38901;
+  EXPECT_FALSE(share_rays(mistakes_of_array(ap)[0].array, ap.array));
+  EXPECT_TRUE(share_rays(mistakes_of_array(ap)[1].array, ap.array)) << "only its elements move";
 }
 
 std::vector<PointFit> fits_of(const std::vector<double>& after) {

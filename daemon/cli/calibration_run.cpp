@@ -1,33 +1,19 @@
-#include "daemon/cli/calibrate.h"
-
-#include <sys/resource.h>
+#include "daemon/cli/calibration_run.h"
 
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <cstdint>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
-#include "daemon/calibrate/access_point_stage.h"
 #include "daemon/calibrate/calibrated_site.h"
-#include "daemon/calibrate/calibration_report.h"
-#include "daemon/calibrate/checkpoint_file.h"
-#include "daemon/calibrate/held_out_fixes.h"
 #include "daemon/calibrate/holdout.h"
 #include "daemon/calibrate/inputs_hash.h"
 #include "daemon/calibrate/level_stage.h"
-#include "daemon/cli/calibration_inputs.h"
 #include "daemon/cli/calibration_points.h"
-#include "daemon/cli/calibration_progress.h"
-#include "daemon/cli/calibration_summary.h"
 #include "daemon/cli/scene_notes.h"
 #include "daemon/cli/stop_signal.h"
-#include "daemon/site/calibration_file.h"
 #include "daemon/site/room_match.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
@@ -35,66 +21,14 @@
 #include "engine/calibrate/input_check.h"
 #include "engine/calibrate/joint_calibration.h"
 #include "engine/calibrate/paper_calibration.h"
-#include "engine/scene/scene_hash.h"
 
 namespace rayloc::cli {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr const char* kOldReference =
     "is of another calibration and left out: record the empty room again (rayloc reference)";
 
-std::uint64_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // [KiB] on Linux
-}
-
-class Calibration {
- public:
-  explicit Calibration(const CalibrateArguments& options) : options_(options) {}
-
-  Expected<void> run();
-
- private:
-  Expected<void> check_site();
-  Expected<void> measure();
-  Expected<void> refuse();
-  Expected<void> fit_gains(const std::vector<std::string>& first_refusal);
-  Expected<CalibrationMethodResult> calibrate(const std::string& method);
-  Expected<RoomCalibration> jointly(const CalibrationObserver& observer, double& seconds);
-  void keep(const StoredCheckpoint& state);
-  bool go_on();
-  bool can_resume() const { return options_.method == "joint"; }  // not by --compare
-  void end(const std::vector<CalibrationMethodResult>& methods) const;
-  Expected<void> fit_errors(const CalibrationMethodResult& method);
-  void refuse_unreached(const AccessPointResult& result);
-  std::vector<HeldOutSpot> spots(bool all) const;
-  Expected<void> fit_certainty(const RoomModel& room);
-  CalibrationReport report_of(const std::vector<CalibrationMethodResult>& methods,
-                              const CalibrationFile& file) const;
-  Expected<void> write(const std::vector<CalibrationMethodResult>& methods);
-  // "points.csv:17"
-  std::string place_of(std::size_t point) const {
-    return options_.points + ":" + std::to_string(inputs_.points[point].point.line);
-  }
-  fs::path checkpoint() const { return fs::path(options_.out) / kCheckpointFile; }
-
-  const CalibrateArguments& options_;
-  Site site_;
-  CalibrationInputs inputs_;
-  RoomModel plan_;   // as surveyed
-  RoomModel start_;  // with the gains and the yaw of the points that are not held out
-  std::vector<CalibrationPoint> points_;
-  std::vector<AccessPointResult> gains_;    // in the room of the plan
-  std::vector<AccessPointResult> results_;  // in the calibrated room
-  std::vector<HeldOutFixes> fixes_;
-  std::string id_;  // of all inputs
-  CalibrationProgressLine line_{options_.quiet};
-  bool unkept_ = false;        // the last state could not be written
-  bool told_to_stop_ = false;  // and said so
-};
+}  // namespace
 
 // What would be found out after minutes else.
 Expected<void> Calibration::check_site() {
@@ -106,7 +40,7 @@ Expected<void> Calibration::check_site() {
                           "from the scene of this one all the same, take [calibration] and "
                           "[reference] out of a copy of its site.toml");
   }
-  return check_output(options_.out, site_.directory, options_.force || options_.resume);
+  return check_output(options_.out, site_.directory, may_replace());
 }
 
 Expected<void> Calibration::measure() {
@@ -157,21 +91,32 @@ Expected<void> Calibration::measure() {
   return {};
 }
 
-// Mistakes of the survey, and points that fit nowhere.
-Expected<void> Calibration::refuse() {
-  const auto refusals = check_calibration_inputs(plan_, points_);
-  if (!refusals) {
-    auto error = refusals.error();
-    error.message = options_.points + ": " + error.message;
-    return tl::make_unexpected(std::move(error));
+// Mistakes of the survey and of the site, and points that fit nowhere. A survey that was made
+// otherwise than stated is bad data. Of a site that states otherwise than it stands there is a
+// report, and with --force all goes on.
+Expected<void> Calibration::check_inputs() {
+  const InputCheck check = check_calibration_inputs(plan_, points_);
+  verdict_ = verdict_of_inputs(check);
+  const bool of_survey =
+      !check.found.empty() && check.found.front().kind != TriedMistake::Kind::kArray;
+  if (of_survey && !options_.force) {
+    return bad_input(options_.points + ": " + check.found.front().message);
   }
-  for (const PointRefusal& refusal : *refusals) {
+  if (!verdict_.is_success() && options_.force) {
+    line_.clear();
+    say_verdict();
+  }
+  refuse_misfits(check);
+  return {};
+}
+
+void Calibration::refuse_misfits(const InputCheck& check) {
+  for (const PointRefusal& refusal : check.misfits) {
     inputs_.refused.push_back({place_of(refusal.point), refusal.reason});
     for (auto& h : points_[refusal.point].h) {
       h.clear();
     }
   }
-  return {};
 }
 
 Expected<void> Calibration::fit_gains(const std::vector<std::string>& first_refusal) {
@@ -247,16 +192,21 @@ bool Calibration::go_on() {
   return !told_to_stop_;
 }
 
-Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
-  CalibrationMethodResult result{method, {}, 0.0, plan_.trace};
-  if (method == "gains-only") {
-    result.calibration.room = plan_;
-    for (const AccessPointResult& one : gains_) {
-      result.calibration.points.insert(
-          result.calibration.points.end(), one.fits.begin(), one.fits.end());
-    }
-    return result;
+CalibrationMethodResult Calibration::gains_only() const {
+  CalibrationMethodResult result{"gains-only", {}, 0.0, plan_.trace};
+  result.calibration.room = plan_;
+  for (const AccessPointResult& one : gains_) {
+    result.calibration.points.insert(
+        result.calibration.points.end(), one.fits.begin(), one.fits.end());
   }
+  return result;
+}
+
+Expected<CalibrationMethodResult> Calibration::calibrate(const std::string& method) {
+  if (method == "gains-only") {
+    return gains_only();
+  }
+  CalibrationMethodResult result{method, {}, 0.0, plan_.trace};
   const PaperCalibrationOptions paper;
   result.rays = method == "paper"
                     ? TraceOptions{.max_depth = paper.max_depth, .softness = paper.softness}
@@ -337,124 +287,8 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
   return {};
 }
 
-CalibrationReport Calibration::report_of(const std::vector<CalibrationMethodResult>& methods,
-                                         const CalibrationFile& file) const {
-  CalibrationReport report;
-  report.site = site_.name;
-  report.calibration_id = id_;
-  report.holdout = options_.holdout;
-  report.survey_error = options_.survey_error;
-  report.seed = options_.seed;
-  for (const RoomAccessPoint& ap : plan_.access_points) {
-    report.access_points.push_back(ap.id);
-  }
-  for (const CalibrationPoint& point : points_) {
-    report.positions.push_back(point.position);
-    report.held_out.push_back(point.held_out);
-  }
-  report.before = plan_;
-  report.methods = methods;
-  auto& parameters = report.methods.front().calibration.parameters;
-  for (const CalibratedAccessPoint& ap : file.access_points) {
-    add_common_parameters(ap, parameters);
-  }
-  parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
-  parameters.push_back(
-      {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
-  for (const AccessPointResult& result : results_) {
-    report.located.insert(report.located.end(), result.fits.begin(), result.fits.end());
-  }
-  report.fixes = fixes_;
-  report.refused = inputs_.refused;
-  report.peak_memory_bytes = peak_memory();
-  return report;
-}
-
-Expected<void> Calibration::write(const std::vector<CalibrationMethodResult>& methods) {
-  const RoomModel& room = methods.front().calibration.room;
-  const bool refined = methods.front().method != "gains-only";
-  CalibrationFile file;
-  file.id = id_;
-  file.method = methods.front().method;
-  file.scene_hash = scene_hash(*room.scene);
-  file.points_hash = inputs_.points_hash;
-  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
-  file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
-  file.ray_depth = room.trace.max_depth;
-  file.transmission = room.trace.transmission;
-  file.access_points = calibrated_access_points(plan_, methods.front().calibration, results_);
-  file.surfaces = calibrated_surfaces(room);
-  file.parameters = methods.front().calibration.parameters;
-  if (auto written =
-          write_site(site_,
-                     to_toml(file),
-                     options_.out,
-                     refined ? refined_scene(*room.scene) : std::map<std::string, std::string>());
-      !written) {
-    return written;
-  }
-  const CalibrationReport report = report_of(methods, file);
-  const fs::path out = options_.out;
-  if (auto json = write_file(out / "report.json", to_json(report).dump(2) + "\n"); !json) {
-    return json;
-  }
-  if (auto html = write_file(out / "report.html", to_html(report)); !html) {
-    return html;
-  }
-  if (!options_.quiet) {
-    std::vector<AccessPointUse> used;
-    for (const AccessPointResult& result : results_) {
-      used.push_back({result.index, result.fit.samples_used});
-    }
-    print_summary(report, used);
-  }
-  return {};
-}
-
-// Where it was interrupted, says what there is and ends by the signal, as a script must know.
-void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
-  const CalibrationMethodResult& written = methods.front();
-  const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;
-  if (!resumes) {
-    std::error_code none;
-    fs::remove(checkpoint(), none);
-  }
-  if (!StopSignal::requested()) {
-    return;
-  }
-  const bool compared =
-      !options_.compare || (methods.size() == 2 && !methods.back().calibration.interrupted);
-  std::fprintf(stderr,
-               "interrupted: %s holds the %s%s\n",
-               options_.out.c_str(),
-               written.calibration.interrupted ? "last good state" : "whole calibration",
-               resumes     ? "; --resume goes on"
-               : !compared ? ", without the comparison"
-                           : "");
-  std::signal(SIGINT, SIG_DFL);
-  std::raise(SIGINT);
-}
-
-Expected<void> Calibration::run() {
-  line_.begin("reading the recordings");
-  if (auto measured = measure(); !measured) {
-    return measured;
-  }
-  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
-  CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
-  points_ = std::move(survey.points);
-  line_.begin("comparing points and recordings");
-  if (auto refused = refuse(); !refused) {
-    return refused;
-  }
-  line_.begin("fitting chain gains");
-  if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
-    return fitted;
-  }
-  StopSignal::install_once();
-  if (auto prepared = prepare_output(options_.out, options_.force || options_.resume); !prepared) {
-    return prepared;
-  }
+// The first is the one that is written.
+Expected<std::vector<CalibrationMethodResult>> Calibration::calibrate_all() {
   std::vector<CalibrationMethodResult> methods;
   std::vector<std::string> names{options_.method};
   if (options_.compare) {
@@ -470,6 +304,11 @@ Expected<void> Calibration::run() {
       break;
     }
   }
+  return methods;
+}
+
+// What the likelihood needs beside the room.
+Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethodResult>& methods) {
   // In the calibrated room a point that was surveyed wrongly stands out; under the plan few do.
   for (const PointRefusal& odd :
        misfitting_points(plan_, methods.front().calibration.points, &PointFit::after)) {
@@ -477,25 +316,65 @@ Expected<void> Calibration::run() {
         {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
   line_.begin("fitting the errors of the model");
-  const RoomModel& room = methods.front().calibration.room;
   if (auto fitted = fit_errors(methods.front()); !fitted) {
     return fitted;
   }
   line_.begin("locating the points held out");
-  if (auto fitted = fit_certainty(room); !fitted) {
-    return fitted;
-  }
-  line_.clear();
-  if (auto written = write(methods); !written) {
-    return written;
-  }
-  end(methods);
-  return {};
+  return fit_certainty(methods.front().calibration.room);
 }
 
-}  // namespace
+// Where the fit has failed and no mistake is found, the carriers beside that of the site are tried
+// as well: under the plan alone they say too little to be asked before.
+void Calibration::judge(CalibrationReport& report) {
+  judge_held_out(report, verdict_);
+  if (!verdict_.is_success() && verdict_.found.empty()) {
+    line_.begin("trying other channels");
+    add_carriers(try_carriers(plan_, points_), verdict_);
+    line_.clear();
+  }
+  report.verdict = verdict_;
+}
 
-Expected<void> run_calibration(const CalibrateArguments& arguments) {
+Expected<CalibrationOutcome> Calibration::run() {
+  line_.begin("reading the recordings");
+  if (auto measured = measure(); !measured) {
+    return tl::make_unexpected(std::move(measured.error()));
+  }
+  const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
+  CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
+  points_ = std::move(survey.points);
+  line_.begin("comparing points and recordings");
+  if (auto checked = check_inputs(); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  line_.begin("fitting chain gains");
+  if (auto fitted = fit_gains(survey.first_refusal); !fitted) {
+    return tl::make_unexpected(std::move(fitted.error()));
+  }
+  StopSignal::install_once();
+  if (auto prepared = prepare_output(options_.out, may_replace()); !prepared) {
+    return tl::make_unexpected(std::move(prepared.error()));
+  }
+  if (!verdict_.is_success() && !options_.force) {
+    line_.clear();
+    return write_refusal(report_of({gains_only()}));
+  }
+  const auto methods = calibrate_all();
+  if (!methods) {
+    return tl::make_unexpected(methods.error());
+  }
+  if (auto fitted = fit_what_is_left(*methods); !fitted) {
+    return tl::make_unexpected(std::move(fitted.error()));
+  }
+  line_.clear();
+  if (auto written = write_site_and_reports(*methods); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  end(*methods);
+  return outcome();
+}
+
+Expected<CalibrationOutcome> run_calibration(const CalibrateArguments& arguments) {
   return Calibration(arguments).run();
 }
 

@@ -1,0 +1,60 @@
+// PairedComparison: two hypotheses about a survey, by how well they explain the same points.
+//
+// Correlations of the same point are compared in pairs: a room that is modelled badly is so under
+// both hypotheses.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace rayloc {
+
+// How well each point is explained; nothing where it was not heard or is not reached.
+using Correlations = std::vector<std::optional<double>>;
+
+// With fewer pairs of a point and an access point nothing is said.
+constexpr std::size_t kLeastPairs = 12;
+
+class PairedComparison {
+ public:
+  void add(const Correlations& stated, const Correlations& other) {
+    for (std::size_t i = 0; i < stated.size(); ++i) {
+      if (stated[i] && other[i]) {
+        difference_.push_back(*other[i] - *stated[i]);
+        stated_ += *stated[i];
+        other_ += *other[i];
+      }
+    }
+  }
+
+  std::size_t pairs() const { return difference_.size(); }
+  bool empty() const { return difference_.empty(); }
+  // Mean correlations. REQUIRES: not empty.
+  double stated() const { return stated_ / static_cast<double>(difference_.size()); }
+  double other() const { return other_ / static_cast<double>(difference_.size()); }
+  double gained() const { return other_ - stated_; }  // summed over the pairs
+
+  // Mean difference over its standard error; 0 where nothing can be said.
+  double significance() const {
+    const auto count = static_cast<double>(difference_.size());
+    if (difference_.size() < kLeastPairs) {
+      return 0.0;
+    }
+    const double mean = gained() / count;
+    double square = 0.0;
+    for (const double d : difference_) {
+      square += (d - mean) * (d - mean);
+    }
+    const double error = std::sqrt(square / (count * (count - 1.0)));
+    return error > 0.0 ? mean / error : 0.0;
+  }
+
+ private:
+  std::vector<double> difference_;
+  double stated_ = 0.0;
+  double other_ = 0.0;
+};
+
+}  // namespace rayloc

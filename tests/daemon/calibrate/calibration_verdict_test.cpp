@@ -1,0 +1,96 @@
+// Whether a calibration is called a success.
+#include "daemon/calibrate/calibration_verdict.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "daemon/calibrate/calibration_report.h"
+#include "tests/daemon/calibrate/sample_report.h"
+
+namespace rayloc {
+namespace {
+
+// Three points held out at the first access point.
+CalibrationReport report_with(double before, double after, std::size_t fixes) {
+  CalibrationReport report = test::sample_report();
+  report.held_out = {true, true, true, false};
+  auto& points = report.methods.front().calibration.points;
+  points = {{0, 0, before, after}, {1, 0, before, after}, {2, 0, before, after}, {3, 0, 0.1, 0.9}};
+  report.fixes.back().points = 3;
+  report.fixes.back().fixes = fixes;
+  return report;
+}
+
+CalibrationVerdict judged(const CalibrationReport& report) {
+  CalibrationVerdict verdict;
+  judge_held_out(report, verdict);
+  return verdict;
+}
+
+TriedMistake mistake(TriedMistake::Kind kind, double explained) {
+  TriedMistake one{kind, "a thing", "the remedy", "the message", 0.2, explained, 5.0, 9.0};
+  one.gained = 10.0 * (explained - 0.2);
+  return one;
+}
+
+TEST(Field, CalibrationVerdictIsASuccessWhereMoreIsExplained) {
+  EXPECT_TRUE(judged(report_with(0.3, 0.9, 3)).is_success());
+  EXPECT_EQ(to_text(judged(report_with(0.3, 0.9, 3))), "");
+}
+
+TEST(Field, CalibrationVerdictNamesTheAccessPointThatExplainsLess) {
+  const CalibrationVerdict verdict = judged(report_with(0.769, 0.371, 3));
+  ASSERT_EQ(verdict.reasons.size(), 1U);
+  EXPECT_NE(verdict.reasons.front().find("access point 'a'"), std::string::npos);
+  EXPECT_NE(verdict.reasons.front().find("(0.371, median"), std::string::npos);
+  EXPECT_NE(verdict.reasons.front().find("(0.769)"), std::string::npos);
+}
+
+TEST(Field, CalibrationVerdictFailsWhereHalfOfThePointsHaveNoFix) {
+  EXPECT_TRUE(judged(report_with(0.3, 0.35, 2)).is_success());
+  const CalibrationVerdict verdict = judged(report_with(0.3, 0.35, 1));
+  ASSERT_EQ(verdict.reasons.size(), 1U);
+  EXPECT_NE(verdict.reasons.front().find("2 of the 3 points held out have no fix"),
+            std::string::npos);
+}
+
+TEST(Field, CalibrationVerdictSaysNothingOfTwoPointsNorOfAnInterruptedRun) {
+  CalibrationReport report = report_with(0.7, 0.3, 0);
+  report.methods.front().calibration.interrupted = true;
+  EXPECT_TRUE(judged(report).is_success());
+  report = report_with(0.7, 0.3, 0);
+  report.held_out = {true, true, false, false};
+  report.fixes.back().points = 2;
+  EXPECT_TRUE(judged(report).is_success());
+}
+
+TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
+  CalibrationVerdict verdict = judged(report_with(0.7, 0.3, 3));
+  verdict.tried = {mistake(TriedMistake::Kind::kArray, 0.21)};
+  add_carriers({mistake(TriedMistake::Kind::kCarrier, 0.22)}, verdict);
+  EXPECT_EQ(verdict.reasons.size(), 1U) << "two hundredths are none of a tenth of what is left";
+  EXPECT_TRUE(verdict.found.empty());
+  EXPECT_NE(to_text(verdict).find("none of 2 usual mistakes"), std::string::npos);
+  EXPECT_NE(to_text(verdict).find("(mean correlation 0.22, as stated 0.20)"), std::string::npos);
+  add_carriers({mistake(TriedMistake::Kind::kCarrier, 0.8)}, verdict);
+  ASSERT_EQ(verdict.found.size(), 1U);
+  EXPECT_EQ(verdict.reasons.back(), "the message");
+}
+
+TEST(Field, CalibrationVerdictStandsInBothReports) {
+  CalibrationReport report = report_with(0.7, 0.3, 3);
+  EXPECT_TRUE(to_json(report).at("verdict").at("success"));
+  EXPECT_EQ(to_html(report).find("This calibration is no success"), std::string::npos);
+  report.verdict = verdict_of_inputs({{}, {mistake(TriedMistake::Kind::kArray, 0.8)}, {}});
+  const auto json = to_json(report).at("verdict");
+  EXPECT_FALSE(json.at("success"));
+  EXPECT_EQ(json.at("reasons").at(0), "the message");
+  EXPECT_EQ(json.at("explained_by").at(0).at("change"), "the remedy");
+  EXPECT_DOUBLE_EQ(json.at("explained_by").at(0).at("correlation"), 0.8);
+  EXPECT_NE(to_html(report).find("This calibration is no success"), std::string::npos);
+  EXPECT_NE(to_html(report).find("the message"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rayloc
