@@ -15,6 +15,9 @@ namespace {
 // Enough to make the cost of a call vanish, few enough to keep a reader's queue short.
 constexpr std::size_t kBatchDatagrams = 256;
 
+// Odd places of a pipe that are told at its end.
+constexpr std::size_t kMostNoted = 1000;
+
 }  // namespace
 
 bool can_be_read_twice(const std::string& path) {
@@ -48,6 +51,7 @@ PcapFileSource::PcapFileSource(std::unique_ptr<pcap::PcapInput> input,
   if (options.times) {
     clock_.emplace(*options.times);
   } else {
+    streamed_.streamed = true;
     stream_.emplace(StampLimits{options.max_disorder, options.max_gap}, options.as_stamped);
   }
 }
@@ -139,8 +143,13 @@ void PcapFileSource::take_datagram(const Datagram& datagram, DatagramBatch& batc
 
 void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batch) {
   using Ruling = StreamClock::Ruling;
+  const Timestamp latest = stream_->latest();
   Ruling ruling = stream_->look(datagram.time);
   if (ruling == Ruling::kGiveHeld) {
+    if (streamed_.jumps.size() < kMostNoted) {
+      streamed_.jumps.push_back(
+          {held_place_, latest, held_->time, Duration::zero(), stream_->is_late()});
+    }
     const RecordPlace place = std::exchange(place_now_, held_place_);
     const Datagram held = *std::exchange(held_, std::nullopt);
     give(held, stream_->event_time(held.time), batch);
@@ -152,8 +161,7 @@ void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batc
     return;
   }
   if (ruling == Ruling::kDropHeld) {
-    held_.reset();
-    reject_damaged(stream_->is_late());
+    reject_held();
   }
   give(datagram, stream_->event_time(datagram.time), batch);
 }
@@ -163,6 +171,15 @@ void PcapFileSource::hold(const Datagram& datagram) {
   held_ = datagram;
   held_->payload = copies_.back();
   held_place_ = place_now_;
+}
+
+void PcapFileSource::reject_held() {
+  const Datagram held = *std::exchange(held_, std::nullopt);
+  if (streamed_.damaged.size() < kMostNoted) {
+    streamed_.damaged.push_back(
+        {held_place_, held_place_.packet, 1, held.time - stream_->latest()});
+  }
+  reject_damaged(stream_->is_late());
 }
 
 void PcapFileSource::reject_damaged(bool late) {
@@ -183,14 +200,12 @@ void PcapFileSource::give(Datagram datagram, Timestamp time, DatagramBatch& batc
 }
 
 void PcapFileSource::end(DatagramBatch& batch) {
-  if (held_) {
+  if (held_ && stream_->give_at_end()) {
     const Datagram held = *std::exchange(held_, std::nullopt);
     place_now_ = held_place_;
-    if (stream_->give_at_end()) {
-      give(held, stream_->event_time(held.time), batch);
-    } else {
-      reject_damaged(stream_->is_late());
-    }
+    give(held, stream_->event_time(held.time), batch);
+  } else if (held_) {
+    reject_held();
   }
   ended_ = true;
   const std::size_t left = input_->window().size();

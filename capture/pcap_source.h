@@ -59,6 +59,9 @@ class PcapFileSource final : public DatagramSource {
   // What was torn, where, once read() has come to it; empty otherwise.
   std::string warning() const;
 
+  // Of a pipe: what its stamps have shown so far; for the thread that reads.
+  const RecordTimes& streamed_times() const { return streamed_; }
+
   // Where the datagrams of the last batch lie in the file; for the thread that reads.
   const std::vector<RecordPlace>& places() const { return places_; }
 
@@ -71,6 +74,7 @@ class PcapFileSource final : public DatagramSource {
   void take_streamed(const Datagram& datagram, DatagramBatch& batch);
   void give(Datagram datagram, Timestamp time, DatagramBatch& batch);
   void hold(const Datagram& datagram);
+  void reject_held();
   void reject_damaged(bool late);
   void end(DatagramBatch& batch);
   Timestamp watermark() const;
@@ -83,6 +87,7 @@ class PcapFileSource final : public DatagramSource {
   std::optional<StreamClock> stream_;  // of a pipe; neither: stamps are given as they are
   std::optional<Datagram> held_;       // by stream_; its payload is one of copies_
   RecordPlace held_place_;
+  RecordTimes streamed_;
   std::deque<std::vector<std::byte>> copies_;  // of what was held, for as long as a batch shows it
   std::vector<RecordPlace> places_;
   RecordPlace place_now_;

@@ -72,13 +72,17 @@ std::string damage_words(const DamagedStamps& stamps) {
   return words + (late ? "time_went_back)" : "damaged_time)");
 }
 
-std::string clock_words(const ClockJump& jump) {
+std::string clock_words(const ClockJump& jump, bool streamed) {
   const Duration size = size_of(jump) - jump.pause;
   const bool back = size < Duration::zero();
   std::string words = at(jump.place) + "the clock was set ";
   words += back ? "back by " : "forward by ";
   words += seconds_text(back ? -size : size);
-  return words + (jump.was_set ? "; all times are told by the clock as it was at the end" : "");
+  if (jump.was_set) {
+    words += "; all times are told by the clock as it was at the ";
+    words += streamed ? "beginning" : "end";
+  }
+  return words;
 }
 
 }  // namespace
@@ -311,7 +315,7 @@ std::vector<std::string> words_of(const RecordTimes& times,
   for (const ClockJump& jump : times.jumps) {
     const Duration size = size_of(jump) - jump.pause;
     if (jump.was_set || size < Duration::zero()) {
-      set.push_back(file + clock_words(jump));
+      set.push_back(file + clock_words(jump, times.streamed));
     } else if (size > least_gap) {
       gaps.push_back(&jump);
     }

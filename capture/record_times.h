@@ -65,6 +65,9 @@ struct RecordTimes {
   // In event time, in order: when something was recorded, without the gaps that are longer than
   // StampLimits::gap. Empty where nothing was.
   std::vector<TimeSpan> busy;
+  // Of a stream: nobody could look ahead, and times are told by the clock as it was at the
+  // beginning; neither `correction` nor `busy` is known.
+  bool streamed = false;
 };
 
 // Finds them. Memory: some bytes for every gap.
@@ -139,6 +142,8 @@ class StreamClock {
   Timestamp event_time(Timestamp stamp) const { return stamp + correction_; }
   // Whether what was held lay behind the others.
   bool is_late() const { return late_; }
+  // The latest stamp that was given; there is one once anything was held.
+  Timestamp latest() const { return latest_.value_or(Timestamp{}); }
 
  private:
   const StampLimits limits_;

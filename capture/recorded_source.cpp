@@ -91,13 +91,16 @@ void RecordedSource::close_ended() {
   });
 }
 
-void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) {
+void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) const {
   if (std::string torn = reader.source->warning(); !torn.empty()) {
     to.push_back(std::move(torn));
   }
   if (reader.looked_through) {  // words_of() has told
     return;
   }
+  const std::vector<std::string> stamps = words_of(
+      reader.source->streamed_times(), reader.source->description(), least_gap(plan_.options));
+  to.insert(to.end(), stamps.begin(), stamps.end());
   if (std::string monitor =
           monitor_mode_words(reader.source->counters(), reader.source->description());
       !monitor.empty()) {

@@ -44,7 +44,7 @@ class RecordedSource final : public DatagramSource {
   Expected<void> open_due();
   Expected<bool> fill(Duration timeout, bool may_read);
   void close_ended();
-  static void add_warnings(const Reader& reader, std::vector<std::string>& to);
+  void add_warnings(const Reader& reader, std::vector<std::string>& to) const;
   Timestamp watermark() const;
   void publish();
 

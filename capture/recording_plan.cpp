@@ -144,9 +144,6 @@ std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans) {
 }
 
 std::vector<std::string> words_of(const RecordingPlan& plan) {
-  // Who is surveyed walks from place to place in silence.
-  constexpr Duration kPauseOfSurvey = std::chrono::minutes(10);
-  const Duration least_gap = plan.options.as_stamped ? kPauseOfSurvey : plan.options.max_gap;
   std::vector<std::string> words;
   for (std::size_t i = 0; i < plan.files.size(); ++i) {
     const PlannedFile& file = plan.files[i];
@@ -159,7 +156,8 @@ std::vector<std::string> words_of(const RecordingPlan& plan) {
     if (!file.look) {
       continue;
     }
-    const std::vector<std::string> own = words_of(file.look->times, file.path, least_gap);
+    const std::vector<std::string> own =
+        words_of(file.look->times, file.path, least_gap(plan.options));
     words.insert(words.end(), own.begin(), own.end());
     if (std::string monitor = monitor_mode_words(file.look->counters, file.path);
         !monitor.empty()) {
@@ -167,6 +165,12 @@ std::vector<std::string> words_of(const RecordingPlan& plan) {
     }
   }
   return words;
+}
+
+Duration least_gap(const PcapFileOptions& options) {
+  // Who is surveyed walks from place to place in silence.
+  constexpr Duration kPauseOfSurvey = std::chrono::minutes(10);
+  return options.as_stamped ? std::max(kPauseOfSurvey, options.max_gap) : options.max_gap;
 }
 
 std::string name_of(const RecordingPlan& plan) {

@@ -47,6 +47,9 @@ std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans);
 // and overlaps between the files, and captures in monitor mode.
 std::vector<std::string> words_of(const RecordingPlan& plan);
 
+// From how long on a gap of such a recording is spoken of.
+Duration least_gap(const PcapFileOptions& options);
+
 // "a.pcap", "a.pcap and 2 more".
 std::string name_of(const RecordingPlan& plan);
 

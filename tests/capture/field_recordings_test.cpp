@@ -131,8 +131,9 @@ Given read_piped(const ByteString& file) {
   const Folder folder;
   const std::string path = folder.write("pipe", file);
   std::FILE* const pipe = popen(("cat " + path).c_str(), "r");
-  auto source = PcapFileSource::open("/dev/fd/" + std::to_string(fileno(pipe)));
+  auto source = RecordedSource::open({"/dev/fd/" + std::to_string(fileno(pipe))});
   Given given = read_all(**source);
+  given.words = (*source)->warnings();
   pclose(pipe);
   return given;
 }
@@ -299,6 +300,23 @@ TEST(Field, AClockThatWasSetBackInAPipeGoesOnEvenly) {
   ASSERT_EQ(given.times.size(), 120U);
   EXPECT_TRUE(std::is_sorted(given.times.begin(), given.times.end()));
   EXPECT_LT(given.times.back() - at(walk(40).back()), milliseconds(1));
+  ASSERT_EQ(given.words.size(), 1U);
+  EXPECT_THAT(given.words[0], HasSubstr("packet 61 (byte "));
+  EXPECT_THAT(given.words[0], HasSubstr("the clock was set back by 3599.9 s"));
+  EXPECT_THAT(given.words[0], HasSubstr("as it was at the beginning"));
+}
+
+TEST(Field, OddStampsOfAPipeAreSaidToo) {
+  std::vector<std::int64_t> stamps = walk(60);
+  stamps[17] += kHour;
+  for (std::size_t i = 120; i < stamps.size(); ++i) {
+    stamps[i] += 24 * kHour;
+  }
+  const Given given = read_piped(file_of(stamps));
+  ASSERT_EQ(given.words.size(), 2U);
+  EXPECT_THAT(given.words[0], HasSubstr("packet 18 (byte "));
+  EXPECT_THAT(given.words[1], HasSubstr("packet 121 (byte "));
+  EXPECT_THAT(given.words[1], HasSubstr("the clock was set, or nothing was received"));
 }
 
 TEST(Field, PausesOfASurveyAndSparseRecordingsAreNoDamage) {
