@@ -156,7 +156,7 @@ Expected<std::unique_ptr<Service>> Service::open(
 
 Expected<void> Service::open_publishing(PassedSockets& sockets) {
   if (const Expected<void> enough = check_resources(true); !enough) {
-    return enough;
+    return tl::make_unexpected(enough.error());
   }
   const DaemonConfig& config = setup_.config;
   auto guard = open_curve_access(config.curve, limited_log_, [this] { guard_progress_.beat(); });

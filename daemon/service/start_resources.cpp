@@ -24,7 +24,7 @@ namespace rayloc {
 namespace {
 
 // Queues, batches and what libraries map beyond the stacks of threads and their heaps.
-constexpr std::size_t kSpareBytes = 32 * 1024 * 1024;
+constexpr std::size_t kSpareBytes = std::size_t{32} << 20U;
 
 const char* const kMemoryAdvice =
     "; raise the limit of memory (ulimit -v, MemoryMax=), of processes (ulimit -u, TasksMax=) or "
