@@ -7,6 +7,7 @@
 #include <cstring>
 #include <mutex>
 #include <set>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -47,6 +48,10 @@ Frames receive(zmq::socket_t& socket) {
   } while (frames.back().more());
   return frames;
 }
+
+// The descriptor that it came by; -1 of what libzmq makes itself, as of the end of subscriptions
+// when a connection breaks.
+int connection_of(zmq::message_t& part) { return zmq_msg_get(part.handle(), ZMQ_SRCFD); }
 
 std::string z85(const zmq::message_t& key) {
   std::array<char, 41> text{};
@@ -102,12 +107,10 @@ class ConnectionGuard::Impl {
 
   GuardCounters counters() const { return {admitted_, denied_, failed_, inbound_.cut_off()}; }
 
-  void delivered(zmq::message_t& part) {
-    // Nothing of what libzmq makes itself, as of the end of a subscription.
-    const int fd = zmq_msg_get(part.handle(), ZMQ_SRCFD);
-    if (fd >= 0) {
-      inbound_.delivered(fd, part.size());
-    }
+  void delivered(zmq::message_t& part) { inbound_.delivered(connection_of(part), part.size()); }
+  void subscribed(zmq::message_t& part, bool more) {
+    const std::string_view prefix(part.data<char>() + 1, part.size() - 1);
+    inbound_.subscribed(connection_of(part), prefix, more);
   }
 
   void secure(zmq::socket_t& socket) {
@@ -248,6 +251,7 @@ GuardCounters ConnectionGuard::counters() const { return impl_->counters(); }
 zmq::context_t& ConnectionGuard::context() { return impl_->context(); }
 void ConnectionGuard::secure(zmq::socket_t& socket) { impl_->secure(socket); }
 void ConnectionGuard::delivered(zmq::message_t& part) { impl_->delivered(part); }
+void ConnectionGuard::subscribed(zmq::message_t& part, bool more) { impl_->subscribed(part, more); }
 void ConnectionGuard::release(zmq::socket_t& socket) {
   zmq_socket_monitor(socket.handle(), nullptr, 0);
 }

@@ -59,6 +59,8 @@ class ConnectionGuard {
   void secure(zmq::socket_t& socket);
   // Of every part of what a socket has received.
   void delivered(zmq::message_t& part);
+  // Of a subscription that begins, or ends: its first byte says so, the prefix follows.
+  void subscribed(zmq::message_t& part, bool more);
   // Before it is closed.
   static void release(zmq::socket_t& socket);
 

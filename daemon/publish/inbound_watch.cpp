@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <functional>
 #include <iterator>
 #include <optional>
 
@@ -94,6 +95,24 @@ void InboundWatch::delivered(int fd, std::size_t bytes) {
   }
 }
 
+void InboundWatch::subscribed(int fd, std::string_view prefix, bool more) {
+  const std::lock_guard lock(mutex_);
+  const auto found = connections_.find(fd);
+  if (found == connections_.end()) {
+    return;
+  }
+  std::multiset<std::size_t>& prefixes = found->second.prefixes;
+  const std::size_t hash = std::hash<std::string_view>()(prefix);
+  if (more) {
+    prefixes.insert(hash);
+  } else if (const auto known = prefixes.find(hash); known != prefixes.end()) {
+    prefixes.erase(known);
+  }
+  if (prefixes.size() > limits_.subscriptions) {
+    cut(found);
+  }
+}
+
 void InboundWatch::look(Time now) {
   const std::lock_guard lock(mutex_);
   for (auto it = connections_.begin(); it != connections_.end();) {
@@ -116,21 +135,24 @@ void InboundWatch::look(Time now) {
       cut(here);
     }
   }
-  cut_the_worst();
+  cut_the_worst(limits_.unfinished_bytes_in_all,
+                [](const Connection& connection) { return connection.unfinished(); });
+  cut_the_worst(limits_.subscriptions_in_all,
+                [](const Connection& connection) { return connection.prefixes.size(); });
 }
 
-// While all together are too much.
-void InboundWatch::cut_the_worst() {
-  const auto less = [](const Connections::value_type& a, const Connections::value_type& b) {
-    return a.second.unfinished() < b.second.unfinished();
+template <typename Amount>
+void InboundWatch::cut_the_worst(std::uint64_t most, Amount amount) {
+  const auto less = [&](const Connections::value_type& a, const Connections::value_type& b) {
+    return amount(a.second) < amount(b.second);
   };
   std::uint64_t sum = 0;
   for (const auto& [fd, connection] : connections_) {
-    sum += connection.unfinished();
+    sum += amount(connection);
   }
-  while (sum > limits_.unfinished_bytes_in_all) {
+  while (sum > most) {
     const auto worst = std::max_element(connections_.begin(), connections_.end(), less);
-    sum -= worst->second.unfinished();
+    sum -= amount(worst->second);
     cut(worst);
   }
 }

@@ -1,5 +1,5 @@
-// InboundWatch: cuts off connections that send and send without ending a message, and those that
-// are too many.
+// InboundWatch: cuts off connections that send and send without ending a message, that subscribe
+// and subscribe, and those that are too many.
 //
 // libzmq bounds the bytes of each part of a message (ZMQ_MAXMSGSIZE) and the messages that wait
 // (ZMQ_RCVHWM), but not the parts: it keeps all of a message until its last one has come. Neither
@@ -17,16 +17,21 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <set>
+#include <string_view>
 
 namespace rayloc {
 
 struct InboundLimits {
   // Read of one connection, and of all together, without the end of a message.
-  std::uint64_t unfinished_bytes = 256 * 1024;
-  std::uint64_t unfinished_bytes_in_all = 2 * 1024 * 1024;
+  std::uint64_t unfinished_bytes = std::uint64_t{256} << 10U;
+  std::uint64_t unfinished_bytes_in_all = std::uint64_t{2} << 20U;
   // A second, which are no messages: signs of life.
   std::uint64_t signs_of_life_bytes = 64;
   std::size_t connections = 512;
+  // Prefixes of one subscriber, and of all: libzmq keeps 200 bytes for each.
+  std::uint64_t subscriptions = 10'000;
+  std::uint64_t subscriptions_in_all = 100'000;
 };
 
 // As many connections as this process has descriptors for, and leaves some for everything else.
@@ -46,6 +51,9 @@ class InboundWatch {
 
   // A part of a whole message of that connection has reached us.
   void delivered(int fd, std::size_t bytes);
+  // It subscribes to a prefix, or no longer. What it never subscribed to may end as often as it
+  // likes.
+  void subscribed(int fd, std::string_view prefix, bool more);
 
   // Asks the kernel, and cuts off who has gone too far; to be called many times a second while
   // there are connections.
@@ -61,13 +69,16 @@ class InboundWatch {
     std::uint64_t read = 0;      // bytes, when it was last looked at
     std::uint64_t finished = 0;  // of those, in whole messages, at least
     Time looked;
+    std::multiset<std::size_t> prefixes;  // hashes
 
     std::uint64_t unfinished() const { return read > finished ? read - finished : 0; }
   };
   using Connections = std::map<int, Connection>;
 
   void cut(Connections::iterator connection);
-  void cut_the_worst();
+  // While all together have more than that of it.
+  template <typename Amount>
+  void cut_the_worst(std::uint64_t most, Amount amount);
 
   const InboundLimits limits_;
   mutable std::mutex mutex_;

@@ -163,8 +163,10 @@ class Publisher::Impl {
       const std::byte first = *message.data<std::byte>();
       if (first == std::byte{1}) {
         ++subscriptions_;
+        guard_->subscribed(message, true);
       } else if (first == std::byte{0} && subscriptions_ > 0) {
         --subscriptions_;
+        guard_->subscribed(message, false);
       }
     }
   }

@@ -167,6 +167,28 @@ TEST(Field, MessagesWithAnEndAreNeverCutOff) {
   EXPECT_EQ(daemon.cut_off(), 0U);
 }
 
+TEST(Field, SubscribersToTooMuchAreCutOff) {
+  const Daemon daemon({});
+  auto late =
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
+  ASSERT_TRUE(late) << late.error().message;
+  zmq::context_t context;
+  zmq::socket_t socket(context, zmq::socket_type::xsub);
+  socket.set(zmq::sockopt::linger, 0);
+  socket.set(zmq::sockopt::sndhwm, 0);
+  socket.connect(daemon.endpoint());
+  for (int i = 0; i < 50'000; ++i) {
+    socket.send(zmq::message_t("\x01" + std::to_string(i)), zmq::send_flags::none);
+    socket.send(zmq::message_t(std::string(1, '\0') + "never"), zmq::send_flags::none);
+  }
+  EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= 1; }));
+  socket.close();
+  EXPECT_TRUE(eventually(kPatience, [&] { return daemon.subscriptions() < 10; }));
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(late->receive(kPatience));
+  }
+}
+
 // A connection of which one end is watched.
 class Connected {
  public:
@@ -190,7 +212,7 @@ class Connected {
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
-    ::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), size);
+    (void)::bind(listener_.get(), reinterpret_cast<const sockaddr*>(&address), size);
     ::listen(listener_.get(), 1);
     ::getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size);
     const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
