@@ -22,6 +22,13 @@ namespace {
 using Kind = TriedMistake::Kind;
 using Comparisons = std::vector<PairedComparison>;  // of each access point
 
+// A mistake with what it says of recordings, and how they are explained.
+struct Candidate {
+  TriedMistake told;
+  std::vector<Meant> meant;
+  std::vector<Correlations> explained;  // of each of these
+};
+
 std::string concatenated(std::initializer_list<std::string_view> parts) {
   std::string text;
   for (const std::string_view part : parts) {
@@ -73,15 +80,17 @@ std::string clearest_point(const StatedSurvey& survey, const std::vector<Correla
 }
 
 // A mistake of the points shows at all access points.
-std::vector<TriedMistake> try_places(const StatedSurvey& survey) {
-  std::vector<TriedMistake> all;
+std::vector<Candidate> try_places(const StatedSurvey& survey) {
+  std::vector<Candidate> all;
   const std::size_t count = survey.stated().size();
   for (const PlaceMistake& mistake : mistakes_of_places(survey.room(), survey.points())) {
     PairedComparison comparison;
     Comparisons each(count);
+    std::vector<Meant> meant;
     std::vector<Correlations> other;
     for (std::size_t ap = 0; ap < count; ++ap) {
-      other.push_back(survey.at_places(ap, mistake.place));
+      meant.push_back({ap, ap, mistake.place, {}});
+      other.push_back(survey.other(meant.back()));
       comparison.add(survey.stated()[ap], other.back());
       each[ap].add(survey.stated()[ap], other.back());
     }
@@ -101,7 +110,7 @@ std::vector<TriedMistake> try_places(const StatedSurvey& survey) {
                                 clearest_point(survey, other),
                                 ": ",
                                 one.remedy});
-    all.push_back(std::move(one));
+    all.push_back({std::move(one), std::move(meant), std::move(other)});
   }
   return all;
 }
@@ -176,19 +185,20 @@ TriedMistake told(const std::vector<MovedRecording>& moved, TriedMistake mistake
   return mistake;
 }
 
-std::vector<TriedMistake> try_recordings(const StatedSurvey& survey) {
+std::vector<Candidate> try_recordings(const StatedSurvey& survey) {
   const std::size_t count = survey.stated().size();
   std::vector<std::vector<Correlations>> as(count, std::vector<Correlations>(count));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
       if (i != j && survey.is_recorded(i)) {
-        as[i][j] = survey.as_another(i, j);
+        as[i][j] = survey.other({i, j, {}, {}});
       }
     }
   }
-  std::vector<TriedMistake> all;
+  std::vector<Candidate> all;
   for (const Assignment& assignment : other_assignments(survey)) {
     PairedComparison comparison;
+    Candidate candidate;
     std::vector<MovedRecording> moved;
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t j = assignment[i];
@@ -198,11 +208,14 @@ std::vector<TriedMistake> try_recordings(const StatedSurvey& survey) {
       comparison.add(survey.stated()[i], as[i][j]);
       moved.push_back({survey.room().access_points[i].id, survey.room().access_points[j].id, {}});
       moved.back().comparison.add(survey.stated()[i], as[i][j]);
+      candidate.meant.push_back({i, j, {}, {}});
+      candidate.explained.push_back(as[i][j]);
     }
     const bool possible = std::none_of(
         moved.begin(), moved.end(), [](const auto& one) { return one.comparison.empty(); });
     if (possible) {
-      all.push_back(told(moved, tried(Kind::kRecordings, comparison)));
+      candidate.told = told(moved, tried(Kind::kRecordings, comparison));
+      all.push_back(std::move(candidate));
     }
   }
   return all;
@@ -219,17 +232,19 @@ bool same(const Correlations& a, const Correlations& b) {
 }
 
 // Of one access point. Mistakes that no recording tells apart are one: which it is, people see.
-std::vector<TriedMistake> try_arrays(const StatedSurvey& survey, std::size_t ap) {
+std::vector<Candidate> try_arrays(const StatedSurvey& survey, std::size_t ap) {
   const RoomAccessPoint& access_point = survey.room().access_points[ap];
   const Correlations& stated = survey.stated()[ap];
   struct Distinct {
+    Meant meant;
     Correlations explained;
     std::string meaning;
     std::string remedy;
   };
   std::vector<Distinct> distinct;
   for (ArrayMistake& mistake : mistakes_of_array(access_point)) {
-    Correlations explained = survey.with_array(ap, mistake.array);
+    Meant meant{ap, ap, {}, std::move(mistake.array)};
+    Correlations explained = survey.other(meant);
     if (same(explained, stated)) {
       continue;
     }
@@ -237,15 +252,17 @@ std::vector<TriedMistake> try_arrays(const StatedSurvey& survey, std::size_t ap)
       return same(one.explained, explained);
     });
     if (known == distinct.end()) {
-      distinct.push_back(
-          {std::move(explained), std::move(mistake.meaning), std::move(mistake.remedy)});
+      distinct.push_back({std::move(meant),
+                          std::move(explained),
+                          std::move(mistake.meaning),
+                          std::move(mistake.remedy)});
     } else {
       known->meaning += ", or " + mistake.meaning;
       known->remedy += ", or " + mistake.remedy;
     }
   }
-  std::vector<TriedMistake> all;
-  for (const Distinct& one : distinct) {
+  std::vector<Candidate> all;
+  for (Distinct& one : distinct) {
     PairedComparison comparison;
     comparison.add(stated, one.explained);
     if (comparison.empty()) {
@@ -265,22 +282,34 @@ std::vector<TriedMistake> try_arrays(const StatedSurvey& survey, std::size_t ap)
                                     fixed_text(mistake.stated),
                                     "): write ",
                                     mistake.remedy});
-    all.push_back(std::move(mistake));
+    all.push_back({std::move(mistake), {std::move(one.meant)}, {std::move(one.explained)}});
   }
   return all;
 }
 
 bool gains_less(const TriedMistake& a, const TriedMistake& b) { return a.gained < b.gained; }
 
+// Whether the places that it says explain their recordings better than other places do. Of a survey
+// in disorder some mistake explains more than what was stated, but no more than chance does.
+bool is_above_chance(const StatedSurvey& survey, const Candidate& candidate) {
+  PairedComparison comparison;
+  for (std::size_t i = 0; i < candidate.meant.size(); ++i) {
+    comparison.add(survey.by_chance(candidate.meant[i]), candidate.explained[i]);
+  }
+  return comparison.significance() > kClearly;
+}
+
 // The clear one that gains most.
-std::optional<TriedMistake> clearest(const std::vector<TriedMistake>& mistakes) {
-  const TriedMistake* best = nullptr;
-  for (const TriedMistake& one : mistakes) {
-    if (is_clear(one) && (best == nullptr || gains_less(*best, one))) {
+std::optional<TriedMistake> clearest(const StatedSurvey& survey,
+                                     const std::vector<Candidate>& candidates) {
+  const Candidate* best = nullptr;
+  for (const Candidate& one : candidates) {
+    if (is_clear(one.told) && (best == nullptr || gains_less(best->told, one.told)) &&
+        is_above_chance(survey, one)) {
       best = &one;
     }
   }
-  return best == nullptr ? std::nullopt : std::optional(*best);
+  return best == nullptr ? std::nullopt : std::optional(best->told);
 }
 
 double gained_by(const std::vector<TriedMistake>& mistakes) {
@@ -308,22 +337,23 @@ InputCheck check_calibration_inputs(const RoomModel& room,
                                     std::span<const CalibrationPoint> points) {
   InputCheck check;
   const StatedSurvey survey(room, points);
-  const auto add = [&](std::vector<TriedMistake> mistakes) {
-    std::move(mistakes.begin(), mistakes.end(), std::back_inserter(check.tried));
+  const auto add = [&](const std::vector<Candidate>& candidates) {
+    std::transform(candidates.begin(),
+                   candidates.end(),
+                   std::back_inserter(check.tried),
+                   [](const Candidate& one) { return one.told; });
+    return clearest(survey, candidates);
   };
-  for (auto mistakes : {try_places(survey), try_recordings(survey)}) {
-    if (auto best = clearest(mistakes)) {
+  for (const auto& candidates : {try_places(survey), try_recordings(survey)}) {
+    if (auto best = add(candidates)) {
       keep_better({*std::move(best)}, check.found);
     }
-    add(std::move(mistakes));
   }
   std::vector<TriedMistake> arrays;  // of each access point that stands otherwise
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    auto mistakes = try_arrays(survey, ap);
-    if (auto best = clearest(mistakes)) {
+    if (auto best = add(try_arrays(survey, ap))) {
       arrays.push_back(*std::move(best));
     }
-    add(std::move(mistakes));
   }
   keep_better(std::move(arrays), check.found);
   std::stable_sort(check.tried.begin(), check.tried.end(), [](const auto& a, const auto& b) {

@@ -97,29 +97,31 @@ std::vector<PointFit> StatedSurvey::fits() const {
   return fits;
 }
 
-Correlations StatedSurvey::at_places(std::size_t access_point,
-                                     const std::function<Vec3d(std::size_t)>& place) const {
-  const Heard heard = hear(
-      room_, access_point, [&](std::size_t i) { return points_[i].h.at(access_point); }, place);
-  return judged(heard, room_.access_points[access_point].array);
-}
-
-Correlations StatedSurvey::as_another(std::size_t recorded, std::size_t pose) const {
+Correlations StatedSurvey::other(const Meant& meant) const {
   const auto& aps = room_.access_points;
-  const auto rows = [&](std::size_t i) {
-    return reordered(points_[i].h.at(recorded), aps[recorded], aps[pose], room_.grid.size());
-  };
-  const Heard heard = hear(room_, pose, rows, [&](std::size_t i) { return place(i); });
-  return judged(heard, aps[pose].array);
-}
-
-Correlations StatedSurvey::with_array(std::size_t access_point, const AntennaArray& array) const {
-  if (share_rays(array, room_.access_points[access_point].array)) {
-    return judged(heard_[access_point], array);
+  const AntennaArray& stated = aps[meant.pose].array;
+  const AntennaArray& array = meant.array ? *meant.array : stated;
+  const bool own = meant.recorded == meant.pose && !meant.place;
+  if (own && share_rays(array, stated)) {
+    return judged(heard_[meant.pose], array);
   }
   RoomModel room = room_;
-  room.access_points[access_point].array = array;
-  return judged(hear_stated(room, access_point), array);
+  room.access_points[meant.pose].array = array;
+  const auto rows = [&](std::size_t i) {
+    return reordered(
+        points_[i].h.at(meant.recorded), aps[meant.recorded], aps[meant.pose], room_.grid.size());
+  };
+  const auto at = [&](std::size_t i) { return meant.place ? meant.place(i) : place(i); };
+  return judged(hear(room, meant.pose, rows, at), array);
+}
+
+Correlations StatedSurvey::by_chance(const Meant& meant) const {
+  Meant elsewhere = meant;
+  elsewhere.place = [&](std::size_t i) {
+    const std::size_t far = (i + points_.size() / 2) % points_.size();
+    return meant.place ? meant.place(far) : place(far);
+  };
+  return other(elsewhere);
 }
 
 Correlations StatedSurvey::at_carrier(std::size_t access_point, double centre_hz) const {

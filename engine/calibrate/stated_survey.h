@@ -5,6 +5,7 @@
 #include <complex>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,6 +15,14 @@
 #include "engine/localize/room_model.h"
 
 namespace rayloc {
+
+// What is meant by a recording, if it is not as stated.
+struct Meant {
+  std::size_t recorded = 0;                       // the access point that it was given for
+  std::size_t pose = 0;                           // the one that made it
+  std::function<Vec3d(std::size_t point)> place;  // where the device was; empty: as stated
+  std::optional<AntennaArray> array;              // of `pose`; nothing: as stated
+};
 
 // Correlations are crossed_correlations(), of each point.
 class StatedSurvey {
@@ -30,12 +39,10 @@ class StatedSurvey {
   // it stands alone.
   std::vector<PointFit> fits() const;
 
-  // What was recorded as `access_point`'s, at places that the function says.
-  Correlations at_places(std::size_t access_point,
-                         const std::function<Vec3d(std::size_t)>& place) const;
-  // What was recorded as that of one access point, as that of another.
-  Correlations as_another(std::size_t recorded, std::size_t pose) const;
-  Correlations with_array(std::size_t access_point, const AntennaArray& array) const;
+  Correlations other(const Meant& meant) const;
+  // The same with every place exchanged for one half of the survey away: what recordings and places
+  // that have nothing to do with each other reach, gains fitted to them all the same.
+  Correlations by_chance(const Meant& meant) const;
   Correlations at_carrier(std::size_t access_point, double centre_hz) const;
 
  private:

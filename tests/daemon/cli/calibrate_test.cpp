@@ -2,7 +2,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -392,6 +394,38 @@ TEST_F(Field, CalibrateStillRefusesAFolderThatHoldsMoreThanItsReports) {
   const Finished run = calibrate_gains();
   EXPECT_EQ(run.status, 64);
   EXPECT_NE(run.err.find("is not empty"), std::string::npos) << run.err;
+}
+
+// Points whose rows are in disorder: no mistake that has a name, and no calibration.
+TEST_F(Field, CalibrateSaysThatASurveyInDisorderIsNoSuccess) {
+  std::ifstream in(kSite + "/calibration.csv");
+  std::vector<std::string> times;
+  std::vector<std::string> places;
+  std::string header;
+  std::getline(in, header);
+  for (std::string line; times.size() < kRows && std::getline(in, line);) {
+    const std::size_t at = line.find(',', line.find(',') + 1);
+    times.push_back(line.substr(0, at));
+    places.push_back(line.substr(at));
+  }
+  std::mt19937_64 random(1);
+  for (std::size_t i = places.size(); i > 1; --i) {
+    std::swap(places[i - 1], places[random() % i]);
+  }
+  const std::string file = out_.string() + "_disorder.csv";
+  std::ofstream out(file);
+  out << header << '\n';
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    out << times[i] << places[i] << '\n';
+  }
+  out.close();
+  const Finished run = calibrate_points(file);
+  EXPECT_EQ(run.status, 79) << run.err;
+  EXPECT_NE(run.err.find("have no fix"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("usual mistakes explains the survey clearly better"), std::string::npos)
+      << run.err;
+  EXPECT_FALSE(fs::exists(out_ / "site.toml"));
+  fs::remove(file);
 }
 
 }  // namespace

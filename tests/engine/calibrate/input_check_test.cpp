@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -256,6 +257,18 @@ TEST(Field, CalibrationCheckNamesRecordingsThatWentRound) {
                            "--capture c= with what is given for b",
                            "--capture a= with what is given for c"}) {
     EXPECT_TRUE(says(found.front().remedy, part));
+  }
+}
+
+// What is said to explain a survey that nothing explains would be chance.
+TEST(Field, CalibrationCheckFindsNothingInASurveyInDisorder) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    auto points = survey();
+    std::mt19937_64 random(seed);
+    for (std::size_t i = points.size(); i > 1; --i) {
+      std::swap(points[i - 1].h, points[random() % i].h);
+    }
+    EXPECT_EQ(refusal(points), "passes") << seed;
   }
 }
 
