@@ -221,6 +221,9 @@ class BodyReader {
     }
     std::string_view rest = bytes_.substr(at_);
     const auto value = read_number(rest);
+    if (!rest.empty() && kBlank.find(rest[0]) == std::string_view::npos) {
+      return std::nullopt;  // "1,5" and "4m" are no numbers
+    }
     text_ = bytes_.substr(at_, bytes_.size() - rest.size() - at_);
     at_ = bytes_.size() - rest.size();
     return value;
