@@ -12,7 +12,6 @@
 #include "daemon/cli/feed_writer.h"
 #include "daemon/cli/message_filter.h"
 #include "daemon/cli/message_source.h"
-#include "daemon/cli/printable.h"
 #include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/publish/gap_detector.h"
