@@ -13,7 +13,7 @@ namespace {
 // Both the middle of the points and all of them together: where one falls alone, points were
 // exchanged for others.
 bool has_fallen(const FitSummary& fit) {
-  return fit.points >= kLeastJudged && fit.before && fit.after &&
+  return fit.points >= kLeastPairs && fit.before && fit.after &&
          fit.after->median < fit.before->median && fit.after->mean < fit.before->mean;
 }
 

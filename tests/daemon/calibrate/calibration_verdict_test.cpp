@@ -11,12 +11,20 @@
 namespace rayloc {
 namespace {
 
-// Three points held out at the first access point.
+// Twelve points held out at the first access point, three of them located.
 CalibrationReport report_with(double before, double after, std::size_t fixes) {
   CalibrationReport report = test::sample_report();
-  report.held_out = {true, true, true, false};
   auto& points = report.methods.front().calibration.points;
-  points = {{0, 0, before, after}, {1, 0, before, after}, {2, 0, before, after}, {3, 0, 0.1, 0.9}};
+  points = {{0, 0, 0.1, 0.9}};
+  report.held_out = {false};
+  report.positions = {{0.1, 0.2, 1.2}};
+  report.located.clear();
+  for (std::size_t i = 1; i <= kLeastPairs; ++i) {
+    points.push_back({i, 0, before, after});
+    report.held_out.push_back(true);
+    report.positions.push_back({0.05 * static_cast<double>(i), 0.2, 1.2});
+  }
+  report.methods.resize(1);
   report.fixes.back().points = 3;
   report.fixes.back().fixes = fixes;
   return report;
@@ -55,12 +63,12 @@ TEST(Field, CalibrationVerdictFailsWhereHalfOfThePointsHaveNoFix) {
             std::string::npos);
 }
 
-TEST(Field, CalibrationVerdictSaysNothingOfTwoPointsNorOfAnInterruptedRun) {
+TEST(Field, CalibrationVerdictSaysNothingOfFewPointsNorOfAnInterruptedRun) {
   CalibrationReport report = report_with(0.7, 0.3, 0);
   report.methods.front().calibration.interrupted = true;
   EXPECT_TRUE(judged(report).is_success());
   report = report_with(0.7, 0.3, 0);
-  report.held_out = {true, true, false, false};
+  report.held_out.back() = false;
   report.fixes.back().points = 2;
   EXPECT_TRUE(judged(report).is_success());
 }
