@@ -28,7 +28,7 @@ struct ConverterRow {
 };
 
 std::vector<ConverterRow> read_converter_output() {
-  const auto bytes = test::read_file(test::public_capture("axcsi-rt-ax86u/data.mat.txt"));
+  const auto bytes = test::read_bytes(test::public_capture("axcsi-rt-ax86u/data.mat.txt"));
   std::istringstream text(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
   std::vector<ConverterRow> rows;
   for (std::string line; std::getline(text, line);) {

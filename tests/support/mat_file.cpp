@@ -70,7 +70,7 @@ std::vector<std::int16_t> int16_of(const Bytes& bytes, const Element& element, s
 }  // namespace
 
 ComplexMatrix read_mat_file(const std::string& path) {
-  const Bytes file = read_file(path);
+  const Bytes file = read_bytes(path);
   const Element whole = element_at(file, kFileHeader);
   if (whole.type != kCompressed) {
     throw std::runtime_error(path + ": not one compressed matrix");

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kHexDigits = 2 * crypto_hash_sha256_BYTES;
 
 std::string sha256_of(const std::string& path) {
-  const std::vector<std::byte> bytes = read_file(path);
+  const std::vector<std::byte> bytes = read_bytes(path);
   std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
   crypto_hash_sha256(
       hash.data(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());

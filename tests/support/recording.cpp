@@ -26,7 +26,7 @@ std::uint32_t u32_at(const std::vector<std::byte>& bytes, std::size_t offset) {
 
 }  // namespace
 
-std::vector<std::byte> read_file(const std::string& path) {
+std::vector<std::byte> read_bytes(const std::string& path) {
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (file == nullptr) {
     throw std::runtime_error("cannot open " + path);
@@ -44,7 +44,7 @@ std::vector<std::byte> read_file(const std::string& path) {
 }
 
 Recording read_recording(const std::string& path) {
-  const auto file = read_file(path);
+  const auto file = read_bytes(path);
   Recording recording;
   for (std::size_t at = kFileHeader; at + kRecordHeader <= file.size();) {
     const auto seconds = std::chrono::seconds(u32_at(file, at));

@@ -22,7 +22,7 @@ struct RecordedDatagram {
 using Recording = std::vector<RecordedDatagram>;
 
 // The file's bytes, uncompressed. Throws std::runtime_error when it cannot be read.
-std::vector<std::byte> read_file(const std::string& path);
+std::vector<std::byte> read_bytes(const std::string& path);
 
 // The datagrams of a file.
 Recording read_recording(const std::string& path);
