@@ -75,9 +75,9 @@ TEST_F(CalibrationInputsTest, SuspectsExchangedColumnsWhereThoseWouldFit) {
   EXPECT_TRUE(says(message, "are the columns exchanged?"));
 }
 
-class Field : public CalibrationInputsTest {};
+class FieldSurvey : public CalibrationInputsTest {};
 
-TEST_F(Field, PointsInMillimetresAreNamedAsSuch) {
+TEST_F(FieldSurvey, PointsInMillimetresAreNamedAsSuch) {
   const auto message =
       error_with("t_start,t_end,x,y,z\n1718000125.3680,1718000125.8703,-1540.0,-1100.0,1200.0\n");
   EXPECT_TRUE(says(message, ".csv:2: "));

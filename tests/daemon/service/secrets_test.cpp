@@ -98,10 +98,10 @@ TEST_F(Secrets, EachThatCannotBeUsedIsNamedWithTheReason) {
   EXPECT_TRUE(check_secrets(config));
 }
 
-class Field : public Secrets {};
+class FieldSecrets : public Secrets {};
 
 // The rule of every secret is that of the others.
-TEST_F(Field, SecretsThatEveryoneMayReadAreRefused) {
+TEST_F(FieldSecrets, SecretsThatEveryoneMayReadAreRefused) {
   DaemonConfig config;
   config.http.token_file = write("token", kToken);
   config.privacy.target_id = TargetId::kHmac;
