@@ -1,7 +1,7 @@
 // `rayloc scene room` and `rayloc scene check` as processes of their own.
 #include <unistd.h>
-#include <algorithm>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
