@@ -14,12 +14,10 @@
 
 #include "daemon/publish/connection_guard.h"
 #include "daemon/publish/curve_keys.h"
-#include "daemon/publish/last_messages.h"
 #include "daemon/publish/late_subscriber.h"
-#include "daemon/publish/publisher.h"
-#include "daemon/publish/snapshot_server.h"
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
+#include "tests/daemon/publish/guarded_daemon.h"
 #include "tests/support/eventually.h"
 #include "tests/support/hostile_client.h"
 
@@ -31,65 +29,48 @@ using ::testing::HasSubstr;
 
 constexpr auto kPatience = 60s;
 
-// A publisher and a snapshot server behind one guard, which say something all the time.
-class GuardedDaemon {
+// The last client that was turned away.
+class Denied {
  public:
-  // With CURVE for `allow`; without it when there are no server keys.
-  GuardedDaemon(const CurveKeyPair& keys, const std::vector<std::string>& allow) {
-    ConnectionGuard::Options options;
-    options.secret_key = keys.secret_key;
-    options.allow = allow;
-    options.on_denied = [this](const std::string& key, const std::string& address) {
-      const std::lock_guard lock(mutex_);
-      denied_ = key + " from " + address;
-    };
-    guard_ = std::make_shared<ConnectionGuard>(std::move(options));
-    const auto last = std::make_shared<LastMessages>(100);
-    PublisherOptions publishing;
-    publishing.endpoint = "tcp://127.0.0.1:*";
-    publishing.site = "office";
-    publishing.epoch = 5;
-    publishing.last = last;
-    publishing.guard = guard_;
-    publisher_.emplace(std::move(*Publisher::bind(publishing)));
-    endpoint_ = publisher_->endpoint();
-    SnapshotServer::Options snapshots;
-    snapshots.endpoint = "tcp://127.0.0.1:*";
-    snapshots.epoch = 5;
-    snapshots.last = last;
-    snapshots.guard = guard_;
-    snapshots_ = std::move(*SnapshotServer::open(snapshots));
-    thread_ = std::thread([this] {
-      while (!stopping_) {
-        publisher_->publish(v1::Heartbeat(), Timestamp{1718000000s});
-        subscriptions_ = publisher_->counters().subscriptions;
-        std::this_thread::sleep_for(1ms);
-      }
-    });
-  }
-  ~GuardedDaemon() {
-    stopping_ = true;
-    thread_.join();
-  }
-  const std::string& endpoint() const { return endpoint_; }
-  const std::string& snapshot() const { return snapshots_->endpoint(); }
-  ConnectionGuard& guard() const { return *guard_; }
-  std::uint64_t subscriptions() const { return subscriptions_; }
-  std::string denied() const {
+  void set(const std::string& key, const std::string& address) {
     const std::lock_guard lock(mutex_);
-    return denied_;
+    text_ = key + " from " + address;
+  }
+  std::string text() const {
+    const std::lock_guard lock(mutex_);
+    return text_;
   }
 
  private:
   mutable std::mutex mutex_;
-  std::string denied_;  // guarded by mutex_; the last one
-  std::shared_ptr<ConnectionGuard> guard_;
-  std::optional<Publisher> publisher_;
-  std::string endpoint_;
-  std::unique_ptr<SnapshotServer> snapshots_;
-  std::atomic<bool> stopping_ = false;
-  std::atomic<std::uint64_t> subscriptions_ = 0;
-  std::thread thread_;
+  std::string text_;  // guarded by mutex_
+};
+
+class GuardedDaemon {
+ public:
+  // With CURVE for `allow`; without it when there are no server keys.
+  GuardedDaemon(const CurveKeyPair& keys, const std::vector<std::string>& allow)
+      : daemon_(access(keys, allow)) {}
+
+  const std::string& endpoint() const { return daemon_.endpoint(); }
+  const std::string& snapshot() const { return daemon_.snapshots().endpoint(); }
+  ConnectionGuard& guard() const { return daemon_.guard(); }
+  std::uint64_t subscriptions() const { return daemon_.subscriptions(); }
+  std::string denied() const { return denied_.text(); }
+
+ private:
+  ConnectionGuard::Options access(const CurveKeyPair& keys, const std::vector<std::string>& allow) {
+    ConnectionGuard::Options options;
+    options.secret_key = keys.secret_key;
+    options.allow = allow;
+    options.on_denied = [this](const std::string& key, const std::string& address) {
+      denied_.set(key, address);
+    };
+    return options;
+  }
+
+  Denied denied_;
+  test::GuardedDaemon daemon_;
 };
 
 bool joins(const GuardedDaemon& daemon, const std::optional<CurveClientKeys>& keys) {

@@ -2,7 +2,6 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <thread>
 
 #include <arpa/inet.h>
@@ -14,11 +13,8 @@
 #include "daemon/publish/connection_guard.h"
 #include "daemon/publish/curve_keys.h"
 #include "daemon/publish/inbound_watch.h"
-#include "daemon/publish/last_messages.h"
 #include "daemon/publish/late_subscriber.h"
-#include "daemon/publish/publisher.h"
-#include "daemon/publish/snapshot_server.h"
-#include "rayloc/v1/heartbeat.pb.h"
+#include "tests/daemon/publish/guarded_daemon.h"
 #include "tests/support/endless_message.h"
 #include "tests/support/eventually.h"
 
@@ -30,55 +26,14 @@ using namespace std::chrono_literals;
 constexpr auto kPatience = 60s;
 constexpr std::size_t kFlood = 200'000'000;  // bytes, at most
 
-// Both sockets behind one guard.
-class Daemon {
- public:
-  explicit Daemon(const ConnectionGuard::Options& access)
-      : guard_(std::make_shared<ConnectionGuard>(access)) {
-    const auto last = std::make_shared<LastMessages>(100);
-    PublisherOptions publishing;
-    publishing.endpoint = "tcp://127.0.0.1:*";
-    publishing.site = "office";
-    publishing.epoch = 5;
-    publishing.last = last;
-    publishing.guard = guard_;
-    publisher_.emplace(std::move(*Publisher::bind(publishing)));
-    endpoint_ = publisher_->endpoint();
-    SnapshotServer::Options snapshots;
-    snapshots.endpoint = "tcp://127.0.0.1:*";
-    snapshots.epoch = 5;
-    snapshots.last = last;
-    snapshots.guard = guard_;
-    snapshots_ = std::move(*SnapshotServer::open(snapshots));
-    thread_ = std::thread([this] {
-      while (!stopping_) {
-        publisher_->publish(v1::Heartbeat(), Timestamp{1718000000s});
-        subscriptions_ = publisher_->counters().subscriptions;
-        std::this_thread::sleep_for(1ms);
-      }
-    });
-  }
-  ~Daemon() {
-    stopping_ = true;
-    thread_.join();
-  }
-  const std::string& endpoint() const { return endpoint_; }
-  const SnapshotServer& snapshots() const { return *snapshots_; }
-  std::uint64_t cut_off() const { return guard_->counters().clients_cut_off; }
-  std::uint64_t subscriptions() const { return subscriptions_; }
+using test::GuardedDaemon;
 
- private:
-  std::shared_ptr<ConnectionGuard> guard_;
-  std::optional<Publisher> publisher_;
-  std::string endpoint_;
-  std::unique_ptr<SnapshotServer> snapshots_;
-  std::atomic<bool> stopping_ = false;
-  std::atomic<std::uint64_t> subscriptions_ = 0;
-  std::thread thread_;
-};
+std::uint64_t cut_off(const GuardedDaemon& daemon) {
+  return daemon.guard().counters().clients_cut_off;
+}
 
 TEST(Field, EndlessMessagesAreCutOffAndCounted) {
-  const Daemon daemon({});
+  const GuardedDaemon daemon({});
   auto late =
       LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
   ASSERT_TRUE(late) << late.error().message;
@@ -91,9 +46,9 @@ TEST(Field, EndlessMessagesAreCutOffAndCounted) {
         send_endless_message(daemon.snapshots().endpoint(), "DEALER", part_bytes, kFlood);
     EXPECT_LT(to_snapshots, kFlood);
     cut += 2;
-    EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= cut; })) << part_bytes;
+    EXPECT_TRUE(eventually(kPatience, [&] { return cut_off(daemon) >= cut; })) << part_bytes;
   }
-  EXPECT_EQ(daemon.cut_off(), cut);
+  EXPECT_EQ(cut_off(daemon), cut);
   EXPECT_EQ(daemon.snapshots().counters().malformed, 0U) << "none came to its end";
   // Everybody else is served as before.
   for (int i = 0; i < 20; ++i) {
@@ -119,7 +74,7 @@ TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
   ConnectionGuard::Options access;
   access.secret_key = server.secret_key;
   access.allow = {client.public_key};
-  const Daemon daemon(access);
+  const GuardedDaemon daemon(access);
   zmq::context_t context;
   std::uint64_t cut = 0;
   for (const auto& [endpoint, type] :
@@ -133,7 +88,7 @@ TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
     socket.connect(endpoint);
     send_many_parts(socket);
     ++cut;
-    EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= cut; })) << endpoint;
+    EXPECT_TRUE(eventually(kPatience, [&] { return cut_off(daemon) >= cut; })) << endpoint;
   }
   EXPECT_EQ(daemon.snapshots().counters().malformed, 0U);
   EXPECT_TRUE(LateSubscriber::join(daemon.endpoint(),
@@ -145,7 +100,7 @@ TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
 
 // What is long and has an end: many requests, and many subscriptions at once.
 TEST(Field, MessagesWithAnEndAreNeverCutOff) {
-  const Daemon daemon({});
+  const GuardedDaemon daemon({});
   zmq::context_t context;
   zmq::socket_t requests(context, zmq::socket_type::dealer);
   requests.set(zmq::sockopt::linger, 0);
@@ -164,11 +119,11 @@ TEST(Field, MessagesWithAnEndAreNeverCutOff) {
   EXPECT_TRUE(
       eventually(kPatience, [&] { return daemon.snapshots().counters().malformed == kRequests; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return daemon.subscriptions() == kPrefixes; }));
-  EXPECT_EQ(daemon.cut_off(), 0U);
+  EXPECT_EQ(cut_off(daemon), 0U);
 }
 
 TEST(Field, SubscribersToTooMuchAreCutOff) {
-  const Daemon daemon({});
+  const GuardedDaemon daemon({});
   auto late =
       LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
   ASSERT_TRUE(late) << late.error().message;
@@ -181,7 +136,7 @@ TEST(Field, SubscribersToTooMuchAreCutOff) {
     socket.send(zmq::message_t("\x01" + std::to_string(i)), zmq::send_flags::none);
     socket.send(zmq::message_t(std::string(1, '\0') + "never"), zmq::send_flags::none);
   }
-  EXPECT_TRUE(eventually(kPatience, [&] { return daemon.cut_off() >= 1; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return cut_off(daemon) >= 1; }));
   socket.close();
   EXPECT_TRUE(eventually(kPatience, [&] { return daemon.subscriptions() < 10; }));
   for (int i = 0; i < 20; ++i) {
