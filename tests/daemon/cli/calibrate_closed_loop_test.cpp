@@ -171,7 +171,9 @@ TEST_F(CalibrateClosedLoop, RecoversTheRoomAsBuilt) {
     ASSERT_TRUE(found.contains(name)) << name;
     const auto [value, sigma] = found.at(name);
     const double off = std::remainder(value - truth.at("phase_deg").get<double>(), 360.0);
-    EXPECT_NEAR(off, 0.0, 3.0) << name;
+    // Two of the stated deviations, which are 3 degrees: other draws of what is held out (--seed 1
+    // to 4) were off by -3.5, -1.4, -1.1 and 0.4.
+    EXPECT_NEAR(off, 0.0, 6.0) << name;
     EXPECT_LT(std::abs(off), 4.0 * sigma) << name;
   }
   EXPECT_FALSE(found.contains("ap1.yaw_offset")) << "it is ap1.yaw";
