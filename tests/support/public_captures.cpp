@@ -12,7 +12,7 @@
 namespace rayloc::test {
 namespace {
 
-constexpr std::size_t kHexDigits = 2 * crypto_hash_sha256_BYTES;
+constexpr std::size_t kHexDigits = std::size_t{2} * crypto_hash_sha256_BYTES;
 
 std::string sha256_of(const std::string& path) {
   const std::vector<std::byte> bytes = read_bytes(path);

@@ -21,12 +21,12 @@ namespace rayloc {
 namespace {
 
 constexpr int kPerAxis = 6;
-constexpr std::size_t kCount = kPerAxis * kPerAxis;
+constexpr auto kCount = static_cast<std::size_t>(kPerAxis * kPerAxis);
 
 // A device on a square grid that lies inside of the room also with x and y exchanged. No two rows
 // or columns mirror each other.
 const std::vector<CalibrationPoint>& survey() {
-  static const std::vector<CalibrationPoint> points = [] {
+  static const std::vector<CalibrationPoint> kPoints = [] {
     const RoomModel room = test::make_room();
     std::vector<CalibrationPoint> made;
     for (int i = 0; i < kPerAxis; ++i) {
@@ -45,7 +45,7 @@ const std::vector<CalibrationPoint>& survey() {
     }
     return made;
   }();
-  return points;
+  return kPoints;
 }
 
 RoomModel surveyed_room() {
@@ -328,6 +328,7 @@ std::vector<PointFit> fits_of(const std::vector<double>& after) {
 
 TEST(MisfittingPoints, AreThoseFarBelowTheOthers) {
   std::vector<double> after;
+  after.reserve(30);
   for (int i = 0; i < 30; ++i) {
     after.push_back(0.95 + 0.001 * i);
   }
@@ -340,6 +341,7 @@ TEST(MisfittingPoints, AreThoseFarBelowTheOthers) {
 
 TEST(MisfittingPoints, AreNotThoseOfAWideSpread) {
   std::vector<double> after;
+  after.reserve(30);
   for (int i = 0; i < 30; ++i) {
     after.push_back(0.05 + 0.03 * i);
   }
