@@ -21,7 +21,7 @@ namespace rayloc {
 namespace {
 
 constexpr int kPerAxis = 6;
-constexpr auto kCount = static_cast<std::size_t>(kPerAxis * kPerAxis);
+constexpr auto kCount = std::size_t{kPerAxis} * kPerAxis;
 
 // A device on a square grid that lies inside of the room also with x and y exchanged. No two rows
 // or columns mirror each other.
