@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <system_error>
 #include <utility>
 
+#include "engine/base/number_text.h"
 #include "engine/base/printable.h"
 
 namespace rayloc {
@@ -211,11 +210,9 @@ std::string with_decimal_point(std::string_view text, char separator) {
 
 std::optional<double> parse_csv_number(std::string_view text, char separator) {
   const std::string number = with_decimal_point(text, separator);
-  const bool plus = number.size() > 1 && number[0] == '+' && number[1] != '-';
-  const char* begin = number.data() + (plus ? 1 : 0);
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(begin, number.data() + number.size(), value);
-  if (status != std::errc() || end != number.data() + number.size() || !std::isfinite(value)) {
+  std::string_view rest = number;
+  const std::optional<double> value = read_number(rest);
+  if (!value || !rest.empty() || !std::isfinite(*value)) {
     return std::nullopt;
   }
   return value;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/number_text.h"
 #include "engine/scene/mesh_reader.h"
-#include "engine/scene/number_text.h"
 #include "engine/scene/polygon_list.h"
 
 namespace rayloc {

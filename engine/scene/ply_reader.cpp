@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/number_text.h"
 #include "engine/scene/mesh_reader.h"
-#include "engine/scene/number_text.h"
 #include "engine/scene/polygon_list.h"
 
 namespace rayloc {

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 
+#include "engine/base/number_text.h"
 #include "engine/base/suggestion.h"
 
 namespace rayloc {
@@ -53,12 +53,8 @@ std::optional<double> parse_number(std::string_view text) {
     return std::nullopt;
   }
   text = text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-  if (text.size() > 1 && text[0] == '+' && text[1] != '-') {
-    text.remove_prefix(1);
-  }
-  double value = 0.0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (status != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+  const std::optional<double> value = read_number(text);
+  if (!value || !text.empty() || !std::isfinite(*value)) {
     return std::nullopt;
   }
   return value;

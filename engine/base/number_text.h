@@ -1,4 +1,4 @@
-// Numbers of a mesh that are written as text.
+// read_number: a number that a file writes as text.
 #pragma once
 
 #include <algorithm>
