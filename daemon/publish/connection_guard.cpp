@@ -31,8 +31,7 @@ constexpr int kHandshakeMs = 10'000;
 constexpr int kHandshakeEvents = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
-constexpr int kConnectionEvents =
-    ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
+constexpr int kConnectionEvents = ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED;
 
 using Frames = std::vector<zmq::message_t>;
 
@@ -175,9 +174,6 @@ class ConnectionGuard::Impl {
       switch (event.number) {
         case ZMQ_EVENT_ACCEPTED:
           inbound_.accepted(socket, event.value, std::chrono::steady_clock::now());
-          break;
-        case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
-          inbound_.shook_hands(socket, event.value);
           break;
         case ZMQ_EVENT_DISCONNECTED:
           inbound_.gone(socket, event.value);

@@ -27,20 +27,32 @@ std::optional<std::uint64_t> cookie_of(int fd) {
   return known == 0 ? std::optional(cookie) : std::nullopt;
 }
 
-// Bytes that libzmq has read; nothing of what is no TCP connection.
-std::optional<std::uint64_t> bytes_read(int fd) {
+std::optional<std::uint64_t> bytes_received(int fd) {
   tcp_info info{};
   socklen_t size = sizeof info;
-  int unread = 0;
   constexpr std::size_t kNeeded = offsetof(tcp_info, tcpi_bytes_received) + sizeof(std::uint64_t);
-  if (getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) != 0 || size < kNeeded ||
-      ioctl(fd, FIONREAD, &unread) != 0) {
-    return std::nullopt;
+  const bool known = getsockopt(fd, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 && size >= kNeeded;
+  return known ? std::optional<std::uint64_t>(info.tcpi_bytes_received) : std::nullopt;
+}
+
+// Bytes that libzmq has read: bounds, for the kernel tells what it has received and what of that
+// still waits one after the other, and on a busy machine megabytes may come in between. Nothing
+// of what is no TCP connection.
+struct BytesRead {
+  std::uint64_t least = 0;
+  std::uint64_t most = 0;
+};
+
+BytesRead bytes_read(int fd) {
+  int unread = 0;
+  const std::optional<std::uint64_t> before = bytes_received(fd);
+  const bool counted = ioctl(fd, FIONREAD, &unread) == 0;
+  const std::optional<std::uint64_t> after = bytes_received(fd);
+  if (!before || !counted || !after) {
+    return {};
   }
-  // Between the two calls more may have come.
-  const auto waiting = std::min<std::uint64_t>(info.tcpi_bytes_received,
-                                               static_cast<std::uint64_t>(std::max(unread, 0)));
-  return info.tcpi_bytes_received - waiting;
+  const auto waiting = static_cast<std::uint64_t>(std::max(unread, 0));
+  return {*before - std::min(*before, waiting), *after - std::min(*after, waiting)};
 }
 
 }  // namespace
@@ -55,27 +67,30 @@ InboundLimits inbound_limits() {
   return limits;
 }
 
-void InboundWatch::accepted(int socket, int fd, Time now) {
+InboundWatch::Connection* InboundWatch::connection_of(int fd) {
   const std::optional<std::uint64_t> cookie = cookie_of(fd);
   if (!cookie) {
-    return;  // it has gone already
+    return nullptr;
   }
-  const std::lock_guard lock(mutex_);
-  const auto connection = connections_.insert_or_assign(fd, Connection{}).first;
-  connection->second.socket = socket;
-  connection->second.cookie = *cookie;
-  connection->second.looked = now;
-  if (connections_.size() > limits_.connections) {
-    cut(connection);
+  Connection& connection = connections_[fd];
+  if (connection.cookie != *cookie) {
+    connection = Connection{};
+    connection.cookie = *cookie;
   }
+  return &connection;
 }
 
-// libzmq bounds a handshake, and asks for its end in time.
-void InboundWatch::shook_hands(int socket, int fd) {
+void InboundWatch::accepted(int socket, int fd, Time now) {
   const std::lock_guard lock(mutex_);
-  const auto found = connections_.find(fd);
-  if (found != connections_.end() && found->second.socket == socket) {
-    found->second.finished = std::max(found->second.finished, bytes_read(fd).value_or(0));
+  Connection* const connection = connection_of(fd);
+  if (connection == nullptr) {
+    return;  // it has gone already
+  }
+  connection->socket = socket;
+  connection->looked = now;
+  if (connections_.size() > limits_.connections ||
+      connection->prefixes.size() > limits_.subscriptions) {
+    cut(connections_.find(fd));
   }
 }
 
@@ -89,27 +104,26 @@ void InboundWatch::gone(int socket, int fd) {
 
 void InboundWatch::delivered(int fd, std::size_t bytes) {
   const std::lock_guard lock(mutex_);
-  const auto found = connections_.find(fd);
-  if (found != connections_.end()) {
-    found->second.finished += bytes + kFraming;
+  if (Connection* const connection = connection_of(fd)) {
+    connection->finished += bytes + kFraming;
   }
 }
 
 void InboundWatch::subscribed(int fd, std::string_view prefix, bool more) {
   const std::lock_guard lock(mutex_);
-  const auto found = connections_.find(fd);
-  if (found == connections_.end()) {
+  Connection* const connection = connection_of(fd);
+  if (connection == nullptr) {
     return;
   }
-  std::multiset<std::size_t>& prefixes = found->second.prefixes;
+  std::multiset<std::size_t>& prefixes = connection->prefixes;
   const std::size_t hash = std::hash<std::string_view>()(prefix);
   if (more) {
     prefixes.insert(hash);
   } else if (const auto known = prefixes.find(hash); known != prefixes.end()) {
     prefixes.erase(known);
   }
-  if (prefixes.size() > limits_.subscriptions) {
-    cut(found);
+  if (connection->socket != kNotTold && prefixes.size() > limits_.subscriptions) {
+    cut(connections_.find(fd));
   }
 }
 
@@ -122,12 +136,17 @@ void InboundWatch::look(Time now) {
       connections_.erase(here);
       continue;
     }
+    if (connection.socket == kNotTold) {
+      continue;
+    }
     const std::chrono::duration<double> elapsed = now - connection.looked;
     connection.looked = now;
-    connection.read = bytes_read(here->first).value_or(0);
-    // Of what comes later nothing is forgiven in advance.
+    const BytesRead read = bytes_read(here->first);
+    connection.read = read.least;
+    // Of what comes later nothing is forgiven in advance; of what has come nothing is forgotten,
+    // so the bound is the upper one.
     connection.finished =
-        std::min(connection.read,
+        std::min(read.most,
                  connection.finished +
                      static_cast<std::uint64_t>(elapsed.count() *
                                                 static_cast<double>(limits_.signs_of_life_bytes)));
@@ -137,8 +156,9 @@ void InboundWatch::look(Time now) {
   }
   cut_the_worst(limits_.unfinished_bytes_in_all,
                 [](const Connection& connection) { return connection.unfinished(); });
-  cut_the_worst(limits_.subscriptions_in_all,
-                [](const Connection& connection) { return connection.prefixes.size(); });
+  cut_the_worst(limits_.subscriptions_in_all, [](const Connection& connection) {
+    return connection.socket == kNotTold ? 0 : connection.prefixes.size();
+  });
 }
 
 template <typename Amount>

@@ -46,10 +46,10 @@ class InboundWatch {
   // What the monitor of a socket says of its connections. `socket`: which one it is; descriptors
   // are used again, and two monitors are not read in order.
   void accepted(int socket, int fd, Time now);
-  void shook_hands(int socket, int fd);
   void gone(int socket, int fd);
 
-  // A part of a whole message of that connection has reached us.
+  // A part of a whole message of that connection has reached us, maybe before we have heard of the
+  // connection.
   void delivered(int fd, std::size_t bytes);
   // It subscribes to a prefix, or no longer. What it never subscribed to may end as often as it
   // likes.
@@ -63,10 +63,12 @@ class InboundWatch {
   std::uint64_t cut_off() const;
 
  private:
+  // The monitor has not told of the connection yet: it is not judged.
+  static constexpr int kNotTold = -1;
   struct Connection {
-    int socket = 0;
+    int socket = kNotTold;
     std::uint64_t cookie = 0;    // tells it from a later one with the same descriptor
-    std::uint64_t read = 0;      // bytes, when it was last looked at
+    std::uint64_t read = 0;      // bytes, at least, when it was last looked at
     std::uint64_t finished = 0;  // of those, in whole messages, at least
     Time looked;
     std::multiset<std::size_t> prefixes;  // hashes
@@ -74,7 +76,9 @@ class InboundWatch {
     std::uint64_t unfinished() const { return read > finished ? read - finished : 0; }
   };
   using Connections = std::map<int, Connection>;
-
+  // The one with that descriptor now; a new one if messages of it come before its monitor tells of
+  // it. Null if there is none any more.
+  Connection* connection_of(int fd);
   void cut(Connections::iterator connection);
   // While all together have more than that of it.
   template <typename Amount>

@@ -186,18 +186,22 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
   InboundWatch watch({.unfinished_bytes = 1000,
                       .unfinished_bytes_in_all = 1500,
                       .signs_of_life_bytes = 10,
-                      .connections = 3});
+                      .connections = 3,
+                      .subscriptions = 19});
   EXPECT_TRUE(watch.empty());
   const Connected one;
   const Connected two;
   const Connected three;
   const Connected four;
+  // Messages that reach us before we hear of their connection do not count either.
+  three.send(4000);
+  watch.delivered(three.watched(), 4000);
   for (const Connected* connection : {&one, &two, &three}) {
     watch.accepted(0, connection->watched(), begin);
   }
-  // What belongs to whole messages and to the handshake does not count.
+  // What belongs to whole messages does not count.
   one.send(2000);
-  watch.shook_hands(0, one.watched());
+  watch.delivered(one.watched(), 2000);
   two.send(5000);
   watch.delivered(two.watched(), 5000);
   watch.look(begin);
@@ -226,11 +230,20 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
   EXPECT_FALSE(watch.empty());
   watch.gone(0, three.watched());
   EXPECT_TRUE(watch.empty());
+  // Too many subscriptions are, also those before we hear of the connection.
+  const Connected eager;
+  for (int i = 0; i < 20; ++i) {
+    watch.subscribed(eager.watched(), std::to_string(i), true);
+  }
+  EXPECT_EQ(watch.cut_off(), 2U);
+  watch.accepted(0, eager.watched(), begin);
+  EXPECT_EQ(watch.cut_off(), 3U);
+  EXPECT_TRUE(eager.ended());
   // One too many.
   for (const Connected* connection : {&one, &two, &three, &four}) {
     watch.accepted(0, connection->watched(), begin);
   }
-  EXPECT_EQ(watch.cut_off(), 3U);
+  EXPECT_EQ(watch.cut_off(), 4U);
   EXPECT_TRUE(four.ended());
 }
 
