@@ -9,7 +9,7 @@
 #include "engine/base/expected.h"
 #include "engine/calibrate/access_point_fit.h"
 #include "engine/calibrate/room_calibration.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "daemon/scene/scene_files.h"
-#include "engine/calibrate/stated_parameter.h"
+#include "engine/calibrate/joint/stated_parameter.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {

@@ -9,7 +9,7 @@
 #include "daemon/calibrate/access_point_stage.h"
 #include "daemon/site/calibration_file.h"
 #include "engine/calibrate/room_calibration.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "engine/base/expected.h"
-#include "engine/calibrate/joint_calibration.h"
+#include "engine/calibrate/joint/joint_calibration.h"
 
 namespace rayloc {
 

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "daemon/evaluate/error_statistics.h"
-#include "engine/calibrate/judged_exponent.h"
 #include "engine/localize/localizer.h"
+#include "engine/posterior/judged_exponent.h"
 
 namespace rayloc {
 namespace {

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/report/calibration_report.h"
 #include "engine/base/expected.h"
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "daemon/site/site.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

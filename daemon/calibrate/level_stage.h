@@ -7,9 +7,9 @@
 
 #include "daemon/calibrate/access_point_stage.h"
 #include "daemon/calibrate/held_out_fixes.h"
-#include "daemon/calibrate/refused_input.h"
+#include "daemon/calibrate/report/refused_input.h"
 #include "daemon/site/site.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -9,15 +9,15 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/cli/output_file.h"
-#include "daemon/cli/scene_notes.h"
 #include "daemon/draw/png.h"
 #include "daemon/draw/scene_picture.h"
 #include "daemon/draw/svg.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/scene/solid_around.h"
-#include "daemon/site/planned_points.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "daemon/survey/planned_points.h"
+#include "daemon/terminal/output_file.h"
 #include "engine/base/printable.h"
 #include "engine/calibrate/survey_plan.h"
 

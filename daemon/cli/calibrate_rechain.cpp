@@ -15,9 +15,9 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/calibrate/calibrated_site.h"
-#include "daemon/cli/calibration_inputs.h"
-#include "daemon/cli/fixed_frames.h"
-#include "daemon/cli/scene_notes.h"
+#include "daemon/calibrate/calibration_inputs.h"
+#include "daemon/recordings/fixed_frames.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"

@@ -2,11 +2,11 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/calibrate.h"
+#include "daemon/calibrate/calibrate.h"
 #include "daemon/cli/calibrate_plan.h"
 #include "daemon/cli/calibrate_rechain.h"
-#include "daemon/cli/verb.h"
-#include "daemon/service/exit_status.h"
+#include "daemon/command/verb.h"
+#include "daemon/terminal/exit_status.h"
 
 namespace rayloc::cli {
 namespace {

@@ -11,13 +11,13 @@
 #include <string>
 #include <system_error>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
-#include "daemon/service/config.h"
-#include "daemon/service/readiness.h"
-#include "daemon/service/secrets.h"
+#include "daemon/command/file_error.h"
+#include "daemon/command/verb.h"
+#include "daemon/config/config.h"
+#include "daemon/config/secrets.h"
+#include "daemon/health/readiness.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/site/room_match.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_lacks.h"

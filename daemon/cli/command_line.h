@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cli/verb.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 

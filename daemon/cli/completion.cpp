@@ -4,8 +4,8 @@
 #include <string>
 
 #include "daemon/cli/shell_completion.h"
-#include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 namespace {

@@ -3,10 +3,10 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
-#include "daemon/service/config_schema.h"
+#include "daemon/command/file_error.h"
+#include "daemon/command/verb.h"
+#include "daemon/config/config_schema.h"
 
 namespace rayloc::cli {
 namespace {

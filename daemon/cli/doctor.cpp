@@ -13,16 +13,16 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/http_options.h"
-#include "daemon/cli/verb.h"
+#include "daemon/arguments/http_options.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/file_error.h"
+#include "daemon/command/verb.h"
+#include "daemon/config/config.h"
+#include "daemon/health/readiness.h"
+#include "daemon/machine/machine_check.h"
+#include "daemon/machine/running_daemon.h"
+#include "daemon/machine/source_hints.h"
 #include "daemon/publish/json.h"
-#include "daemon/service/config.h"
-#include "daemon/service/machine_check.h"
-#include "daemon/service/readiness.h"
-#include "daemon/service/running_daemon.h"
-#include "daemon/service/source_hints.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc::cli {

@@ -10,18 +10,18 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/cli/evaluate_fingerprints.h"
-#include "daemon/cli/evaluate_report.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/draw/svg.h"
 #include "daemon/evaluate/error_statistics.h"
 #include "daemon/evaluate/estimates_file.h"
+#include "daemon/evaluate/evaluate_fingerprints.h"
+#include "daemon/evaluate/evaluate_report.h"
 #include "daemon/evaluate/evaluation_plots.h"
 #include "daemon/evaluate/truth.h"
-#include "daemon/site/csv_table.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site.h"
 #include "daemon/site/site_copy.h"
+#include "daemon/survey/csv_table.h"
 
 namespace rayloc::cli {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "daemon/cli/file_error.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/file_error.h"
 #include "daemon/experiment/experiment_file.h"
 #include "daemon/experiment/experiment_report.h"
 #include "daemon/experiment/run_experiment.h"

@@ -10,11 +10,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/csi_receiver.h"
-#include "capture/decoder_registry.h"
-#include "capture/recorded_source.h"
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/verb.h"
+#include "capture/assemble/csi_receiver.h"
+#include "capture/decode/decoder_registry.h"
+#include "capture/source/recorded_source.h"
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 namespace {

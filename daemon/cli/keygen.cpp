@@ -4,10 +4,10 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
-#include "daemon/publish/curve_keys.h"
+#include "daemon/command/file_error.h"
+#include "daemon/command/verb.h"
+#include "daemon/publish/socket/curve_keys.h"
 
 namespace rayloc::cli {
 namespace {

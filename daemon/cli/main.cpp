@@ -4,7 +4,7 @@
 
 #include "daemon/cli/command_line.h"
 #include "daemon/publish/quiet_protobuf.h"
-#include "daemon/service/exit_status.h"
+#include "daemon/terminal/exit_status.h"
 #include "engine/base/printable.h"
 
 namespace rayloc::cli {

@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "daemon/cli/manual_page.h"
-#include "daemon/cli/verb.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-#include "daemon/service/roff.h"
+#include "daemon/config/roff.h"
 
 namespace rayloc::cli {
 namespace {

@@ -9,13 +9,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/pcap_live_source.h"
-#include "capture/pcap_recorder.h"
-#include "capture/recording_plan.h"
-#include "capture/udp_source.h"
-#include "daemon/cli/stop_signal.h"
-#include "daemon/cli/verb.h"
+#include "capture/record/pcap_recorder.h"
+#include "capture/source/pcap_live_source.h"
+#include "capture/source/recording_plan.h"
+#include "capture/source/udp_source.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
+#include "daemon/terminal/stop_signal.h"
 
 namespace rayloc::cli {
 namespace {

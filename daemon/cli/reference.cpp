@@ -10,21 +10,21 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/calibrate/refused_input.h"
-#include "daemon/cli/fixed_frames.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/verb.h"
+#include "daemon/calibrate/report/refused_input.h"
 #include "daemon/cli/verbs.h"
-#include "daemon/site/points_csv.h"
+#include "daemon/command/verb.h"
+#include "daemon/recordings/fixed_frames.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "daemon/survey/points_csv.h"
 #include "engine/base/content_hash.h"
-#include "engine/calibrate/empty_room.h"
-#include "engine/calibrate/occupied_room.h"
-#include "engine/calibrate/person_certainty.h"
-#include "engine/calibrate/person_fit.h"
-#include "engine/localize/hearing.h"
+#include "engine/person/calibrate/empty_room.h"
+#include "engine/person/calibrate/occupied_room.h"
+#include "engine/person/calibrate/person_certainty.h"
+#include "engine/person/calibrate/person_fit.h"
+#include "engine/room/hearing.h"
 
 namespace rayloc::cli {
 namespace {

@@ -14,28 +14,28 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 
-#include "capture/recorded_source.h"
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/no_fix_reasons.h"
-#include "daemon/cli/output_file.h"
-#include "daemon/cli/replay_report.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/verb.h"
+#include "capture/source/recorded_source.h"
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/command/verb.h"
+#include "daemon/feed/no_fix_reasons.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/ordered_sink.h"
-#include "daemon/pipeline/paced_source.h"
 #include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/pipeline/zone_estimator.h"
 #include "daemon/publish/json.h"
 #include "daemon/publish/target_names.h"
+#include "daemon/recordings/replay_report.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/site/path_grid_files.h"
 #include "daemon/site/receiver_options.h"
 #include "daemon/site/site.h"
 #include "daemon/site/site_lacks.h"
-#include "engine/localize/likelihood.h"
-#include "engine/localize/paper_settings.h"
+#include "daemon/terminal/output_file.h"
+#include "engine/likelihood/likelihood.h"
+#include "engine/paper/paper_settings.h"
 
 namespace rayloc::cli {
 namespace {

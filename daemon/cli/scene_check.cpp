@@ -8,8 +8,8 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cli/file_error.h"
 #include "daemon/cli/scene_verbs.h"
+#include "daemon/command/file_error.h"
 #include "daemon/scene/scene_report.h"
 #include "engine/base/printable.h"
 

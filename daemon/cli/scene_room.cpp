@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/file_error.h"
 #include "daemon/cli/scene_verbs.h"
+#include "daemon/command/file_error.h"
 #include "daemon/scene/build_room.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/scene/room_site.h"

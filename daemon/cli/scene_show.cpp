@@ -11,13 +11,13 @@
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/link_arguments.h"
-#include "daemon/cli/scene_notes.h"
+#include "daemon/arguments/link_arguments.h"
 #include "daemon/cli/scene_verbs.h"
+#include "daemon/command/file_error.h"
 #include "daemon/draw/png.h"
 #include "daemon/draw/scene_picture.h"
 #include "daemon/draw/svg.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/site/site_copy.h"
 #include "engine/trace/path_tracer.h"
 

@@ -1,7 +1,7 @@
 // The parts of `rayloc scene`, each in the file of its name (scene_room.cpp, ...).
 #pragma once
 
-#include "daemon/cli/verb.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 

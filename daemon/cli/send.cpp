@@ -16,13 +16,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/recorded_source.h"
-#include "capture/udp_address.h"
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/datagram_sender.h"
-#include "daemon/cli/stop_signal.h"
-#include "daemon/cli/verb.h"
+#include "capture/source/recorded_source.h"
+#include "capture/transport/datagram_sender.h"
+#include "capture/transport/udp_address.h"
+#include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
+#include "daemon/terminal/stop_signal.h"
 
 namespace rayloc::cli {
 namespace {

@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
-#include "capture/pcap_recorder.h"
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/simulate_report.h"
-#include "daemon/cli/verb.h"
+#include "capture/record/pcap_recorder.h"
+#include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/simulate/simulate_report.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/http_options.h"
-#include "daemon/cli/verb.h"
+#include "daemon/arguments/http_options.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 namespace {

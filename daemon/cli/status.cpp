@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "daemon/cli/age_text.h"
-#include "daemon/cli/http_options.h"
-#include "daemon/cli/verb.h"
+#include "daemon/arguments/http_options.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
+#include "daemon/feed/age_text.h"
 
 namespace rayloc::cli {
 namespace {

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/cli/feed_writer.h"
-#include "daemon/cli/message_filter.h"
-#include "daemon/cli/message_source.h"
-#include "daemon/cli/stop_signal.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/feed/feed_writer.h"
+#include "daemon/feed/message_filter.h"
+#include "daemon/feed/message_source.h"
 #include "daemon/publish/gap_detector.h"
+#include "daemon/terminal/stop_signal.h"
 #include "engine/base/printable.h"
 #include "rayloc/v1/envelope.pb.h"
 

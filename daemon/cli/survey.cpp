@@ -14,18 +14,18 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/line_input.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/stop_signal.h"
-#include "daemon/cli/survey_answer.h"
-#include "daemon/cli/survey_file.h"
-#include "daemon/cli/survey_listener.h"
-#include "daemon/cli/verb.h"
+#include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
+#include "daemon/config/config.h"
+#include "daemon/scene/scene_notes.h"
 #include "daemon/scene/solid_around.h"
-#include "daemon/service/config.h"
 #include "daemon/site/room_model.h"
+#include "daemon/survey/survey_answer.h"
+#include "daemon/survey/survey_file.h"
+#include "daemon/survey/survey_listener.h"
+#include "daemon/terminal/line_input.h"
+#include "daemon/terminal/stop_signal.h"
 #include "engine/base/printable.h"
 
 namespace rayloc::cli {

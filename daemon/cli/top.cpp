@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "daemon/cli/message_source.h"
-#include "daemon/cli/stop_signal.h"
-#include "daemon/cli/terminal_screen.h"
-#include "daemon/cli/top_model.h"
-#include "daemon/cli/top_snapshot.h"
-#include "daemon/cli/top_view.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/feed/message_source.h"
+#include "daemon/feed/top_model.h"
+#include "daemon/feed/top_snapshot.h"
+#include "daemon/feed/top_view.h"
+#include "daemon/terminal/stop_signal.h"
+#include "daemon/terminal/terminal_screen.h"
 
 namespace rayloc::cli {
 namespace {

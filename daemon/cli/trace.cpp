@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cli/file_error.h"
-#include "daemon/cli/gradient_argument.h"
-#include "daemon/cli/link_arguments.h"
-#include "daemon/cli/number_list.h"
-#include "daemon/cli/scene_notes.h"
-#include "daemon/cli/trace_report.h"
+#include "daemon/arguments/gradient_argument.h"
+#include "daemon/arguments/link_arguments.h"
+#include "daemon/arguments/number_list.h"
+#include "daemon/arguments/trace_report.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/file_error.h"
+#include "daemon/scene/scene_notes.h"
 #include "engine/base/printable.h"
 #include "engine/trace/path_tracer.h"
 

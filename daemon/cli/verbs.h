@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "daemon/cli/verb.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 

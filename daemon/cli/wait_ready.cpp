@@ -4,9 +4,9 @@
 #include <string>
 #include <thread>
 
-#include "daemon/cli/http_options.h"
-#include "daemon/cli/verb.h"
+#include "daemon/arguments/http_options.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/verb.h"
 
 namespace rayloc::cli {
 namespace {

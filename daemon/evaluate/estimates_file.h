@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/expected.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 
 namespace rayloc {
 

@@ -10,7 +10,7 @@
 #include "daemon/evaluate/hypothesis_reliability.h"
 #include "daemon/evaluate/point_result.h"
 #include "daemon/evaluate/truth.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {

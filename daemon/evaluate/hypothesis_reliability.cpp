@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "engine/base/check.h"
-#include "engine/localize/horizontal_gaussian.h"
+#include "engine/posterior/horizontal_gaussian.h"
 
 namespace rayloc {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "daemon/evaluate/truth.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 
 namespace rayloc {
 

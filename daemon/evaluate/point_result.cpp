@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "engine/localize/credible_region.h"
+#include "engine/posterior/credible_region.h"
 
 namespace rayloc {
 namespace {

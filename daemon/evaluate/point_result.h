@@ -6,7 +6,7 @@
 
 #include "daemon/evaluate/truth.h"
 #include "engine/base/vec3.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 
 namespace rayloc {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "daemon/site/csv_table.h"
-#include "daemon/site/points_csv.h"
+#include "daemon/survey/csv_table.h"
+#include "daemon/survey/points_csv.h"
 
 namespace rayloc {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "daemon/site/toml_reader.h"
 #include "engine/base/check.h"
-#include "engine/localize/likelihood.h"
-#include "engine/localize/paper_settings.h"
+#include "engine/likelihood/likelihood.h"
+#include "engine/paper/paper_settings.h"
 
 namespace rayloc {
 namespace {

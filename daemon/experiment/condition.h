@@ -1,6 +1,6 @@
 // Condition: one setting of a study: the room, what stands in it, who listens, how it is located.
 //
-// condition_keys() and engine/localize/paper_settings.h are all there is to know of the keys of an
+// condition_keys() and engine/paper/paper_settings.h are all there is to know of the keys of an
 // experiment's file: reading, defaults, the text of `rayloc experiment --help` and the columns of
 // the report come from them. Any of them can be an axis of a study.
 #pragma once
@@ -13,7 +13,7 @@
 #include <variant>
 
 #include "daemon/site/number_range.h"
-#include "engine/localize/paper_options.h"
+#include "engine/paper/paper_options.h"
 
 namespace rayloc {
 

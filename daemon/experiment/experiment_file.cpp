@@ -8,7 +8,7 @@
 
 #include "daemon/site/toml_reader.h"
 #include "engine/base/suggestion.h"
-#include "engine/localize/paper_settings.h"
+#include "engine/paper/paper_settings.h"
 
 namespace rayloc {
 namespace {

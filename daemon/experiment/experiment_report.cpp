@@ -10,7 +10,7 @@
 #include "daemon/draw/html.h"
 #include "daemon/draw/svg.h"
 #include "daemon/evaluate/statistics_json.h"
-#include "engine/localize/paper_settings.h"
+#include "engine/paper/paper_settings.h"
 
 namespace rayloc {
 namespace {

@@ -6,13 +6,13 @@
 #include <utility>
 
 #include "daemon/experiment/study_world.h"
-#include "engine/calibrate/empty_room.h"
-#include "engine/localize/hearing.h"
-#include "engine/localize/likelihood.h"
+#include "engine/likelihood/likelihood.h"
 #include "engine/localize/localizer.h"
-#include "engine/localize/paper_localizer.h"
-#include "engine/localize/paper_person_localizer.h"
-#include "engine/localize/person_localizer.h"
+#include "engine/paper/paper_localizer.h"
+#include "engine/paper/paper_person_localizer.h"
+#include "engine/person/calibrate/empty_room.h"
+#include "engine/person/person_localizer.h"
+#include "engine/room/hearing.h"
 
 namespace rayloc {
 namespace {

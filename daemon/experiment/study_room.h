@@ -7,7 +7,7 @@
 #include "daemon/experiment/condition.h"
 #include "daemon/scene/room_plan.h"
 #include "engine/base/expected.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

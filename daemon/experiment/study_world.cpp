@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "daemon/experiment/study_room.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/simulate/capture_simulator.h"

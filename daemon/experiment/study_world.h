@@ -12,7 +12,7 @@
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 #include "engine/trace/radio_device.h"
 
 namespace rayloc {

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 #include "daemon/http/request_handler.h"
 
 namespace rayloc {

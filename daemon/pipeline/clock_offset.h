@@ -1,12 +1,13 @@
-// ClockOffset: how much later the machine's clock is than event time (capture/event_clock.h): zero
-// until somebody sets the clock. What is published is told by the clock as it is now.
+// ClockOffset: how much later the machine's clock is than event time
+// (capture/source/event_clock.h): zero until somebody sets the clock. What is published is told by
+// the clock as it is now.
 //
 // Thread safety: any thread.
 #pragma once
 
 #include <mutex>
 
-#include "capture/event_clock.h"
+#include "capture/source/event_clock.h"
 
 namespace rayloc {
 

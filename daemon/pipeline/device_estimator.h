@@ -26,10 +26,10 @@
 #include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/calibrate/calibration_monitor.h"
-#include "engine/localize/chain_watch.h"
 #include "engine/localize/localizer.h"
-#include "engine/localize/paper_localizer.h"
+#include "engine/monitor/calibration_monitor.h"
+#include "engine/monitor/chain_watch.h"
+#include "engine/paper/paper_localizer.h"
 #include "engine/track/device_tracker.h"
 
 namespace rayloc {

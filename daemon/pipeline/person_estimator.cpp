@@ -6,7 +6,7 @@
 #include "daemon/pipeline/person_numbers.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
-#include "engine/localize/people.h"
+#include "engine/person/people.h"
 
 namespace rayloc {
 namespace {

@@ -30,9 +30,9 @@
 #include "daemon/publish/location_message.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/localize/paper_options.h"
-#include "engine/localize/paper_person_localizer.h"
-#include "engine/localize/person_localizer.h"
+#include "engine/paper/paper_options.h"
+#include "engine/paper/paper_person_localizer.h"
+#include "engine/person/person_localizer.h"
 #include "engine/track/person_tracker.h"
 #include "rayloc/v1/location.pb.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 
 namespace rayloc {
 

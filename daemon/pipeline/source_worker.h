@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "capture/csi_receiver.h"
-#include "capture/datagram_source.h"
+#include "capture/assemble/csi_receiver.h"
+#include "capture/transport/datagram_source.h"
 #include "daemon/pipeline/frame_census.h"
 #include "daemon/pipeline/frame_mailbox.h"
 #include "daemon/pipeline/stage_progress.h"

@@ -5,8 +5,8 @@
 
 #include <zmq.hpp>
 
-#include "daemon/publish/curve_client.h"
-#include "daemon/publish/endpoint.h"
+#include "daemon/publish/socket/curve_client.h"
+#include "daemon/publish/socket/endpoint.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "rayloc/v1/snapshot.pb.h"
 

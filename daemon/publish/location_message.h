@@ -4,7 +4,7 @@
 #include <string>
 
 #include "engine/base/timestamp.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/room/location_estimate.h"
 #include "engine/track/track.h"
 #include "rayloc/v1/event.pb.h"
 #include "rayloc/v1/location.pb.h"

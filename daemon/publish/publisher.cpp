@@ -6,12 +6,12 @@
 
 #include <zmq.hpp>
 
-#include "daemon/publish/bound_socket.h"
-#include "daemon/publish/connection_guard.h"
 #include "daemon/publish/last_messages.h"
 #include "daemon/publish/message_board.h"
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/sequence_book.h"
+#include "daemon/publish/socket/bound_socket.h"
+#include "daemon/publish/socket/connection_guard.h"
 #include "daemon/publish/topic.h"
 #include "engine/base/check.h"
 #include "rayloc/v1/envelope.pb.h"

@@ -8,9 +8,9 @@
 
 #include <zmq.hpp>
 
-#include "daemon/publish/bound_socket.h"
-#include "daemon/publish/connection_guard.h"
 #include "daemon/publish/last_messages.h"
+#include "daemon/publish/socket/bound_socket.h"
+#include "daemon/publish/socket/connection_guard.h"
 #include "rayloc/v1/snapshot.pb.h"
 
 namespace rayloc {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/publish/curve_keys.h"
+#include "daemon/publish/socket/curve_keys.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {

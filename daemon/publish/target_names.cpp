@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "daemon/publish/secret_file.h"
+#include "daemon/publish/socket/secret_file.h"
 #include "rayloc/v1/target.pb.h"
 
 namespace rayloc {

@@ -13,9 +13,9 @@
 
 #include <CLI/CLI.hpp>
 
-#include "capture/pcap_live_source.h"
-#include "capture/relay_sender.h"
-#include "daemon/service/exit_status.h"
+#include "capture/source/pcap_live_source.h"
+#include "capture/transport/relay_sender.h"
+#include "daemon/terminal/exit_status.h"
 #include "engine/base/printable.h"
 
 namespace rayloc {

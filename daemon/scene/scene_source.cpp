@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "daemon/site/room_model.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 
 namespace rayloc {
 

@@ -4,9 +4,9 @@
 #include <functional>
 #include <memory>
 
-#include "daemon/publish/connection_guard.h"
-#include "daemon/service/config.h"
-#include "daemon/service/limited_log.h"
+#include "daemon/config/config.h"
+#include "daemon/log/limited_log.h"
+#include "daemon/publish/socket/connection_guard.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {

@@ -4,10 +4,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "daemon/health/status.h"
 #include "daemon/http/map_files.h"
+#include "daemon/live_map/playback_control.h"
 #include "daemon/publish/json.h"
-#include "daemon/service/playback_control.h"
-#include "daemon/service/status.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc {

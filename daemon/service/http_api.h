@@ -22,11 +22,11 @@
 #include <string>
 #include <vector>
 
+#include "daemon/health/readiness.h"
 #include "daemon/http/http_server.h"
 #include "daemon/http/metrics.h"
-#include "daemon/pipeline/playback.h"
+#include "daemon/pipeline/playback/playback.h"
 #include "daemon/publish/last_messages.h"
-#include "daemon/service/readiness.h"
 
 namespace rayloc {
 

@@ -5,7 +5,7 @@
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
 #include "engine/base/content_hash.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 
 namespace rayloc {
 namespace {

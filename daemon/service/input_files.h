@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 
 namespace rayloc {
 

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string_view>
 
-#include "daemon/service/endpoint.h"
+#include "daemon/config/endpoint.h"
 
 namespace rayloc {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 #include "daemon/service/service_manager.h"
 #include "engine/base/expected.h"
 

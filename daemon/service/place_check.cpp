@@ -7,8 +7,8 @@
 #include <string>
 
 #include "daemon/http/http_server.h"
-#include "daemon/publish/endpoint.h"
-#include "daemon/publish/tcp_listener.h"
+#include "daemon/publish/socket/endpoint.h"
+#include "daemon/publish/socket/tcp_listener.h"
 #include "daemon/service/passed_socket_check.h"
 #include "daemon/service/source_factory.h"
 

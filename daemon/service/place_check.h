@@ -2,7 +2,7 @@
 // prepared: a second daemon in the place of the first ends at once, not minutes later.
 #pragma once
 
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 #include "daemon/service/service_manager.h"
 #include "engine/base/expected.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "daemon/service/log.h"
+#include "daemon/log/log.h"
 
 namespace rayloc {
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "daemon/config/config.h"
 #include "daemon/publish/target_names.h"
-#include "daemon/service/config.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"

@@ -12,15 +12,15 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
+#include "daemon/log/log.h"
+#include "daemon/machine/spare_memory.h"
+#include "daemon/machine/start_resources.h"
 #include "daemon/publish/quiet_protobuf.h"
-#include "daemon/service/exit_status.h"
-#include "daemon/service/log.h"
 #include "daemon/service/run_loop.h"
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
-#include "daemon/service/spare_memory.h"
-#include "daemon/service/start_resources.h"
 #include "daemon/service/start_watch.h"
+#include "daemon/terminal/exit_status.h"
 #include "engine/base/printable.h"
 
 namespace rayloc {

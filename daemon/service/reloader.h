@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 #include "daemon/service/input_files.h"
 
 namespace rayloc {

@@ -6,8 +6,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include "daemon/service/log.h"
-#include "daemon/service/spare_memory.h"
+#include "daemon/log/log.h"
+#include "daemon/machine/spare_memory.h"
 #include "engine/base/printable.h"
 
 namespace rayloc {

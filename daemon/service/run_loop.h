@@ -13,11 +13,11 @@
 #include <optional>
 #include <string>
 
-#include "daemon/service/limited_log.h"
+#include "daemon/health/watchdog.h"
+#include "daemon/log/limited_log.h"
 #include "daemon/service/reloader.h"
 #include "daemon/service/service.h"
 #include "daemon/service/service_manager.h"
-#include "daemon/service/watchdog.h"
 
 namespace rayloc {
 

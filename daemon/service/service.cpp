@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "daemon/pipeline/recording_folder.h"
-#include "daemon/pipeline/system_now.h"
+#include "daemon/config/secrets.h"
+#include "daemon/log/log.h"
+#include "daemon/pipeline/record/recording_folder.h"
+#include "daemon/pipeline/record/system_now.h"
 #include "daemon/service/curve_access.h"
-#include "daemon/service/log.h"
 #include "daemon/service/passed_socket_check.h"
 #include "daemon/service/place_check.h"
 #include "daemon/service/privacy.h"
-#include "daemon/service/secrets.h"
 #include "daemon/site/path_grid_files.h"
 #include "daemon/site/room_match.h"
 

@@ -4,15 +4,15 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/pipeline/system_now.h"
-#include "daemon/service/background_text.h"
-#include "daemon/service/log.h"
-#include "daemon/service/map_channel.h"
-#include "daemon/service/map_events.h"
-#include "daemon/service/map_geometry.h"
-#include "daemon/service/secrets.h"
+#include "daemon/config/secrets.h"
+#include "daemon/live_map/background_text.h"
+#include "daemon/live_map/map_channel.h"
+#include "daemon/live_map/map_events.h"
+#include "daemon/live_map/map_geometry.h"
+#include "daemon/log/log.h"
+#include "daemon/machine/start_resources.h"
+#include "daemon/pipeline/record/system_now.h"
 #include "daemon/service/service.h"
-#include "daemon/service/start_resources.h"
 
 namespace rayloc {
 namespace {

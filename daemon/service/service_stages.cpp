@@ -5,9 +5,9 @@
 #include <thread>
 #include <vector>
 
+#include "daemon/machine/start_resources.h"
 #include "daemon/service/service.h"
 #include "daemon/service/shutdown.h"
-#include "daemon/service/start_resources.h"
 
 namespace rayloc {
 namespace {

@@ -6,15 +6,15 @@
 #include <cstring>
 #include <utility>
 
-#include "capture/file_descriptor.h"
-#include "capture/pcap_live_source.h"
-#include "capture/recorded_source.h"
-#include "capture/reopening_source.h"
-#include "capture/udp_source.h"
-#include "capture/unix_source.h"
-#include "daemon/pipeline/playback_source.h"
-#include "daemon/service/log.h"
-#include "daemon/service/recording_files.h"
+#include "capture/source/pcap_live_source.h"
+#include "capture/source/recorded_source.h"
+#include "capture/source/reopening_source.h"
+#include "capture/source/udp_source.h"
+#include "capture/source/unix_source.h"
+#include "capture/transport/file_descriptor.h"
+#include "daemon/config/recording_files.h"
+#include "daemon/log/log.h"
+#include "daemon/pipeline/playback/playback_source.h"
 #include "daemon/site/receiver_options.h"
 
 namespace rayloc {

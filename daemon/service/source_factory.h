@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "capture/recording_plan.h"
-#include "daemon/pipeline/paced_source.h"
-#include "daemon/pipeline/playback.h"
+#include "capture/source/recording_plan.h"
+#include "daemon/config/config.h"
+#include "daemon/pipeline/playback/paced_source.h"
+#include "daemon/pipeline/playback/playback.h"
 #include "daemon/pipeline/source_worker.h"
-#include "daemon/service/config.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 

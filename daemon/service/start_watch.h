@@ -10,7 +10,7 @@
 
 #include <thread>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 #include "daemon/service/service_manager.h"
 
 namespace rayloc {

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "capture/axcsi_writer.h"
+#include "capture/decode/axcsi_writer.h"
 #include "engine/base/check.h"
 
 namespace rayloc {

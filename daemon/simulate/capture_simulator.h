@@ -11,16 +11,16 @@
 #include <optional>
 #include <vector>
 
-#include "capture/axcsi_decoder.h"
+#include "capture/decode/axcsi_decoder.h"
 #include "daemon/simulate/channel_draw.h"
 #include "daemon/simulate/impairments.h"
 #include "daemon/simulate/radio.h"
 #include "daemon/simulate/transmissions.h"
 #include "engine/base/expected.h"
 #include "engine/channel/mac_address.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 #include "engine/trace/array_tracer.h"
-#include "engine/trace/scattering.h"
+#include "engine/trace/scattering/scattering.h"
 #include "engine/trace/trace_options.h"
 
 namespace rayloc {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "engine/base/constants.h"
-#include "engine/localize/ray.h"
+#include "engine/room/ray.h"
 #include "engine/trace/radio_device.h"
 
 namespace rayloc {

@@ -19,8 +19,8 @@
 #include "daemon/simulate/random_stream.h"
 #include "engine/base/vec3.h"
 #include "engine/channel/ofdm_grid.h"
-#include "engine/localize/observation_model.h"
-#include "engine/localize/room_model.h"
+#include "engine/likelihood/observation_model.h"
+#include "engine/room/room_model.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {

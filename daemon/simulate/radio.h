@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/csi_decoder.h"
+#include "capture/decode/csi_decoder.h"
 #include "daemon/simulate/impairments.h"
 #include "daemon/simulate/random_stream.h"
 #include "engine/channel/tone_plan.h"

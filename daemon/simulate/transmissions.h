@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "daemon/site/points_csv.h"
+#include "daemon/survey/points_csv.h"
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"

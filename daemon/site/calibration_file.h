@@ -20,7 +20,7 @@
 #include "daemon/site/number_range.h"
 #include "engine/base/expected.h"
 #include "engine/calibrate/room_calibration.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

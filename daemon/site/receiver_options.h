@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "daemon/site/site.h"
 
 namespace rayloc {

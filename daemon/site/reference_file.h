@@ -10,8 +10,8 @@
 
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/localize/person_reference.h"
-#include "engine/localize/room_model.h"
+#include "engine/person/person_reference.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -7,8 +7,8 @@
 
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/localize/room_model.h"
-#include "engine/scene/load_scene.h"
+#include "engine/room/room_model.h"
+#include "engine/scene/read/load_scene.h"
 
 namespace rayloc {
 

@@ -10,7 +10,7 @@
 #include <toml++/toml.h>
 
 #include "daemon/site/room_model.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 
 namespace rayloc {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/localize/hearing.h"
+#include "engine/room/hearing.h"
 
 namespace rayloc {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/site/site.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "capture/decoder_registry.h"
+#include "capture/decode/decoder_registry.h"
 #include "daemon/site/site_tables.h"
 #include "engine/base/suggestion.h"
 

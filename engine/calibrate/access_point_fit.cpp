@@ -10,8 +10,8 @@
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
-#include "engine/localize/ray.h"
 #include "engine/observe/alignment.h"
+#include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {

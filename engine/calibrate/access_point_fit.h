@@ -17,9 +17,9 @@
 
 #include "engine/base/expected.h"
 #include "engine/calibrate/model_error_fit.h"
-#include "engine/localize/observation_model.h"
-#include "engine/localize/room_model.h"
+#include "engine/likelihood/observation_model.h"
 #include "engine/observe/chain_gains.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -14,7 +14,7 @@
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
-#include "engine/calibrate/spot_arrays.h"
+#include "engine/likelihood/spot_arrays.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/unit_power.h"
 

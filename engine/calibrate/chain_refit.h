@@ -23,7 +23,7 @@
 
 #include "engine/base/expected.h"
 #include "engine/base/vec3.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

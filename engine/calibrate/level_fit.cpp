@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/localize/level.h"
-#include "engine/localize/ray.h"
+#include "engine/likelihood/level.h"
+#include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {

@@ -1,5 +1,5 @@
 // fit_level: what an access point states as the level of a transmitter of constant power, from what
-// it heard of it at surveyed points (engine/localize/level.h has the likelihood).
+// it heard of it at surveyed points (engine/likelihood/level.h has the likelihood).
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 #include <span>
 
 #include "engine/base/vec3.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

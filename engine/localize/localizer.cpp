@@ -11,16 +11,16 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
-#include "engine/localize/access_point_fusion.h"
-#include "engine/localize/cell_places.h"
-#include "engine/localize/hearing.h"
-#include "engine/localize/level.h"
-#include "engine/localize/likelihood.h"
-#include "engine/localize/posterior.h"
-#include "engine/localize/room_map.h"
+#include "engine/likelihood/level.h"
+#include "engine/likelihood/likelihood.h"
 #include "engine/localize/station_map.h"
 #include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/cell_places.h"
+#include "engine/posterior/posterior.h"
+#include "engine/posterior/room_map.h"
+#include "engine/room/hearing.h"
 
 namespace rayloc {
 namespace {

@@ -18,14 +18,14 @@
 
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/access_point_fusion.h"
-#include "engine/localize/likelihood.h"
-#include "engine/localize/location_estimate.h"
+#include "engine/likelihood/likelihood.h"
 #include "engine/localize/path_grid.h"
-#include "engine/localize/posterior.h"
-#include "engine/localize/room_model.h"
 #include "engine/localize/station_map.h"
 #include "engine/observe/burst.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

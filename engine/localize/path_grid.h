@@ -16,9 +16,9 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/localize/posterior.h"
-#include "engine/localize/ray.h"
-#include "engine/localize/room_model.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/ray.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

@@ -5,8 +5,8 @@
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
-#include "engine/localize/access_point_fusion.h"
-#include "engine/localize/ray.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/room/ray.h"
 #include "engine/scene/scene.h"
 #include "engine/trace/path_tracer.h"
 

@@ -15,13 +15,13 @@
 
 #include "engine/base/parallel.h"
 #include "engine/base/vec3.h"
-#include "engine/localize/level.h"
-#include "engine/localize/likelihood.h"
-#include "engine/localize/nearby_likelihood.h"
-#include "engine/localize/observation_model.h"
+#include "engine/likelihood/level.h"
+#include "engine/likelihood/likelihood.h"
+#include "engine/likelihood/nearby_likelihood.h"
+#include "engine/likelihood/observation_model.h"
 #include "engine/localize/path_grid.h"
-#include "engine/localize/posterior.h"
-#include "engine/localize/room_model.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

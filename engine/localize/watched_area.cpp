@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/localize/access_point_fusion.h"
+#include "engine/posterior/access_point_fusion.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {

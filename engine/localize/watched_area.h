@@ -9,8 +9,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine/localize/posterior.h"
-#include "engine/localize/room_model.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc {
 

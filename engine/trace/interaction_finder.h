@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/trace/image_tree.h"
+#include "engine/trace/images/image_tree.h"
 #include "engine/trace/path.h"
 #include "engine/trace/soft_path.h"
 #include "engine/trace/trace_context.h"

@@ -20,7 +20,7 @@
 
 #include "engine/base/expected.h"
 #include "engine/scene/scene.h"
-#include "engine/trace/image_tree.h"
+#include "engine/trace/images/image_tree.h"
 #include "engine/trace/parameter.h"
 #include "engine/trace/path_derivatives.h"
 #include "engine/trace/paths.h"

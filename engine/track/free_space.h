@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
-#include "engine/localize/posterior.h"
+#include "engine/posterior/posterior.h"
 
 namespace rayloc {
 

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/person_localizer.h"
+#include "engine/person/person_localizer.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
 #include "engine/track/track.h"

@@ -10,7 +10,7 @@
 #include <embree3/rtcore.h>
 
 #include "engine/base/parallel.h"
-#include "engine/trace/fibonacci_lattice.h"
+#include "engine/trace/images/fibonacci_lattice.h"
 
 namespace rayloc::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/calibrate/joint_calibration.h"
+#include "engine/calibrate/joint/joint_calibration.h"
 #include "engine/scene/scene.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/memory.h"

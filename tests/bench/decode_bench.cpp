@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "capture/csi_receiver.h"
-#include "capture/decoder_registry.h"
+#include "capture/assemble/csi_receiver.h"
+#include "capture/decode/decoder_registry.h"
 #include "tests/bench/mapped_datagrams.h"
 #include "tests/support/wire_writer.h"
 

@@ -19,11 +19,11 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cli/calibration_inputs.h"
+#include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/site/room_model.h"
-#include "engine/localize/chain_watch.h"
-#include "engine/localize/credible_region.h"
 #include "engine/localize/localizer.h"
+#include "engine/monitor/chain_watch.h"
+#include "engine/posterior/credible_region.h"
 #include "tests/support/faulty_frames.h"
 
 namespace rayloc::bench {

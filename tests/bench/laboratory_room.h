@@ -9,7 +9,7 @@
 #include <ctime>
 #include <vector>
 
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc::bench {
 

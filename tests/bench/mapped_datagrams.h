@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "capture/datagram.h"
+#include "capture/transport/datagram.h"
 #include "tests/support/recording.h"
 
 namespace rayloc::bench {

@@ -13,14 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "daemon/cli/capture_argument.h"
-#include "daemon/cli/fixed_frames.h"
-#include "daemon/site/points_csv.h"
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/recordings/fixed_frames.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
-#include "engine/localize/hearing.h"
-#include "engine/localize/people.h"
+#include "daemon/survey/points_csv.h"
 #include "engine/observe/alignment.h"
+#include "engine/person/people.h"
+#include "engine/room/hearing.h"
 
 namespace rayloc::bench {
 namespace {

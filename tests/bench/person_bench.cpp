@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/calibrate/empty_room.h"
-#include "engine/localize/hearing.h"
-#include "engine/localize/person_localizer.h"
-#include "engine/trace/scattering.h"
+#include "engine/person/calibrate/empty_room.h"
+#include "engine/person/person_localizer.h"
+#include "engine/room/hearing.h"
+#include "engine/trace/scattering/scattering.h"
 #include "engine/track/person_tracker.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/laboratory_room.h"

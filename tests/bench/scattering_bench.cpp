@@ -20,7 +20,7 @@
 
 #include "engine/em/cylinder_section.h"
 #include "engine/trace/path_tracer.h"
-#include "engine/trace/scattering.h"
+#include "engine/trace/scattering/scattering.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/memory.h"
 #include "tests/support/laboratory.h"

@@ -26,8 +26,8 @@
 
 #include "engine/base/parallel.h"
 #include "engine/trace/array_tracer.h"
+#include "engine/trace/images/shooting.h"
 #include "engine/trace/path_tracer.h"
-#include "engine/trace/shooting.h"
 #include "tests/bench/bare_shooting.h"
 #include "tests/bench/best_times.h"
 #include "tests/bench/known_paths.h"

@@ -21,9 +21,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/csi_receiver.h"
-#include "capture/pcap_source.h"
-#include "capture/udp_source.h"
+#include "capture/assemble/csi_receiver.h"
+#include "capture/source/pcap_source.h"
+#include "capture/source/udp_source.h"
 #include "tests/bench/udp_sender.h"
 
 namespace rayloc::bench {

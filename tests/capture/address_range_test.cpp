@@ -1,4 +1,4 @@
-#include "capture/address_range.h"
+#include "capture/transport/address_range.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,11 +1,11 @@
-#include "capture/axcsi_decoder.h"
+#include "capture/decode/axcsi_decoder.h"
 
 #include <cstddef>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "capture/decoder_registry.h"
+#include "capture/decode/decoder_registry.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc {

@@ -1,6 +1,6 @@
 // The product's writer of AX-CSI against the decoder, and against the writer of the tests, which
 // was written from the tables alone.
-#include "capture/axcsi_writer.h"
+#include "capture/decode/axcsi_writer.h"
 
 #include <array>
 #include <cmath>

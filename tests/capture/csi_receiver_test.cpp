@@ -1,6 +1,6 @@
 // The receiver under everything that a network does to datagrams. Each test also checks that every
 // datagram is counted exactly once, after every push (receive_all).
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 
 #include <algorithm>
 #include <map>
@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/traffic_classes.h"
+#include "capture/assemble/traffic_classes.h"
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 

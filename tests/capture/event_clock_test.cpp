@@ -1,5 +1,5 @@
 // What EventClock makes of a machine's clock that is set while datagrams arrive.
-#include "capture/event_clock.h"
+#include "capture/source/event_clock.h"
 
 #include <gtest/gtest.h>
 

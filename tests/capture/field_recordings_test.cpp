@@ -8,8 +8,8 @@
 #include <numeric>
 #include <random>
 
-#include "capture/event_clock.h"
-#include "capture/recorded_source.h"
+#include "capture/source/event_clock.h"
+#include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
 
 namespace rayloc {

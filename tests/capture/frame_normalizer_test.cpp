@@ -1,5 +1,5 @@
 // Made-up frames through the whole receiver: what comes out must be the channel that went in.
-#include "capture/frame_normalizer.h"
+#include "capture/assemble/frame_normalizer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "engine/channel/tone_plan.h"
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"

@@ -1,4 +1,4 @@
-#include "capture/interface_filter.h"
+#include "capture/transport/interface_filter.h"
 
 #include <map>
 

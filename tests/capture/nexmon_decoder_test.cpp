@@ -1,8 +1,8 @@
-#include "capture/nexmon_decoder.h"
+#include "capture/decode/nexmon_decoder.h"
 
 #include <gtest/gtest.h>
 
-#include "capture/decoder_registry.h"
+#include "capture/decode/decoder_registry.h"
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 

@@ -1,5 +1,5 @@
 // PcapLiveSource on the loopback interface; needs CAP_NET_RAW, which CI's root has.
-#include "capture/pcap_live_source.h"
+#include "capture/source/pcap_live_source.h"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "capture/udp_source.h"
+#include "capture/source/udp_source.h"
 
 namespace rayloc {
 namespace {

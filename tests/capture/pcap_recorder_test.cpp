@@ -1,6 +1,6 @@
 // What the recorder writes is what the reader and Wireshark read, whatever happens to the process
 // or the disk.
-#include "capture/pcap_recorder.h"
+#include "capture/record/pcap_recorder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <csignal>
 #include <random>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 

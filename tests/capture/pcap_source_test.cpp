@@ -1,6 +1,6 @@
 // Every kind of capture file that PcapFileSource must read, written byte by byte by
 // tests/support/pcap_files.h.
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "tests/support/public_captures.h"
 
 namespace rayloc {

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/axcsi_decoder.h"
-#include "capture/decoder_registry.h"
+#include "capture/decode/axcsi_decoder.h"
+#include "capture/decode/decoder_registry.h"
 #include "tests/support/mat_file.h"
 #include "tests/support/public_captures.h"
 

@@ -1,10 +1,10 @@
 // The mark of a gap is a datagram that our reader counts and gives to nobody.
-#include "capture/recording_gap.h"
+#include "capture/record/recording_gap.h"
 
 #include <gtest/gtest.h>
 
-#include "capture/pcap_format.h"
-#include "capture/pcap_source.h"
+#include "capture/record/pcap_format.h"
+#include "capture/source/pcap_source.h"
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 

@@ -1,5 +1,5 @@
 // What a killed recorder left behind is a whole recording after its repair, wherever it was cut.
-#include "capture/recording_repair.h"
+#include "capture/record/recording_repair.h"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "capture/pcap_format.h"
-#include "capture/pcap_source.h"
+#include "capture/record/pcap_format.h"
+#include "capture/source/pcap_source.h"
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 

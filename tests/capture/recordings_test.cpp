@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 

@@ -1,4 +1,4 @@
-#include "capture/reopening_source.h"
+#include "capture/source/reopening_source.h"
 
 #include <deque>
 #include <memory>

@@ -1,10 +1,10 @@
-#include "capture/ubilocate_decoder.h"
+#include "capture/decode/ubilocate_decoder.h"
 
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "capture/decoder_registry.h"
+#include "capture/decode/decoder_registry.h"
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 

@@ -1,5 +1,5 @@
 // UdpSource over real loopback sockets.
-#include "capture/udp_source.h"
+#include "capture/source/udp_source.h"
 
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@
 #include <string>
 #include <thread>
 
-#include "capture/udp_address.h"
+#include "capture/transport/udp_address.h"
 
 namespace rayloc {
 namespace {

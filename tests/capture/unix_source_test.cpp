@@ -1,5 +1,5 @@
 // UnixSource and RelaySender, one at each end of a real socket.
-#include "capture/unix_source.h"
+#include "capture/source/unix_source.h"
 
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -14,7 +14,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/relay_sender.h"
+#include "capture/transport/relay_sender.h"
 
 namespace rayloc {
 namespace {

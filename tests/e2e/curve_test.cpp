@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <zmq.hpp>
 
-#include "daemon/publish/curve_client.h"
+#include "daemon/publish/socket/curve_client.h"
 #include "rayloc/v1/snapshot.pb.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"

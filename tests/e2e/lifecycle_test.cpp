@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
@@ -37,7 +37,8 @@ LiveDaemonOptions one_access_point(const std::vector<std::string>& environment,
           .setting = {.environment = environment}};
 }
 
-// The process that appends to the recordings (capture/append_process.h); 0 when there is none.
+// The process that appends to the recordings (capture/record/append_process.h); 0 when there is
+// none.
 pid_t append_process_of(pid_t daemon) {
   const std::string tasks = "/proc/" + std::to_string(daemon) + "/task";
   for (const auto& task : std::filesystem::directory_iterator(tasks)) {

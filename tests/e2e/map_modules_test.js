@@ -168,7 +168,7 @@
         same(near(found.inner, [100, 200, 12, 12]) && found.inner[4], 'region of 50 %', `one place: ${found.inner}`);
       }
 
-      // What engine/localize/posterior.cpp makes of one hill of 0.4 m about 1, 2 (and leaves a third over).
+      // What engine/posterior/posterior.cpp makes of one hill of 0.4 m about 1, 2 (and leaves a third over).
       const hill = [piece(1, 2, 0.249, 0.0223, 0.0223), piece(0.58, 2, 0.114, 0.0135, 0.0265), piece(1.01, 1.57, 0.106, 0.0251, 0.0125),
         piece(1.01, 2.43, 0.1, 0.0251, 0.0125), piece(1.44, 2, 0.094, 0.0113, 0.0237)];
       let found = drawn(hill);

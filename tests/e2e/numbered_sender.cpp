@@ -11,7 +11,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 
 namespace rayloc::e2e {
 namespace {

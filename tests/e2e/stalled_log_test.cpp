@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"

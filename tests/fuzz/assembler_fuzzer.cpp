@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "capture/csi_receiver.h"
+#include "capture/assemble/csi_receiver.h"
 #include "engine/base/check.h"
 
 namespace rayloc {

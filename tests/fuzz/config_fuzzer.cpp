@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "daemon/service/config.h"
-#include "daemon/service/endpoint.h"
+#include "daemon/config/config.h"
+#include "daemon/config/endpoint.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "capture/csi_decoder.h"
+#include "capture/decode/csi_decoder.h"
 #include "engine/base/check.h"
 
 namespace rayloc::fuzz {

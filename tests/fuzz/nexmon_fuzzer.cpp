@@ -1,4 +1,4 @@
-#include "capture/nexmon_decoder.h"
+#include "capture/decode/nexmon_decoder.h"
 #include "tests/fuzz/decoder_fuzzing.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/pcap_packet.h"
-#include "capture/pcap_parser.h"
-#include "capture/record_times.h"
+#include "capture/record/pcap_packet.h"
+#include "capture/record/pcap_parser.h"
+#include "capture/source/record_times.h"
 
 namespace rayloc::fuzz {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "capture/relayed_datagram.h"
+#include "capture/transport/relayed_datagram.h"
 #include "engine/base/check.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

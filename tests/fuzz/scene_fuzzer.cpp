@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 
 namespace {

@@ -31,14 +31,14 @@ passes() {
 }
 
 caught engine/em/a.h '#include "engine/scene/scene.h"' 'engine/em may include'
-caught engine/base/a.cpp '#include "capture/datagram.h"' 'engine/base may include'
+caught engine/base/a.cpp '#include "capture/transport/datagram.h"' 'engine/base may include'
 caught engine/localize/a.h '#include "daemon/site/site.h"' 'engine/localize may include'
 caught engine/trace/a.h '  #  include "engine/track/track.h"' 'engine/trace may include'
-caught capture/a.cpp '#include "engine/scene/scene.h"' 'capture may include'
-caught capture/a.cpp '#include "daemon/site/site.h"' 'capture may include'
+caught capture/source/a.cpp '#include "engine/scene/scene.h"' 'capture/source may include'
+caught capture/source/a.cpp '#include "daemon/site/site.h"' 'capture/source may include'
 caught daemon/site/a.cpp '#include "daemon/pipeline/pipeline.h"' 'daemon/site may include'
-caught daemon/publish/a.cpp '#include "capture/datagram.h"' 'daemon/publish may include'
-caught daemon/pipeline/a.cpp '#include "daemon/cli/verb.h"' 'daemon/pipeline may include'
+caught daemon/publish/a.cpp '#include "capture/transport/datagram.h"' 'daemon/publish may include'
+caught daemon/pipeline/a.cpp '#include "daemon/command/verb.h"' 'daemon/pipeline may include'
 caught engine/em/a.cpp '#include "../scene/scene.h"' 'quoted includes'
 caught engine/scene/a.cpp '#include <embree3/rtcore.h>' 'Embree'
 caught engine/localize/a.cpp '#include <hwy/highway.h>' 'Highway'
@@ -51,12 +51,12 @@ caught engine/trace/a.cpp '#include <sys/socket.h>' 'sockets'
 caught engine/trace/a.cpp 'auto t = std::chrono::steady_clock::now();' 'clock'
 caught engine/trace/a.cpp 'std::random_device seed;' 'entropy'
 caught engine/trace/a.cpp '#include <spdlog/spdlog.h>' 'log'
-caught capture/a.cpp '#include "rayloc/v1/location.pb.h"' 'capture may include'
+caught capture/source/a.cpp '#include "rayloc/v1/location.pb.h"' 'capture/source may include'
 
 passes engine/scene/bvh.cpp '#include <embree3/rtcore.h>' \
-  engine/scene/load_scene.cpp '#include <fstream>' \
+  engine/scene/read/load_scene.cpp '#include <fstream>' \
   engine/localize/grid.cpp '#include "engine/trace/path.h"' \
-  capture/udp_source.cpp '#include <sys/socket.h>' \
+  capture/source/udp_source.cpp '#include <sys/socket.h>' \
   daemon/publish/publisher.cpp '#include <zmq.hpp>' \
   daemon/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
   daemon/cli/sub.cpp '#include "daemon/publish/subscriber.h"'

@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 
 namespace rayloc {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/room_model.h"
 
 namespace rayloc::test {
 

@@ -1,8 +1,8 @@
 #include "tests/support/person_in_room.h"
 
-#include "engine/calibrate/empty_room.h"
-#include "engine/localize/hearing.h"
-#include "engine/trace/scattering.h"
+#include "engine/person/calibrate/empty_room.h"
+#include "engine/room/hearing.h"
+#include "engine/trace/scattering/scattering.h"
 
 namespace rayloc::test {
 

@@ -5,9 +5,9 @@
 #include <complex>
 #include <vector>
 
-#include "engine/localize/person_reference.h"
-#include "engine/localize/room_model.h"
-#include "engine/trace/target_body.h"
+#include "engine/person/person_reference.h"
+#include "engine/room/room_model.h"
+#include "engine/trace/scattering/target_body.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/datagram_source.h"
+#include "capture/transport/datagram_source.h"
 
 namespace rayloc::test {
 

@@ -1,15 +1,15 @@
 // Recordings for tests: datagrams read from a file, or made up.
 //
 // Reads classic little-endian Ethernet pcap files, gzip'd or not; shares no code with
-// capture/pcap_source, so that decoders are tested without it.
+// capture/source/pcap_source, so that decoders are tested without it.
 #pragma once
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
-#include "capture/csi_receiver.h"
-#include "capture/datagram.h"
+#include "capture/assemble/csi_receiver.h"
+#include "capture/transport/datagram.h"
 
 namespace rayloc::test {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "engine/localize/ray.h"
+#include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/channel/csi_frame.h"
-#include "engine/localize/ray.h"
-#include "engine/localize/room_model.h"
+#include "engine/room/ray.h"
+#include "engine/room/room_model.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc::test {

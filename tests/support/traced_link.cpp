@@ -6,7 +6,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc::test {

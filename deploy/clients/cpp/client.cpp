@@ -2,9 +2,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "daemon/publish/curve_keys.h"
 #include "daemon/publish/gap_detector.h"
 #include "daemon/publish/late_subscriber.h"
+#include "daemon/publish/socket/curve_keys.h"
 #include "daemon/publish/subscriber.h"
 #include "daemon/publish/topic.h"
 #include "deploy/clients/cpp/rayloc/client.h"

@@ -1,4 +1,4 @@
-#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/report/calibration_report.h"
 
 #include <algorithm>
 #include <optional>

@@ -1,11 +1,11 @@
 // Whether a calibration is called a success.
-#include "daemon/calibrate/calibration_verdict.h"
+#include "daemon/calibrate/report/calibration_verdict.h"
 
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/report/calibration_report.h"
 #include "tests/daemon/calibrate/sample_report.h"
 
 namespace rayloc {

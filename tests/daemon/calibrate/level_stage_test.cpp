@@ -6,8 +6,8 @@
 #include <random>
 #include <vector>
 
-#include "engine/localize/level.h"
-#include "engine/localize/ray.h"
+#include "engine/likelihood/level.h"
+#include "engine/room/ray.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 

@@ -1,4 +1,4 @@
-#include "daemon/calibrate/parameter_change.h"
+#include "daemon/calibrate/report/parameter_change.h"
 
 #include <gtest/gtest.h>
 

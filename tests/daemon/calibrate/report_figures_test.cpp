@@ -1,4 +1,4 @@
-#include "daemon/calibrate/report_figures.h"
+#include "daemon/calibrate/report/report_figures.h"
 
 #include <algorithm>
 #include <memory>

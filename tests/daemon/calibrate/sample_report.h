@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "daemon/calibrate/calibration_report.h"
+#include "daemon/calibrate/report/calibration_report.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc::test {

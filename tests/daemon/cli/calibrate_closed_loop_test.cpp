@@ -17,7 +17,7 @@
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
-#include "engine/calibrate/room_unknowns.h"
+#include "engine/calibrate/joint/room_unknowns.h"
 #include "engine/scene/moved_surfaces.h"
 #include "tests/support/edited_text.h"
 #include "tests/support/rayloc_process.h"

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/site/planned_points.h"
+#include "daemon/survey/planned_points.h"
 
 namespace rayloc::cli {
 namespace {

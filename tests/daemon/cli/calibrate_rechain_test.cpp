@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/site/site.h"
 #include "tests/support/closet_plan.h"

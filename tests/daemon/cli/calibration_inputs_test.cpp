@@ -1,4 +1,4 @@
-#include "daemon/cli/calibration_inputs.h"
+#include "daemon/calibrate/calibration_inputs.h"
 
 #include <chrono>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/pcap_recorder.h"
+#include "capture/record/pcap_recorder.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc::cli {

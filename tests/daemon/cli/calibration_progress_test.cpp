@@ -1,4 +1,4 @@
-#include "daemon/cli/calibration_progress.h"
+#include "daemon/calibrate/calibration_progress.h"
 
 #include <string>
 

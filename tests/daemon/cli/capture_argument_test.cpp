@@ -1,4 +1,4 @@
-#include "daemon/cli/capture_argument.h"
+#include "daemon/arguments/capture_argument.h"
 
 #include <gtest/gtest.h>
 

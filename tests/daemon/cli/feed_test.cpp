@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/cli/feed_writer.h"
-#include "daemon/cli/message_filter.h"
+#include "daemon/feed/feed_writer.h"
+#include "daemon/feed/message_filter.h"
 
 namespace rayloc::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/cli/no_fix_reasons.h"
+#include "daemon/feed/no_fix_reasons.h"
 
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/udp_source.h"
+#include "capture/source/udp_source.h"
 #include "tests/support/eventually.h"
 #include "tests/support/pcap_files.h"
 

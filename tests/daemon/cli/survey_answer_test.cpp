@@ -1,4 +1,4 @@
-#include "daemon/cli/survey_answer.h"
+#include "daemon/survey/survey_answer.h"
 
 #include <vector>
 

@@ -17,8 +17,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "capture/udp_source.h"
-#include "daemon/site/points_csv.h"
+#include "capture/source/udp_source.h"
+#include "daemon/survey/points_csv.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc {

@@ -1,5 +1,5 @@
 // Where `rayloc top` looks for what was last said.
-#include "daemon/cli/top_snapshot.h"
+#include "daemon/feed/top_snapshot.h"
 
 #include <gtest/gtest.h>
 

@@ -6,10 +6,10 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
-#include "daemon/cli/age_text.h"
-#include "daemon/cli/text_table.h"
-#include "daemon/cli/top_model.h"
-#include "daemon/cli/top_view.h"
+#include "daemon/feed/age_text.h"
+#include "daemon/feed/top_model.h"
+#include "daemon/feed/top_view.h"
+#include "daemon/terminal/text_table.h"
 
 namespace rayloc::cli {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/cli/gradient_argument.h"
-#include "daemon/cli/number_list.h"
+#include "daemon/arguments/gradient_argument.h"
+#include "daemon/arguments/number_list.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc::cli {

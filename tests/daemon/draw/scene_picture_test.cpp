@@ -15,7 +15,7 @@
 #include "daemon/draw/palette.h"
 #include "daemon/draw/png.h"
 #include "daemon/draw/svg.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc::draw {

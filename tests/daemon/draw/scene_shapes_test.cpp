@@ -10,7 +10,7 @@
 #include "daemon/draw/mesh_section.h"
 #include "daemon/draw/scene_parts.h"
 #include "daemon/scene/build_room.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc::draw {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/site/csv_table.h"
+#include "daemon/survey/csv_table.h"
 
 namespace rayloc {
 namespace {

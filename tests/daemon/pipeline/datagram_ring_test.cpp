@@ -1,5 +1,5 @@
 // The last of what was received, within time and bytes, and the files that are made of it.
-#include "daemon/pipeline/datagram_ring.h"
+#include "daemon/pipeline/record/datagram_ring.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 #include <atomic>
 #include <filesystem>
 
-#include "capture/pcap_source.h"
-#include "daemon/pipeline/ring_snapshots.h"
+#include "capture/source/pcap_source.h"
+#include "daemon/pipeline/record/ring_snapshots.h"
 #include "tests/support/eventually.h"
 #include "tests/support/read_to_end.h"
 

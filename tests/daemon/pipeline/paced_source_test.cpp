@@ -1,4 +1,4 @@
-#include "daemon/pipeline/paced_source.h"
+#include "daemon/pipeline/playback/paced_source.h"
 
 #include <gtest/gtest.h>
 

@@ -15,9 +15,9 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "daemon/pipeline/ordered_sink.h"
-#include "daemon/pipeline/paced_source.h"
+#include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/publish/proto_time.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"

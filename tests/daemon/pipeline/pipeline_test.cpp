@@ -8,10 +8,10 @@
 #include <numeric>
 #include <thread>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
-#include "daemon/pipeline/paced_source.h"
+#include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/publish/proto_time.h"
 
 namespace rayloc {

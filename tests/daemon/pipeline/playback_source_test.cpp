@@ -1,12 +1,12 @@
 // Recordings that are moved while they are played, through the whole pipeline: nothing is lost or
 // counted twice, and nothing before a move is mixed with what comes after it.
-#include "daemon/pipeline/playback_source.h"
+#include "daemon/pipeline/playback/playback_source.h"
 
 #include <algorithm>
 
 #include <gtest/gtest.h>
 
-#include "capture/recorded_source.h"
+#include "capture/source/recorded_source.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/proto_time.h"

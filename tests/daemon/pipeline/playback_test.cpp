@@ -1,5 +1,5 @@
 // The clock of recordings that people hold and move, at a time that the test states.
-#include "daemon/pipeline/playback.h"
+#include "daemon/pipeline/playback/playback.h"
 
 #include <gtest/gtest.h>
 

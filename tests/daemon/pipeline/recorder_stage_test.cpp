@@ -1,4 +1,4 @@
-#include "daemon/pipeline/recorder_stage.h"
+#include "daemon/pipeline/record/recorder_stage.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "capture/pcap_source.h"
+#include "capture/source/pcap_source.h"
 #include "tests/support/read_to_end.h"
 
 namespace rayloc {

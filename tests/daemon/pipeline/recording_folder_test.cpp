@@ -1,5 +1,5 @@
 // Which files are recordings, how old they are by their names, and which go first.
-#include "daemon/pipeline/recording_folder.h"
+#include "daemon/pipeline/record/recording_folder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Files one after the other, within limits, and a mark wherever something is missing.
-#include "daemon/pipeline/rotating_recorder.h"
+#include "daemon/pipeline/record/rotating_recorder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,9 +11,9 @@
 #include <functional>
 #include <memory>
 
-#include "capture/pcap_source.h"
-#include "capture/recording_repair.h"
-#include "daemon/pipeline/recording_folder.h"
+#include "capture/record/recording_repair.h"
+#include "capture/source/pcap_source.h"
+#include "daemon/pipeline/record/recording_folder.h"
 #include "tests/support/read_to_end.h"
 
 namespace rayloc {

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/cli/calibration_inputs.h"
+#include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/faulty_frames.h"

@@ -12,9 +12,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/connection_guard.h"
-#include "daemon/publish/curve_keys.h"
 #include "daemon/publish/late_subscriber.h"
+#include "daemon/publish/socket/connection_guard.h"
+#include "daemon/publish/socket/curve_keys.h"
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/daemon/publish/guarded_daemon.h"

@@ -9,11 +9,11 @@
 #include <netinet/in.h>
 #include <zmq.hpp>
 
-#include "capture/file_descriptor.h"
-#include "daemon/publish/connection_guard.h"
-#include "daemon/publish/curve_keys.h"
-#include "daemon/publish/inbound_watch.h"
+#include "capture/transport/file_descriptor.h"
 #include "daemon/publish/late_subscriber.h"
+#include "daemon/publish/socket/connection_guard.h"
+#include "daemon/publish/socket/curve_keys.h"
+#include "daemon/publish/socket/inbound_watch.h"
 #include "tests/daemon/publish/guarded_daemon.h"
 #include "tests/support/endless_message.h"
 #include "tests/support/eventually.h"

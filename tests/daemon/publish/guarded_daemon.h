@@ -9,10 +9,10 @@
 #include <thread>
 #include <utility>
 
-#include "daemon/publish/connection_guard.h"
 #include "daemon/publish/last_messages.h"
 #include "daemon/publish/publisher.h"
 #include "daemon/publish/snapshot_server.h"
+#include "daemon/publish/socket/connection_guard.h"
 #include "rayloc/v1/heartbeat.pb.h"
 
 namespace rayloc::test {

@@ -1,4 +1,4 @@
-#include "daemon/publish/tcp_listener.h"
+#include "daemon/publish/socket/tcp_listener.h"
 
 #include <arpa/inet.h>
 #include <linux/filter.h>
@@ -18,7 +18,7 @@
 
 #include <gtest/gtest.h>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 #include "daemon/publish/publisher.h"
 
 namespace rayloc {

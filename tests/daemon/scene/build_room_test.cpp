@@ -14,7 +14,7 @@
 
 #include "daemon/scene/room_site.h"
 #include "engine/base/constants.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/daemon/scene/room_text.h"
 #include "tests/support/scenes.h"

@@ -1,4 +1,4 @@
-#include "daemon/service/background_log.h"
+#include "daemon/log/background_log.h"
 
 #include <condition_variable>
 #include <memory>

@@ -1,5 +1,5 @@
 // What takes long is made once at a time, and nobody waits for it.
-#include "daemon/service/background_text.h"
+#include "daemon/live_map/background_text.h"
 
 #include <atomic>
 #include <future>

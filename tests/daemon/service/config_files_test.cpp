@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/service/config_reader.h"
-#include "daemon/service/config_schema.h"
+#include "daemon/config/config_reader.h"
+#include "daemon/config/config_schema.h"
 
 namespace rayloc {
 namespace {

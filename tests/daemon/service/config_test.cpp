@@ -1,4 +1,4 @@
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 
 #include <fstream>
 #include <iterator>
@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "daemon/service/config_schema.h"
-#include "daemon/service/recording_files.h"
+#include "daemon/config/config_schema.h"
+#include "daemon/config/recording_files.h"
 #include "tests/daemon/service/config_text.h"
 
 namespace rayloc {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
 #include "tests/support/edited_text.h"
 
 namespace rayloc::testing {

@@ -1,4 +1,4 @@
-#include "daemon/service/endpoint.h"
+#include "daemon/config/endpoint.h"
 
 #include <string>
 

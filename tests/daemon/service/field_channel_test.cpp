@@ -14,12 +14,12 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/live_map/map_channel.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/publish/proto_time.h"
 #include "daemon/scene/build_room.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/scene/room_site.h"
-#include "daemon/service/map_channel.h"
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/room_model.h"
 #include "engine/observe/burst.h"

@@ -1,4 +1,4 @@
-#include "daemon/service/start_resources.h"
+#include "daemon/machine/start_resources.h"
 
 #include <sys/resource.h>
 

@@ -1,9 +1,9 @@
-#include "daemon/service/limited_log.h"
+#include "daemon/log/limited_log.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/service/loss_watch.h"
+#include "daemon/health/loss_watch.h"
 
 namespace rayloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/service/log.h"
+#include "daemon/log/log.h"
 
 #include <cstdlib>
 #include <memory>

@@ -1,5 +1,5 @@
 // What `rayloc doctor` finds of ports and secrets; the rest depends on the machine.
-#include "daemon/service/machine_check.h"
+#include "daemon/machine/machine_check.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>

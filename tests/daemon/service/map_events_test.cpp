@@ -1,6 +1,6 @@
 // What a viewer of the map is told: everything, then what changes, and after a lost connection what
 // it missed.
-#include "daemon/service/map_events.h"
+#include "daemon/live_map/map_events.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

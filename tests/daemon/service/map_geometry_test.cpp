@@ -1,5 +1,5 @@
 // What the map is told of a place, for the bundled site.
-#include "daemon/service/map_geometry.h"
+#include "daemon/live_map/map_geometry.h"
 
 #include <filesystem>
 #include <fstream>

@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "capture/file_descriptor.h"
+#include "capture/transport/file_descriptor.h"
 
 namespace rayloc {
 namespace {

@@ -1,5 +1,5 @@
 // What may be asked of the playback of recordings, and what is said of the rest.
-#include "daemon/service/playback_control.h"
+#include "daemon/live_map/playback_control.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "daemon/service/readiness.h"
+#include "daemon/health/readiness.h"
 
 #include <gtest/gtest.h>
 

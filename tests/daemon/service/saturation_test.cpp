@@ -1,4 +1,4 @@
-#include "daemon/service/saturation.h"
+#include "daemon/health/saturation.h"
 
 #include <memory>
 #include <vector>
@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/service/loss_watch.h"
-#include "daemon/service/readiness.h"
+#include "daemon/health/loss_watch.h"
+#include "daemon/health/readiness.h"
 
 namespace rayloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/service/secrets.h"
+#include "daemon/config/secrets.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "daemon/publish/curve_keys.h"
-#include "daemon/service/config.h"
+#include "daemon/config/config.h"
+#include "daemon/publish/socket/curve_keys.h"
 
 namespace rayloc {
 namespace {

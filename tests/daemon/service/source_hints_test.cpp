@@ -1,4 +1,4 @@
-#include "daemon/service/source_hints.h"
+#include "daemon/machine/source_hints.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "engine/base/constants.h"
-#include "engine/localize/credible_region.h"
 #include "engine/localize/localizer.h"
 #include "engine/observe/alignment.h"
+#include "engine/posterior/credible_region.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc {

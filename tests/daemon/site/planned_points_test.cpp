@@ -1,4 +1,4 @@
-#include "daemon/site/planned_points.h"
+#include "daemon/survey/planned_points.h"
 
 #include <fstream>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "daemon/site/points_csv.h"
+#include "daemon/survey/points_csv.h"
 
 #include <sys/resource.h>
 
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/site/csv_table.h"
+#include "daemon/survey/csv_table.h"
 
 namespace rayloc {
 namespace {

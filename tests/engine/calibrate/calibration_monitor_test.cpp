@@ -1,4 +1,4 @@
-#include "engine/calibrate/calibration_monitor.h"
+#include "engine/monitor/calibration_monitor.h"
 
 #include <cmath>
 #include <complex>

@@ -1,4 +1,4 @@
-#include "engine/calibrate/draw_search.h"
+#include "engine/calibrate/joint/draw_search.h"
 
 #include <gtest/gtest.h>
 

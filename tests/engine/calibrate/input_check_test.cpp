@@ -1,4 +1,4 @@
-#include "engine/calibrate/input_check.h"
+#include "engine/calibrate/check/input_check.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "engine/calibrate/access_point_fit.h"
-#include "engine/calibrate/array_mistakes.h"
+#include "engine/calibrate/check/array_mistakes.h"
 #include "engine/observe/burst.h"
 #include "tests/support/synthetic_room.h"
 

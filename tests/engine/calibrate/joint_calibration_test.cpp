@@ -1,5 +1,5 @@
 // Rooms of known truth, calibrated: how near the truth is what is found, and how honestly stated.
-#include "engine/calibrate/joint_calibration.h"
+#include "engine/calibrate/joint/joint_calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "engine/calibrate/stated_parameter.h"
+#include "engine/calibrate/joint/stated_parameter.h"
 #include "tests/support/surveyed_room.h"
 
 namespace rayloc {

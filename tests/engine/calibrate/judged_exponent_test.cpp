@@ -1,4 +1,4 @@
-#include "engine/calibrate/judged_exponent.h"
+#include "engine/posterior/judged_exponent.h"
 
 #include <array>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/localize/level.h"
+#include "engine/likelihood/level.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 

@@ -1,12 +1,12 @@
-#include "engine/calibrate/occupied_room.h"
+#include "engine/person/calibrate/occupied_room.h"
 
 #include <cmath>
 #include <cstdio>
 
 #include <gtest/gtest.h>
 
-#include "engine/localize/hearing.h"
 #include "engine/observe/alignment.h"
+#include "engine/room/hearing.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc {

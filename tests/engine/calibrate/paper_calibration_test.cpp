@@ -1,4 +1,4 @@
-#include "engine/calibrate/paper_calibration.h"
+#include "engine/paper/paper_calibration.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 
 #include <tbb/task_arena.h>
 
-#include "engine/calibrate/paper_evaluator.h"
-#include "engine/calibrate/paper_parameters.h"
 #include "engine/observe/burst.h"
+#include "engine/paper/paper_evaluator.h"
+#include "engine/paper/paper_parameters.h"
 #include "tests/support/synthetic_room.h"
 
 namespace rayloc {

@@ -1,4 +1,4 @@
-#include "engine/calibrate/paper_loss.h"
+#include "engine/paper/paper_loss.h"
 
 #include <gtest/gtest.h>
 

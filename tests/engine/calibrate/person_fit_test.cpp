@@ -1,10 +1,10 @@
-#include "engine/calibrate/person_fit.h"
+#include "engine/person/calibrate/person_fit.h"
 
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "engine/localize/hearing.h"
+#include "engine/room/hearing.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc {

@@ -1,4 +1,4 @@
-#include "engine/calibrate/room_unknowns.h"
+#include "engine/calibrate/joint/room_unknowns.h"
 
 #include <gtest/gtest.h>
 

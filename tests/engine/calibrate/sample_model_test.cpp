@@ -1,5 +1,5 @@
 // The model of a sample against differences of itself, and against the tones that it stands for.
-#include "engine/calibrate/sample_model.h"
+#include "engine/calibrate/joint/sample_model.h"
 
 #include <gtest/gtest.h>
 

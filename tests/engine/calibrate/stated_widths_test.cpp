@@ -1,5 +1,5 @@
 // What an echo that the model lacks may do to the stated place of a surface.
-#include "engine/calibrate/stated_widths.h"
+#include "engine/calibrate/joint/stated_widths.h"
 
 #include <gtest/gtest.h>
 

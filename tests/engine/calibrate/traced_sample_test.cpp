@@ -1,5 +1,5 @@
 // What the first order says of a ray against the room traced anew.
-#include "engine/calibrate/traced_sample.h"
+#include "engine/calibrate/joint/traced_sample.h"
 
 #include <gtest/gtest.h>
 

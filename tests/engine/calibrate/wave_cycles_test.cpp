@@ -1,5 +1,5 @@
 // Walls half a wave off, to which the rest of the room has come to terms.
-#include "engine/calibrate/wave_cycles.h"
+#include "engine/calibrate/joint/wave_cycles.h"
 
 #include <gtest/gtest.h>
 

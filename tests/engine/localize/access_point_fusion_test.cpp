@@ -1,4 +1,4 @@
-#include "engine/localize/access_point_fusion.h"
+#include "engine/posterior/access_point_fusion.h"
 
 #include <gtest/gtest.h>
 

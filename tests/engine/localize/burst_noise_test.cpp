@@ -1,4 +1,4 @@
-#include "engine/localize/burst_noise.h"
+#include "engine/likelihood/burst_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/localize/observation_model.h"
+#include "engine/likelihood/observation_model.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 

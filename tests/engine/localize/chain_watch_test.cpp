@@ -1,4 +1,4 @@
-#include "engine/localize/chain_watch.h"
+#include "engine/monitor/chain_watch.h"
 
 #include <gtest/gtest.h>
 

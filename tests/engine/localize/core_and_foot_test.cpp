@@ -1,4 +1,4 @@
-#include "engine/localize/core_and_foot.h"
+#include "engine/posterior/core_and_foot.h"
 
 #include <gtest/gtest.h>
 

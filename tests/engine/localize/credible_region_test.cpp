@@ -1,4 +1,4 @@
-#include "engine/localize/credible_region.h"
+#include "engine/posterior/credible_region.h"
 
 #include <cmath>
 #include <random>

@@ -1,4 +1,4 @@
-#include "engine/localize/delay_spread.h"
+#include "engine/paper/delay_spread.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/localize/lane_kernel.h"
+#include "engine/likelihood/lane_kernel.h"
 
 #include <gtest/gtest.h>
 

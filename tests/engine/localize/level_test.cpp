@@ -1,4 +1,4 @@
-#include "engine/localize/level.h"
+#include "engine/likelihood/level.h"
 
 #include <gtest/gtest.h>
 

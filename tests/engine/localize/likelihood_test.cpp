@@ -1,4 +1,4 @@
-#include "engine/localize/likelihood.h"
+#include "engine/likelihood/likelihood.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "engine/localize/observation_model.h"
+#include "engine/likelihood/observation_model.h"
 
 #include <gtest/gtest.h>
 

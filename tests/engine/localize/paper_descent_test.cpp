@@ -1,4 +1,4 @@
-#include "engine/localize/paper_descent.h"
+#include "engine/paper/paper_descent.h"
 
 #include <gtest/gtest.h>
 

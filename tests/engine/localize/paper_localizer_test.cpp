@@ -1,4 +1,4 @@
-#include "engine/localize/paper_localizer.h"
+#include "engine/paper/paper_localizer.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "engine/localize/paper_person_localizer.h"
+#include "engine/paper/paper_person_localizer.h"
 
 #include <cmath>
 #include <memory>

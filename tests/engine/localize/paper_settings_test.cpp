@@ -1,4 +1,4 @@
-#include "engine/localize/paper_settings.h"
+#include "engine/paper/paper_settings.h"
 
 #include <set>
 

@@ -1,4 +1,4 @@
-#include "engine/localize/people.h"
+#include "engine/person/people.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "engine/localize/person_company.h"
+#include "engine/person/person_company.h"
 
 #include <cmath>
 #include <random>

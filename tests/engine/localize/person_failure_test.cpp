@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/localize/person_localizer.h"
+#include "engine/person/person_localizer.h"
 #include "tests/support/person_in_room.h"
 
 namespace rayloc {

@@ -1,4 +1,4 @@
-#include "engine/localize/person_localizer.h"
+#include "engine/person/person_localizer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-#include "engine/localize/posterior.h"
+#include "engine/posterior/posterior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "engine/localize/half_disc.h"
+#include "engine/posterior/half_disc.h"
 
 namespace rayloc {
 namespace {

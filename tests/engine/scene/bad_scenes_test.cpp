@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc {

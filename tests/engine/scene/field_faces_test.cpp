@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/load_scene.h"
-#include "engine/scene/mesh_reader.h"
+#include "engine/scene/read/load_scene.h"
+#include "engine/scene/read/mesh_reader.h"
+#include "engine/scene/read/triangulate.h"
 #include "engine/scene/surface.h"
-#include "engine/scene/triangulate.h"
 #include "tests/support/turned_walls.h"
 
 namespace rayloc {

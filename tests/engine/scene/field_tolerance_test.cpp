@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/load_scene.h"
-#include "engine/scene/mesh_reader.h"
 #include "engine/scene/moved_surfaces.h"
+#include "engine/scene/read/load_scene.h"
+#include "engine/scene/read/mesh_reader.h"
 #include "engine/scene/surface.h"
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "engine/scene/load_scene.h"
-#include "engine/scene/visual_names.h"
+#include "engine/scene/read/load_scene.h"
+#include "engine/scene/read/visual_names.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc {

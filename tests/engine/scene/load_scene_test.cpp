@@ -1,4 +1,4 @@
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 
 #include <gtest/gtest.h>
 

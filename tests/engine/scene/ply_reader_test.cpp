@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "engine/scene/mesh_reader.h"
+#include "engine/scene/read/mesh_reader.h"
 
 namespace rayloc {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/trace/beam.h"
+#include "engine/trace/images/beam.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/trace/beam_shadow.h"
+#include "engine/trace/images/beam_shadow.h"
 
 namespace rayloc {
 namespace {

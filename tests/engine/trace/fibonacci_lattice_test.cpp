@@ -1,4 +1,4 @@
-#include "engine/trace/fibonacci_lattice.h"
+#include "engine/trace/images/fibonacci_lattice.h"
 
 #include <gtest/gtest.h>
 

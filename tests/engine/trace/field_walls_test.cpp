@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "engine/base/constants.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"

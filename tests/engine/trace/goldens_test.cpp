@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/constants.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/golden.h"
 #include "tests/support/scenes.h"

@@ -17,7 +17,7 @@
 #include <tuple>
 #include <vector>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/golden.h"
 #include "tests/support/scenes.h"

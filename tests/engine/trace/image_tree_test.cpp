@@ -1,5 +1,5 @@
 // What a tree finds is what a search through all sequences of surfaces finds, bit for bit.
-#include "engine/trace/image_tree.h"
+#include "engine/trace/images/image_tree.h"
 
 #include <gtest/gtest.h>
 

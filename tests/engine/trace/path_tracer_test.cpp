@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/base/constants.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc {

@@ -1,4 +1,4 @@
-#include "engine/trace/scattering.h"
+#include "engine/trace/scattering/scattering.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "engine/base/constants.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 

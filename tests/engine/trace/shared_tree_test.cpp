@@ -7,7 +7,7 @@
 
 #include <tbb/global_control.h>
 
-#include "engine/trace/image_tree.h"
+#include "engine/trace/images/image_tree.h"
 #include "tests/support/laboratory.h"
 
 namespace rayloc {

@@ -1,5 +1,5 @@
 // Shooting and bouncing rays, against the exhaustive search.
-#include "engine/trace/shooting.h"
+#include "engine/trace/images/shooting.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"

@@ -17,7 +17,7 @@
 #include <tuple>
 #include <vector>
 
-#include "engine/trace/scattering.h"
+#include "engine/trace/scattering/scattering.h"
 #include "tests/support/traced_link.h"
 
 namespace rayloc {

@@ -11,9 +11,9 @@
 #include <tbb/task_arena.h>
 
 #include "engine/base/parallel.h"
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
-#include "engine/trace/scattering.h"
+#include "engine/trace/scattering/scattering.h"
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"
 #include "tests/support/scenes.h"

@@ -10,7 +10,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/scene/load_scene.h"
+#include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 

@@ -1,0 +1,73 @@
+// CsiReceiver: datagrams of one access point in, CsiFrames out: recognise, decode, assemble,
+// normalise, and count every datagram exactly once.
+//
+//   CsiReceiver receiver(options);
+//   receiver.push(datagram, frames);        // appends the frames that became complete
+//   receiver.advance(watermark, frames);    // appends the partial frames whose time is over
+//   receiver.flush(frames);                 // at the end of the input: everything that is left
+//
+// The frames are a function of the datagrams and their times alone. `advance` may be called as
+// often as one likes or only implicitly through push(), which advances to the datagram's time.
+// Thread safety: one thread; counters() is a copy for that thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capture/transport/datagram.h"
+#include "engine/channel/csi_frame.h"
+
+namespace rayloc {
+
+struct CsiReceiverOptions {
+  int access_point = 0;
+  // Name of a wire format ("axcsi-v4"), or empty: recognised by datagram (WIRE_FORMATS 1.8).
+  std::string format;
+  // Receive chains that a complete frame must have, besides those learned from the traffic itself.
+  std::vector<std::uint8_t> expected_cores;
+  // A frame that is still partial this long after its first datagram is emitted as it is.
+  Duration assembly_timeout = std::chrono::milliseconds(20);
+  // Frames being assembled at one time; past that the oldest is emitted as it is.
+  std::size_t max_pending = 256;
+  // Leave the CSI in FFT order with rotation and unusable tones, as on the wire (frames --raw).
+  bool raw = false;
+};
+
+// received = sum(rejected) + duplicates + late + in_frames + in_flight, at every instant.
+struct CsiReceiverCounters {
+  std::uint64_t received = 0;                     // datagrams given to push()
+  std::map<std::string, std::uint64_t> rejected;  // by the reason's name: "too_short", ...
+  std::uint64_t duplicates = 0;                   // the same fragment again
+  std::uint64_t late = 0;                         // its frame had been emitted
+  std::uint64_t in_frames = 0;                    // part of an emitted frame
+  std::uint64_t in_flight = 0;                    // part of a frame that is being assembled
+  std::uint64_t frames = 0;                       // emitted, partial ones among them
+  std::uint64_t partial = 0;
+};
+
+class CsiReceiver {
+ public:
+  explicit CsiReceiver(CsiReceiverOptions options);
+  ~CsiReceiver();
+  CsiReceiver(CsiReceiver&&) noexcept;
+  CsiReceiver& operator=(CsiReceiver&&) noexcept;
+
+  void push(const Datagram& datagram, std::vector<CsiFrame>& out);
+  void advance(Timestamp watermark, std::vector<CsiFrame>& out);
+  void flush(std::vector<CsiFrame>& out);
+
+  // No frame emitted later will have an earlier `time` than this, given that no datagram before
+  // `watermark` is pushed any more.
+  Timestamp safe_time(Timestamp watermark) const;
+
+  CsiReceiverCounters counters() const;
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,122 @@
+// The layout is drawn in axcsi_decoder.cpp.
+#include "capture/decode/axcsi_writer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kMantissaBits = 11;
+constexpr int kExponentBits = 6;
+constexpr int kLowestExponent = -32;
+constexpr int kHighestExponent = 31;
+constexpr std::size_t kHeaderBytes = 54;
+constexpr unsigned kEncodingHe = 3;
+
+void put(std::vector<std::byte>& bytes, std::uint64_t value, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    bytes.push_back(static_cast<std::byte>((value >> (8 * i)) & 0xffU));
+  }
+}
+
+// Sign above magnitude.
+std::uint32_t sign_magnitude(double value, int exponent) {
+  const auto magnitude =
+      static_cast<std::uint32_t>(std::llround(std::ldexp(std::abs(value), -exponent)));
+  return magnitude | (value < 0.0 ? 1U << kMantissaBits : 0U);
+}
+
+void put_header(std::vector<std::byte>& bytes, const AxcsiHeader& header) {
+  for (const std::uint8_t octet : header.transmitter.octets) {
+    put(bytes, octet, 1);
+  }
+  put(bytes, header.sequence, 2);
+  put(bytes, header.core, 2);
+  put(bytes, header.stream, 2);
+  put(bytes, header.first_tone, 2);
+  put(bytes, header.last_tone, 2);
+  put(bytes, header.total_tones, 2);
+  put(bytes, header.sequence_control, 2);
+  put(bytes, header.ratespec, 4);
+  put(bytes, header.receive_ticks, 6);
+  put(bytes, header.receive_sequence, 2);
+  put(bytes, header.receive_time_us, 4);
+  put(bytes, header.transmit_ticks, 6);
+  put(bytes, header.transmit_sequence, 2);
+  for (std::size_t core = kMaxCores; core-- > 0;) {
+    put(bytes, static_cast<std::uint8_t>(header.power_dbm[core]), 1);
+  }
+  put(bytes, header.phy_status, 4);
+  put(bytes, header.chanspec, 2);
+}
+
+// From the lowest tone on to the order of the wire (WIRE_FORMATS 1.4): FFT order; 160 MHz in 512
+// tones is two transforms, the upper half first.
+std::vector<std::complex<double>> wire_order(std::span<const std::complex<double>> tones,
+                                             bool two_transforms) {
+  const std::size_t n = tones.size();
+  std::vector<std::complex<double>> wire(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t position =
+        two_transforms ? (i + 128) % 256 + (i < 256 ? 256 : 0) : (i + n / 2) % n;
+    wire[position] = tones[i];
+  }
+  return wire;
+}
+
+}  // namespace
+
+std::uint32_t pack_axcsi_word(std::complex<double> value) {
+  const double largest = std::max(std::abs(value.real()), std::abs(value.imag()));
+  RAYLOC_CHECK(std::isfinite(largest));
+  int exponent = largest > 0.0 ? std::max(std::ilogb(largest) + 1 - kMantissaBits, kLowestExponent)
+                               : kLowestExponent;
+  if (std::llround(std::ldexp(largest, -exponent)) >= 1 << kMantissaBits) {
+    ++exponent;  // 2047.6 rounds to a magnitude that has no room
+  }
+  RAYLOC_CHECK(exponent <= kHighestExponent);
+  return sign_magnitude(value.real(), exponent) << (kExponentBits + kMantissaBits + 1) |
+         sign_magnitude(value.imag(), exponent) << kExponentBits |
+         (static_cast<std::uint32_t>(exponent) & ((1U << kExponentBits) - 1U));
+}
+
+std::vector<std::byte> write_axcsi_datagram(const AxcsiHeader& header,
+                                            std::span<const std::complex<double>> tones) {
+  RAYLOC_CHECK(header.first_tone <= header.last_tone &&
+               tones.size() == header.last_tone - header.first_tone + std::size_t{1});
+  std::vector<std::byte> bytes;
+  bytes.reserve(kHeaderBytes + kBytesPerWord * tones.size());
+  put_header(bytes, header);
+  for (const std::complex<double>& tone : tones) {
+    put(bytes, pack_axcsi_word(tone), kBytesPerWord);
+  }
+  return bytes;
+}
+
+std::vector<std::vector<std::byte>> write_axcsi_frame(const AxcsiFrame& frame) {
+  RAYLOC_CHECK(!frame.cores.empty() && frame.tones.size() % frame.cores.size() == 0);
+  const std::size_t total = frame.tones.size() / frame.cores.size();
+  RAYLOC_CHECK(total >= kToneBlock && total <= kMaxTones && (total & (total - 1)) == 0);
+  const bool two_transforms = total == 512 && frame.header.encoding() != kEncodingHe;
+  AxcsiHeader header = frame.header;
+  header.total_tones = static_cast<std::uint16_t>(total);
+  header.receive_sequence = header.sequence_control;
+  std::vector<std::vector<std::byte>> datagrams;
+  for (std::size_t core = 0; core < frame.cores.size(); ++core) {
+    header.core = frame.cores[core];
+    const auto wire =
+        wire_order(std::span(frame.tones).subspan(core * total, total), two_transforms);
+    for (std::size_t first = 0; first < total; first += kAxcsiDatagramTones) {
+      const std::size_t count = std::min(kAxcsiDatagramTones, total - first);
+      header.first_tone = static_cast<std::uint16_t>(first);
+      header.last_tone = static_cast<std::uint16_t>(first + count - 1);
+      datagrams.push_back(write_axcsi_datagram(header, std::span(wire).subspan(first, count)));
+    }
+  }
+  return datagrams;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,97 @@
+// CsiDecoder: from the payload of one datagram to the fragment of a CSI frame that it carries.
+//
+// A decoder is one wire format: its file begins with the table of the layout. It tests, in this
+// order, the length, the magic number, the version and the ranges of the fields; what it accepts
+// needs no further test. It keeps nothing between datagrams.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "capture/decode/csi_words.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/channel/mac_address.h"
+
+namespace rayloc {
+
+inline constexpr std::size_t kMaxCores = 4;
+inline constexpr std::size_t kMaxStreams = 4;
+inline constexpr std::size_t kMaxSlots = kMaxCores * kMaxStreams;
+inline constexpr std::size_t kMaxTones = 2048;
+// Blocks of tones in which fragments are accounted for: a fragment begins and ends at a multiple.
+inline constexpr std::size_t kToneBlock = 64;
+
+// Why a datagram was refused; to_string gives the name under which it is counted.
+enum class RejectReason : std::uint8_t {
+  kTooShort,
+  kUnknownFormat,
+  kLengthMismatch,
+  kBadMagic,
+  kWrongVersion,
+  kCoreRange,
+  kStreamRange,
+  kToneRange,
+  kEncodingRange,
+  kHeaderMismatch,  // two copies of a field in the same header differ
+  kFrameMismatch,   // the header contradicts the fragments of the same frame that came before
+};
+inline constexpr std::size_t kRejectReasons = 11;
+std::string_view to_string(RejectReason reason);
+
+struct CsiFragment {
+  std::string_view format;
+  MacAddress transmitter;
+  // The extractor's frame counter. Without one (nexmon) fragments are told apart by `digest`.
+  bool has_sequence = false;
+  std::uint16_t sequence = 0;
+  std::uint64_t digest = 0;
+  std::uint16_t sequence_control = 0;
+  bool control_frame = false;  // its sequence control is left over from an earlier frame
+
+  std::uint8_t core = 0;    // < kMaxCores
+  std::uint8_t stream = 0;  // < kMaxStreams
+  // Tones [first_tone, first_tone + tones) of `total_tones`, in the order of the wire.
+  std::uint16_t first_tone = 0;
+  std::uint16_t tones = 0;
+  std::uint16_t total_tones = 0;
+
+  std::optional<PhyFormat> phy;  // where the header tells
+  int channel_bandwidth_mhz = 0;
+  int transmitted_streams = 0;       // 0: the header does not tell
+  std::uint16_t expected_slots = 0;  // bit slot(core, stream); 0: the header does not tell
+
+  std::array<std::optional<std::int8_t>, kMaxCores> power_dbm;
+  bool common_power = false;  // one value for the frame, repeated for every core
+
+  // Indices on the wire that the extractor overwrote with something else.
+  std::uint16_t overwritten_first = 0;
+  std::uint16_t overwritten_count = 0;
+
+  CsiWords layout = CsiWords::kFloat12;
+  std::span<const std::byte> words;  // 4 bytes a tone; as long-lived as the payload
+};
+
+constexpr std::size_t slot_of(std::size_t core, std::size_t stream) {
+  return core * kMaxStreams + stream;
+}
+
+using DecodeResult = tl::expected<CsiFragment, RejectReason>;
+
+class CsiDecoder {
+ public:
+  CsiDecoder() = default;
+  CsiDecoder(const CsiDecoder&) = delete;
+  CsiDecoder& operator=(const CsiDecoder&) = delete;
+  virtual ~CsiDecoder() = default;
+
+  virtual std::string_view format() const = 0;  // static storage
+  virtual DecodeResult decode(std::span<const std::byte> payload) const = 0;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,192 @@
+#include "capture/record/pcap_packet.h"
+
+#include <algorithm>
+#include <array>
+
+#include "capture/record/pcap_bytes.h"
+
+namespace rayloc::pcap {
+namespace {
+
+// Link types of raw IP that old files carry: DLT_RAW of BSD and of OpenBSD.
+constexpr std::uint32_t kDltRaw = 12;
+constexpr std::uint32_t kDltRawOpenBsd = 14;
+
+// What interfaces in monitor mode give: 802.11 frames, bare or behind a header of the radio.
+constexpr std::array<std::uint32_t, 5> kMonitorModes = {
+    105,  // IEEE802_11
+    119,  // IEEE802_11_PRISM
+    127,  // IEEE802_11_RADIOTAP
+    163,  // IEEE802_11_AVS
+    192,  // PPI
+};
+
+constexpr std::uint16_t kEtherTypeIpv4 = 0x0800;
+constexpr std::uint16_t kEtherTypeIpv6 = 0x86dd;
+constexpr std::uint16_t kEtherTypeVlan = 0x8100;         // 802.1Q
+constexpr std::uint16_t kEtherTypeServiceVlan = 0x88a8;  // 802.1ad
+constexpr std::uint16_t kEtherTypeOldQinq = 0x9100;
+constexpr std::size_t kVlanTagBytes = 4;
+
+constexpr std::uint32_t kFamilyIpv4 = 2;  // AF_INET is 2 on every system that writes such files
+
+constexpr std::uint8_t kProtocolUdp = 17;
+constexpr std::size_t kIpv4HeaderBytes = 20;
+constexpr std::size_t kUdpHeaderBytes = 8;
+
+using Refusal = tl::unexpected<const char*>;
+
+Refusal refuse(const char* reason) { return Refusal(reason); }
+
+// Bytes that a header promises are not there: cut by the capture, or never sent.
+Refusal too_short(const Packet& packet) {
+  return refuse(packet.data.size() < packet.original_length ? "truncated_capture"
+                                                            : "length_mismatch");
+}
+
+bool is_monitor_mode(std::uint32_t link_type) {
+  return std::find(kMonitorModes.begin(), kMonitorModes.end(), link_type) != kMonitorModes.end();
+}
+
+bool is_vlan(std::uint16_t ether_type) {
+  return ether_type == kEtherTypeVlan || ether_type == kEtherTypeServiceVlan ||
+         ether_type == kEtherTypeOldQinq;
+}
+
+// Skips VLAN tags; `ip` begins after the EtherType `type`.
+tl::expected<Bytes, const char*> after_ether_type(const Packet& packet,
+                                                  std::uint16_t type,
+                                                  Bytes ip) {
+  while (is_vlan(type)) {
+    if (ip.size() < kVlanTagBytes) {
+      return too_short(packet);
+    }
+    type = load16(ip, 2);
+    ip = ip.subspan(kVlanTagBytes);
+  }
+  if (type == kEtherTypeIpv6) {
+    return refuse("ipv6");
+  }
+  if (type != kEtherTypeIpv4) {
+    return refuse("not_udp");
+  }
+  return ip;
+}
+
+// The link layer's header is `header` bytes long and has the EtherType at `type_offset`.
+tl::expected<Bytes, const char*> after_header(const Packet& packet,
+                                              std::size_t header,
+                                              std::size_t type_offset) {
+  if (packet.data.size() < header) {
+    return too_short(packet);
+  }
+  return after_ether_type(packet, load16(packet.data, type_offset), packet.data.subspan(header));
+}
+
+// The address family is in the byte order of the capturing machine: any of the two.
+tl::expected<Bytes, const char*> after_family(const Packet& packet) {
+  constexpr std::size_t kFamilyBytes = 4;
+  if (packet.data.size() < kFamilyBytes) {
+    return too_short(packet);
+  }
+  const std::uint32_t big = load32(packet.data, 0, ByteOrder::kBig);
+  const std::uint32_t little = load32(packet.data, 0, ByteOrder::kLittle);
+  if (big != kFamilyIpv4 && little != kFamilyIpv4) {
+    return refuse("not_udp");
+  }
+  return packet.data.subspan(kFamilyBytes);
+}
+
+tl::expected<Bytes, const char*> after_link_layer(const Packet& packet) {
+  switch (packet.link_type) {
+    case kLinkTypeEthernet:
+      return after_header(packet, 14, 12);
+    case kLinkTypeLinuxSll:
+      return after_header(packet, 16, 14);
+    case kLinkTypeLinuxSll2:
+      return after_header(packet, 20, 0);
+    case kLinkTypeNull:
+    case kLinkTypeLoop:
+      return after_family(packet);
+    case kLinkTypeRaw:
+    case kDltRaw:
+    case kDltRawOpenBsd:
+    case kLinkTypeIpv4:
+      return packet.data;
+    case kLinkTypeIpv6:
+      return refuse("ipv6");
+    default:
+      return refuse(is_monitor_mode(packet.link_type) ? "monitor_mode" : "link_type");
+  }
+}
+
+// Checks the IPv4 header, notes the addresses and returns what follows it.
+tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
+                                            Bytes ip,
+                                            DatagramAddress& address) {
+  if (ip.empty()) {
+    return too_short(packet);
+  }
+  const unsigned version = load8(ip, 0) >> 4;
+  if (version == 6) {
+    return refuse("ipv6");
+  }
+  const std::size_t header = (load8(ip, 0) & 0x0fU) * std::size_t{4};
+  if (version != 4 || header < kIpv4HeaderBytes) {
+    return refuse("bad_ip_header");
+  }
+  if (ip.size() < header) {
+    return too_short(packet);
+  }
+  // More fragments to come, or not the first one.
+  if ((load16(ip, 6) & 0x3fffU) != 0) {
+    return refuse("ip_fragment");
+  }
+  if (load8(ip, 9) != kProtocolUdp) {
+    return refuse("not_udp");
+  }
+  const std::size_t total = load16(ip, 2);
+  if (total < header + kUdpHeaderBytes) {
+    return refuse("length_mismatch");
+  }
+  if (ip.size() < total) {
+    return too_short(packet);
+  }
+  address.source_ip = load32(ip, 12);
+  address.destination_ip = load32(ip, 16);
+  // What follows is the link layer's padding or frame check sequence.
+  return ip.subspan(header, total - header);
+}
+
+}  // namespace
+
+tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
+                                                 std::optional<std::uint16_t> port) {
+  if (!packet.time) {
+    return refuse("no_timestamp");
+  }
+  const auto ip = after_link_layer(packet);
+  if (!ip) {
+    return tl::make_unexpected(ip.error());
+  }
+  Datagram datagram;
+  datagram.time = *packet.time;
+  const auto udp = after_ipv4(packet, *ip, datagram.address);
+  if (!udp) {
+    return tl::make_unexpected(udp.error());
+  }
+  datagram.address.source_port = load16(*udp, 0);
+  datagram.address.destination_port = load16(*udp, 2);
+  if (port && datagram.address.destination_port != *port) {
+    return refuse("wrong_port");
+  }
+  // As the kernel does: IP may carry more than the datagram, never less.
+  const std::size_t length = load16(*udp, 4);
+  if (length < kUdpHeaderBytes || length > udp->size()) {
+    return refuse("length_mismatch");
+  }
+  datagram.payload = udp->subspan(kUdpHeaderBytes, length - kUdpHeaderBytes);
+  return datagram;
+}
+
+}  // namespace rayloc::pcap

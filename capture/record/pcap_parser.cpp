@@ -1,0 +1,329 @@
+#include "capture/record/pcap_parser.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <limits>
+
+namespace rayloc::pcap {
+namespace {
+
+using Step = PcapParser::Step;
+using Status = PcapParser::Status;
+
+// [PCAP] 4
+constexpr std::uint32_t kMagicMicroseconds = 0xa1b2c3d4;
+constexpr std::uint32_t kMagicNanoseconds = 0xa1b23c4d;
+constexpr std::uint32_t kMagicKuznetzov = 0xa1b2cd34;  // a patched libpcap with longer records
+constexpr std::size_t kClassicHeaderBytes = 24;
+constexpr std::size_t kClassicRecordBytes = 16;
+// The bits above are the length of the frame check sequence.
+constexpr std::uint32_t kLinkTypeMask = 0x0000ffff;
+// libpcap's MAXIMUM_SNAPLEN: a longer record is a damaged one.
+constexpr std::uint32_t kMaxPacketBytes = 262144;
+
+// [PCAPNG] 4
+constexpr std::uint32_t kByteOrderMagic = 0x1a2b3c4d;
+constexpr std::uint32_t kSectionHeaderBlock = 0x0a0d0d0a;  // the same in both byte orders
+constexpr std::uint32_t kInterfaceBlock = 1;
+constexpr std::uint32_t kOldPacketBlock = 2;
+constexpr std::uint32_t kSimplePacketBlock = 3;
+constexpr std::uint32_t kEnhancedPacketBlock = 6;
+constexpr std::size_t kBlockOverhead = 12;  // type, length, length again
+constexpr std::size_t kSectionHeaderBytes = 28;
+constexpr std::size_t kMaxBlockBytes = std::size_t{16} << 20;
+constexpr std::uint16_t kOptionEnd = 0;
+constexpr std::uint16_t kOptionTimeResolution = 9;
+constexpr std::uint16_t kOptionTimeOffset = 14;
+// An interface costs memory, and a real file has a handful.
+constexpr std::size_t kMaxInterfaces = 4096;
+
+__extension__ using Int128 = __int128;
+constexpr std::int64_t kNanoseconds = 1'000'000'000;
+
+Step need_more() { return {}; }
+Step other(std::size_t size) {
+  return {.status = Status::kOther, .size = size, .packet = {}, .error = {}};
+}
+Step failure(std::string error) {
+  return {.status = Status::kError, .size = 0, .packet = {}, .error = std::move(error)};
+}
+
+// Ticks of if_tsresol `resolution` to nanoseconds. [PCAPNG] 4.2: the high bit says power of 2.
+Int128 to_nanoseconds(std::uint64_t ticks, std::uint8_t resolution) {
+  const unsigned exponent = resolution & 0x7fU;
+  if ((resolution & 0x80U) != 0) {
+    return (static_cast<Int128>(ticks) * kNanoseconds) >> exponent;
+  }
+  auto value = static_cast<Int128>(ticks);
+  for (unsigned i = exponent; i < 9; ++i) {
+    value *= 10;
+  }
+  for (unsigned i = 9; i < exponent && value != 0; ++i) {
+    value /= 10;
+  }
+  return value;
+}
+
+// None when it lies outside of the years 1824 to 2116: any two of them have a distance that a
+// Duration can hold.
+std::optional<Timestamp> timestamp(std::uint64_t ticks,
+                                   std::uint8_t resolution,
+                                   std::int64_t offset_s) {
+  const Int128 ns =
+      to_nanoseconds(ticks, resolution) + static_cast<Int128>(offset_s) * kNanoseconds;
+  constexpr Int128 kFarthest = std::numeric_limits<std::int64_t>::max() / 2;
+  if (ns > kFarthest || ns < -kFarthest) {
+    return std::nullopt;
+  }
+  return Timestamp(Duration(static_cast<std::int64_t>(ns)));
+}
+
+std::string not_a_capture(Bytes data) {
+  std::string begins;
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, data.size()); ++i) {
+    std::array<char, 8> text{};
+    std::snprintf(text.data(), text.size(), " %02x", load8(data, i));
+    begins += text.data();
+  }
+  return "not a pcap, pcapng or gzip file (it begins with" + begins +
+         "); write one with tcpdump -w or rayloc record";
+}
+
+}  // namespace
+
+Step PcapParser::next(Bytes data) {
+  switch (format_) {
+    case Format::kUnknown:
+      return file_header(data);
+    case Format::kClassic:
+      return classic_record(data);
+    case Format::kPcapng:
+      return block(data);
+  }
+  return failure("unknown format");
+}
+
+Step PcapParser::file_header(Bytes data) {
+  if (data.size() < 4) {
+    return need_more();
+  }
+  if (load32(data, 0) == kSectionHeaderBlock) {
+    return section_header(data);
+  }
+  for (const ByteOrder order : {ByteOrder::kLittle, ByteOrder::kBig}) {
+    const std::uint32_t magic = load32(data, 0, order);
+    if (magic == kMagicMicroseconds || magic == kMagicNanoseconds) {
+      order_ = order;
+      classic_.resolution = magic == kMagicNanoseconds ? 9 : 6;
+      return classic_header(data);
+    }
+    if (magic == kMagicKuznetzov) {
+      return failure("a pcap of the variant 'modified'; convert it: editcap -F pcap IN OUT");
+    }
+  }
+  return failure(not_a_capture(data));
+}
+
+Step PcapParser::classic_header(Bytes data) {
+  if (data.size() < kClassicHeaderBytes) {
+    return need_more();
+  }
+  const std::uint16_t major = load16(data, 4, order_);
+  if (major != 2) {
+    return failure("pcap version " + std::to_string(major) + "; only version 2 is known");
+  }
+  classic_.link_type = load32(data, 20, order_) & kLinkTypeMask;
+  format_ = Format::kClassic;
+  return other(kClassicHeaderBytes);
+}
+
+Step PcapParser::classic_record(Bytes data) const {
+  if (data.size() < kClassicRecordBytes) {
+    return need_more();
+  }
+  const std::uint32_t captured = load32(data, 8, order_);
+  if (captured > kMaxPacketBytes) {
+    return failure("a record claims " + std::to_string(captured) +
+                   " bytes; the file is damaged from here on");
+  }
+  if (data.size() - kClassicRecordBytes < captured) {
+    return need_more();
+  }
+  const std::uint64_t unit = classic_.resolution == 9 ? 1 : 1000;
+  const std::uint64_t ns =
+      load32(data, 0, order_) * std::uint64_t{kNanoseconds} + load32(data, 4, order_) * unit;
+  Step step{
+      .status = Status::kPacket, .size = kClassicRecordBytes + captured, .packet = {}, .error = {}};
+  step.packet.time = Timestamp(Duration(static_cast<std::int64_t>(ns)));
+  step.packet.link_type = classic_.link_type;
+  step.packet.original_length = load32(data, 12, order_);
+  step.packet.data = data.subspan(kClassicRecordBytes, captured);
+  return step;
+}
+
+Step PcapParser::block(Bytes data) {
+  if (data.size() < 4) {
+    return need_more();
+  }
+  if (load32(data, 0) == kSectionHeaderBlock) {
+    return section_header(data);
+  }
+  if (data.size() < 8) {
+    return need_more();
+  }
+  const std::size_t length = load32(data, 4, order_);
+  if (length < kBlockOverhead || length % 4 != 0 || length > kMaxBlockBytes) {
+    return failure("a pcapng block claims " + std::to_string(length) +
+                   " bytes; the file is damaged from here on");
+  }
+  if (data.size() < length) {
+    return need_more();
+  }
+  if (load32(data, length - 4, order_) != length) {
+    return failure("the two lengths of a pcapng block differ; the file is damaged from here on");
+  }
+  const Bytes body = data.subspan(8, length - kBlockOverhead);
+  Step step;
+  switch (load32(data, 0, order_)) {
+    case kInterfaceBlock:
+      step = interface_description(body);
+      break;
+    case kEnhancedPacketBlock:
+      step = enhanced_packet(body);
+      break;
+    case kOldPacketBlock:
+      step = old_packet(body);
+      break;
+    case kSimplePacketBlock:
+      step = simple_packet(body);
+      break;
+    default:
+      step = other(0);
+      break;
+  }
+  step.size = length;
+  return step;
+}
+
+Step PcapParser::section_header(Bytes data) {
+  if (data.size() < 12) {
+    return need_more();
+  }
+  if (load32(data, 8, ByteOrder::kLittle) == kByteOrderMagic) {
+    order_ = ByteOrder::kLittle;
+  } else if (load32(data, 8, ByteOrder::kBig) == kByteOrderMagic) {
+    order_ = ByteOrder::kBig;
+  } else {
+    return failure("a pcapng section without its byte order; the file is damaged");
+  }
+  const std::size_t length = load32(data, 4, order_);
+  if (length < kSectionHeaderBytes || length % 4 != 0 || length > kMaxBlockBytes) {
+    return failure("a pcapng section header claims " + std::to_string(length) +
+                   " bytes; the file is damaged");
+  }
+  if (data.size() < length) {
+    return need_more();
+  }
+  const std::uint16_t major = load16(data, 12, order_);
+  if (major != 1) {
+    return failure("pcapng version " + std::to_string(major) + "; only version 1 is known");
+  }
+  if (load32(data, length - 4, order_) != length) {
+    return failure("the two lengths of a pcapng section header differ; the file is damaged");
+  }
+  format_ = Format::kPcapng;
+  interfaces_.clear();
+  return other(length);
+}
+
+Step PcapParser::interface_description(Bytes body) {
+  if (body.size() < 8) {
+    return failure("a pcapng interface description is too short");
+  }
+  if (interfaces_.size() == kMaxInterfaces) {
+    return failure("more than " + std::to_string(kMaxInterfaces) + " interfaces in one section");
+  }
+  Interface interface;
+  interface.link_type = load16(body, 0, order_);
+  interface.snap_length = load32(body, 4, order_);
+  std::size_t at = 8;
+  while (body.size() - at >= 4) {
+    const std::uint16_t code = load16(body, at, order_);
+    const std::size_t length = load16(body, at + 2, order_);
+    at += 4;
+    if (code == kOptionEnd) {
+      break;
+    }
+    if (body.size() - at < length) {
+      return failure("an option of a pcapng interface description is too long");
+    }
+    if (code == kOptionTimeResolution && length >= 1) {
+      interface.resolution = load8(body, at);
+    } else if (code == kOptionTimeOffset && length >= 8) {
+      interface.offset_s = static_cast<std::int64_t>(load64(body, at, order_));
+    }
+    at += std::min((length + 3) / 4 * 4, body.size() - at);
+  }
+  interfaces_.push_back(interface);
+  return other(0);
+}
+
+// The time, both lengths and the data of a packet block begin at body[header - 16].
+Step PcapParser::timed_packet(Bytes body, std::uint32_t interface, std::size_t header) const {
+  if (interface >= interfaces_.size()) {
+    return failure("a packet of interface " + std::to_string(interface) +
+                   ", which the section does not describe");
+  }
+  const std::uint32_t captured = load32(body, header - 8, order_);
+  if (captured > body.size() - header) {
+    return failure("a packet block claims " + std::to_string(captured) +
+                   " bytes of data and is shorter");
+  }
+  const Interface& from = interfaces_[interface];
+  const std::uint64_t ticks =
+      (std::uint64_t{load32(body, header - 16, order_)} << 32) | load32(body, header - 12, order_);
+  Step step{.status = Status::kPacket, .size = 0, .packet = {}, .error = {}};
+  step.packet.time = timestamp(ticks, from.resolution, from.offset_s);
+  step.packet.link_type = from.link_type;
+  step.packet.original_length = load32(body, header - 4, order_);
+  step.packet.data = body.subspan(header, captured);
+  return step;
+}
+
+Step PcapParser::enhanced_packet(Bytes body) const {
+  constexpr std::size_t kHeader = 20;
+  if (body.size() < kHeader) {
+    return failure("an enhanced packet block is too short");
+  }
+  return timed_packet(body, load32(body, 0, order_), kHeader);
+}
+
+// As an enhanced one, but a 16-bit interface and a count of drops in place of the interface.
+Step PcapParser::old_packet(Bytes body) const {
+  constexpr std::size_t kHeader = 20;
+  if (body.size() < kHeader) {
+    return failure("a packet block is too short");
+  }
+  return timed_packet(body, load16(body, 0, order_), kHeader);
+}
+
+Step PcapParser::simple_packet(Bytes body) const {
+  if (body.size() < 4) {
+    return failure("a simple packet block is too short");
+  }
+  if (interfaces_.empty()) {
+    return failure("a simple packet block before any interface description");
+  }
+  const Interface& from = interfaces_.front();
+  const std::uint32_t original = load32(body, 0, order_);
+  const std::uint32_t limit = from.snap_length == 0 ? original : from.snap_length;
+  const std::size_t captured = std::min<std::size_t>(std::min(original, limit), body.size() - 4);
+  Step step{.status = Status::kPacket, .size = 0, .packet = {}, .error = {}};
+  step.packet.link_type = from.link_type;
+  step.packet.original_length = original;
+  step.packet.data = body.subspan(4, captured);
+  return step;
+}
+
+}  // namespace rayloc::pcap

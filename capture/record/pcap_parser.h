@@ -1,0 +1,68 @@
+// PcapParser: capture files, classic pcap and pcapng, record by record from whatever bytes are
+// there so far: it never waits, so a pipe delivers its packets as they arrive.
+//
+// Classic pcap: microseconds and nanoseconds, both byte orders. pcapng: several sections and
+// interfaces (each with its link type, if_tsresol and if_tsoffset), enhanced, simple and old packet
+// blocks, both byte orders; other blocks are passed over.
+//
+// References: [PCAP] draft-ietf-opsawg-pcap, [PCAPNG] draft-ietf-opsawg-pcapng.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "capture/record/pcap_bytes.h"
+#include "capture/record/pcap_packet.h"
+
+namespace rayloc::pcap {
+
+class PcapParser {
+ public:
+  enum class Status {
+    kNeedMore,  // `data` ends inside a record
+    kPacket,    // `packet` is filled; its data points into the bytes given
+    kOther,     // a header, or a block without a packet
+    kError,     // not a capture, or a damaged one: `error` says what, at the record's first byte
+  };
+  struct Step {
+    Status status = Status::kNeedMore;
+    std::size_t size = 0;  // bytes consumed
+    Packet packet;
+    std::string error;
+  };
+
+  // Takes the record at the beginning of `data`. After kError it must not be called again.
+  Step next(Bytes data);
+
+  // A file header was read: what follows is a capture.
+  bool recognised() const { return format_ != Format::kUnknown; }
+
+ private:
+  enum class Format { kUnknown, kClassic, kPcapng };
+  struct Interface {
+    std::uint32_t link_type = 0;
+    std::uint32_t snap_length = 0;  // 0: no limit
+    std::uint8_t resolution = 6;    // if_tsresol: 10^-6 s
+    std::int64_t offset_s = 0;      // if_tsoffset
+  };
+
+  Step file_header(Bytes data);
+  Step classic_header(Bytes data);
+  Step classic_record(Bytes data) const;
+  Step block(Bytes data);
+  Step section_header(Bytes data);
+  Step interface_description(Bytes body);
+  Step enhanced_packet(Bytes body) const;
+  Step old_packet(Bytes body) const;
+  Step simple_packet(Bytes body) const;
+  Step timed_packet(Bytes body, std::uint32_t interface, std::size_t header) const;
+
+  Format format_ = Format::kUnknown;
+  ByteOrder order_ = ByteOrder::kLittle;
+  Interface classic_;  // resolution 6 or 9
+  std::vector<Interface> interfaces_;
+};
+
+}  // namespace rayloc::pcap

@@ -1,0 +1,197 @@
+#include "capture/source/pcap_input.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/uio.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include "capture/transport/poll_timeout.h"
+#include "engine/base/check.h"
+
+namespace rayloc::pcap {
+namespace {
+
+constexpr std::size_t kReadBytes = std::size_t{1} << 20;
+constexpr std::size_t kPackedReadBytes = std::size_t{64} << 10;
+constexpr std::byte kGzip0{0x1f};
+constexpr std::byte kGzip1{0x8b};
+// zlib's format number of "gzip only", with the largest window.
+constexpr int kGzipWindow = 16 + MAX_WBITS;
+
+std::string system_error(const std::string& name, const char* what) {
+  return name + ": " + what + ": " + std::strerror(errno);
+}
+
+// 1 readable, 0 not within the time, -1 errno.
+int wait_readable(int fd, Duration timeout) {
+  pollfd waiting{.fd = fd, .events = POLLIN, .revents = 0};
+  const int ready = poll(&waiting, 1, poll_milliseconds(timeout));
+  return ready < 0 && errno == EINTR ? 0 : ready;
+}
+
+}  // namespace
+
+// One gzip file: several members may follow one another.
+class PcapInput::Inflater {
+ public:
+  Inflater() { RAYLOC_CHECK(inflateInit2(&stream_, kGzipWindow) == Z_OK); }
+  ~Inflater() { inflateEnd(&stream_); }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  struct Result {
+    std::size_t consumed = 0;
+    std::size_t produced = 0;
+    bool member_ended = false;
+    const char* error = nullptr;
+  };
+  Result run(std::span<const std::byte> in, std::span<std::byte> out) {
+    // zlib reads through a pointer to non-const unless ZLIB_CONST is defined for all of it.
+    stream_.next_in = static_cast<Bytef*>(const_cast<void*>(static_cast<const void*>(in.data())));
+    stream_.avail_in = static_cast<uInt>(in.size());
+    stream_.next_out = static_cast<Bytef*>(static_cast<void*>(out.data()));
+    stream_.avail_out = static_cast<uInt>(out.size());
+    const int status = inflate(&stream_, Z_NO_FLUSH);
+    Result result;
+    result.consumed = in.size() - stream_.avail_in;
+    result.produced = out.size() - stream_.avail_out;
+    if (status == Z_STREAM_END) {
+      result.member_ended = true;
+      inflateReset(&stream_);
+    } else if (status != Z_OK && status != Z_BUF_ERROR) {
+      result.error = stream_.msg != nullptr ? stream_.msg : "damaged data";
+    }
+    return result;
+  }
+
+ private:
+  z_stream stream_{};
+};
+
+Expected<std::unique_ptr<PcapInput>> PcapInput::open(const std::string& path) {
+  if (path == "-") {
+    const int fd = dup(STDIN_FILENO);
+    if (fd < 0) {
+      return make_error(ErrorKind::kUnavailable, system_error("standard input", "cannot be read"));
+    }
+    return std::make_unique<PcapInput>(fd, "standard input");
+  }
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) {
+    return make_error(ErrorKind::kUnavailable, system_error(path, "cannot be opened"));
+  }
+  return std::make_unique<PcapInput>(fd, path);
+}
+
+PcapInput::PcapInput(int fd, std::string name) : fd_(fd), name_(std::move(name)) {}
+
+PcapInput::~PcapInput() { close(fd_); }
+
+void PcapInput::consume(std::size_t size) {
+  RAYLOC_CHECK(size <= end_ - begin_);
+  begin_ += size;
+  offset_ += size;
+}
+
+// Room for `size` bytes behind the window.
+void PcapInput::make_room(std::size_t size) {
+  if (begin_ > 0) {
+    std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  if (buffer_.size() - end_ < size) {
+    buffer_.resize(end_ + size);
+  }
+}
+
+Expected<PcapInput::Fill> PcapInput::fill(Duration timeout) {
+  if (damage_) {
+    return tl::make_unexpected(*damage_);
+  }
+  if (unpacking_stopped_) {
+    const std::vector<std::byte> packed = std::move(packed_);
+    if (unpack(packed)) {
+      return Fill::kMore;
+    }
+  }
+  if (damage_) {
+    return tl::make_unexpected(*damage_);
+  }
+  const int ready = wait_readable(fd_, timeout);
+  if (ready < 0) {
+    return make_error(ErrorKind::kUnavailable, system_error(name_, "cannot be read"));
+  }
+  return ready == 0 ? Fill::kTimeout : read_more();
+}
+
+Expected<PcapInput::Fill> PcapInput::read_more() {
+  const bool direct = packing_ == Packing::kNone;
+  const std::size_t size = direct ? kReadBytes : kPackedReadBytes;
+  std::vector<std::byte> packed(direct ? 0 : size);
+  if (direct) {
+    make_room(size);
+  }
+  const ssize_t got = ::read(fd_, direct ? buffer_.data() + end_ : packed.data(), size);
+  if (got < 0) {
+    if (errno == EINTR || errno == EAGAIN) {
+      return Fill::kTimeout;
+    }
+    return make_error(ErrorKind::kUnavailable, system_error(name_, "cannot be read"));
+  }
+  if (got == 0) {
+    return Fill::kEnd;
+  }
+  if (direct) {
+    end_ += static_cast<std::size_t>(got);
+    return Fill::kMore;
+  }
+  packed.resize(static_cast<std::size_t>(got));
+  if (packing_ == Packing::kUnknown) {
+    // No capture begins with the first of gzip's two bytes, so one is enough.
+    const bool gzip = packed[0] == kGzip0 && (packed.size() == 1 || packed[1] == kGzip1);
+    packing_ = gzip ? Packing::kGzip : Packing::kNone;
+    inflater_ = std::make_unique<Inflater>();
+  }
+  if (packing_ == Packing::kGzip) {
+    return unpack(packed) || !damage_ ? Expected<Fill>(Fill::kMore) : tl::make_unexpected(*damage_);
+  }
+  make_room(packed.size());
+  std::copy(packed.begin(), packed.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
+  end_ += packed.size();
+  return Fill::kMore;
+}
+
+// True when the window grew. Damage found behind good data is kept for the next fill().
+bool PcapInput::unpack(std::span<const std::byte> packed) {
+  make_room(kReadBytes);
+  const std::size_t before = end_;
+  std::size_t at = 0;
+  Inflater::Result result;
+  do {
+    result = inflater_->run(packed.subspan(at), std::span(buffer_).subspan(end_));
+    at += result.consumed;
+    end_ += result.produced;
+    packed_offset_ += result.consumed;
+    if (result.consumed + result.produced > 0) {
+      inside_gzip_ = !result.member_ended;
+    }
+    if (result.error != nullptr) {
+      damage_ = Error{ErrorKind::kBadInput,
+                      name_ + ": byte " + std::to_string(packed_offset_) +
+                          " of the gzip'd file: " + result.error};
+    }
+  } while (!damage_ && end_ < buffer_.size() && result.consumed + result.produced > 0);
+  packed_.assign(packed.begin() + static_cast<std::ptrdiff_t>(at), packed.end());
+  // For want of room: zlib may hold back output of what it has consumed.
+  unpacking_stopped_ = end_ == buffer_.size();
+  return end_ > before;
+}
+
+}  // namespace rayloc::pcap

@@ -1,0 +1,280 @@
+#include "capture/source/pcap_source.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "capture/record/pcap_parser.h"
+#include "capture/record/recording_gap.h"
+#include "capture/source/pcap_input.h"
+
+namespace rayloc {
+namespace {
+
+// Enough to make the cost of a call vanish, few enough to keep a reader's queue short.
+constexpr std::size_t kBatchDatagrams = 256;
+
+// Odd places of a pipe that are told at its end.
+constexpr std::size_t kMostNoted = 1000;
+
+}  // namespace
+
+bool can_be_read_twice(const std::string& path) {
+  std::error_code unknown;
+  return path != "-" && std::filesystem::is_regular_file(path, unknown);
+}
+
+Expected<std::unique_ptr<PcapFileSource>> PcapFileSource::open(const std::string& path,
+                                                               const PcapFileOptions& options) {
+  auto input = pcap::PcapInput::open(path);
+  if (!input) {
+    return tl::make_unexpected(std::move(input.error()));
+  }
+  PcapFileOptions known = options;
+  if (options.max_disorder != kAnyDisorder && !options.times && can_be_read_twice(path)) {
+    auto look = look_through(path, options);
+    if (!look) {
+      return tl::make_unexpected(std::move(look.error()));
+    }
+    known.times = std::move(look->times);
+  }
+  return std::unique_ptr<PcapFileSource>(new PcapFileSource(std::move(*input), known));
+}
+
+PcapFileSource::PcapFileSource(std::unique_ptr<pcap::PcapInput> input,
+                               const PcapFileOptions& options)
+    : options_(options), input_(std::move(input)), parser_(std::make_unique<pcap::PcapParser>()) {
+  if (options.max_disorder == kAnyDisorder) {
+    return;
+  }
+  if (options.times) {
+    clock_.emplace(*options.times);
+  } else {
+    streamed_.streamed = true;
+    stream_.emplace(StampLimits{options.max_disorder, options.max_gap}, options.as_stamped);
+  }
+}
+
+PcapFileSource::~PcapFileSource() = default;
+
+Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
+  batch.datagrams.clear();
+  places_.clear();
+  while (copies_.size() > (held_ ? 1U : 0U)) {
+    copies_.pop_front();
+  }
+  const std::uint64_t received_before = counting_.received;
+  // Filling moves the window, and the datagrams of a batch point into it: once there is one, what
+  // else is to come waits for the next call.
+  take_records(batch);
+  while (counting_.received == received_before && !error_ && !ended_) {
+    const auto more = input_->fill(timeout);
+    if (!more) {
+      error_ = more.error();
+    } else if (*more == pcap::PcapInput::Fill::kTimeout) {
+      break;
+    } else if (*more == pcap::PcapInput::Fill::kEnd) {
+      end(batch);
+    } else {
+      take_records(batch);
+    }
+  }
+  batch.watermark = watermark();
+  batch.ended = ended_;
+  {
+    const std::lock_guard lock(mutex_);
+    published_ = counting_;
+  }
+  if (error_ && batch.datagrams.empty()) {
+    return tl::make_unexpected(*error_);
+  }
+  return {};
+}
+
+void PcapFileSource::take_records(DatagramBatch& batch) {
+  while (batch.datagrams.size() < kBatchDatagrams && !error_) {
+    const pcap::PcapParser::Step step = parser_->next(input_->window());
+    switch (step.status) {
+      case pcap::PcapParser::Status::kNeedMore:
+        return;
+      case pcap::PcapParser::Status::kError:
+        error_ = Error{ErrorKind::kBadInput, place() + step.error};
+        return;
+      case pcap::PcapParser::Status::kPacket:
+        take_packet(step.packet, batch);
+        break;
+      case pcap::PcapParser::Status::kOther:
+        break;
+    }
+    input_->consume(step.size);
+  }
+}
+
+void PcapFileSource::take_packet(const pcap::Packet& packet, DatagramBatch& batch) {
+  ++counting_.received;
+  place_now_ = {counting_.received, input_->offset()};
+  const auto datagram = pcap::udp_datagram(packet, options_.port);
+  if (!datagram) {
+    ++counting_.rejected[datagram.error()];
+    return;
+  }
+  if (const auto gap = recording_gap(*datagram)) {
+    ++counting_.rejected["gap_mark"];
+    counting_.unrecorded += gap->datagrams.value_or(0);
+    return;
+  }
+  take_datagram(*datagram, batch);
+}
+
+void PcapFileSource::take_datagram(const Datagram& datagram, DatagramBatch& batch) {
+  if (stream_) {
+    take_streamed(datagram, batch);
+    return;
+  }
+  const auto time =
+      clock_ ? clock_->event_time(place_now_.packet, datagram.time) : std::optional(datagram.time);
+  if (time) {
+    give(datagram, *time, batch);
+  } else {
+    reject_damaged(clock_->is_late());
+  }
+}
+
+void PcapFileSource::take_streamed(const Datagram& datagram, DatagramBatch& batch) {
+  using Ruling = StreamClock::Ruling;
+  const Timestamp latest = stream_->latest();
+  Ruling ruling = stream_->look(datagram.time);
+  if (ruling == Ruling::kGiveHeld) {
+    if (streamed_.jumps.size() < kMostNoted) {
+      streamed_.jumps.push_back(
+          {held_place_, latest, held_->time, Duration::zero(), stream_->is_late()});
+    }
+    const RecordPlace place = std::exchange(place_now_, held_place_);
+    const Datagram held = *std::exchange(held_, std::nullopt);
+    give(held, stream_->event_time(held.time), batch);
+    place_now_ = place;
+    ruling = stream_->look(datagram.time);
+  }
+  if (ruling == Ruling::kHold) {
+    hold(datagram);
+    return;
+  }
+  if (ruling == Ruling::kDropHeld) {
+    reject_held();
+  }
+  give(datagram, stream_->event_time(datagram.time), batch);
+}
+
+void PcapFileSource::hold(const Datagram& datagram) {
+  copies_.emplace_back(datagram.payload.begin(), datagram.payload.end());
+  held_ = datagram;
+  held_->payload = copies_.back();
+  held_place_ = place_now_;
+}
+
+void PcapFileSource::reject_held() {
+  const Datagram held = *std::exchange(held_, std::nullopt);
+  if (streamed_.damaged.size() < kMostNoted) {
+    streamed_.damaged.push_back(
+        {held_place_, held_place_.packet, 1, held.time - stream_->latest()});
+  }
+  reject_damaged(stream_->is_late());
+}
+
+void PcapFileSource::reject_damaged(bool late) {
+  ++counting_.rejected[late ? "time_went_back" : "damaged_time"];
+}
+
+void PcapFileSource::give(Datagram datagram, Timestamp time, DatagramBatch& batch) {
+  datagram.time = time;
+  if (time < watermark() && !options_.as_stamped) {  // behind what was looked through
+    reject_damaged(true);
+    return;
+  }
+  ++counting_.delivered;
+  counting_.bytes += datagram.payload.size();
+  latest_ = std::max(latest_, time);
+  batch.datagrams.push_back(datagram);
+  places_.push_back(place_now_);
+}
+
+void PcapFileSource::end(DatagramBatch& batch) {
+  if (held_ && stream_->give_at_end()) {
+    const Datagram held = *std::exchange(held_, std::nullopt);
+    place_now_ = held_place_;
+    give(held, stream_->event_time(held.time), batch);
+  } else if (held_) {
+    reject_held();
+  }
+  ended_ = true;
+  const std::size_t left = input_->window().size();
+  if (!parser_->recognised()) {
+    error_ = Error{
+        ErrorKind::kBadInput,
+        place() +
+            (left == 0 ? "the file is empty" : "the file ends before it is known to be a capture") +
+            "; write one with tcpdump -w or rayloc record"};
+    return;
+  }
+  if (left == 0 && !input_->ends_within_gzip()) {
+    return;
+  }
+  const std::string torn = place() + "the last record is torn: " + std::to_string(left) +
+                           " bytes of it are there; everything before it was read";
+  if (counting_.received == 0) {
+    error_ = Error{ErrorKind::kBadInput,
+                   place() + "the file ends inside its first record: nothing can be read"};
+    return;
+  }
+  ++counting_.received;
+  ++counting_.rejected["torn_record"];
+  const std::lock_guard lock(mutex_);
+  warning_ = torn;
+}
+
+Timestamp PcapFileSource::watermark() const {
+  if (ended_) {
+    return Timestamp::max();
+  }
+  if (options_.as_stamped) {
+    return Timestamp::min();
+  }
+  const bool bounded = latest_.time_since_epoch() >= Duration::min() + options_.max_disorder;
+  return bounded ? latest_ - options_.max_disorder : Timestamp::min();
+}
+
+SourceCounters PcapFileSource::counters() const {
+  const std::lock_guard lock(mutex_);
+  return published_;
+}
+
+std::string PcapFileSource::warning() const {
+  const std::lock_guard lock(mutex_);
+  return warning_;
+}
+
+std::string PcapFileSource::description() const { return input_->name(); }
+
+std::string PcapFileSource::place() const {
+  return input_->name() + ": byte " + std::to_string(input_->offset()) + ": ";
+}
+
+Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options) {
+  PcapFileOptions everything = options;
+  everything.max_disorder = kAnyDisorder;
+  auto source = PcapFileSource::open(path, everything);
+  if (!source) {
+    return tl::make_unexpected(std::move(source.error()));
+  }
+  StampJudge judge({options.max_disorder, options.max_gap}, options.as_stamped);
+  DatagramBatch batch;
+  while (!batch.ended && (*source)->read(batch, std::chrono::seconds(1))) {
+    for (std::size_t i = 0; i < batch.datagrams.size(); ++i) {
+      judge.add((*source)->places()[i], batch.datagrams[i].time);
+    }
+  }
+  return RecordingLook{judge.finish(), (*source)->counters()};
+}
+
+}  // namespace rayloc

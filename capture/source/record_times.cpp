@@ -1,0 +1,349 @@
+#include "capture/source/record_times.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+// So many damaged stamps in a row may be one fault: a frame of four cores and four streams.
+constexpr std::uint64_t kMostDamaged = 16;
+// At the beginning and the end of a file, where only one side tells.
+constexpr std::uint64_t kMostDamagedAtAnEnd = 3;
+constexpr Duration kLongSilence = std::chrono::hours(24);
+
+// Corrections that are larger are not made: no sum of a stamp and two of them overflows.
+constexpr Duration kMostCorrection = Duration(std::int64_t{1} << 61U);
+
+bool is_small(Duration correction) {
+  return correction <= kMostCorrection && correction >= -kMostCorrection;
+}
+
+bool follows(Timestamp latest, Timestamp stamp, const StampLimits& limits) {
+  return stamp >= latest - limits.disorder && stamp <= latest + limits.gap;
+}
+
+// Without what lies at `outside`, `stamp` goes on from `latest`, and that by a jump of its own: not
+// by the time that passes.
+bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const StampLimits& limits) {
+  if (stamp < latest - limits.disorder) {
+    return false;
+  }
+  return outside > latest ? stamp < outside - limits.disorder
+                          : stamp - outside >= (latest - outside) / 2;
+}
+
+std::string seconds_text(Duration duration) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.1f s", to_seconds(duration));
+  return text.data();
+}
+
+std::string at(const RecordPlace& place) {
+  return "packet " + std::to_string(place.packet) + " (byte " + std::to_string(place.byte) + "): ";
+}
+
+// Of a machine without a battery that has not heard of the time yet. No recording of CSI is older.
+std::string unset_clock_words(const RecordTimes& times) {
+  constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
+  if (times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
+    return {};
+  }
+  const std::chrono::year_month_day date(
+      std::chrono::floor<std::chrono::days>(times.busy.front().begin));
+  return "its first time stamp is of the year " + std::to_string(static_cast<int>(date.year())) +
+         ": the clock of the machine that recorded it was not set, and the times that are told are "
+         "wrong by as much";
+}
+
+Duration size_of(const ClockJump& jump) { return jump.to - jump.from; }
+
+std::string damage_words(const DamagedStamps& stamps) {
+  const bool late = stamps.ahead < Duration::zero();
+  std::string words = at(stamps.first) + "its time stamp lies ";
+  words += seconds_text(late ? -stamps.ahead : stamps.ahead);
+  words += late ? " behind" : " ahead of";
+  words += " its neighbours; ";
+  words += stamps.records > 1 ? std::to_string(stamps.records) + " packets from there on are"
+                              : std::string("it is");
+  words += " left out (";
+  return words + (late ? "time_went_back)" : "damaged_time)");
+}
+
+std::string clock_words(const ClockJump& jump, bool streamed) {
+  const Duration size = size_of(jump) - jump.pause;
+  const bool back = size < Duration::zero();
+  std::string words = at(jump.place) + "the clock was set ";
+  words += back ? "back by " : "forward by ";
+  words += seconds_text(back ? -size : size);
+  if (jump.was_set) {
+    words += "; all times are told by the clock as it was at the ";
+    words += streamed ? "beginning" : "end";
+  }
+  return words;
+}
+
+}  // namespace
+
+void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
+  bool new_run = runs_.empty() || !follows(runs_.back().latest, stamp, limits_);
+  if (!new_run && runs_.size() > 1) {
+    const Run& before = runs_[runs_.size() - 2];
+    const Run& run = runs_.back();
+    new_run = run.records <= kMostDamaged && run.latest < before.latest &&
+              comes_back(before.latest, run.latest, stamp, limits_);
+  }
+  if (new_run) {
+    runs_.push_back({place, place.packet, 0, stamp, stamp, stamp});
+  }
+  Run& run = runs_.back();
+  run.last_packet = place.packet;
+  ++run.records;
+  run.earliest = std::min(run.earliest, stamp);
+  run.latest = std::max(run.latest, stamp);
+}
+
+bool StampJudge::continues(std::size_t before, std::size_t run) const {
+  return follows(runs_[before].latest, runs_[run].first, limits_);
+}
+
+// Whether a run that does not follow another one lies outside: within a few records somebody comes
+// back.
+bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
+  const Timestamp latest = runs_[before].latest;
+  const Timestamp outside = runs_[run].first;
+  std::uint64_t between = runs_[run].records;
+  for (std::size_t next = run + 1; next < runs_.size() && between <= kMostDamaged; ++next) {
+    if (comes_back(latest, outside, runs_[next].first, limits_)) {
+      // Behind a clock that was set back by little there may be a longer silence.
+      const Duration back = latest - outside;
+      return outside > latest || between <= kMostDamagedAtAnEnd ||
+             runs_[next].first - runs_[next - 1].latest <=
+                 back + back / 2 + std::chrono::seconds(1);
+    }
+    between += runs_[next].records;
+  }
+  return false;
+}
+
+// A last record that nothing follows: from the past, or from far in the future.
+bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
+  return run + 1 == runs_.size() && runs_[run].records <= kMostDamagedAtAnEnd &&
+         runs_[before].records > runs_[run].records &&
+         (runs_[run].first < runs_[before].latest ||
+          runs_[before].latest + kLongSilence < runs_[run].first);
+}
+
+// A first record from the future, or from before there were clocks.
+std::size_t StampJudge::first_run() const {
+  if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
+      runs_[0].records >= runs_[1].records || is_damaged(0, 1)) {
+    return 0;
+  }
+  const bool ahead = runs_[0].latest > runs_[1].first;
+  return ahead || runs_[0].latest + kLongSilence < runs_[1].first ? 1 : 0;
+}
+
+DamagedStamps StampJudge::damaged(std::size_t begin, std::size_t end, Timestamp around) const {
+  DamagedStamps stamps{
+      runs_[begin].place, runs_[end - 1].last_packet, 0, runs_[begin].first - around};
+  for (std::size_t i = begin; i < end; ++i) {
+    stamps.records += runs_[i].records;
+  }
+  return stamps;
+}
+
+// The pause is cut to microseconds, the resolution of what our recorder writes.
+ClockJump StampJudge::jump_between(std::size_t before, std::size_t run) const {
+  const Run& last = runs_[before];
+  const Duration pause =
+      last.records > 1
+          ? std::chrono::floor<std::chrono::microseconds>(
+                (last.latest - last.earliest) / static_cast<std::int64_t>(last.records - 1))
+          : Duration::zero();
+  return {runs_[run].place, last.latest, runs_[run].first, pause, false};
+}
+
+RecordTimes StampJudge::finish() const {
+  RecordTimes times;
+  if (runs_.empty()) {
+    return times;
+  }
+  std::size_t before = first_run();
+  if (before > 0) {
+    times.damaged.push_back(damaged(0, before, runs_[before].first));
+  }
+  std::vector<std::size_t> kept = {before};
+  for (std::size_t run = before + 1; run < runs_.size(); ++run) {
+    if (!continues(before, run)) {
+      if (is_damaged(before, run) || is_odd_end(before, run)) {
+        times.damaged.push_back(damaged(run, run + 1, runs_[before].latest));
+        continue;
+      }
+      times.jumps.push_back(jump_between(before, run));
+    }
+    before = run;
+    kept.push_back(run);
+  }
+  if (!as_stamped_) {
+    find_clocks_set(times);
+  }
+  tell_times(kept, times);
+  return times;
+}
+
+// Time does not go back: the clock was set. Where it went forward and comes back by as much, it was
+// set both times, and so where it went back and comes forward again.
+void StampJudge::find_clocks_set(RecordTimes& times) const {
+  for (std::size_t i = 0; i < times.jumps.size(); ++i) {
+    ClockJump& jump = times.jumps[i];
+    if (size_of(jump) < Duration::zero()) {
+      jump.was_set = true;
+    }
+    const auto undone = [&](const ClockJump& other) {
+      const Duration sum = size_of(other) + size_of(jump);
+      return (size_of(other) < Duration::zero()) != (size_of(jump) < Duration::zero()) &&
+             sum <= limits_.gap && sum >= -limits_.gap;
+    };
+    // From the nearest, and not beyond one that is its own pair.
+    for (std::size_t j = i; j-- > 0;) {
+      if (undone(times.jumps[j])) {
+        times.jumps[j].was_set = true;
+        jump.was_set = true;
+        break;
+      }
+    }
+  }
+  Duration correction{};
+  for (ClockJump& jump : times.jumps) {
+    jump.was_set = jump.was_set && is_small(size_of(jump)) &&
+                   is_small(correction + jump.pause - size_of(jump));
+    correction += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+  }
+  times.correction = -correction;
+}
+
+void StampJudge::tell_times(const std::vector<std::size_t>& kept, RecordTimes& times) const {
+  RecordClock clock(times);
+  for (const std::size_t index : kept) {
+    const Run& run = runs_[index];
+    const auto first = clock.event_time(run.place.packet, run.first);
+    const Duration correction = first ? *first - run.first : Duration::zero();
+    const TimeSpan span{run.earliest + correction, run.latest + correction};
+    // Stamps that are taken as they are may go back.
+    const bool follows_last = !times.busy.empty() &&
+                              span.begin <= times.busy.back().end + limits_.gap &&
+                              span.begin >= times.busy.back().begin;
+    if (follows_last) {
+      times.busy.back().end = std::max(times.busy.back().end, span.end);
+    } else {
+      times.busy.push_back(span);
+    }
+  }
+  std::sort(times.busy.begin(), times.busy.end(), [](const TimeSpan& a, const TimeSpan& b) {
+    return a.begin < b.begin;
+  });
+}
+
+std::optional<Timestamp> RecordClock::event_time(std::uint64_t packet, Timestamp stamp) {
+  while (next_damaged_ < times_.damaged.size() &&
+         times_.damaged[next_damaged_].last_packet < packet) {
+    ++next_damaged_;
+  }
+  if (next_damaged_ < times_.damaged.size() &&
+      times_.damaged[next_damaged_].first.packet <= packet) {
+    late_ = times_.damaged[next_damaged_].ahead < Duration::zero();
+    return std::nullopt;
+  }
+  while (next_jump_ < times_.jumps.size() && times_.jumps[next_jump_].place.packet <= packet) {
+    const ClockJump& jump = times_.jumps[next_jump_++];
+    correction_ += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+  }
+  return stamp + correction_;
+}
+
+StreamClock::Ruling StreamClock::look(Timestamp stamp) {
+  if (!latest_) {
+    latest_ = stamp;
+    return Ruling::kGive;
+  }
+  if (!held_ && follows(*latest_, stamp, limits_)) {
+    latest_ = std::max(*latest_, stamp);
+    return Ruling::kGive;
+  }
+  if (!held_) {
+    held_ = stamp;
+    return Ruling::kHold;
+  }
+  const Timestamp held = *std::exchange(held_, std::nullopt);
+  late_ = held < *latest_;
+  if (comes_back(*latest_, held, stamp, limits_)) {
+    latest_ = std::max(*latest_, stamp);
+    return Ruling::kDropHeld;
+  }
+  const Duration back = *latest_ - held;
+  if (late_ && !as_stamped_ && is_small(back) && is_small(correction_ + back)) {
+    correction_ += back;
+  }
+  latest_ = held;
+  return Ruling::kGiveHeld;
+}
+
+bool StreamClock::give_at_end() {
+  if (!held_) {
+    return false;
+  }
+  const Timestamp held = *std::exchange(held_, std::nullopt);
+  late_ = held < *latest_;
+  return !late_ && held <= *latest_ + kLongSilence;
+}
+
+std::vector<std::string> words_of(const RecordTimes& times,
+                                  const std::string& name,
+                                  Duration least_gap) {
+  // Of a file of which much is odd the first tell enough.
+  constexpr std::size_t kMostLines = 3;
+  const std::string file = name + ": ";
+  std::vector<std::string> damaged;
+  for (const DamagedStamps& stamps : times.damaged) {
+    damaged.push_back(file + damage_words(stamps));
+  }
+  std::vector<std::string> set;
+  std::vector<const ClockJump*> gaps;
+  for (const ClockJump& jump : times.jumps) {
+    const Duration size = size_of(jump) - jump.pause;
+    if (jump.was_set || size < Duration::zero()) {
+      set.push_back(file + clock_words(jump, times.streamed));
+    } else if (size > least_gap) {
+      gaps.push_back(&jump);
+    }
+  }
+  std::vector<std::string> words;
+  for (const auto& [lines, what] : {std::pair(&damaged, " more such places"),
+                                    std::pair(&set, " more times that the clock was set")}) {
+    words.insert(words.end(),
+                 lines->begin(),
+                 lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
+    if (lines->size() > kMostLines) {
+      words.push_back(file + std::to_string(lines->size() - kMostLines) + what);
+    }
+  }
+  if (const std::string year = unset_clock_words(times); !year.empty()) {
+    words.push_back(file + year);
+  }
+  const auto longest =
+      std::max_element(gaps.begin(), gaps.end(), [](const ClockJump* a, const ClockJump* b) {
+        return size_of(*a) < size_of(*b);
+      });
+  if (longest != gaps.end()) {
+    words.push_back(
+        file + at((*longest)->place) + "its time stamp is " + seconds_text(size_of(**longest)) +
+        " later than the one before: the clock was set, or nothing was received" +
+        (gaps.size() > 1 ? " (the longest of " + std::to_string(gaps.size()) + " such gaps)" : ""));
+  }
+  return words;
+}
+
+}  // namespace rayloc

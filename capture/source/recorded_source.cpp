@@ -1,0 +1,196 @@
+#include "capture/source/recorded_source.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kBatchDatagrams = 256;
+
+}  // namespace
+
+Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(RecordingPlan plan) {
+  std::unique_ptr<RecordedSource> source(new RecordedSource(std::move(plan)));
+  // Here already, so that what cannot be opened is known at once.
+  if (auto opened = source->open_due(); !opened) {
+    return tl::make_unexpected(std::move(opened.error()));
+  }
+  return source;
+}
+
+Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(
+    const std::vector<std::string>& files, const PcapFileOptions& options) {
+  auto plan = plan_recording(files, options);
+  if (!plan) {
+    return tl::make_unexpected(std::move(plan.error()));
+  }
+  return open(*std::move(plan));
+}
+
+// Opens the files that begin before anything that waits to be given.
+Expected<void> RecordedSource::open_due() {
+  while (next_file_ < plan_.files.size()) {
+    Timestamp earliest = Timestamp::max();
+    for (const Reader& reader : readers_) {
+      earliest = std::min(earliest, reader.has_next() ? reader.front().time : Timestamp::max());
+    }
+    const PlannedFile& file = plan_.files[next_file_];
+    if (!readers_.empty() && begin_of(file) > earliest) {
+      return {};
+    }
+    const bool waits = std::any_of(readers_.begin(), readers_.end(), [](const Reader& reader) {
+      return !reader.has_next() && !reader.batch.ended;
+    });
+    if (waits) {  // what it has is not known yet
+      return {};
+    }
+    PcapFileOptions options = plan_.options;
+    if (file.look) {
+      options.times = file.look->times;
+    }
+    auto opened = PcapFileSource::open(file.path, options);
+    if (!opened) {
+      return tl::make_unexpected(std::move(opened.error()));
+    }
+    readers_.push_back({std::move(*opened), file.look.has_value(), {}, 0});
+    ++next_file_;
+  }
+  return {};
+}
+
+// False when a reader has nothing to compare yet, and may not be read or brought nothing in time.
+Expected<bool> RecordedSource::fill(Duration timeout, bool may_read) {
+  for (Reader& reader : readers_) {
+    if (reader.has_next() || reader.batch.ended) {
+      continue;
+    }
+    if (!may_read) {
+      return false;
+    }
+    reader.next = 0;
+    if (auto read = reader.source->read(reader.batch, timeout); !read) {
+      reader.batch.datagrams.clear();
+      return tl::make_unexpected(std::move(read.error()));
+    }
+    if (!reader.has_next() && !reader.batch.ended) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void RecordedSource::close_ended() {
+  std::erase_if(readers_, [&](const Reader& reader) {
+    if (reader.has_next() || !reader.batch.ended) {
+      return false;
+    }
+    add_counts(closed_, reader.source->counters());
+    add_warnings(reader, warnings_);
+    return true;
+  });
+}
+
+void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) const {
+  if (std::string torn = reader.source->warning(); !torn.empty()) {
+    to.push_back(std::move(torn));
+  }
+  if (reader.looked_through) {  // words_of() has told
+    return;
+  }
+  const std::vector<std::string> stamps = words_of(
+      reader.source->streamed_times(), reader.source->description(), least_gap(plan_.options));
+  to.insert(to.end(), stamps.begin(), stamps.end());
+  if (std::string monitor =
+          monitor_mode_words(reader.source->counters(), reader.source->description());
+      !monitor.empty()) {
+    to.push_back(std::move(monitor));
+  }
+}
+
+std::vector<std::string> RecordedSource::warnings() const {
+  std::vector<std::string> all = warnings_;
+  for (const Reader& reader : readers_) {
+    add_warnings(reader, all);
+  }
+  return all;
+}
+
+Expected<void> RecordedSource::read(DatagramBatch& batch, Duration timeout) {
+  batch.datagrams.clear();
+  while (batch.datagrams.size() < kBatchDatagrams) {
+    // What a batch shows lies in its readers until the next call.
+    const bool may_read = batch.datagrams.empty();
+    if (may_read) {
+      close_ended();
+    }
+    auto opened = open_due();
+    auto filled = opened ? fill(timeout, may_read) : tl::make_unexpected(opened.error());
+    if (!filled) {
+      publish();
+      return tl::make_unexpected(std::move(filled.error()));
+    }
+    if (!*filled) {
+      break;
+    }
+    Reader* earliest = nullptr;
+    for (Reader& reader : readers_) {
+      if (reader.has_next() &&
+          (earliest == nullptr || reader.front().time < earliest->front().time)) {
+        earliest = &reader;
+      }
+    }
+    const bool another_first = earliest != nullptr && next_file_ < plan_.files.size() &&
+                               begin_of(plan_.files[next_file_]) <= earliest->front().time;
+    if (earliest == nullptr &&
+        (!may_read || (readers_.empty() && next_file_ == plan_.files.size()))) {
+      break;
+    }
+    if (earliest != nullptr && !another_first) {
+      batch.datagrams.push_back(earliest->front());
+      ++earliest->next;
+    }
+  }
+  if (batch.datagrams.empty()) {
+    close_ended();
+  }
+  batch.ended =
+      std::all_of(readers_.begin(),
+                  readers_.end(),
+                  [](const Reader& reader) { return !reader.has_next() && reader.batch.ended; }) &&
+      next_file_ == plan_.files.size();
+  watermark_ = std::max(watermark_, batch.ended ? Timestamp::max() : watermark());
+  batch.watermark = watermark_;
+  publish();
+  return {};
+}
+
+Timestamp RecordedSource::watermark() const {
+  Timestamp earliest = Timestamp::max();
+  for (const Reader& reader : readers_) {
+    earliest = std::min(earliest, reader.batch.watermark);
+    for (std::size_t i = reader.next; i < reader.batch.datagrams.size(); ++i) {
+      earliest = std::min(earliest, reader.batch.datagrams[i].time);
+    }
+  }
+  for (std::size_t i = next_file_; i < plan_.files.size(); ++i) {
+    earliest = std::min(earliest, begin_of(plan_.files[i]));
+  }
+  return earliest;
+}
+
+void RecordedSource::publish() {
+  SourceCounters all = closed_;
+  for (const Reader& reader : readers_) {
+    add_counts(all, reader.source->counters());
+  }
+  const std::lock_guard lock(mutex_);
+  published_ = std::move(all);
+}
+
+SourceCounters RecordedSource::counters() const {
+  const std::lock_guard lock(mutex_);
+  return published_;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,200 @@
+#include "capture/source/recording_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <system_error>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+std::optional<TimeSpan> span_of(const PlannedFile& file) {
+  if (!file.look || file.look->times.busy.empty()) {
+    return std::nullopt;
+  }
+  TimeSpan span = file.look->times.busy.front();
+  for (const TimeSpan& busy : file.look->times.busy) {
+    span = {std::min(span.begin, busy.begin), std::max(span.end, busy.end)};
+  }
+  return span;
+}
+
+// "./a.pcap" is "a.pcap".
+bool is_same(const std::string& a, const std::string& b) {
+  std::error_code unknown;
+  return a == b || std::filesystem::equivalent(a, b, unknown);
+}
+
+// Spans in order, and joined where no longer gap than that is between them.
+std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, Duration gap) {
+  std::sort(spans.begin(), spans.end(), [](const TimeSpan& a, const TimeSpan& b) {
+    return a.begin < b.begin;
+  });
+  std::vector<TimeSpan> all;
+  for (const TimeSpan& span : spans) {
+    if (!all.empty() && span.begin <= all.back().end + gap) {
+      all.back().end = std::max(all.back().end, span.end);
+    } else {
+      all.push_back(span);
+    }
+  }
+  return all;
+}
+
+std::string seconds_text(Duration duration) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.1f s", to_seconds(duration));
+  return text.data();
+}
+
+// Of two files that follow each other; empty where there is nothing to say.
+std::string words_between(const PlannedFile& before, const PlannedFile& next, Duration gap) {
+  const auto first = span_of(before);
+  const auto second = span_of(next);
+  if (!first || !second) {
+    return {};
+  }
+  const std::string both = before.path + " and " + next.path + ": ";
+  if (second->begin < first->end) {
+    return both + "they overlap by " +
+           seconds_text(std::min(first->end, second->end) - second->begin) +
+           "; what both hold counts once";
+  }
+  if (second->begin > first->end + gap) {
+    return both + "nothing was recorded for " + seconds_text(second->begin - first->end) +
+           " between them";
+  }
+  return {};
+}
+
+}  // namespace
+
+Timestamp begin_of(const PlannedFile& file) {
+  const auto span = span_of(file);
+  return span ? span->begin : Timestamp::min();
+}
+
+PcapFileOptions as_stamped_options() {
+  PcapFileOptions options;
+  options.max_disorder = std::chrono::seconds(1);
+  options.as_stamped = true;
+  return options;
+}
+
+Expected<RecordingPlan> plan_recording(const std::vector<std::string>& files,
+                                       const PcapFileOptions& options) {
+  RecordingPlan plan;
+  plan.options = options;
+  for (const std::string& path : files) {
+    const auto same = std::find_if(plan.files.begin(), plan.files.end(), [&](const auto& other) {
+      return is_same(other.path, path);
+    });
+    if (same != plan.files.end()) {
+      return make_error(ErrorKind::kUsage,
+                        path + ": is named twice for one access point; name each file once");
+    }
+    PlannedFile file{path, std::nullopt};
+    if (can_be_read_twice(path)) {
+      auto look = look_through(path, options);
+      if (!look) {
+        return tl::make_unexpected(std::move(look.error()));
+      }
+      file.look = std::move(*look);
+    } else if (files.size() > 1 && std::filesystem::exists(path)) {
+      return make_error(ErrorKind::kUsage,
+                        path +
+                            ": a pipe cannot be one of several recordings of an access point, "
+                            "as it tells no times before it is read; save it to a file first");
+    }
+    plan.files.push_back(std::move(file));
+  }
+  std::stable_sort(
+      plan.files.begin(), plan.files.end(), [](const PlannedFile& a, const PlannedFile& b) {
+        return begin_of(a) < begin_of(b);
+      });
+  return plan;
+}
+
+std::optional<TimeSpan> span_of(const RecordingPlan& plan) {
+  std::optional<TimeSpan> all;
+  for (const PlannedFile& file : plan.files) {
+    if (const auto span = span_of(file)) {
+      all =
+          all ? TimeSpan{std::min(all->begin, span->begin), std::max(all->end, span->end)} : *span;
+    }
+  }
+  return all;
+}
+
+std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans) {
+  std::vector<TimeSpan> spans;
+  Duration gap = kMaxGap;
+  for (const RecordingPlan& plan : plans) {
+    gap = plan.options.max_gap;
+    for (const PlannedFile& file : plan.files) {
+      if (file.look) {
+        spans.insert(spans.end(), file.look->times.busy.begin(), file.look->times.busy.end());
+      }
+    }
+  }
+  return joined(std::move(spans), gap);
+}
+
+std::vector<std::string> words_of(const RecordingPlan& plan) {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < plan.files.size(); ++i) {
+    const PlannedFile& file = plan.files[i];
+    if (i > 0) {
+      if (std::string between = words_between(plan.files[i - 1], file, plan.options.max_gap);
+          !between.empty()) {
+        words.push_back(std::move(between));
+      }
+    }
+    if (!file.look) {
+      continue;
+    }
+    const std::vector<std::string> own =
+        words_of(file.look->times, file.path, least_gap(plan.options));
+    words.insert(words.end(), own.begin(), own.end());
+    if (std::string monitor = monitor_mode_words(file.look->counters, file.path);
+        !monitor.empty()) {
+      words.push_back(std::move(monitor));
+    }
+  }
+  return words;
+}
+
+Duration least_gap(const PcapFileOptions& options) {
+  // Who is surveyed walks from place to place in silence.
+  constexpr Duration kPauseOfSurvey = std::chrono::minutes(10);
+  return options.as_stamped ? std::max(kPauseOfSurvey, options.max_gap) : options.max_gap;
+}
+
+std::string name_of(const RecordingPlan& plan) {
+  const std::size_t more = plan.files.size() - 1;
+  return plan.files.front().path + (more > 0 ? " and " + std::to_string(more) + " more" : "");
+}
+
+std::string monitor_mode_words(const SourceCounters& counters, const std::string& name) {
+  const auto found = counters.rejected.find("monitor_mode");
+  if (found == counters.rejected.end()) {
+    return {};
+  }
+  return name + ": a capture in monitor mode (" + std::to_string(found->second) +
+         " packets with radiotap or other 802.11 headers): it holds the frames of the air and no "
+         "CSI; capture instead what the access point sends, on the wired interface it sends to: "
+         "tcpdump -i IF -w FILE udp port 5500";
+}
+
+std::string rejections_text(const std::map<std::string, std::uint64_t>& rejected) {
+  std::string text;
+  for (const auto& [reason, count] : rejected) {
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
+  }
+  return text;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,60 @@
+// UdpSource: the datagrams that arrive at a UDP port, with the kernel's time stamps.
+//
+// Receives unicast and broadcast IPv4. Datagrams of an interface or a sender that is not asked for,
+// or longer than any CSI datagram, are rejected and counted; what the kernel dropped because the
+// receive buffer was full is counted exactly (SO_RXQ_OVFL and, once the socket is idle,
+// SO_MEMINFO). Thread safety: one thread reads; wake() and counters() from any.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capture/transport/address_range.h"
+#include "capture/transport/datagram_source.h"
+
+namespace rayloc {
+
+struct UdpSourceOptions {
+  std::string address = "0.0.0.0:5500";    // HOST:PORT; port 0 takes a free one
+  std::string interface = {};              // InterfaceFilter: only what arrives there; empty: all
+  std::vector<AddressRange> senders = {};  // only what comes from these, when there are any
+  // An open and bound UDP socket to take over (socket activation) instead of `address`.
+  int adopted_fd = -1;
+  // The default of 208 KiB loses datagrams at 10,000 a second.
+  int receive_buffer_bytes = 8 << 20;
+};
+
+class UdpSource final : public DatagramSource {
+ public:
+  // The longest CSI datagram known has 1170 bytes.
+  static constexpr std::size_t kMaxDatagramBytes = 4096;
+
+  // kUnavailable when the port is taken or the interface does not exist, kUsage for an address that
+  // is none.
+  static Expected<std::unique_ptr<UdpSource>> open(const UdpSourceOptions& options);
+  ~UdpSource() override;
+
+  Expected<void> read(DatagramBatch& batch, Duration timeout) override;
+  SourceCounters counters() const override;
+  std::string description() const override;
+
+  // Ends the read() that is waiting, or the next one, with an empty batch.
+  void wake();
+
+  std::uint16_t port() const;  // the one that was bound
+  // What the kernel granted of receive_buffer_bytes; it counts its own bookkeeping in it.
+  int receive_buffer_bytes() const;
+  // What an adopted socket had lost before it was taken over, since it was opened. Not part of
+  // kernel_drops: most of it was counted by the process that read it then.
+  std::uint32_t dropped_before() const;
+
+ private:
+  class Impl;
+  explicit UdpSource(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace rayloc

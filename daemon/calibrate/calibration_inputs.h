@@ -1,0 +1,46 @@
+// The measurements of a calibration: recordings cut into the spots of a survey.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/calibrate/report/refused_input.h"
+#include "daemon/site/site.h"
+#include "daemon/survey/points_csv.h"
+#include "engine/base/expected.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc::cli {
+
+// What was heard while the device stood on one surveyed point: frames of all access points.
+struct SurveyedFrames {
+  SurveyPoint point;
+  std::vector<CsiFrame> frames;  // by access point, then by time
+};
+
+struct CalibrationInputs {
+  std::vector<SurveyedFrames> points;  // one a row of the csv
+  std::vector<bool> recorded;          // of each access point of the site
+  std::vector<RefusedInput> refused;
+  std::vector<std::string> notes;  // of the recordings: for_each_frame()
+  std::string content;             // hash of the recordings' and the points' content
+  std::string points_hash;
+};
+
+// The site with the bounds of its room, where it states none those of the scene.
+Site with_bounds(Site site, const RoomModel& room);
+
+// Reads the points and the recordings, of which an access point may have several. Only frames of
+// one device count, the same for the whole survey: one that the site lists, where it lists any. The
+// clocks of the access points may differ by `kClockSlack`. Errors name the row or the access point:
+// a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them) or at the time of
+// another, a recording without the device or that shares no time with the points. Whether
+// recordings and places fit together is checked by check_calibration_inputs().
+Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
+                                                    const std::vector<CaptureArgument>& captures,
+                                                    const std::string& points_file);
+
+}  // namespace rayloc::cli

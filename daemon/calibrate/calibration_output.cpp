@@ -1,0 +1,191 @@
+#include <sys/resource.h>
+
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "daemon/calibrate/calibrated_site.h"
+#include "daemon/calibrate/calibration_run.h"
+#include "daemon/calibrate/report/calibration_summary.h"
+#include "daemon/site/site_copy.h"
+#include "daemon/terminal/stop_signal.h"
+#include "engine/scene/scene_hash.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kJsonReport = "report.json";
+constexpr const char* kHtmlReport = "report.html";
+
+std::uint64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024U;  // [KiB] on Linux
+}
+
+// What write_refusal() leaves: nothing that a next try could overwrite to anybody's loss.
+bool holds_reports_alone(const fs::path& folder) {
+  std::error_code failed;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, failed)) {
+    const fs::path name = entry.path().filename();
+    if (name != kJsonReport && name != kHtmlReport) {
+      return false;
+    }
+  }
+  return !failed;
+}
+
+// What a method found, and what all of them fit.
+std::vector<RoomParameter> all_parameters(const std::vector<CalibrationMethodResult>& methods,
+                                          const CalibrationFile& file) {
+  std::vector<RoomParameter> parameters = methods.front().calibration.parameters;
+  for (const CalibratedAccessPoint& ap : file.access_points) {
+    add_common_parameters(ap, parameters);
+  }
+  parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
+  parameters.push_back(
+      {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
+  return parameters;
+}
+
+}  // namespace
+
+bool Calibration::may_replace() const {
+  return options_.force || options_.resume || holds_reports_alone(options_.out);
+}
+
+CalibrationReport Calibration::report_of(
+    const std::vector<CalibrationMethodResult>& methods) const {
+  CalibrationReport report;
+  report.site = site_.name;
+  report.calibration_id = id_;
+  report.holdout = options_.holdout;
+  report.survey_error = options_.survey_error;
+  report.seed = options_.seed;
+  for (const RoomAccessPoint& ap : plan_.access_points) {
+    report.access_points.push_back(ap.id);
+  }
+  for (const CalibrationPoint& point : points_) {
+    report.positions.push_back(point.position);
+    report.held_out.push_back(point.held_out);
+  }
+  report.before = plan_;
+  report.methods = methods;
+  for (const AccessPointResult& result : results_) {
+    report.located.insert(report.located.end(), result.fits.begin(), result.fits.end());
+  }
+  report.fixes = fixes_;
+  report.refused = inputs_.refused;
+  report.verdict = verdict_;
+  report.peak_memory_bytes = peak_memory();
+  return report;
+}
+
+CalibrationFile Calibration::file_of(const std::vector<CalibrationMethodResult>& methods) const {
+  const RoomModel& room = methods.front().calibration.room;
+  CalibrationFile file;
+  file.id = id_;
+  file.method = methods.front().method;
+  file.scene_hash = scene_hash(*room.scene);
+  file.points_hash = inputs_.points_hash;
+  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
+  file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
+  file.ray_depth = room.trace.max_depth;
+  file.transmission = room.trace.transmission;
+  file.access_points = calibrated_access_points(plan_, methods.front().calibration, results_);
+  file.surfaces = calibrated_surfaces(room);
+  file.parameters = methods.front().calibration.parameters;
+  return file;
+}
+
+Expected<void> Calibration::write_reports(const CalibrationReport& report) const {
+  const fs::path out = options_.out;
+  if (auto json = write_file(out / kJsonReport, to_json(report).dump(2) + "\n"); !json) {
+    return json;
+  }
+  return write_file(out / kHtmlReport, to_html(report));
+}
+
+void Calibration::say_verdict() const {
+  std::fprintf(stderr, "rayloc: %s: %s", options_.site.c_str(), to_text(verdict_).c_str());
+}
+
+// The reports alone. What an interrupted run had written goes: it is of the same inputs.
+Expected<CalibrationOutcome> Calibration::write_refusal(const CalibrationReport& report) const {
+  std::error_code none;
+  for (const char* file : {"site.toml", "calibration.toml"}) {
+    if (options_.resume) {
+      fs::remove(fs::path(options_.out) / file, none);
+    }
+  }
+  if (auto written = write_reports(report); !written) {
+    return tl::make_unexpected(std::move(written.error()));
+  }
+  say_verdict();
+  std::fprintf(
+      stderr,
+      "rayloc: no site was written, for this calibration is no success; %s has its report. "
+      "--force writes the site all the same\n",
+      options_.out.c_str());
+  return CalibrationOutcome::kFails;
+}
+
+Expected<void> Calibration::write_site_and_reports(
+    const std::vector<CalibrationMethodResult>& methods) {
+  const CalibrationMethodResult& first = methods.front();
+  const CalibrationFile file = file_of(methods);
+  CalibrationReport report = report_of(methods);
+  judge(report);
+  report.methods.front().calibration.parameters = all_parameters(methods, file);
+  if (!options_.quiet) {
+    std::vector<AccessPointUse> used;
+    for (const AccessPointResult& result : results_) {
+      used.push_back({result.index, result.fit.samples_used});
+    }
+    print_summary(report, used);
+  }
+  if (!verdict_.is_success() && !options_.force) {
+    return write_refusal(report).map([](CalibrationOutcome) {});
+  }
+  if (!verdict_.is_success()) {
+    say_verdict();
+  }
+  const std::map<std::string, std::string> scene =
+      first.method == "gains-only" ? std::map<std::string, std::string>()
+                                   : refined_scene(*first.calibration.room.scene);
+  if (auto written = write_site(site_, to_toml(file), options_.out, scene); !written) {
+    return written;
+  }
+  return write_reports(report);
+}
+
+// Where it was interrupted, says what there is and ends by the signal, as a script must know.
+void Calibration::end(const std::vector<CalibrationMethodResult>& methods) const {
+  const CalibrationMethodResult& written = methods.front();
+  const bool resumes = written.calibration.interrupted && can_resume() && !unkept_;
+  if (!resumes) {
+    std::error_code none;
+    fs::remove(checkpoint(), none);
+  }
+  if (!StopSignal::requested()) {
+    return;
+  }
+  const bool compared =
+      !options_.compare || (methods.size() == 2 && !methods.back().calibration.interrupted);
+  std::fprintf(stderr,
+               "interrupted: %s holds the %s%s\n",
+               options_.out.c_str(),
+               written.calibration.interrupted ? "last good state" : "whole calibration",
+               resumes     ? "; --resume goes on"
+               : !compared ? ", without the comparison"
+                           : "");
+  std::signal(SIGINT, SIG_DFL);
+  std::raise(SIGINT);
+}
+
+}  // namespace rayloc::cli

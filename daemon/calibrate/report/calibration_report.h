@@ -1,0 +1,76 @@
+// CalibrationReport: what a calibration did, for programs (report.json) and for people
+// (report.html). Several methods may have been tried on the same points; the first is the one whose
+// result was written.
+//
+// Correlations are PointFit's: the share of the measured power that the model explains, 0 to 1.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/calibrate/report/calibration_verdict.h"
+#include "daemon/calibrate/report/refused_input.h"
+#include "engine/base/vec3.h"
+#include "engine/calibrate/room_calibration.h"
+#include "engine/room/room_model.h"
+#include "engine/trace/trace_options.h"
+
+namespace rayloc {
+
+struct CalibrationMethodResult {
+  std::string method;  // "joint", "paper", "gains-only"
+  RoomCalibration calibration;
+  double seconds = 0.0;  // wall clock
+  TraceOptions rays;     // that it was fitted with, and its points compared
+};
+
+// Fixes of the points held out, with the likelihood raised to one exponent (RoomModel::temper) and
+// the RoomModel::least_sigma that scores best with it.
+struct HeldOutFixes {
+  double temper = 0.0;
+  double least_sigma = 0.0;  // [m]
+  std::size_t points = 0;    // held out and heard
+  std::size_t fixes = 0;
+  std::size_t within_accuracy = 0;       // truths within the stated 95 % radius
+  std::optional<double> median_error_m;  // horizontal; nothing without a fix
+  // Mean logarithm of the density stated at the truth [1/m^2], and how far the stated regions are
+  // from honest (JudgedExponent). Not a number without points.
+  double log_score = std::numeric_limits<double>::quiet_NaN();
+  double dishonesty = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct CalibrationReport {
+  std::string site;
+  std::string calibration_id;
+  double holdout = 0.0;       // share of the points
+  double survey_error = 0.0;  // [m], that was assumed
+  std::uint64_t seed = 0;
+  std::vector<std::string> access_points;  // by PointFit::access_point
+  std::vector<Vec3d> positions;            // [m], of each CalibrationPoint
+  std::vector<bool> held_out;              // of each CalibrationPoint
+  RoomModel before;                        // floor plan and survey
+  std::vector<CalibrationMethodResult> methods;
+  // PointFit::after in the site that is written, as a fix sees it: with its rays and its errors.
+  std::vector<PointFit> located;
+  std::vector<HeldOutFixes> fixes;  // of the first method, the last was taken
+  std::vector<RefusedInput> refused;
+  CalibrationVerdict verdict;
+  std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known
+};
+
+// Keys as in INTERFACE 3.3 and daemon/calibrate/README.md. REQUIRES: at least one method;
+// `positions` and `held_out` of one length, which the indices of PointFit respect, as they do that
+// of `access_points`.
+nlohmann::ordered_json to_json(const CalibrationReport& report);
+
+// One page with its pictures in it: no script, nothing to load, light or dark as the reader likes;
+// well-formed XML. REQUIRES: as above, and report.before.scene.
+std::string to_html(const CalibrationReport& report);
+
+}  // namespace rayloc

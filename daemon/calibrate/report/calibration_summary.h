@@ -1,0 +1,18 @@
+// What a calibration says at its end, on stderr.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "daemon/calibrate/report/calibration_report.h"
+
+namespace rayloc::cli {
+
+struct AccessPointUse {
+  std::size_t index = 0;
+  std::size_t points = 0;  // that were used
+};
+
+void print_summary(const CalibrationReport& report, std::span<const AccessPointUse> used);
+
+}  // namespace rayloc::cli

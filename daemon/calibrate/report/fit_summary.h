@@ -1,0 +1,45 @@
+// FitSummary: how well a method explains what one access point heard at the points held out.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/calibrate/report/calibration_report.h"
+
+namespace rayloc {
+
+struct CorrelationSummary {
+  double lower_quartile = 0.0;
+  double median = 0.0;
+  double upper_quartile = 0.0;
+  double mean = 0.0;
+};
+
+struct FitSummary {
+  std::size_t points = 0;
+  std::optional<CorrelationSummary> before;  // absent without a point
+  std::optional<CorrelationSummary> after;
+  std::optional<CorrelationSummary> placed;  // PointFit::placed; absent where no method fitted it
+};
+
+// Of CalibrationReport::located, at the points held out.
+std::optional<CorrelationSummary> summarize_located(const CalibrationReport& report,
+                                                    std::size_t access_point);
+
+// `fits`' PointFit::`share` of the points held out, at one access point.
+std::vector<double> heldout_correlations(const CalibrationReport& report,
+                                         std::span<const PointFit> fits,
+                                         std::size_t access_point,
+                                         double PointFit::*share);
+
+FitSummary summarize_fit(const CalibrationReport& report,
+                         const RoomCalibration& calibration,
+                         std::size_t access_point);
+
+// "28 of 28 points, median error 0.086 m, ...", or that there were none.
+std::string to_text(const HeldOutFixes& fixes);
+
+}  // namespace rayloc

@@ -1,0 +1,114 @@
+#include "daemon/config/config_schema.h"
+#include "daemon/config/roff.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::string_view kHead = R"(.\" Written by `rayloc config man`; do not edit.
+.TH RAYLOCD.TOML 5 "" "rayloc" "File formats"
+.SH NAME
+raylocd.toml \- configuration of the Wi-Fi localization daemon raylocd
+.SH SYNOPSIS
+.I /etc/raylocd/raylocd.toml
+.SH DESCRIPTION
+The file is TOML (https://toml.io).
+Relative paths are taken from the folder of the file that states them.
+An unknown key, a value of the wrong type or out of range is an error that names file, line and
+column;
+.BR raylocd (8)
+then ends with exit status 78.
+.P
+.B systemctl reload raylocd
+(SIGHUP) reads the file again, with all that it includes.
+When anything in it is wrong nothing changes.
+Changes of keys marked
+.I reload
+apply at once; changes of others are named in the log and wait for a restart.
+)";
+
+constexpr std::string_view kTail = R"(.SH FILES
+.TP
+.I /etc/raylocd/raylocd.toml
+what the unit raylocd.service reads
+.SH SEE ALSO
+.BR raylocd (8),
+.BR rayloc (1)
+.P
+.B rayloc check\-config
+.I FILE
+checks a file and the site it names,
+.B rayloc config show
+.I FILE
+prints what holds with it,
+.B rayloc config schema
+a JSON schema for editors.
+)";
+
+std::string_view type_text(const ConfigOption& option) {
+  switch (option.type) {
+    case ConfigType::kBoolean:
+      return "true or false";
+    case ConfigType::kInteger:
+      return "a whole number";
+    case ConfigType::kNumber:
+      return "a number";
+    case ConfigType::kText:
+      return "text";
+    case ConfigType::kChoice:
+      return "";
+    case ConfigType::kFolder:
+      return "a folder";
+    case ConfigType::kFile:
+      return "a file";
+    case ConfigType::kFiles:
+      return "a file, or an array of files; with wildcards (glob(7))";
+    case ConfigType::kSpeed:
+      return "\"max\" or a number";
+    case ConfigType::kTexts:
+      return "an array of texts";
+  }
+  return "";
+}
+
+std::string entry(const ConfigOption& option) {
+  std::string values(type_text(option));
+  if (const std::string limits = config_limits(option); !limits.empty()) {
+    values += (values.empty() ? "" : ", ") + limits;
+  }
+  std::string text = ".TP\n.B " + roff(option.key) + "\n" + roff(option.description) + ".\n" +
+                     "Value: " + roff(values) + ".\n";
+  if (!option.only_kinds.empty()) {
+    text += "Only of kind " + roff(option.only_kinds) + ".\n";
+  }
+  if (option.required) {
+    text += "Must be stated.\n";
+  }
+  if (!option.preset.empty()) {
+    text += "Default: " + roff(option.preset) + ".\n";
+  } else if (!option.example.empty()) {
+    text += "Example: " + roff(option.example) + ".\n";
+  }
+  return text + (option.reload ? ".I reload\n" : "");
+}
+
+}  // namespace
+
+std::string config_manual_page() {
+  std::string page(kHead);
+  std::string_view section = "none";
+  for (const ConfigOption& option : config_options()) {
+    if (option.section != section) {
+      section = option.section;
+      const std::string name(section);
+      page += ".SH " +
+              (name.empty()       ? "TOP OF THE FILE"
+               : name == "source" ? "\"[[source]], once for each access point\""
+                                  : "[" + name + "]") +
+              "\n";
+    }
+    page += entry(option);
+  }
+  return page + std::string(kTail);
+}
+
+}  // namespace rayloc

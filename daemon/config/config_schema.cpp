@@ -1,0 +1,466 @@
+#include "daemon/config/config_schema.h"
+
+#include <array>
+
+#include "capture/decode/decoder_registry.h"
+#include "daemon/config/endpoint.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
+constexpr std::array<std::string_view, 2> kMethods = {"rayloc", "none"};
+constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
+constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
+
+const std::string& text(const ConfigValue& value) { return std::get<std::string>(value); }
+const std::vector<std::string>& texts(const ConfigValue& value) {
+  return std::get<std::vector<std::string>>(value);
+}
+std::size_t count(const ConfigValue& value) {
+  return static_cast<std::size_t>(std::get<std::int64_t>(value));
+}
+std::uint64_t mebibytes(const ConfigValue& value) { return std::uint64_t{count(value)} << 20U; }
+double number(const ConfigValue& value) { return std::get<double>(value); }
+
+// Position of a choice among its names, which are in the order of the enumeration.
+template <typename Enum, std::size_t kCount>
+Enum chosen(const ConfigValue& value, const std::array<std::string_view, kCount>& names) {
+  for (std::size_t i = 0; i < kCount; ++i) {
+    if (names.at(i) == text(value)) {
+      return static_cast<Enum>(i);
+    }
+  }
+  return {};
+}
+
+constexpr std::string_view kUdp = "udp";
+constexpr std::string_view kPcap = "pcap";
+constexpr std::string_view kInterface = "interface";
+constexpr std::string_view kUnix = "unix";
+constexpr std::string_view kLive = "udp, interface or unix";
+
+// Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
+void store_listen(SourceConfig& source, const ConfigValue& value) {
+  if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
+    source.listen_host = address->host;
+    source.listen_port = address->port;
+  }
+}
+
+void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
+  if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
+    config.http.host = address->host;
+    config.http.port = address->port;
+  }
+}
+
+using T = ConfigType;
+using C = DaemonConfig;
+using S = SourceConfig;
+using V = ConfigValue;
+
+const std::array kOptions = {
+    ConfigOption{.section = "",
+                 .key = "schema",
+                 .type = T::kInteger,
+                 .preset = "1",
+                 .range = {1, 1},
+                 .description = "Version of the layout of this file",
+                 .store = [](C&, const V&) { /* only one layout so far */ }},
+    ConfigOption{.section = "",
+                 .key = "include",
+                 .type = T::kTexts,
+                 .example = "[\"conf.d/*.toml\"]",
+                 .description = "Further files, as patterns; a key may be stated in one file only",
+                 .reload = true,
+                 .store = [](C&, const V&) { /* TomlDocument::include has read them */ }},
+
+    ConfigOption{.section = "site",
+                 .key = "directory",
+                 .type = T::kFolder,
+                 .example = "\"/etc/raylocd/site\"",
+                 .required = true,
+                 .description = "Directory with site.toml: the room and its access points",
+                 .store = [](C& c, const V& v) { c.site_directory = text(v); }},
+
+    ConfigOption{.section = "source",
+                 .key = "access_point",
+                 .type = T::kText,
+                 .example = "\"ap1\"",
+                 .description = "Its id in site.toml; may be left out where the site has one",
+                 .store_source = [](S& s, const V& v) { s.access_point = text(v); }},
+    ConfigOption{
+        .section = "source",
+        .key = "kind",
+        .type = T::kChoice,
+        .example = "\"udp\"",
+        .required = true,
+        .choices = kKinds,
+        .description = "A UDP port, a recording, a network interface (libpcap), or rayloc-capture",
+        .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
+    ConfigOption{.section = "source",
+                 .key = "listen",
+                 .type = T::kText,
+                 .preset = "\"0.0.0.0:5500\"",
+                 .description = "ADDRESS:PORT that the access point sends to",
+                 .only_kinds = kUdp,
+                 .store_source = store_listen},
+    ConfigOption{.section = "source",
+                 .key = "only_interface",
+                 .type = T::kText,
+                 .example = "\"br0\"",
+                 .description = "Rejects what arrives at the port through another interface",
+                 .only_kinds = kUdp,
+                 .store_source = [](S& s, const V& v) { s.only_interface = text(v); }},
+    ConfigOption{
+        .section = "source",
+        .key = "allow",
+        .type = T::kTexts,
+        .example = R"(["192.168.1.7", "10.10.10.0/24"])",
+        .description = "Rejects what other addresses and networks send; all may when left out",
+        .only_kinds = kUdp,
+        .store_source = [](S& s, const V& v) { s.allow = texts(v); }},
+    ConfigOption{.section = "source",
+                 .key = "interface",
+                 .type = T::kText,
+                 .example = "\"eth0\"",
+                 .description = "Interface to capture from",
+                 .only_kinds = kInterface,
+                 .store_source = [](S& s, const V& v) { s.interface = text(v); }},
+    ConfigOption{.section = "source",
+                 .key = "filter",
+                 .type = T::kText,
+                 .preset = "\"udp dst port 5500\"",
+                 .description = "What to capture, as tcpdump takes it",
+                 .only_kinds = kInterface,
+                 .store_source = [](S& s, const V& v) { s.filter = text(v); }},
+    ConfigOption{.section = "source",
+                 .key = "path",
+                 .type = T::kFile,
+                 .example = "\"/run/raylocd/eth0\"",
+                 .description = "Socket to make, where rayloc-capture sends to",
+                 .only_kinds = kUnix,
+                 .store_source = [](S& s, const V& v) { s.path = text(v); }},
+    ConfigOption{.section = "source",
+                 .key = "file",
+                 .type = T::kFiles,
+                 .example = "\"recording.pcap\"",
+                 .description =
+                     "pcap or pcapng, gzip'd or not; \"-\" is standard input; several, as "
+                     "an array or by wildcards, are a sequence in order of time",
+                 .only_kinds = kPcap,
+                 .store_source =
+                     [](S& s, const V& v) {
+                       const auto& texts = std::get<std::vector<std::string>>(v);
+                       s.files.assign(texts.begin(), texts.end());
+                     }},
+    ConfigOption{
+        .section = "source",
+        .key = "speed",
+        .type = T::kSpeed,
+        .preset = "\"max\"",
+        .range = {1e-3, 1e6},
+        .description = "\"max\", or recorded seconds per second; the same for all recordings",
+        .only_kinds = kPcap,
+        .store_source =
+            [](S& s, const V& v) {
+              const double* speed = std::get_if<double>(&v);
+              s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
+            }},
+    ConfigOption{.section = "source",
+                 .key = "max_gap_s",
+                 .type = T::kNumber,
+                 .preset = "10",
+                 .range = {0.1, 1e7, "s"},
+                 .description =
+                     "Longest wait, in recorded time, where the recordings hold nothing or "
+                     "a clock was set; the same for all recordings",
+                 .only_kinds = kPcap,
+                 .store_source = [](S& s, const V& v) { s.max_gap = from_seconds(number(v)); }},
+    ConfigOption{.section = "source",
+                 .key = "stall_after_s",
+                 .type = T::kNumber,
+                 .preset = "5",
+                 .range = {0.1, 86400.0, "s"},
+                 .description = "Silent for so long it counts as stalled: raylocd is not ready",
+                 .only_kinds = kLive,
+                 .store_source = [](S& s, const V& v) { s.stall_after = from_seconds(number(v)); }},
+    ConfigOption{.section = "source",
+                 .key = "format",
+                 .type = T::kChoice,
+                 .example = "\"axcsi-v4\"",
+                 .choices = wire_formats(),
+                 .description = "Wire format; recognised by datagram when left out",
+                 .store_source = [](S& s, const V& v) { s.format = text(v); }},
+
+    ConfigOption{
+        .section = "engine",
+        .key = "method",
+        .type = T::kChoice,
+        .preset = "\"rayloc\"",
+        .choices = kMethods,
+        .description = "How targets are located; \"none\" receives, records and publishes "
+                       "CSI only",
+        .store = [](C& c, const V& v) { c.engine.method = chosen<EngineMethod>(v, kMethods); }},
+    ConfigOption{.section = "engine",
+                 .key = "burst_s",
+                 .type = T::kNumber,
+                 .preset = "0.2",
+                 .range = {0.01, 10.0, "s"},
+                 .description = "Frames of a transmitter within this time give one position",
+                 .store = [](C& c, const V& v) { c.engine.burst = from_seconds(number(v)); }},
+    ConfigOption{.section = "engine",
+                 .key = "accuracy_confidence",
+                 .type = T::kNumber,
+                 .preset = "0.95",
+                 .range = {0.5, 0.999},
+                 .description = "Probability that a target is within the published accuracy_m",
+                 .store = [](C& c, const V& v) { c.engine.accuracy_confidence = number(v); }},
+    ConfigOption{.section = "limits",
+                 .key = "ring_frames",
+                 .type = T::kInteger,
+                 .preset = "8192",
+                 .range = {16, 1048576, "frames"},
+                 .description = "Frames waiting per source; past that the oldest is dropped",
+                 .store = [](C& c, const V& v) { c.limits.ring_frames = count(v); }},
+    ConfigOption{.section = "limits",
+                 .key = "max_targets",
+                 .type = T::kInteger,
+                 .preset = "256",
+                 .range = {1, 65536},
+                 .description = "Transmitters followed at one time; frames of others are refused",
+                 .store = [](C& c, const V& v) { c.limits.max_targets = count(v); }},
+
+    ConfigOption{.section = "publish",
+                 .key = "endpoint",
+                 .type = T::kText,
+                 .preset = "\"tcp://127.0.0.1:5560\"",
+                 .description = "ZeroMQ endpoint to bind: tcp://ADDRESS:PORT or ipc://PATH",
+                 .store = [](C& c, const V& v) { c.publish.endpoint = text(v); }},
+    ConfigOption{.section = "publish",
+                 .key = "snapshot",
+                 .type = T::kText,
+                 .preset = "\"tcp://127.0.0.1:5561\"",
+                 .description = "ZeroMQ endpoint where late subscribers ask for the last messages",
+                 .store = [](C& c, const V& v) { c.publish.snapshot = text(v); }},
+    ConfigOption{.section = "publish",
+                 .key = "insecure",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Lets everyone on the network read an endpoint beyond loopback",
+                 .store = [](C& c, const V& v) { c.publish.insecure = std::get<bool>(v); }},
+    ConfigOption{.section = "publish",
+                 .key = "csi",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Publishes every frame of CSI as well (topics v1/csi/SITE/AP/)",
+                 .store = [](C& c, const V& v) { c.publish.csi = std::get<bool>(v); }},
+    ConfigOption{.section = "publish",
+                 .key = "heartbeat_s",
+                 .type = T::kNumber,
+                 .preset = "1",
+                 .range = {0.1, 60.0, "s"},
+                 .description = "Time between heartbeats",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.publish.heartbeat = from_seconds(number(v)); }},
+    ConfigOption{.section = "publish",
+                 .key = "send_high_water_mark",
+                 .type = T::kInteger,
+                 .preset = "5000",
+                 .range = {10, 1'000'000, "messages"},
+                 .description = "Messages that wait for a subscriber before it counts as slow",
+                 .store = [](C& c, const V& v) { c.publish.send_high_water_mark = count(v); }},
+
+    ConfigOption{.section = "curve",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Encrypts both ZeroMQ endpoints and admits listed clients only",
+                 .store = [](C& c, const V& v) { c.curve.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "curve",
+                 .key = "secret_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/curve.secret\"",
+                 .description =
+                     "Secret key of the daemon, by `rayloc keygen`; systemd's credential "
+                     "curve.secret when left out",
+                 .store = [](C& c, const V& v) { c.curve.secret_file = text(v); }},
+    ConfigOption{.section = "curve",
+                 .key = "allow",
+                 .type = T::kTexts,
+                 .example = "[\"Yne@$w-vo<fVvi]a<NY6T1ed:M$fCG*[IaLV{hID\"]",
+                 .description = "Public keys of the clients that may subscribe; a reload lets in "
+                                "new ones, and cuts off nobody who is connected",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.curve.allow = texts(v); }},
+
+    ConfigOption{.section = "http",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "true",
+                 .description = "Answers over HTTP: the live map at /, health, metrics, state",
+                 .store = [](C& c, const V& v) { c.http.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "http",
+                 .key = "listen",
+                 .type = T::kText,
+                 .preset = "\"127.0.0.1:8480\"",
+                 .description = "ADDRESS:PORT of the HTTP server",
+                 .store = store_http_listen},
+    ConfigOption{.section = "http",
+                 .key = "token_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/http.token\"",
+                 .description = "File with the token that all but health and metrics ask for; a "
+                                "browser as user rayloc; "
+                                "systemd's credential http.token when left out, where there is one",
+                 .store = [](C& c, const V& v) { c.http.token_file = text(v); }},
+    ConfigOption{.section = "http",
+                 .key = "insecure",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Lets everyone on the network read where everybody is",
+                 .store = [](C& c, const V& v) { c.http.insecure = std::get<bool>(v); }},
+    ConfigOption{.section = "http",
+                 .key = "base_path",
+                 .type = T::kText,
+                 .preset = "\"/\"",
+                 .description =
+                     "Answers below this path as well, for a server before this one that "
+                     "passes it on",
+                 .store = [](C& c, const V& v) { c.http.front.base_path = text(v); }},
+    ConfigOption{.section = "http",
+                 .key = "origins",
+                 .type = T::kTexts,
+                 .example = "[\"https://home.example\"]",
+                 .description =
+                     "Where browsers find the map by a name or through another server: "
+                     "that Host is answered, and pages from there may control recordings",
+                 .store = [](C& c, const V& v) { c.http.front.origins = texts(v); }},
+    ConfigOption{.section = "http",
+                 .key = "frame_ancestors",
+                 .type = T::kTexts,
+                 .example = "[\"http://homeassistant.local:8123\"]",
+                 .description =
+                     "Pages that may show the map in a frame, by origin, \"self\" or \"*\"; "
+                     "none when left out",
+                 .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
+
+    ConfigOption{.section = "record",
+                 .key = "directory",
+                 .type = T::kFolder,
+                 .example = "\"/var/lib/raylocd\"",
+                 .description = "Writes what each source receives there; off when left out",
+                 .store = [](C& c, const V& v) { c.record.directory = text(v); }},
+    ConfigOption{.section = "record",
+                 .key = "rotate_mb",
+                 .type = T::kInteger,
+                 .preset = "256",
+                 .range = {1, 1'000'000, "MiB"},
+                 .description = "A recording that has become so long is closed",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.rotate_bytes = mebibytes(v); }},
+    ConfigOption{
+        .section = "record",
+        .key = "rotate_every_s",
+        .type = T::kNumber,
+        .preset = "3600",
+        .range = {1.0, 31'536'000.0, "s"},
+        .description = "A recording that has become so old is closed",
+        .reload = true,
+        .store = [](C& c, const V& v) { c.record.rotate_every = from_seconds(number(v)); }},
+    ConfigOption{.section = "record",
+                 .key = "max_total_mb",
+                 .type = T::kInteger,
+                 .preset = "10240",
+                 .range = {1, 1'000'000'000, "MiB"},
+                 .description = "All recordings there; past that the oldest are removed",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.max_total_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "min_free_mb",
+                 .type = T::kInteger,
+                 .preset = "512",
+                 .range = {0, 1'000'000'000, "MiB"},
+                 .description = "With less room on the disk nothing is recorded",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.record.min_free_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "ring_s",
+                 .type = T::kNumber,
+                 .preset = "30",
+                 .range = {0.0, 3600.0, "s"},
+                 .description = "Keeps the last datagrams in memory, for a snapshot",
+                 .store = [](C& c, const V& v) { c.record.ring = from_seconds(number(v)); }},
+    ConfigOption{.section = "record",
+                 .key = "ring_mb",
+                 .type = T::kInteger,
+                 .preset = "64",
+                 .range = {1, 65536, "MiB"},
+                 .description = "At most so much of each source, however short a time that is",
+                 .store = [](C& c, const V& v) { c.record.ring_bytes = mebibytes(v); }},
+    ConfigOption{.section = "record",
+                 .key = "snapshot_directory",
+                 .type = T::kFolder,
+                 .example = "\"/var/lib/raylocd\"",
+                 .description = "For snapshots; directory, else $STATE_DIRECTORY when left out",
+                 .store = [](C& c, const V& v) { c.record.snapshot_directory = text(v); }},
+
+    ConfigOption{
+        .section = "privacy",
+        .key = "target_id",
+        .type = T::kChoice,
+        .preset = "\"mac\"",
+        .choices = kTargetIds,
+        .description = "Devices are called by their address, or by a keyed hash of it; "
+                       "recordings hold addresses in any case",
+        .store = [](C& c, const V& v) { c.privacy.target_id = chosen<TargetId>(v, kTargetIds); }},
+    ConfigOption{
+        .section = "privacy",
+        .key = "rotate_h",
+        .type = T::kNumber,
+        .preset = "24",
+        .range = {0.01, 8760.0, "h"},
+        .description = "How long a hash names a device; then it gets another",
+        .store = [](C& c, const V& v) { c.privacy.rotate = from_seconds(3600.0 * number(v)); }},
+    ConfigOption{.section = "privacy",
+                 .key = "key_file",
+                 .type = T::kFile,
+                 .example = "\"/etc/raylocd/privacy.key\"",
+                 .description = "Makes hashes that a replay can repeat; left out, systemd's "
+                                "credential privacy.key, and without one keys are random, kept in "
+                                "memory only and forgotten",
+                 .store = [](C& c, const V& v) { c.privacy.key_file = text(v); }},
+
+    ConfigOption{.section = "cache",
+                 .key = "enabled",
+                 .type = T::kBoolean,
+                 .preset = "true",
+                 .description = "Keeps the traced room for the next start",
+                 .store = [](C& c, const V& v) { c.cache.enabled = std::get<bool>(v); }},
+    ConfigOption{.section = "cache",
+                 .key = "directory",
+                 .type = T::kFolder,
+                 .example = "\"/var/cache/raylocd\"",
+                 .description = "Where; $CACHE_DIRECTORY or ~/.cache/rayloc when left out",
+                 .store = [](C& c, const V& v) { c.cache.directory = text(v); }},
+
+    ConfigOption{.section = "log",
+                 .key = "level",
+                 .type = T::kChoice,
+                 .preset = "\"info\"",
+                 .choices = kLevels,
+                 .description = "Least severe messages that are logged",
+                 .reload = true,
+                 .store = [](C& c, const V& v) { c.log.level = chosen<LogLevel>(v, kLevels); }},
+};
+
+}  // namespace
+
+std::span<const ConfigOption> config_options() { return kOptions; }
+
+bool applies_to_kind(const ConfigOption& option, std::string_view kind) {
+  return option.only_kinds.empty() || option.only_kinds.find(kind) != std::string_view::npos;
+}
+
+}  // namespace rayloc

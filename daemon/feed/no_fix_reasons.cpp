@@ -1,0 +1,39 @@
+#include "daemon/feed/no_fix_reasons.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace rayloc::cli {
+
+void NoFixReasons::count(const v1::Location& location) {
+  if (location.kind() == v1::LOCATION_KIND_FILTERED || location.mode() != v1::FIX_MODE_NO_FIX) {
+    return;
+  }
+  const std::string& reason = location.quality().no_fix_reason();
+  ++all_;
+  if (counts_.size() < kReasons || counts_.count(reason) > 0) {
+    ++counts_[reason];
+  }
+}
+
+std::string NoFixReasons::text() const {
+  if (all_ == 0) {
+    return {};
+  }
+  std::vector<std::pair<std::string, std::uint64_t>> most(counts_.begin(), counts_.end());
+  std::stable_sort(
+      most.begin(), most.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  std::string text;
+  std::uint64_t others = all_;
+  for (const auto& [reason, count] : most) {
+    text += (text.empty() ? "" : "; ") + reason + " (" + std::to_string(count) + ")";
+    others -= count;
+  }
+  if (others > 0) {
+    text += "; other reasons (" + std::to_string(others) + ")";
+  }
+  return std::to_string(all_) + " without a fix: " + text;
+}
+
+}  // namespace rayloc::cli

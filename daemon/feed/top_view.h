@@ -1,0 +1,20 @@
+// The text of `rayloc top`: a pure function of the model and the time.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "daemon/feed/top_model.h"
+#include "daemon/terminal/text_table.h"
+
+namespace rayloc::cli {
+
+// One string a line, without control characters; the daemon first, then targets, zones, access
+// points, counters. Parts that have nothing to show are left out. Where a table is wider than
+// `width` characters, columns are left out, those that matter least first.
+std::vector<std::string> top_lines(const TopModel& model,
+                                   TopModel::Clock::time_point now,
+                                   std::size_t width = kAnyWidth);
+
+}  // namespace rayloc::cli

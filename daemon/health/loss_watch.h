@@ -1,0 +1,37 @@
+// LossWatch: says in the log that something is being lost, from the counters of the heartbeat: the
+// first loss of a kind at once, further ones by LimitedLog. Thread safety: one thread.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "daemon/log/limited_log.h"
+#include "rayloc/v1/heartbeat.pb.h"
+
+namespace rayloc {
+
+class LossWatch {
+ public:
+  explicit LossWatch(std::shared_ptr<LimitedLog> log) : log_(std::move(log)) {}
+
+  // To be called every second or so with the counters as they are.
+  void look(const v1::Heartbeat& heartbeat);
+  // The same of the log itself.
+  void look_at_log(std::uint64_t dropped);
+
+ private:
+  struct Loss {
+    std::string kind;  // "kernel_drops"
+    std::string what;  // words
+    std::string source = {};
+  };
+  void compare(const Loss& loss, std::uint64_t count);
+  void look_at(const v1::SourceReport& source);
+
+  const std::shared_ptr<LimitedLog> log_;
+  std::map<std::string, std::uint64_t> seen_;  // by kind and source
+};
+
+}  // namespace rayloc

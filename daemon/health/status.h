@@ -1,0 +1,55 @@
+// The counters of all stages as the messages Heartbeat and SourceState.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/http/http_server.h"
+#include "daemon/pipeline/clock_offset.h"
+#include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/person_estimator.h"
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/playback/playback.h"
+#include "daemon/pipeline/publisher_stage.h"
+#include "daemon/pipeline/record/recorder_stage.h"
+#include "daemon/pipeline/record/ring_snapshots.h"
+#include "daemon/publish/snapshot_server.h"
+#include "daemon/site/site.h"
+
+namespace rayloc {
+
+// Where the numbers come from; everything outlives the calls of status_messages().
+struct StatusSources {
+  const Pipeline* pipeline = nullptr;
+  const PublisherStage* publisher = nullptr;
+  const DeviceEstimator* estimator = nullptr;  // none: nothing is located
+  const PersonEstimator* people = nullptr;     // none: nobody is looked for
+  std::vector<const RecorderStage*> recorders;
+  std::uint64_t recordings_repaired = 0;          // at the start
+  const SnapshotServer* snapshots = nullptr;      // of last messages
+  const RingSnapshots* ring_snapshots = nullptr;  // none: nothing is kept for them
+  const HttpServer* http = nullptr;               // none: nobody is answered
+  std::shared_ptr<ClockOffset> clock;
+  std::shared_ptr<const Playback> playback;  // null unless recordings are played
+  struct Source {
+    bool live = false;       // arrival stamps are of this machine's clock
+    Duration stall_after{};  // a longer silence counts as stalled
+  };
+  std::vector<Source> sources;
+  Timestamp started;
+  std::uint64_t epoch = 0;
+  std::string scene_hash;
+  std::string calibration_id;
+  std::optional<Georeference> georeference;
+  std::function<std::vector<std::string>()> warnings;  // of Heartbeat; may be empty
+};
+
+// As the heartbeat and /api/v1/playback say it.
+v1::Playback playback_message(const Playback::State& state);
+
+StatusMessages status_messages(const StatusSources& sources, Timestamp now);
+
+}  // namespace rayloc

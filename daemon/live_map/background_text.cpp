@@ -1,0 +1,36 @@
+#include "daemon/live_map/background_text.h"
+
+namespace rayloc {
+
+BackgroundText::~BackgroundText() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+  }
+  asked_.notify_one();
+  thread_.join();
+}
+
+std::string BackgroundText::ask() {
+  const std::lock_guard lock(mutex_);
+  wanted_ = true;
+  asked_.notify_one();
+  return text_;
+}
+
+void BackgroundText::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    asked_.wait(lock, [this] { return wanted_ || ending_; });
+    if (ending_) {
+      return;
+    }
+    wanted_ = false;
+    lock.unlock();
+    std::string made = make_();
+    lock.lock();
+    text_ = std::move(made);
+  }
+}
+
+}  // namespace rayloc

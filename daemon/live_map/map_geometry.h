@@ -1,0 +1,22 @@
+// What the map draws that does not move, as JSON (the keys: daemon/http/README.md, "/api/v1/map").
+#pragma once
+
+#include <string>
+
+#include "daemon/site/site.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// `room`: with its scene. `addresses`: of fixed transmitters, else empty.
+std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses = true);
+
+// Of a site where nothing is located: {"site": ..., "available": false, "reason": ...}.
+std::string map_without_room_json(const Site& site, const std::string& reason);
+
+// What the report beside the calibration in use says of it: what moved, and how well each surveyed
+// point fits. {"available": false, "reason": ...} where there is none that belongs to it.
+std::string map_calibration_json(const Site& site, const RoomModel& room);
+std::string map_without_calibration_json(const std::string& reason);
+
+}  // namespace rayloc

@@ -1,0 +1,35 @@
+// The log of raylocd: to the journal with its levels and fields where standard error is the
+// journal's, else to standard error, a line each, with time (UTC) and level. It is written in the
+// background (background_log.h): spdlog's flush() waits for that, a second at most.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "daemon/config/config.h"
+
+namespace rayloc {
+
+// Becomes spdlog's default logger.
+void set_up_log(const LogConfig& config);
+void set_log_level(const LogConfig& config);
+
+// Something with figures that a program may want: the journal keeps them as fields of their own
+// (RAYLOC_SOURCE=ap1, for `journalctl RAYLOC_SOURCE=ap1`), a line of text has them at its end
+// ("... source=ap1").
+struct LogField {
+  std::string name;  // lower case, digits and '_'
+  std::string value;
+};
+struct LogEvent {
+  LogLevel level = LogLevel::kInfo;
+  std::string message;
+  std::vector<LogField> fields = {};
+};
+void log_event(const LogEvent& event);
+
+// What nobody will read, because it was not taken in time.
+std::uint64_t log_entries_dropped();
+
+}  // namespace rayloc

@@ -1,0 +1,57 @@
+// DatagramRing: the last half a minute of what one source received, in memory, to be written when
+// something has gone wrong (ring_snapshots.h).
+//
+// Bounded in time (that of the datagrams) and in bytes: what is oldest goes, in pieces of about
+// 64 KiB. Thread safety: tap() from one thread, contents() from any; neither waits for more than
+// the copying of a batch.
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "capture/transport/datagram.h"
+#include "daemon/pipeline/source_worker.h"
+
+namespace rayloc {
+
+class DatagramRing : public DatagramTap {
+ public:
+  DatagramRing(Duration length, std::size_t max_bytes) : length_(length), max_bytes_(max_bytes) {}
+
+  void tap(std::span<const Datagram> datagrams) override;
+  // Forgets: files are in order of time.
+  void moved() override;
+
+  // Datagrams in a row, with their payloads behind one another.
+  struct Piece {
+    struct Entry {
+      Timestamp time;
+      DatagramAddress address;
+      std::size_t size;
+    };
+    std::vector<Entry> entries;
+    std::vector<std::byte> payloads;
+    std::size_t bytes() const { return payloads.size() + entries.size() * sizeof(Entry); }
+    // They point into the piece.
+    std::vector<Datagram> datagrams() const;
+  };
+  // What it holds, the oldest first; stays as it is while the ring goes on.
+  std::vector<std::shared_ptr<const Piece>> contents();
+
+ private:
+  void seal();
+  void forget(Timestamp now);
+
+  const Duration length_;
+  const std::size_t max_bytes_;
+  std::mutex mutex_;
+  std::deque<std::shared_ptr<const Piece>> pieces_;  // guarded by mutex_; complete ones
+  Piece open_;                                       // guarded by mutex_; the newest
+  std::size_t bytes_ = 0;                            // guarded by mutex_; of pieces_
+};
+
+}  // namespace rayloc

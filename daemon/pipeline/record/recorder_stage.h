@@ -1,0 +1,89 @@
+// RecorderStage: writes what one source receives to recordings, on a thread of its own, so that a
+// slow disk never delays the receiving thread.
+//
+// Between the two lies a bounded buffer; when the disk cannot follow, the newest datagrams are
+// dropped, counted, and marked in the recording. A batch is written at least every 100 ms.
+//
+// Thread safety: tap() from one thread; counters(), set_limits() from any.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "capture/transport/datagram.h"
+#include "daemon/pipeline/record/rotating_recorder.h"
+#include "daemon/pipeline/source_worker.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// tapped = written + dropped + waiting.
+struct RecorderStageCounters {
+  std::uint64_t tapped = 0;
+  std::uint64_t written = 0;
+  std::uint64_t dropped = 0;  // buffer full, no room, or the file could not be written
+  std::uint64_t waiting = 0;
+  RotatingRecorderCounters files;  // as of the last batch
+};
+
+class RecorderStage : public DatagramTap {
+ public:
+  static constexpr std::size_t kDefaultBufferBytes = std::size_t{32} << 20U;
+
+  explicit RecorderStage(std::unique_ptr<RotatingRecorder> recorder,
+                         std::size_t buffer_bytes = kDefaultBufferBytes);
+  ~RecorderStage() override;
+  RecorderStage(const RecorderStage&) = delete;
+  RecorderStage& operator=(const RecorderStage&) = delete;
+
+  void tap(std::span<const Datagram> datagrams) override;
+
+  // Writes what waits, closes the file and ends the thread; tap() must not be called any more.
+  void finish();
+
+  // From the next batch on.
+  void set_limits(const RecordingLimits& limits);
+  RecorderStageCounters counters() const;
+  const StageProgress& progress() const { return progress_; }
+
+ private:
+  // Datagrams with their payloads behind one another in `bytes`.
+  struct Buffer {
+    struct Entry {
+      Timestamp time;
+      DatagramAddress address;
+      std::size_t size;
+    };
+    std::vector<Entry> entries;
+    std::vector<std::byte> bytes;
+    // Behind the entries, for want of room.
+    std::uint64_t dropped = 0;
+    Timestamp dropped_from{};
+    Timestamp dropped_to{};
+    void clear();
+  };
+
+  void run();
+  void write(const Buffer& buffer);
+
+  const std::size_t buffer_bytes_;
+  StageProgress progress_;
+  std::unique_ptr<RotatingRecorder> recorder_;  // used by the thread alone
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Buffer waiting_;                         // guarded by mutex_
+  RecorderStageCounters counters_;         // guarded by mutex_
+  std::optional<RecordingLimits> limits_;  // guarded by mutex_; new ones
+  bool finishing_ = false;                 // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,85 @@
+// RingSnapshots: writes what the rings of all sources hold to recordings, when it is asked to.
+//
+// One file per source, AP-snapshot-20261121T140509Z.pcap, by a thread of its own: who asks never
+// waits for a disk, which may be what has gone wrong, and no stage has to get on for it. They are
+// recordings like others: bounded in total, repaired after a crash.
+//
+// Thread safety: any thread, where nothing else is said.
+#pragma once
+
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "daemon/pipeline/record/datagram_ring.h"
+#include "daemon/pipeline/stage_progress.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+struct RingSnapshotCounters {
+  std::uint64_t files = 0;   // written
+  std::uint64_t failed = 0;  // that could not be written
+};
+
+class RingSnapshots {
+ public:
+  struct Source {
+    std::string access_point;
+    DatagramRing* ring = nullptr;  // outlives this
+  };
+  struct Limits {
+    std::uint64_t max_total_bytes = 0;  // of the recordings in the folder
+    std::uint64_t min_free_bytes = 0;   // of its disk, that a snapshot leaves
+  };
+
+  RingSnapshots(std::vector<Source> sources, std::filesystem::path folder, const Limits& limits);
+  ~RingSnapshots();
+  RingSnapshots(const RingSnapshots&) = delete;
+  RingSnapshots& operator=(const RingSnapshots&) = delete;
+
+  // Takes what the rings hold now, and begins to write it; the paths that the files will have.
+  // kUnavailable while another is being written, and when the rings are empty.
+  Expected<std::vector<std::string>> request();
+
+  // Ends what is being written, and takes no further request; done by the destructor as well. One
+  // thread.
+  void finish();
+
+  // Hold from the next file on.
+  void set_limits(const Limits& limits);
+
+  // It rests even while it writes: a disk that does not answer costs a snapshot and nothing else.
+  const StageProgress& progress() const { return progress_; }
+  RingSnapshotCounters counters() const;
+  // What was written and what could not be, since the last call; a line each, for the log.
+  std::vector<std::string> news();
+
+ private:
+  struct File {
+    std::string path;
+    std::vector<std::shared_ptr<const DatagramRing::Piece>> pieces;
+  };
+  void run();
+  void write(const File& file);
+  Expected<std::uint64_t> write_file(const File& file, std::uint64_t min_free_bytes) const;
+
+  const std::vector<Source> sources_;
+  const std::filesystem::path folder_;
+  StageProgress progress_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  Limits limits_;                  // guarded by mutex_
+  std::vector<File> waiting_;      // guarded by mutex_
+  bool writing_ = false;           // guarded by mutex_
+  bool ending_ = false;            // guarded by mutex_
+  RingSnapshotCounters counters_;  // guarded by mutex_
+  std::vector<std::string> news_;  // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,94 @@
+#include "daemon/publish/socket/endpoint.h"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+
+#include <zmq.h>
+
+namespace rayloc {
+namespace {
+
+constexpr std::string_view kTcp = "tcp://";
+constexpr std::string_view kIpc = "ipc://";
+constexpr const char* kAdvice = "write tcp://ADDRESS:PORT or ipc://PATH";
+
+bool begins_with(const std::string& text, std::string_view prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
+
+}  // namespace
+
+Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind) {
+  const auto refuse = [&](const std::string& why) {
+    return make_error(kind, "endpoint \"" + endpoint + "\": " + why + "; " + kAdvice);
+  };
+  if (begins_with(endpoint, kIpc)) {
+    const std::size_t length = endpoint.size() - kIpc.size();
+    if (length == 0) {
+      return refuse("no path");
+    }
+    if (length >= sizeof(sockaddr_un::sun_path)) {
+      return refuse("the path is longer than the " +
+                    std::to_string(sizeof(sockaddr_un::sun_path) - 1) +
+                    " bytes that a socket's may have");
+    }
+    return {};
+  }
+  if (!begins_with(endpoint, kTcp)) {
+    return refuse("unknown kind of address");
+  }
+  const std::size_t colon = endpoint.rfind(':');
+  if (colon < kTcp.size() || colon == kTcp.size() || colon + 1 == endpoint.size()) {
+    return refuse("an address and a port are needed");
+  }
+  return {};
+}
+
+bool is_tcp(const std::string& endpoint) { return begins_with(endpoint, kTcp); }
+
+bool ipc_in_use(const std::string& endpoint) {
+  if (!begins_with(endpoint, kIpc)) {
+    return false;
+  }
+  sockaddr_un address{};
+  const std::string path = endpoint.substr(kIpc.size());
+  if (path.size() >= sizeof(address.sun_path)) {
+    return false;
+  }
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.data(), path.size());
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (probe < 0) {
+    return false;
+  }
+  const int result = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof(address));
+  // EAGAIN: somebody listens and has more callers than it takes.
+  const bool in_use = result == 0 || errno == EAGAIN;
+  ::close(probe);
+  return in_use;
+}
+
+Error endpoint_error(const std::string& endpoint, const std::string& verb, int number) {
+  std::string message = "cannot " + verb + " " + endpoint + ": " + zmq_strerror(number);
+  switch (number) {
+    case EADDRINUSE:
+      message += "; is another raylocd running? Choose another endpoint or stop it";
+      break;
+    case EADDRNOTAVAIL:
+    case ENODEV:
+      message += "; no interface of this machine has that address";
+      break;
+    case EINVAL:
+      return {ErrorKind::kConfiguration, message + "; " + kAdvice};
+    default:
+      break;
+  }
+  return {ErrorKind::kUnavailable, message};
+}
+
+}  // namespace rayloc

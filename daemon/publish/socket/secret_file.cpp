@@ -1,0 +1,44 @@
+#include "daemon/publish/socket/secret_file.h"
+
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+namespace rayloc {
+
+Expected<void> check_private(const std::filesystem::path& file, const KeyKind& kind) {
+  struct stat status {};
+  if (stat(file.c_str(), &status) == 0 && (status.st_mode & S_IRWXO) != 0) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": everyone on this machine may use this " + kind.name +
+                          "; take that away (chmod 600), and make a new one if others were here");
+  }
+  return {};
+}
+
+Expected<std::string> read_key_line(const std::filesystem::path& file, const KeyKind& kind) {
+  std::ifstream in(file);
+  if (!in) {
+    return make_error(ErrorKind::kConfiguration,
+                      file.string() + ": the " + kind.name +
+                          " cannot be read: " + std::strerror(errno) + "; " + kind.advice);
+  }
+  std::string line;
+  std::getline(in, line);
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) {
+    line.pop_back();
+  }
+  return line;
+}
+
+Expected<std::string> read_secret(const std::filesystem::path& file, const KeyKind& kind) {
+  if (auto checked = check_private(file, kind); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return read_key_line(file, kind);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,81 @@
+#include "daemon/recordings/replay_report.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <map>
+#include <string>
+
+#include "daemon/recordings/recorded_frames.h"
+
+namespace rayloc::cli {
+namespace {
+
+std::uint64_t sum_of(const std::map<std::string, std::uint64_t>& counts) {
+  std::uint64_t sum = 0;
+  for (const auto& [reason, count] : counts) {
+    sum += count;
+  }
+  return sum;
+}
+
+void report_source(const SourceReport& source, const std::vector<std::string>& notes) {
+  const std::uint64_t rejected = sum_of(source.source.rejected) + sum_of(source.receiver.rejected);
+  std::fprintf(stderr,
+               "%s: %s: %llu packets, %llu rejected, %llu frames (%llu partial)\n",
+               source.access_point.c_str(),
+               source.description.c_str(),
+               static_cast<unsigned long long>(source.source.received),
+               static_cast<unsigned long long>(rejected),
+               static_cast<unsigned long long>(source.receiver.frames),
+               static_cast<unsigned long long>(source.receiver.partial));
+  for (const std::string& note : notes) {
+    std::fprintf(stderr, "%s\n", note.c_str());
+  }
+}
+
+}  // namespace
+
+Expected<void> report_replay(const Pipeline& pipeline,
+                             const std::vector<const RecordedSource*>& recordings,
+                             bool quiet) {
+  const EstimationCounters counters = pipeline.estimation_counters();
+  std::string failed;
+  std::string without_csi;
+  std::uint64_t received = 0;
+  std::uint64_t frames = 0;
+  const std::vector<SourceReport> sources = pipeline.source_reports();
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const SourceReport& source = sources[i];
+    std::vector<std::string> notes;
+    note_recording(*recordings[i], source.receiver, source.access_point, notes);
+    if (!quiet) {
+      report_source(source, notes);
+    }
+    for (const std::string& note : quiet ? notes : std::vector<std::string>()) {
+      without_csi += "\n" + note;
+    }
+    received += source.source.received;
+    frames += source.receiver.frames;
+    if (!source.error.empty()) {
+      failed += (failed.empty() ? "" : "\n") + source.error;
+    }
+  }
+  if (failed.empty() && received > 0 && frames == 0) {
+    return bad_input("no CSI in " + std::to_string(received) + " packets" + without_csi);
+  }
+  if (!quiet) {
+    std::fprintf(
+        stderr,
+        "%llu bursts, %llu snapshots, %llu of them without a fix, %llu filtered estimates\n",
+        static_cast<unsigned long long>(counters.bursts),
+        static_cast<unsigned long long>(counters.snapshots),
+        static_cast<unsigned long long>(counters.no_fix),
+        static_cast<unsigned long long>(counters.filtered));
+  }
+  if (!failed.empty()) {
+    return bad_input(failed);
+  }
+  return {};
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,32 @@
+// SurveyFile: the points csv that `rayloc survey` writes: a row is on the disk before the next
+// point begins.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "daemon/survey/points_csv.h"
+#include "daemon/terminal/output_file.h"
+#include "engine/base/expected.h"
+
+namespace rayloc::cli {
+
+class SurveyFile {
+ public:
+  // A file that exists is continued: its points are those of an earlier part of the survey. An
+  // Error when it is no points file or ends inside a line.
+  static Expected<SurveyFile> open(const std::string& path);
+
+  // Of this survey and of the parts before.
+  const std::vector<SurveyPoint>& points() const { return points_; }
+  Expected<void> append(const SurveyPoint& point);
+
+ private:
+  SurveyFile(std::string path, std::vector<SurveyPoint> points)
+      : path_(std::move(path)), points_(std::move(points)) {}
+
+  std::string path_;
+  std::vector<SurveyPoint> points_;
+};
+
+}  // namespace rayloc::cli

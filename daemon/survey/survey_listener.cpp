@@ -1,0 +1,113 @@
+#include "daemon/survey/survey_listener.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "capture/source/udp_source.h"
+#include "daemon/site/receiver_options.h"
+
+namespace rayloc::cli {
+
+Expected<SurveyListener> SurveyListener::open(const Site& site,
+                                              const std::vector<SurveyPort>& ports) {
+  SurveyListener listener(&site);
+  for (const SurveyPort& wanted : ports) {
+    const SiteAccessPoint& ap = site.access_points[wanted.access_point];
+    UdpSourceOptions options;
+    options.address = wanted.address;
+    auto source = UdpSource::open(options);
+    if (!source) {
+      return tl::make_unexpected(std::move(source.error()));
+    }
+    Port port{ap.id,
+              ap.cores,
+              std::move(*source),
+              CsiReceiver(receiver_options(site, static_cast<int>(wanted.access_point))),
+              std::nullopt,
+              0};
+    if (!wanted.recording.empty()) {
+      auto recorder = PcapRecorder::create(wanted.recording);
+      if (!recorder) {
+        return tl::make_unexpected(std::move(recorder.error()));
+      }
+      port.recorder.emplace(std::move(*recorder));
+    }
+    listener.ports_.push_back(std::move(port));
+  }
+  return listener;
+}
+
+// As a calibration takes them: where the site lists devices, no other phone counts.
+bool SurveyListener::is_surveyed(const MacAddress& transmitter) const {
+  const SiteTransmitter* stated = find_transmitter(*site_, transmitter);
+  if (stated != nullptr) {
+    return stated->role == TransmitterRole::kDevice;
+  }
+  return std::none_of(
+      site_->transmitters.begin(), site_->transmitters.end(), [](const SiteTransmitter& one) {
+        return one.role == TransmitterRole::kDevice;
+      });
+}
+
+bool SurveyListener::counts_as_whole(const Port& port, const CsiFrame& frame) const {
+  if (!is_surveyed(frame.transmitter)) {
+    return false;
+  }
+  return std::all_of(port.cores.begin(), port.cores.end(), [&](std::uint8_t core) {
+    return std::find(frame.cores.begin(), frame.cores.end(), core) != frame.cores.end();
+  });
+}
+
+Expected<void> SurveyListener::listen(Duration timeout) {
+  for (Port& port : ports_) {
+    DatagramBatch batch;
+    if (auto read = port.source->read(batch, timeout); !read) {
+      return read;
+    }
+    std::vector<CsiFrame> frames;
+    for (const Datagram& datagram : batch.datagrams) {
+      port.receiver.push(datagram, frames);
+    }
+    port.receiver.advance(batch.watermark, frames);
+    if (port.recorder && !batch.datagrams.empty()) {
+      if (auto written = port.recorder->write(batch.datagrams); !written) {
+        return written;
+      }
+    }
+    for (const CsiFrame& frame : frames) {
+      if (frame.time >= start_ && counts_as_whole(port, frame)) {
+        ++port.count;
+      }
+    }
+  }
+  return {};
+}
+
+void SurveyListener::start_counting(Timestamp start) {
+  start_ = start;
+  for (Port& port : ports_) {
+    port.count = 0;
+  }
+}
+
+std::vector<std::size_t> SurveyListener::counts() const {
+  std::vector<std::size_t> counts;
+  for (const Port& port : ports_) {
+    counts.push_back(port.count);
+  }
+  return counts;
+}
+
+Expected<void> SurveyListener::finish() {
+  Expected<void> result;
+  for (Port& port : ports_) {
+    if (port.recorder) {
+      if (auto synced = port.recorder->sync(); result && !synced) {
+        result = synced;
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace rayloc::cli

@@ -1,0 +1,496 @@
+#include "engine/calibrate/joint/joint_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/constants.h"
+#include "engine/base/median.h"
+#include "engine/base/parallel.h"
+#include "engine/calibrate/chain_ripple.h"
+#include "engine/calibrate/joint/joint_progress.h"
+#include "engine/calibrate/joint/stated_parameter.h"
+#include "engine/calibrate/joint/stated_widths.h"
+#include "engine/calibrate/joint/surface_scan.h"
+#include "engine/calibrate/joint/wave_cycles.h"
+#include "engine/calibrate/point_uses.h"
+#include "engine/scene/scene.h"
+
+namespace rayloc {
+namespace {
+
+using Kind = Unknown::Kind;
+
+constexpr double kTolerance = 0.01;  // by which a round may lessen the correlation
+constexpr double kLeastStep = 0.2;   // of what the least squares say
+constexpr int kPasses = 3;           // of a round whose steps had to be shortened
+// Of the surfaces whose other half-wave cycles are tried.
+constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
+constexpr std::size_t kMostTried = 8;
+constexpr int kTrialIterations = 5;
+// Of a part of the work, beside the iterations: the scan, and what Ceres tells before the first.
+constexpr int kStepsBesides = 2;
+
+class JointCalibration {
+ public:
+  JointCalibration(const RoomModel& room,
+                   std::span<const CalibrationPoint> points,
+                   const JointCalibrationOptions& options,
+                   const CalibrationObserver& observer)
+      : original_(room),
+        points_(points),
+        options_(options),
+        unknowns_(room, options.priors),
+        plain_(room.grid),
+        model_(plain_),
+        use_(draw_uses(points, options.seed)),
+        progress_(observer, fitted_points(points, use_), options.iterations + kStepsBesides) {
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      for (std::size_t a = 0; a < points[p].h.size(); ++a) {
+        if (!points[p].h[a].empty()) {
+          sites_.push_back({p, a, points[p].position});
+        }
+      }
+    }
+    assumed_ = gains();
+    state_.values.resize(unknowns_.size());
+    state_.survey.resize(points.size());
+  }
+
+  Expected<void> check() const { return check_uses(original_, points_, use_); }
+  Expected<RoomCalibration> run();
+
+ private:
+  Expected<void> retrace();
+  void measure();
+  void weigh(const JointRound& round);
+  std::vector<char> released(const JointRound& round) const;
+  JointOptions joint_options(const JointRound& round, std::span<const char> released) const;
+  JointContext context(std::span<const JointSample> samples) const {
+    return {model_, unknowns_, samples, traced_at_};
+  }
+  double half_wave() const { return 0.5 * kSpeedOfLight / original_.grid.centre_hz; }  // [m]
+  std::vector<double> change() const { return context({}).change(state_.values); }
+  std::vector<ChainGains> gains() const;
+  void set_gains(std::span<const ChainGains> gains);
+  double correlation(std::size_t sample, const ModelPoint& at) const;
+  double median_correlation(std::span<const Use> uses, std::span<const Vec3d> survey) const;
+  double met(const JointRound& round, std::span<const Use> uses) const;
+  bool solve(const JointRound& round, std::span<const Use> uses, const char* stage);
+  bool settle(const JointRound& round);
+  bool search(const JointRound& round, bool cycles);
+  Expected<double> go_from(const JointState& before,
+                           double met_before,
+                           const JointRound& round,
+                           std::span<const Use> uses);
+  Expected<bool> run_round(std::size_t index);
+  Expected<void> go_back_to(const JointCheckpoint& reached);
+  void checkpoint(JointCheckpoint& reached) const;
+  Expected<double> finish(const JointRound& round);
+  void fold_chains();
+  std::vector<Vec3d> placed(const JointRound& round, std::span<const JointSample> samples) const;
+  std::vector<JointSample> used(std::span<const Use> uses) const;
+  std::vector<RoomParameter> parameters(const JointRound& round);
+
+  RoomModel original_;               // its chain gains are improved
+  std::vector<ChainGains> assumed_;  // those of the beginning
+  std::span<const CalibrationPoint> points_;
+  const JointCalibrationOptions& options_;
+  RoomUnknowns unknowns_;
+  SampleModel plain_;
+  SampleModel model_;     // weighs coordinates
+  std::vector<Use> use_;  // of each point
+  std::vector<SampleSite> sites_;
+  JointState state_;
+  std::vector<double> traced_at_;
+  std::vector<TracedSample> traced_;
+  std::vector<double> power_;  // surface_power()
+  std::vector<MeasuredSample> measured_;
+  std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
+  std::vector<WaveCycle> other_cycles_;
+  JointProgress progress_;
+};
+
+Expected<void> JointCalibration::retrace() {
+  auto room = changed_room(original_, unknowns_, state_.values);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  auto traced = trace_samples(*room, unknowns_, sites_, options_.trace);
+  if (!traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  traced_ = *std::move(traced);
+  power_ = surface_power(traced_, *room->scene);
+  traced_at_ = state_.values;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    const Kind kind = unknowns_[i].kind;
+    if (kind == Kind::kSurfaceGain || kind == Kind::kSurfacePhase || kind == Kind::kChainGain ||
+        kind == Kind::kChainPhase || kind == Kind::kCoupling) {
+      traced_at_[i] = 0.0;  // no scene holds these
+    }
+  }
+  measure();
+  return {};
+}
+
+// Removes the chain gains and aligns to what is expected now.
+void JointCalibration::measure() {
+  h_.assign(sites_.size(), {});
+  measured_.assign(sites_.size(), {});
+  const std::vector<double> changed = change();
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    const SampleSite& site = sites_[i];
+    const ChainGains& gains = original_.access_points[site.access_point].gains;
+    h_[i] = points_[site.point].h[site.access_point];
+    if (!gains.empty()) {
+      remove_gains(gains, h_[i]);
+    }
+    measured_[i] = model_.measured(traced_[i], {changed, state_.survey[site.point]}, h_[i]);
+  });
+}
+
+// Weighs the coordinates by what the fit so far leaves of them, once it is near.
+void JointCalibration::weigh(const JointRound& round) {
+  if (!round.survey) {
+    return;
+  }
+  const std::vector<double> changed = change();
+  Eigen::MatrixXcd left_over = plain_.nothing_left_over();
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    const std::size_t point = sites_[i].point;
+    if (use_[point] == Use::kFit) {
+      plain_.add_left_over(traced_[i], {changed, state_.survey[point]}, h_[i], left_over);
+    }
+  }
+  model_ = plain_.weighed(left_over);
+  measure();
+}
+
+std::vector<ChainGains> JointCalibration::gains() const {
+  std::vector<ChainGains> result;
+  for (const RoomAccessPoint& ap : original_.access_points) {
+    result.push_back(ap.gains);
+  }
+  return result;
+}
+
+void JointCalibration::set_gains(std::span<const ChainGains> gains) {
+  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+    original_.access_points[a].gains = gains[a];
+  }
+}
+
+double JointCalibration::correlation(std::size_t sample, const ModelPoint& at) const {
+  const auto expected = model_.expected_tones(traced_[sample], at);
+  return model_.aligner().align(h_[sample], expected).correlation;
+}
+
+// `survey`: error of each point; empty: none.
+double JointCalibration::median_correlation(std::span<const Use> uses,
+                                            std::span<const Vec3d> survey) const {
+  const std::vector<double> changed = change();
+  std::vector<double> each(sites_.size(), -1.0);
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    const std::size_t point = sites_[i].point;
+    if (std::find(uses.begin(), uses.end(), use_[point]) != uses.end()) {
+      each[i] = correlation(i, {changed, survey.empty() ? Vec3d{} : survey[point]});
+    }
+  });
+  std::erase(each, -1.0);
+  return each.empty() ? 0.0 : median(std::move(each));
+}
+
+// How well points are met. Where survey errors are fitted these points have theirs, too: at places
+// that are millimetres off, a room nearer to the truth need not be met better.
+double JointCalibration::met(const JointRound& round, std::span<const Use> uses) const {
+  return median_correlation(uses, round.survey ? placed(round, used(uses)) : std::vector<Vec3d>());
+}
+
+std::vector<char> JointCalibration::released(const JointRound& round) const {
+  return rayloc::released(round, unknowns_, power_);
+}
+
+std::vector<JointSample> JointCalibration::used(std::span<const Use> uses) const {
+  std::vector<JointSample> samples;
+  for (const Use use : uses) {
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+      if (use_[sites_[i].point] == use) {
+        samples.push_back({&traced_[i], &measured_[i]});
+      }
+    }
+  }
+  return samples;
+}
+
+bool JointCalibration::solve(const JointRound& round,
+                             std::span<const Use> uses,
+                             const char* stage) {
+  const std::vector<char> free = released(round);
+  const auto samples = used(uses);
+  JointProblem(context(samples)).solve(joint_options(round, free), state_, [&](double unexplained) {
+    progress_.advance();
+    return progress_.tell(stage, unexplained);
+  });
+  return !progress_.is_stopped();
+}
+
+// Tries the other half-wave cycles of the strongest surfaces; where one is better, all is fitted
+// again.
+bool JointCalibration::settle(const JointRound& round) {
+  const std::vector<char> free = released(round);
+  const auto samples = used(kFitted);
+  const auto strongest = strongest_surfaces(power_, kTriedShare, kMostTried);
+  WaveCycleSearch search{
+      strongest, half_wave(), joint_options(round, free), [&] { return progress_.go_on(); }};
+  search.options.iterations = kTrialIterations;
+  const WaveCycles cycles = settle_wave_cycles(context(samples), search, state_);
+  other_cycles_ = cycles.others;
+  return !progress_.is_stopped() && (!cycles.moved || solve(round, kFitted, "fit"));
+}
+
+JointOptions JointCalibration::joint_options(const JointRound& round,
+                                             std::span<const char> free) const {
+  return {round.floor, options_.iterations, round.survey ? options_.priors.survey : 0.0, free};
+}
+
+// The gains of the chains found so far, and their ripple over the tones, go into the chain gains.
+void JointCalibration::fold_chains() {
+  const std::vector<double> changed = change();
+  for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
+    std::vector<ArrayPair> pairs;
+    for (std::size_t i = 0; i < sites_.size(); ++i) {
+      if (sites_[i].access_point == a && use_[sites_[i].point] == Use::kFit) {
+        pairs.push_back(
+            {h_[i], model_.expected_tones(traced_[i], {changed, state_.survey[sites_[i].point]})});
+      }
+    }
+    ChainGains& gains = original_.access_points[a].gains;
+    if (pairs.empty() || gains.empty()) {
+      continue;
+    }
+    const std::size_t tones = original_.grid.size();
+    for (std::size_t e = 1; e * tones < gains.gain.size(); ++e) {
+      double* chain = &state_.values[unknowns_.chain_gain(a, e)];
+      const auto factor = std::polar(std::exp(chain[0]), chain[1]);
+      for (std::size_t k = 0; k < tones; ++k) {
+        gains.gain[e * tones + k] *= factor;
+      }
+      chain[0] = chain[1] = 0.0;
+    }
+    const ChainRipple ripple = chain_ripple(model_.aligner(), original_.grid, std::move(pairs));
+    for (std::size_t k = 0; k < gains.gain.size(); ++k) {
+      gains.gain[k] *= ripple.gain[k];
+    }
+  }
+  measure();  // no path depends on them
+}
+
+// Strongest-first scans of surfaces, then everything at once.
+bool JointCalibration::search(const JointRound& round, bool cycles) {
+  weigh(round);
+  const auto samples = used(kFitted);
+  scan_surfaces(context(samples), power_, {round.floor, round.scan_range}, state_);
+  progress_.advance();
+  return progress_.tell("scan", mean_unexplained(context(samples), state_)) &&
+         solve(round, kFitted, "fit") && (!cycles || settle(round));
+}
+
+// Goes towards what was solved as far as the room, traced anew, bears it out, and returns the share
+// of the way; 0: back at `before`. The least squares know the room by its derivatives alone: a
+// reflection near its null, or a surface that comes to lie behind another, is elsewhere than they
+// say.
+Expected<double> JointCalibration::go_from(const JointState& before,
+                                           double met_before,
+                                           const JointRound& round,
+                                           std::span<const Use> uses) {
+  const JointState solved = state_;
+  for (double share = 1.0; share > kLeastStep; share *= 0.5) {
+    state_ = between(before, solved, share);
+    if (auto traced = retrace(); !traced) {
+      return tl::make_unexpected(std::move(traced.error()));
+    }
+    if (met(round, uses) >= met_before - kTolerance) {
+      fold_chains();
+      return share;
+    }
+  }
+  state_ = before;
+  return retrace().map([] { return 0.0; });
+}
+
+// Whether it moved. A step that had to be shortened is one on the way: from where it led the
+// derivatives are others.
+Expected<bool> JointCalibration::run_round(std::size_t index) {
+  const JointRound& round = joint_round(index);
+  progress_.begin_part(static_cast<int>(index));
+  const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_};
+  bool has_moved = false;
+  double share = 0.0;
+  for (int pass = 0; pass < kPasses && share < 1.0; ++pass) {
+    const JointState before = state_;
+    const double met_before = met(round, deciders(use_));
+    if (!search(round, round.cycles && pass == 0)) {
+      return go_back_to(at_first).map([] { return false; });  // the last good state
+    }
+    const auto gone = go_from(before, met_before, round, deciders(use_));
+    if (!gone) {
+      return tl::make_unexpected(gone.error());
+    }
+    share = *gone;
+    has_moved = has_moved || share > 0.0;
+    if (share == 0.0) {
+      break;
+    }
+  }
+  if (!has_moved) {
+    other_cycles_ = at_first.other_cycles;
+  }
+  progress_.set_heldout(median_correlation(kHeldOut, {}));
+  return has_moved;
+}
+
+Expected<void> JointCalibration::go_back_to(const JointCheckpoint& reached) {
+  state_ = reached.state;
+  set_gains(reached.gains);
+  other_cycles_ = reached.other_cycles;
+  return retrace();
+}
+
+// Where the points really were, as errors of their survey, the room held.
+std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
+                                            std::span<const JointSample> samples) const {
+  const std::vector<char> none(unknowns_.size());
+  const JointOptions options{round.floor, options_.iterations, options_.priors.survey, none};
+  JointState state = state_;
+  JointProblem(context(samples)).solve(options, state, {});
+  return std::move(state.survey);
+}
+
+std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round) {
+  const std::vector<char> free = released(round);
+  const auto samples = used(kAllButHeldOut);
+  const JointContext about = context(samples);
+  const std::vector<double> sigma =
+      stated_widths(about,
+                    joint_options(round, free),
+                    state_,
+                    other_cycles_,
+                    {power_, mean_unexplained(about, state_), half_wave()});
+  std::vector<RoomParameter> result;
+  for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
+    const bool chain =
+        unknowns_[i].kind == Kind::kChainGain || unknowns_[i].kind == Kind::kChainPhase;
+    if (free[i] == 0) {
+      continue;
+    }
+    if (!chain) {
+      result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
+    } else if (const std::uint32_t a = unknowns_[i].index; !assumed_[a].empty()) {
+      const ChainGains& found = original_.access_points[a].gains;  // by fold_chains
+      result.push_back(stated_chain(unknowns_[i], original_, assumed_[a], found, sigma[i]));
+    }
+  }
+  return result;
+}
+
+void JointCalibration::checkpoint(JointCheckpoint& reached) const {
+  reached.state = state_;
+  reached.gains = gains();
+  reached.other_cycles = other_cycles_;
+  reached.history = progress_.history();
+  if (options_.on_checkpoint) {
+    options_.on_checkpoint(reached);
+  }
+}
+
+// With the points that decided, too. Nobody is left to say whether another cycle is better, so
+// none is tried.
+Expected<double> JointCalibration::finish(const JointRound& round) {
+  if (progress_.is_stopped()) {
+    return 0.0;
+  }
+  progress_.begin_part(kJointRounds);
+  const JointState before = state_;
+  const double met_before = met(round, kAllButHeldOut);
+  weigh(round);
+  if (!solve(round, kAllButHeldOut, "all points")) {
+    state_ = before;
+    return 0.0;
+  }
+  return go_from(before, met_before, round, kAllButHeldOut);
+}
+
+Expected<RoomCalibration> JointCalibration::run() {
+  if (auto traced = retrace(); !traced) {
+    return tl::make_unexpected(std::move(traced.error()));
+  }
+  RoomCalibration result;
+  const std::vector<double> at_first = change();
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    result.points.push_back(
+        {sites_[i].point, sites_[i].access_point, correlation(i, {at_first, {}}), 0.0, 0.0});
+  }
+  JointCheckpoint reached;
+  if (options_.resume != nullptr) {
+    reached = *options_.resume;
+    progress_.continue_from(reached.history);
+    if (auto back = go_back_to(reached); !back) {
+      return tl::make_unexpected(std::move(back.error()));
+    }
+  }
+  progress_.set_heldout(median_correlation(kHeldOut, {}));
+  checkpoint(reached);  // so that what is interrupted in the first round can go on, too
+  while (reached.rounds < kJointRounds && !progress_.is_stopped()) {
+    const auto kept = run_round(static_cast<std::size_t>(reached.rounds));
+    if (!kept) {
+      return tl::make_unexpected(kept.error());
+    }
+    if (!progress_.is_stopped()) {
+      reached.last_kept = *kept ? reached.rounds : reached.last_kept;
+      ++reached.rounds;
+      checkpoint(reached);
+    }
+  }
+  const JointRound& last = joint_round(static_cast<std::size_t>(reached.last_kept));
+  if (auto finished = finish(last); !finished) {
+    return tl::make_unexpected(std::move(finished.error()));
+  }
+  const std::vector<double> at_last = change();
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    result.points[i].after = correlation(i, {at_last, {}});
+  });
+  std::vector<JointSample> all;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    all.push_back({&traced_[i], &measured_[i]});
+  }
+  state_.survey = placed(last, all);
+  parallel_for(sites_.size(), 1, [&](std::size_t i) {
+    result.points[i].placed = correlation(i, {at_last, state_.survey[sites_[i].point]});
+  });
+  result.parameters = parameters(last);
+  auto calibrated = changed_room(original_, unknowns_, state_.values);
+  if (!calibrated) {
+    return tl::make_unexpected(std::move(calibrated.error()));
+  }
+  result.room = *std::move(calibrated);
+  result.room.trace = options_.use;
+  result.history = progress_.history();
+  result.interrupted = progress_.is_stopped();
+  return result;
+}
+
+}  // namespace
+
+Expected<RoomCalibration> calibrate_jointly(const RoomModel& room,
+                                            std::span<const CalibrationPoint> points,
+                                            const JointCalibrationOptions& options,
+                                            const CalibrationObserver& observer) {
+  JointCalibration calibration(room, points, options, observer);
+  if (auto checked = calibration.check(); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return calibration.run();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,75 @@
+#include "engine/calibrate/joint/stated_widths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/calibrate/joint/surface_scan.h"
+
+namespace rayloc {
+namespace {
+
+// Of what is left unexplained, the share that one echo has: chosen on a furnished meeting room with
+// four access points, held against a corridor with four (engine/README.md).
+constexpr double kUnmodelledEcho = 0.15;
+
+// Of an offset whose half-wave cycle nothing but its prior tells.
+double variance_of_cycles(double value, double prior_sigma, double half_wave) {
+  double mass = 0.0;
+  double spread = 0.0;
+  for (int cycle = -2; cycle <= 2; ++cycle) {
+    const double off = half_wave * cycle;
+    const double weight = std::exp(0.5 * (value * value - (value + off) * (value + off)) /
+                                   (prior_sigma * prior_sigma));
+    mass += weight;
+    spread += weight * off * off;
+  }
+  return spread / mass;
+}
+
+}  // namespace
+
+void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
+                              const UnmodelledPower& power,
+                              const JointState& state,
+                              std::vector<double>& sigma) {
+  for (std::uint32_t surface = 0; surface < power.carried.size(); ++surface) {
+    const std::uint32_t i = unknowns.surface_offset(surface);
+    if (sigma[i] <= 0.0) {
+      continue;
+    }
+    const double echo = kUnmodelledEcho * power.unexplained;
+    const double carried = std::max(power.carried[surface], 1e-9);
+    // A phase of 2 pi is half a wave of offset. An echo of relative power q turns the phase by
+    // sqrt(q / 2), and by no more than a fraction of a turn while it is the weaker one.
+    const double turned = std::sqrt(0.5 * std::min(echo / carried, 1.0)) / (2.0 * std::numbers::pi);
+    const double stronger = std::exp(-carried / std::max(echo, 1e-12));
+    const double cycles = variance_of_cycles(state.values[i], unknowns[i].sigma, power.half_wave);
+    sigma[i] = std::sqrt(sigma[i] * sigma[i] + turned * turned * power.half_wave * power.half_wave +
+                         stronger * cycles);
+  }
+  // What stands at an array echoes at all points alike, to one antenna otherwise than to the next:
+  // of relative power q it turns a chain by sqrt(q / 2), and is as much of its gain.
+  const double of_chain = std::sqrt(0.5 * kUnmodelledEcho * power.unexplained);
+  for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
+    const Unknown::Kind kind = unknowns[i].kind;
+    if (sigma[i] > 0.0 &&
+        (kind == Unknown::Kind::kChainGain || kind == Unknown::Kind::kChainPhase)) {
+      sigma[i] = std::hypot(sigma[i], of_chain);
+    }
+  }
+}
+
+std::vector<double> stated_widths(const JointContext& context,
+                                  const JointOptions& options,
+                                  const JointState& state,
+                                  std::span<const WaveCycle> other_cycles,
+                                  const UnmodelledPower& power) {
+  std::vector<double> sigma = JointProblem(context).posterior(options, state);
+  widen_by_other_cycles(context, options.floor, state, sigma);
+  widen_by_wave_cycles(other_cycles, context.unknowns, state, sigma);
+  widen_by_unmodelled_echo(context.unknowns, power, state, sigma);
+  return sigma;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,90 @@
+#include "engine/likelihood/gaussian_likelihood.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include "engine/base/check.h"
+#include "engine/likelihood/burst_noise.h"
+
+namespace rayloc {
+namespace {
+
+PathKnowledge knowledge_of(LikelihoodKind kind) {
+  switch (kind) {
+    case LikelihoodKind::kCoherent:
+      return PathKnowledge::kFull;
+    case LikelihoodKind::kPathCovariance:
+      return PathKnowledge::kPower;
+    default:
+      RAYLOC_CHECK(kind == LikelihoodKind::kPartial);
+      return PathKnowledge::kPartial;
+  }
+}
+
+}  // namespace
+
+GaussianLikelihood::GaussianLikelihood(LikelihoodKind kind,
+                                       const OfdmGrid& grid,
+                                       std::size_t antennas)
+    : kind_(kind), model_(grid, antennas, knowledge_of(kind)) {}
+
+PlaceLikelihood GaussianLikelihood::place(const Place& place, const ModelError& error) const {
+  PlaceLikelihood result;
+  result.model = model_.place(place, error);
+  if (kind_ != LikelihoodKind::kPathCovariance) {
+    result.sharp = model_.place(sharp(place), error);
+  }
+  result.reachable = result.model.reachable;
+  return result;
+}
+
+ObservedBurst GaussianLikelihood::observe(std::span<const std::complex<double>> h) const {
+  return {model_.observe(h), {}, 0.0F};
+}
+
+Likelihood::Coarse GaussianLikelihood::coarse(const PlaceLikelihood& place,
+                                              const ObservedBurst& observed) const {
+  return ObservationModel::coarse(place.model, observed.array);
+}
+
+double GaussianLikelihood::log_likelihood(const PlaceLikelihood& place,
+                                          const ObservedBurst& observed,
+                                          std::uint8_t windows) const {
+  return ObservationModel::log_likelihood(place.model, observed.array, windows);
+}
+
+std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
+    const Place& place,
+    const PlaceLikelihood& of,
+    const ModelError& error,
+    const ObservedBurst& observed) const {
+  if (kind_ == LikelihoodKind::kPathCovariance) {
+    return nullptr;  // without phases, centimetres change nothing
+  }
+  const Place middle = sharp(place);
+  if (!lacks_noise(of.sharp, observed.array)) {
+    return std::make_unique<const NearbyLikelihood>(
+        model_, middle, error, of.sharp, observed.array);
+  }
+  return std::make_unique<const NearbyLikelihood>(
+      model_,
+      middle,
+      error,
+      std::make_unique<const PlaceModel>(model_.place_of_burst(middle, error, observed.array)),
+      observed.array);
+}
+
+// The device within half the distance between places of the middle.
+Likelihood::Place GaussianLikelihood::sharp(Place place) const {
+  const double wavelength = 2.0 * std::numbers::pi / model_.wave_number();
+  place.cell_size = std::min(place.cell_size, NearbyLikelihood::kPlaceDistance * wavelength);
+  return place;
+}
+
+PlaceLikelihood GaussianLikelihood::nowhere(const ModelError& error) const {
+  PlaceLikelihood result;
+  result.model = model_.nowhere(error);
+  return result;
+}
+
+}  // namespace rayloc

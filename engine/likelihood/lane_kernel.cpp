@@ -1,0 +1,196 @@
+#include "engine/likelihood/lane_kernel.h"
+
+#include "engine/base/check.h"
+
+// Highway compiles this file once for each kind of processor (trace/cfr_kernel.cpp says how).
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "engine/likelihood/lane_kernel.cpp"
+#include <hwy/foreach_target.h>
+// Follow foreach_target.h.
+#include <hwy/highway.h>
+
+#include <hwy/contrib/math/math-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rayloc::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Lanes = hn::CappedTag<float, kLaneCount>;
+using Vector = hn::Vec<Lanes>;
+constexpr Lanes kLanes;
+
+// Four sums, so that none waits for another: of a re, b im, a im, b re.
+struct Products {
+  Vector a_re;
+  Vector b_im;
+  Vector a_im;
+  Vector b_re;
+};
+
+HWY_INLINE Products no_products() {
+  const Vector zero = hn::Zero(kLanes);
+  return {zero, zero, zero, zero};
+}
+HWY_INLINE void add(std::complex<float> w, Vector re, Vector im, Products& sums) {
+  const Vector a = hn::Set(kLanes, w.real());
+  const Vector b = hn::Set(kLanes, w.imag());
+  sums.a_re = hn::MulAdd(a, re, sums.a_re);
+  sums.b_im = hn::MulAdd(b, im, sums.b_im);
+  sums.a_im = hn::MulAdd(a, im, sums.a_im);
+  sums.b_re = hn::MulAdd(b, re, sums.b_re);
+}
+
+// |W x|^2 and the projections so far, by one coordinate of W x; `along` is at that coordinate of
+// the first of them, each `size` after the one before.
+HWY_INLINE Vector collect(const Products& sums,
+                          Vector power,
+                          std::size_t t,
+                          const std::complex<float>* along,
+                          std::size_t size,
+                          std::span<LaneSums> projections) {
+  const Vector re = hn::Sub(sums.a_re, sums.b_im);
+  const Vector im = hn::Add(sums.a_im, sums.b_re);
+  for (std::size_t k = 0; k < projections.size(); ++k) {
+    const std::complex<float> v = along[k * size];
+    const Vector v_re = hn::Set(kLanes, v.real());
+    const Vector v_im = hn::Set(kLanes, v.imag());
+    float* out_re = projections[k].re.data() + t;
+    float* out_im = projections[k].im.data() + t;
+    hn::StoreU(
+        hn::MulAdd(im, v_im, hn::MulAdd(re, v_re, hn::LoadU(kLanes, out_re))), kLanes, out_re);
+    hn::StoreU(
+        hn::NegMulAdd(im, v_re, hn::MulAdd(re, v_im, hn::LoadU(kLanes, out_im))), kLanes, out_im);
+  }
+  return hn::MulAdd(im, im, hn::MulAdd(re, re, power));
+}
+
+// Two rows of the triangle at a time.
+void whiten(const std::complex<float>* whitener,
+            std::span<const LaneRow> re,
+            std::span<const LaneRow> im,
+            std::span<const std::complex<float>> along,
+            std::span<LaneSums> projections,
+            LaneRow& power_out) {
+  const std::size_t size = re.size();
+  for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
+    Vector power = hn::Zero(kLanes);
+    const std::complex<float>* row = whitener;
+    for (std::size_t i = 0; i < size; i += 2) {
+      const bool is_pair = i + 1 < size;
+      const std::complex<float>* next = row + i + 1;
+      Products first = no_products();
+      Products second = no_products();
+      for (std::size_t j = 0; j <= i; ++j) {
+        const Vector x_re = hn::LoadU(kLanes, re[j].data() + t);
+        const Vector x_im = hn::LoadU(kLanes, im[j].data() + t);
+        add(row[j], x_re, x_im, first);
+        if (is_pair) {
+          add(next[j], x_re, x_im, second);
+        }
+      }
+      power = collect(first, power, t, along.data() + i, size, projections);
+      if (is_pair) {
+        add(next[i + 1],
+            hn::LoadU(kLanes, re[i + 1].data() + t),
+            hn::LoadU(kLanes, im[i + 1].data() + t),
+            second);
+        power = collect(second, power, t, along.data() + i + 1, size, projections);
+      }
+      row = next + i + 2;
+    }
+    hn::StoreU(power, kLanes, power_out.data() + t);
+  }
+}
+
+void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
+  for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
+    for (const TurnedMean& term : terms) {
+      const Vector a = hn::Set(kLanes, term.turn.real());
+      const Vector b = hn::Set(kLanes, term.turn.imag());
+      const Vector y_re = hn::LoadU(kLanes, term.turns->re.data() + t);
+      const Vector y_im = hn::LoadU(kLanes, term.turns->im.data() + t);
+      const Vector turn_re = hn::NegMulAdd(b, y_im, hn::Mul(a, y_re));
+      const Vector turn_im = hn::MulAdd(b, y_re, hn::Mul(a, y_im));
+      for (std::size_t i = 0; i < re.size(); ++i) {
+        const Vector c = hn::Set(kLanes, term.mean[i].real());
+        const Vector d = hn::Set(kLanes, term.mean[i].imag());
+        float* out_re = re[i].data() + t;
+        float* out_im = im[i].data() + t;
+        hn::StoreU(hn::NegMulAdd(turn_im, d, hn::MulAdd(turn_re, c, hn::LoadU(kLanes, out_re))),
+                   kLanes,
+                   out_re);
+        hn::StoreU(hn::MulAdd(turn_im, c, hn::MulAdd(turn_re, d, hn::LoadU(kLanes, out_im))),
+                   kLanes,
+                   out_im);
+      }
+    }
+  }
+}
+
+// r = (b + sqrt(b^2 + 4 a D)) / 2 a
+void at_best_gain(const LaneRow& power, const LaneSums& along, float dimension, LaneRow& out) {
+  const Vector d = hn::Set(kLanes, dimension);
+  const Vector half = hn::Set(kLanes, 0.5F);
+  const Vector two = hn::Set(kLanes, 2.0F);
+  for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
+    const Vector a = hn::LoadU(kLanes, power.data() + t);
+    const Vector re = hn::LoadU(kLanes, along.re.data() + t);
+    const Vector im = hn::LoadU(kLanes, along.im.data() + t);
+    const Vector b2 = hn::MulAdd(im, im, hn::Mul(re, re));
+    const Vector b = hn::Sqrt(b2);
+    const Vector root = hn::Sqrt(hn::MulAdd(hn::Mul(hn::Set(kLanes, 4.0F), d), a, b2));
+    const Vector ar = hn::Mul(half, hn::Add(b, root));
+    const Vector r = hn::Div(ar, a);
+    const Vector linear = hn::Mul(r, hn::Sub(hn::Mul(two, b), ar));
+    const Vector value = hn::MulAdd(hn::Mul(two, d), hn::Log(kLanes, r), linear);
+    hn::StoreU(value, kLanes, out.data() + t);
+  }
+}
+
+}  // namespace rayloc::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rayloc {
+namespace {
+
+HWY_EXPORT(whiten);
+HWY_EXPORT(add_turned);
+HWY_EXPORT(at_best_gain);
+
+}  // namespace
+
+LaneRow whiten(const std::complex<float>* whitener,
+               std::span<const LaneRow> re,
+               std::span<const LaneRow> im,
+               std::span<const std::complex<float>> along,
+               std::span<LaneSums> sums) {
+  RAYLOC_CHECK(re.size() == im.size() && along.size() == sums.size() * re.size());
+  for (LaneSums& sum : sums) {
+    sum = {};
+  }
+  LaneRow power{};
+  HWY_DYNAMIC_DISPATCH(whiten)(whitener, re, im, along, sums, power);
+  return power;
+}
+
+void fetch(std::span<const std::complex<float>> whitener) {
+  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of the cache
+  for (std::size_t i = 0; i < whitener.size(); i += kLine) {
+    __builtin_prefetch(whitener.data() + i);
+  }
+}
+
+LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension) {
+  LaneRow values{};
+  HWY_DYNAMIC_DISPATCH(at_best_gain)(power, along, static_cast<float>(dimension), values);
+  return values;
+}
+
+void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
+  RAYLOC_CHECK(re.size() == im.size());
+  HWY_DYNAMIC_DISPATCH(add_turned)(terms, re, im);
+}
+
+}  // namespace rayloc
+#endif  // HWY_ONCE

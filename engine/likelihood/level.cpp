@@ -1,0 +1,39 @@
+#include "engine/likelihood/level.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/check.h"
+#include "engine/likelihood/observation_model.h"
+
+namespace rayloc {
+
+double traced_level_db(std::span<const Ray> rays, const ModelError& error) {
+  RAYLOC_CHECK(!rays.empty());
+  double power = 0.0;
+  double first_length = rays.front().length;
+  for (const Ray& ray : rays) {
+    power += std::norm(ray.amplitude);
+    first_length = std::min(first_length, ray.length);
+  }
+  return 10.0 * std::log10(power * (1.0 + diffuse_share(error, first_length)));
+}
+
+double HeardLevel::log_likelihood(double traced_level_db) const {
+  const double off = (traced_db - traced_level_db) / sigma_db;
+  return -0.5 * off * off;
+}
+
+std::optional<HeardLevel> heard_level(const RoomAccessPoint& access_point,
+                                      const BurstObservation& burst) {
+  const auto& levels = access_point.levels;
+  const auto known = std::find_if(levels.begin(), levels.end(), [&](const TransmitterLevel& one) {
+    return one.transmitter == burst.transmitter;
+  });
+  if (known == levels.end() || !burst.level_dbm) {
+    return std::nullopt;
+  }
+  return HeardLevel{*burst.level_dbm - known->offset_db, known->sigma_db};
+}
+
+}  // namespace rayloc

@@ -1,0 +1,121 @@
+// NearbyLikelihood: the likelihood of one burst at places within a few centimetres of one whose
+// rays are known, with its derivative.
+//
+// Each ray keeps its surfaces, so that its image of every antenna stays where it is: lengths and
+// their derivatives are exact (Fermat: minus the unit direction to the image). Strengths, delays
+// relative to the first ray and the covariance are those of the place in the middle; what is left
+// is ObservationModel's likelihood,
+//
+//   ll(x) = max over r, phase and delay of  2 D ln r - r^2 y^H S^-1 y + 2 r |mu(x)^H S^-1 y|
+//                                           - mu(x)^H S^-1 mu(x) - ln |S|,
+//   d ll  = 2 Re( dmu^H (r e y~ - mu~) ),   y~ = S^-1 y, mu~ = S^-1 mu, e = (y~^H mu) / |.|.
+//
+// With the direct way covered mu has one ray less: d = sum_m t_m w_m, t_m its phasor at antenna m
+// and w_m whitened once, so that W (mu - d) costs three products of W mu more and nothing is
+// whitened twice.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/vec3.h"
+#include "engine/likelihood/lane_kernel.h"
+#include "engine/likelihood/observation_model.h"
+#include "engine/room/lattice.h"
+
+namespace rayloc {
+
+class NearbyLikelihood {
+ public:
+  // What is left for the distance between places: `model` is that of the middle with this cell_size
+  // (ObservationModel::Place), `place` has the same. All outlive it. REQUIRES: model.reachable.
+  NearbyLikelihood(const ObservationModel& observation_model,
+                   const ObservationModel::Place& place,
+                   const ModelError& error,
+                   const PlaceModel& model,
+                   const ObservedArray& observed);
+  // The same with ObservationModel::place_of_burst(), which it keeps.
+  NearbyLikelihood(const ObservationModel& observation_model,
+                   const ObservationModel::Place& place,
+                   const ModelError& error,
+                   std::unique_ptr<const PlaceModel> model,
+                   const ObservedArray& observed);
+
+  // Share of the wavelength that places should be apart.
+  static constexpr double kPlaceDistance = 0.125;
+
+  struct Slope {
+    double value = 0.0;
+    double by_x = 0.0;  // [1/m]
+    double by_y = 0.0;
+  };
+  // At the best of the delays of ObservedArray, which is held when the place changes: no search
+  // between them, so that value and derivative belong together.
+  Slope at(const Vec3d& moved) const;
+
+  // At all places of the lattice, [x][y]: lengths to first order, in single precision.
+  std::vector<double> on(const Lattice& lattice) const;
+
+ private:
+  struct Source {  // of one ray at one antenna
+    Vec3d image;   // [m], from the middle
+    std::size_t antenna = 0;
+    std::size_t mean = 0;  // first coordinate in means_
+  };
+  struct Delay {
+    std::vector<std::complex<double>> observed;  // W y
+    double power = 0.0;                          // |W y|^2
+  };
+
+  // Phasors of the sources on a lattice, whose rows are filled up to whole LaneRows.
+  struct Turns {
+    std::vector<std::complex<float>> by_x;  // [source][x]
+    std::vector<LaneSums> by_y;             // [source][row of lanes]
+  };
+
+  void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
+  Turns turns_on(const Lattice& lattice, std::size_t rows) const;
+  struct Direct {                                       // the way that may be covered
+    std::vector<std::vector<std::complex<double>>> of;  // [antenna], w_m
+    std::vector<std::complex<float>> observed;          // [delay][antenna], w_m^H W y
+    std::vector<std::complex<float>> gram;              // [antenna][antenna], w_m^H w_n
+  };
+  struct Means {
+    std::vector<std::complex<double>> value, by_x, by_y;  // W mu and its derivatives
+  };
+
+  void keep_direct(std::size_t ray);
+  Means means_at(const Vec3d& moved, bool covered) const;
+  Slope slope(const Means& means) const;
+  LaneRow log_likelihoods(std::span<const LaneRow> re,
+                          std::span<const LaneRow> im,
+                          std::span<const LaneSums> direct) const;
+  LaneRow best_of_delays(const LaneRow& power, std::span<const LaneSums> along) const;
+  LaneRow covered_power(const LaneRow& power,
+                        std::span<const LaneSums> along,
+                        std::span<const LaneSums> direct) const;
+  void take_direct(std::size_t k, std::span<const LaneSums> direct, LaneSums& along) const;
+
+  std::unique_ptr<const PlaceModel> own_;  // null: model_ is somebody else's
+  std::size_t size_;                       // D
+  std::size_t coordinates_;                // of one antenna
+  double wave_number_;
+  const PlaceModel& model_;
+  double first_length_ = 0.0;
+  std::vector<std::complex<double>> means_;  // [ray][coordinate of one antenna]
+  std::vector<std::complex<float>> single_means_;
+  std::vector<Source> sources_;    // by antenna
+  std::vector<Delay> delays_;      // around the best in the middle
+  Direct direct_;                  // empty: none
+  std::size_t direct_source_ = 0;  // its source, of those of each antenna
+  std::vector<std::complex<float>>
+      observed_;  // Delay::observed, [delay][coordinate]; then Direct::of
+};
+
+}  // namespace rayloc

@@ -1,0 +1,45 @@
+// ObservedArray: a burst in the coordinates of DelayBasis, at every delay of a search: what a place
+// is compared with, eight delays at a time.
+//
+// A likelihood is looked at every fourth delay first (`coarse`), then in the windows of eight
+// around those that are worth it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "engine/likelihood/lane_kernel.h"
+
+namespace rayloc {
+
+struct ObservedArray {
+  static constexpr std::size_t kStride = 4;  // from one coarse delay to the next
+  static constexpr std::size_t kWindows = kLaneCount;
+  static constexpr std::size_t kDelays = kStride * kWindows;  // 1.5 ns apart
+  using Row = LaneRow;
+  struct Block {
+    std::vector<Row> re;  // [coordinate][delay]
+    std::vector<Row> im;
+  };
+  Block coarse;                         // entry i: delay 4 i + 2
+  std::array<Block, kWindows> windows;  // of entry i: eight delays, from first_of(i) on
+  double captured = 0.0;                // largest share of the power that lies in the basis
+  double noise = 0.0;                   // the burst's own, as ModelError::noise; 0: negligible
+
+  explicit ObservedArray(std::size_t coordinates = 0);
+
+  std::size_t coordinates() const { return coarse.re.size(); }
+  // The first delay of a window: its coarse delay is the fourth, at the ends of the search the
+  // third and the seventh.
+  static std::size_t first_of(std::size_t window) {
+    const std::size_t coarse = kStride * window + kStride / 2;
+    return std::min(coarse - std::min<std::size_t>(coarse, 3), kDelays - kLaneCount);
+  }
+  void set(std::size_t coordinate, std::size_t delay, std::complex<double> value);
+  std::complex<double> value(std::size_t coordinate, std::size_t delay) const;
+};
+
+}  // namespace rayloc

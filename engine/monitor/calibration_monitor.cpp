@@ -1,0 +1,490 @@
+#include "engine/monitor/calibration_monitor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/monitor/chain_turns.h"
+#include "engine/monitor/steady.h"
+#include "engine/observe/alignment.h"
+#include "engine/observe/burst.h"
+#include "engine/observe/chain_gains.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr std::size_t kFramesOfBurst = 6;
+constexpr std::size_t kScannedRays = 16;  // the strongest; the scan is about the large part
+constexpr double kShiftStep = 0.01;       // [m], a sixth of a wavelength
+constexpr double kYawStep = 2.0 * kDegree;
+constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
+constexpr int kRescan = 10;  // windows from one scan to the next: it takes as long as ten fixes
+// [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
+constexpr double kMostJumpBound = 1.309;
+// [rad]: chips start at least a quarter turn apart. A phase known worse than that tells no jump.
+constexpr double kQuarterTurn = 1.571;
+// A motion is believed when it leaves at most this share of what chains leave unexplained.
+constexpr double kBetter = 0.5;
+
+std::string rounded(double value) { return std::to_string(std::lround(value)); }
+
+std::string percent(double share) { return rounded(100.0 * share) + " %"; }
+
+bool is_worse(double unexplained, double usual, double strictness) {
+  return unexplained > usual * (1.0 + (CalibrationMonitor::kDriftRatio - 1.0) * strictness) &&
+         unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
+}
+
+// One transmitter, as one access point should hear it and does.
+struct Spot {
+  CalibrationMonitor::Transmitter transmitter;
+  std::vector<Ray> rays;
+  std::vector<Value> expected;
+  double known_share = 1.0;      // of its power, SpotArrays::known_share()
+  std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
+  std::vector<CsiFrame> frames;  // of the window
+  std::vector<Value> usual;      // phasor of each chain in the first windows
+  bool settled = false;          // kSteady windows agreed about `usual`
+};
+
+// What the windows of an access point have told.
+struct Told {
+  Told(std::size_t chains, std::optional<double> usual_fit)
+      : usual(usual_fit), jump(chains, Steady(CalibrationMonitor::kSteady)), jump_phase(chains) {}
+  std::size_t bursts = 0;  // of the window
+  std::optional<double> usual;
+  std::vector<double> first;  // fits of the first windows, until `usual` is known
+  double fit = 0.0;           // of the last window
+  double slow = 0.0;          // mean of what is unexplained
+  bool has_slow = false;
+  Steady moved{CalibrationMonitor::kSteady};
+  std::vector<Steady> jump;  // of each chain
+  std::vector<double> jump_phase;
+  ArrayMotion motion;
+  double moved_fit = 0.0;
+  int since_scan = kRescan;  // windows
+  bool drifted = false;
+};
+
+// What an access point heard of one spot in a window, chains removed.
+struct HeardSpot {
+  Spot* spot = nullptr;
+  std::vector<Value> h;
+};
+
+double against(double phase, double other) {
+  return std::remainder(phase - other, 2.0 * std::numbers::pi);
+}
+
+bool any_jump(const std::vector<double>& turn) {
+  return std::any_of(turn.begin(), turn.end(), [](double t) { return t != 0.0; });
+}
+
+// Takes windows for usual until two in a row agree; a person who walks by spoils single ones.
+void settle(Spot& spot, const std::vector<Value>& phasor) {
+  if (spot.settled) {
+    return;
+  }
+  bool agrees = !spot.usual.empty();
+  for (std::size_t m = 1; agrees && m < phasor.size(); ++m) {
+    const double now = std::arg(phasor[m] * std::conj(phasor[0]));
+    const double before = std::arg(spot.usual[m] * std::conj(spot.usual[0]));
+    agrees = std::abs(against(now, before)) < 0.5 * CalibrationMonitor::kJump;
+  }
+  spot.settled = agrees;
+  if (!agrees) {
+    spot.usual = phasor;
+  }
+}
+
+}  // namespace
+
+class CalibrationMonitor::Station {
+ public:
+  Station(const RoomModel& room, std::size_t index, std::optional<double> usual)
+      : index_(index),
+        ap_(room.access_points[index]),
+        grid_(room.grid),
+        arrays_(room, index),
+        aligner_(room.grid),
+        stated_usual_(usual),
+        told_(ap_.cores.size(), usual) {}
+
+  void restart() {
+    told_ = Told(ap_.cores.size(), stated_usual_);
+    for (const auto& spot : spots_) {
+      spot->frames.clear();
+      spot->usual.clear();
+      spot->settled = false;
+    }
+  }
+
+  void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
+    Spot& spot = spot_of(transmitter);
+    std::size_t taken = 0;
+    for (const CsiFrame& frame : frames) {
+      if (frame.access_point == static_cast<int>(index_) && taken < kFramesOfBurst) {
+        spot.frames.push_back(frame);
+        ++taken;
+      }
+    }
+    if (taken > 0 && !spot.rays.empty() && ++told_.bursts >= kBursts) {
+      told_.bursts = 0;
+      evaluate(hear());
+    }
+    if (spot.rays.empty()) {
+      spot.frames.clear();
+    }
+  }
+
+  void know(const Transmitter& transmitter, std::vector<Value> array);
+  void append_warnings(std::vector<CalibrationWarning>& out) const;
+
+ private:
+  Spot& spot_of(const Transmitter& transmitter);
+  std::vector<HeardSpot> hear();
+  void evaluate(const std::vector<HeardSpot>& heard);
+  std::vector<Value> along(const HeardSpot& one) const;
+  double correlation(const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const;
+  double correlation(const std::vector<HeardSpot>& heard, const ArrayMotion& motion) const;
+  bool explained_by_motion(const std::vector<HeardSpot>& heard, double unexplained);
+  ArrayMotion scan(const std::vector<HeardSpot>& heard) const;
+  std::vector<double> jumps_of_calibration(const std::vector<HeardSpot>& heard,
+                                           const std::vector<double>& turn) const;
+  std::vector<double> jumps(const std::vector<HeardSpot>& heard);
+  CalibrationWarning warning(CalibrationProblem problem) const;
+
+  std::size_t index_;
+  RoomAccessPoint ap_;
+  OfdmGrid grid_;
+  SpotArrays arrays_;
+  Aligner aligner_;
+  std::vector<std::unique_ptr<Spot>> spots_;
+  const std::optional<double> stated_usual_;
+  Told told_;
+};
+
+Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
+  for (const auto& spot : spots_) {
+    if (spot->transmitter.position == transmitter.position &&
+        spot->transmitter.device == transmitter.device) {
+      return *spot;
+    }
+  }
+  auto spot = std::make_unique<Spot>();
+  spot->transmitter = transmitter;
+  spot->rays = arrays_.rays(transmitter.position, transmitter.device);
+  spot->expected = arrays_.expected(spot->rays, ap_.error.plan_tolerance);
+  if (!spot->rays.empty()) {
+    spot->known_share = arrays_.known_share(spot->rays, ap_.error.plan_tolerance);
+    spot->sigma = arrays_.place_phase_sigma(
+        transmitter.position, transmitter.device, ap_.error.plan_tolerance, kPlaceSigma);
+  }
+  spots_.push_back(std::move(spot));
+  return *spots_.back();
+}
+
+void CalibrationMonitor::Station::know(const Transmitter& transmitter, std::vector<Value> array) {
+  RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
+  Spot& spot = spot_of(transmitter);
+  spot.expected = std::move(array);
+  spot.known_share = 1.0;
+  spot.sigma.assign(ap_.cores.size(), 0.0);
+}
+
+std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
+  std::vector<HeardSpot> heard;
+  for (const auto& spot : spots_) {
+    auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
+    spot->frames.clear();
+    if (burst) {
+      remove_gains(ap_.gains, burst->h);
+      heard.push_back({spot.get(), std::move(burst->h)});
+    }
+  }
+  return heard;
+}
+
+// What each chain heard along what is expected of it. The delay of a spot is found on one chain,
+// the one that fits best: together, turned chains would cancel.
+std::vector<Value> CalibrationMonitor::Station::along(const HeardSpot& one) const {
+  const std::size_t tones = grid_.size();
+  const std::size_t chains = ap_.cores.size();
+  Alignment best;
+  for (std::size_t m = 0; m < chains; ++m) {
+    const auto alignment = aligner_.align(std::span(one.spot->expected).subspan(m * tones, tones),
+                                          std::span(one.h).subspan(m * tones, tones));
+    best = alignment.correlation > best.correlation ? alignment : best;
+  }
+  auto h = one.h;
+  aligner_.apply(best, h);
+  std::vector<Value> phasor(chains);
+  for (std::size_t j = 0; j < h.size(); ++j) {
+    phasor[j / tones] += h[j] * std::conj(one.spot->expected[j]);
+  }
+  return phasor;
+}
+
+double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
+                                                const std::vector<double>& turn) const {
+  double sum = 0.0;
+  for (const HeardSpot& one : heard) {
+    auto h = one.h;
+    for (std::size_t j = 0; j < h.size(); ++j) {
+      h[j] *= std::polar(1.0, -turn[j / grid_.size()]);
+    }
+    sum += aligner_.align(one.spot->expected, h).correlation;
+  }
+  return sum / static_cast<double>(heard.size());
+}
+
+double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
+                                                const ArrayMotion& motion) const {
+  double sum = 0.0;
+  for (const HeardSpot& one : heard) {
+    const auto& all = one.spot->rays;
+    const std::vector<Ray> strong(
+        all.begin(), all.begin() + static_cast<std::ptrdiff_t>(std::min(all.size(), kScannedRays)));
+    sum += aligner_.align(arrays_.expected(strong, ap_.error.plan_tolerance, motion), one.h)
+               .correlation;
+  }
+  return sum / static_cast<double>(heard.size());
+}
+
+// The best of a grid, and of ever smaller steps from there.
+ArrayMotion CalibrationMonitor::Station::scan(const std::vector<HeardSpot>& heard) const {
+  const int shifts = static_cast<int>(std::lround(kMostShift / kShiftStep));
+  const int yaws = static_cast<int>(std::lround(kMostYaw / kYawStep));
+  std::vector<ArrayMotion> grid;
+  for (int yaw = -yaws; yaw <= yaws; ++yaw) {
+    for (int x = -shifts; x <= shifts; ++x) {
+      for (int y = -shifts; y <= shifts; ++y) {
+        grid.push_back({{kShiftStep * x, kShiftStep * y, 0.0}, kYawStep * yaw});
+      }
+    }
+  }
+  std::vector<double> fit(grid.size());
+  parallel_for(grid.size(), 16, [&](std::size_t i) { fit[i] = correlation(heard, grid[i]); });
+  const auto most = std::max_element(fit.begin(), fit.end());
+  ArrayMotion best = grid[static_cast<std::size_t>(most - fit.begin())];
+  double top = *most;
+  for (const double step : {0.5, 0.25, 0.125}) {
+    for (int round = 0; round < 2; ++round) {
+      for (const std::array<double, 3>& way : {std::array<double, 3>{1, 0, 0},
+                                               {-1, 0, 0},
+                                               {0, 1, 0},
+                                               {0, -1, 0},
+                                               {0, 0, 1},
+                                               {0, 0, -1}}) {
+        ArrayMotion next = best;
+        next.shift = next.shift + step * kShiftStep * Vec3d{way[0], way[1], 0.0};
+        next.yaw += step * kYawStep * way[2];
+        if (const double value = correlation(heard, next); value > top) {
+          best = next;
+          top = value;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+// Whether a motion leaves much less than `unexplained`: the one found last, or that of a new scan.
+bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpot>& heard,
+                                                      double unexplained) {
+  told_.moved_fit = correlation(heard, told_.motion);
+  if (1.0 - told_.moved_fit >= kBetter * unexplained && told_.since_scan >= kRescan) {
+    told_.since_scan = 0;
+    told_.motion = scan(heard);
+    told_.moved_fit = correlation(heard, told_.motion);
+  }
+  return 1.0 - told_.moved_fit < kBetter * unexplained;
+}
+
+// Of turns against the calibration those that are jumps, 0 for the others: more than kJump and
+// three sigmas, and nothing where a quarter turn could not be told.
+std::vector<double> CalibrationMonitor::Station::jumps_of_calibration(
+    const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const {
+  const auto spots = static_cast<double>(heard.size());
+  double share = correlation(heard, turn);
+  for (const HeardSpot& one : heard) {
+    share = std::min(share, one.spot->known_share);
+  }
+  const double misfit = std::sqrt(turn_variance(share) / spots);
+  std::vector<double> result;
+  for (std::size_t m = 0; m < turn.size(); ++m) {
+    double sigma = 0.0;
+    for (const HeardSpot& one : heard) {
+      sigma = std::hypot(sigma, one.spot->sigma[m]);
+    }
+    const double bound =
+        std::hypot(std::clamp(3.0 * sigma / spots, kJump, kMostJumpBound), 3.0 * misfit);
+    if (bound >= kQuarterTurn) {
+      return std::vector<double>(turn.size());
+    }
+    result.push_back(std::abs(turn[m]) > bound ? turn[m] : 0.0);
+  }
+  return result;
+}
+
+// By how much each chain has jumped, 0 for those that have not: against the calibration, else
+// against the first windows, which are none when they had jumped themselves.
+std::vector<double> CalibrationMonitor::Station::jumps(const std::vector<HeardSpot>& heard) {
+  std::vector<std::vector<Value>> phasors;
+  ChainTurns turns(ap_.cores.size());
+  for (const HeardSpot& one : heard) {
+    phasors.push_back(along(one));
+    turns.add(phasors.back());
+  }
+  std::vector<double> jumped = jumps_of_calibration(heard, turns.turns());
+  if (any_jump(jumped)) {
+    return jumped;
+  }
+  ChainTurns changes(ap_.cores.size());
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    settle(*heard[i].spot, phasors[i]);
+    if (heard[i].spot->settled) {
+      for (std::size_t m = 0; m < phasors[i].size(); ++m) {
+        phasors[i][m] *= std::conj(heard[i].spot->usual[m]);
+      }
+      changes.add(phasors[i]);
+    }
+  }
+  jumped = changes.turns();  // all 0 before anything has settled
+  for (double& change : jumped) {
+    change = std::abs(change) > kJump ? change : 0.0;
+  }
+  return jumped;
+}
+
+void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) {
+  if (heard.empty()) {
+    return;
+  }
+  const std::vector<double> none(ap_.cores.size());
+  told_.fit = correlation(heard, none);
+  if (!told_.usual) {
+    told_.first.push_back(told_.fit);
+    if (told_.first.size() >= static_cast<std::size_t>(kSteady)) {
+      told_.usual = *std::max_element(told_.first.begin(), told_.first.end());
+    }
+  }
+  ++told_.since_scan;
+  const double usual = 1.0 - told_.usual.value_or(told_.fit);
+  const bool bad = is_worse(1.0 - told_.fit, usual, 1.0);
+  const auto turn = jumps(heard);
+  const double by_chains = any_jump(turn) ? correlation(heard, turn) : told_.fit;
+  const bool moved = bad && is_worse(1.0 - by_chains, usual, 1.0) &&
+                     explained_by_motion(heard, 1.0 - std::max(by_chains, told_.fit));
+  for (std::size_t m = 0; m < turn.size(); ++m) {
+    const bool now = turn[m] != 0.0 && !moved;
+    told_.jump_phase[m] = now ? turn[m] : told_.jump_phase[m];
+    told_.jump[m].update(now);
+  }
+  told_.moved.update(moved);
+  told_.slow += told_.has_slow ? kSlowness * (1.0 - told_.fit - told_.slow) : 1.0 - told_.fit;
+  told_.has_slow = true;
+  told_.drifted = is_worse(told_.slow, usual, told_.drifted ? 0.5 : 1.0);
+}
+
+CalibrationWarning CalibrationMonitor::Station::warning(CalibrationProblem problem) const {
+  CalibrationWarning warning;
+  warning.problem = problem;
+  warning.access_point = index_;
+  warning.fit = told_.fit;
+  warning.usual_fit = told_.usual.value_or(told_.fit);
+  return warning;
+}
+
+void CalibrationMonitor::Station::append_warnings(std::vector<CalibrationWarning>& out) const {
+  const std::string fits = "; the room explains " + percent(told_.fit) + " of it, usually " +
+                           percent(told_.usual.value_or(told_.fit));
+  bool explained = false;
+  for (std::size_t m = 0; m < told_.jump.size(); ++m) {
+    if (!told_.jump[m].state()) {
+      continue;
+    }
+    CalibrationWarning one = warning(CalibrationProblem::kChainPhaseJump);
+    one.core = ap_.cores[m];
+    one.phase = told_.jump_phase[m];
+    one.text = "chain_phase_jump: access point " + ap_.id + ", core " + std::to_string(one.core) +
+               ": its phase has changed by " + rounded(one.phase / kDegree) + " degrees" + fits +
+               "; after a power cycle run `rayloc calibrate --rechain`";
+    out.push_back(std::move(one));
+    explained = true;
+  }
+  if (told_.moved.state()) {
+    CalibrationWarning one = warning(CalibrationProblem::kAccessPointMoved);
+    one.motion = told_.motion;
+    one.text = "access_point_moved: access point " + ap_.id + ": as if shifted by " +
+               rounded(100.0 * told_.motion.shift.x) + " cm in x and " +
+               rounded(100.0 * told_.motion.shift.y) + " cm in y and turned by " +
+               rounded(told_.motion.yaw / kDegree) + " degrees, which explains " +
+               percent(told_.moved_fit) + fits + "; put it back, or calibrate anew";
+    out.push_back(std::move(one));
+    explained = true;
+  }
+  if (told_.drifted && !explained) {
+    CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
+    one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow) +
+               " of what it hears of known transmitters is unexplained, usually " +
+               percent(1.0 - told_.usual.value_or(told_.fit)) + "; has the room changed?";
+    out.push_back(std::move(one));
+  }
+}
+
+CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
+                                       std::vector<std::optional<double>> usual_fit)
+    : room_(std::move(room)) {
+  RAYLOC_CHECK(room_ != nullptr);
+  usual_fit.resize(room_->access_points.size());
+  for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+    stations_.push_back(room_->access_points[i].gains.empty()
+                            ? nullptr
+                            : std::make_unique<Station>(*room_, i, usual_fit[i]));
+  }
+}
+
+CalibrationMonitor::~CalibrationMonitor() = default;
+
+void CalibrationMonitor::know(const Transmitter& transmitter,
+                              std::size_t access_point,
+                              std::vector<Value> array) {
+  RAYLOC_CHECK(stations_.at(access_point) != nullptr);
+  stations_[access_point]->know(transmitter, std::move(array));
+}
+
+void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->observe(transmitter, frames);
+    }
+  }
+}
+
+void CalibrationMonitor::restart() {
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->restart();
+    }
+  }
+}
+
+std::vector<CalibrationWarning> CalibrationMonitor::warnings() const {
+  std::vector<CalibrationWarning> all;
+  for (const auto& station : stations_) {
+    if (station != nullptr) {
+      station->append_warnings(all);
+    }
+  }
+  return all;
+}
+
+}  // namespace rayloc

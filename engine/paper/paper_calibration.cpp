@@ -1,0 +1,238 @@
+#include "engine/paper/paper_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/paper/paper_evaluator.h"
+#include "engine/paper/paper_loss.h"
+#include "engine/paper/paper_parameters.h"
+#include "engine/paper/paper_samples.h"
+
+namespace rayloc {
+namespace {
+
+using Values = PaperParameters::Values;
+using SharedScene = std::shared_ptr<const Scene>;
+
+constexpr const char* kStage = "objects and materials";
+// A material that the table calls lossless may still become lossy, in steps of this much.
+constexpr double kLeastConductivity = 0.01;  // [S/m]
+
+struct State {
+  Values values;
+  SharedScene scene;
+};
+
+Expected<void> check(const PaperCalibrationOptions& options) {
+  const auto refuse = [](const std::string& what) { return make_error(ErrorKind::kUsage, what); };
+  if (options.iterations < 0 || options.max_depth < 0) {
+    return refuse("the iterations and the depth of the paper's calibration are 0 or more");
+  }
+  if (!(options.softness >= 0.0) || !std::isfinite(options.softness)) {
+    return refuse("the softness of edges is 0 m or more");
+  }
+  const auto is_positive = [](double x) { return x > 0.0 && std::isfinite(x); };
+  if (!is_positive(options.object_rate) || !is_positive(options.material_rate) ||
+      !is_positive(options.floor) || !is_positive(options.descent.least)) {
+    return refuse("rates and floors of the paper's calibration are more than 0");
+  }
+  const auto is_share = [](double x) { return x >= 0.0 && x < 1.0; };
+  if (!is_share(options.descent.decay) || !is_share(options.descent.momentum)) {
+    return refuse("decay and momentum of the descent are from 0 to below 1");
+  }
+  return validate(options.smoothing);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+std::vector<double> material_rates(const PaperParameters& parameters, double share) {
+  const auto start = parameters.initial().material;
+  std::vector<double> rate;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const bool conductivity = parameters.materials()[i].kind == Parameter::Kind::kConductivity;
+    rate.push_back(share * (conductivity ? std::max(start[i], kLeastConductivity) : start[i]));
+  }
+  return rate;
+}
+
+// Samples are of points and access points.
+std::size_t points_of(std::span<const PaperSample> samples) {
+  std::set<std::size_t> points;
+  for (const PaperSample& sample : samples) {
+    points.insert(sample.point);
+  }
+  return points.size();
+}
+
+// One run of the descent.
+class PaperDescent {
+ public:
+  PaperDescent(const RoomModel& room,
+               const PaperSamples& samples,
+               const PaperCalibrationOptions& options)
+      : room_(room),
+        samples_(samples),
+        options_(options),
+        loss_(room.grid, options.smoothing, options.floor),
+        evaluator_(room,
+                   samples.training,
+                   {.max_depth = options.max_depth, .softness = options.softness},
+                   loss_),
+        parameters_(room.scene, samples.met),
+        position_steps_(std::vector<double>(parameters_.objects().size(), options.object_rate),
+                        options.descent),
+        material_steps_(material_rates(parameters_, options.material_rate), options.descent),
+        state_{parameters_.initial(), room.scene},
+        best_(state_),
+        fitted_points_(points_of(samples.training)) {}
+
+  Expected<void> run(const CalibrationObserver& observer, RoomCalibration& result);
+
+  const SharedScene& best_scene() const { return best_.scene; }
+  std::vector<RoomParameter> best_parameters() const { return parameters_.describe(best_.values); }
+
+ private:
+  bool report(double loss,
+              int iteration,
+              const CalibrationObserver& observer,
+              RoomCalibration& result);
+  Expected<void> rebuild();
+  Expected<void> step(const std::vector<double>& position_gradient);
+
+  const RoomModel& room_;
+  const PaperSamples& samples_;
+  const PaperCalibrationOptions& options_;
+  PaperLoss loss_;
+  PaperEvaluator evaluator_;
+  PaperParameters parameters_;
+  Rmsprop position_steps_;
+  Rmsprop material_steps_;
+  State state_;
+  State best_;
+  double best_loss_ = 0.0;
+  std::size_t fitted_points_;
+};
+
+Expected<void> PaperDescent::rebuild() {
+  parameters_.project(state_.values);
+  auto scene = parameters_.scene_with(state_.values);
+  if (!scene) {
+    return tl::make_unexpected(std::move(scene.error()));
+  }
+  state_.scene = *std::move(scene);
+  return {};
+}
+
+Expected<void> PaperDescent::step(const std::vector<double>& position_gradient) {
+  position_steps_.step(position_gradient, state_.values.translation);
+  if (auto built = rebuild(); !built) {
+    return built;
+  }
+  const auto moved =
+      evaluator_.evaluate(state_.scene, PaperLossKind::kRatioAmplitude, parameters_.materials());
+  if (!moved) {
+    return tl::make_unexpected(moved.error());
+  }
+  material_steps_.step(moved->gradient, state_.values.material);
+  return rebuild();
+}
+
+bool PaperDescent::report(double loss,
+                          int iteration,
+                          const CalibrationObserver& observer,
+                          RoomCalibration& result) {
+  const double heldout =
+      median(correlations(room_, state_.scene, samples_.held_out, options_.max_depth));
+  result.history.push_back({kStage, iteration, loss, heldout});
+  if (!observer) {
+    return true;
+  }
+  const double share =
+      options_.iterations > 0 ? static_cast<double>(iteration) / options_.iterations : 1.0;
+  return observer({result.history.back(), share, fitted_points_});
+}
+
+Expected<void> PaperDescent::run(const CalibrationObserver& observer, RoomCalibration& result) {
+  for (int iteration = 0;; ++iteration) {
+    const auto here =
+        evaluator_.evaluate(state_.scene, PaperLossKind::kDelay, parameters_.objects());
+    if (!here) {
+      return tl::make_unexpected(here.error());
+    }
+    if (iteration == 0 || here->sum() < best_loss_) {
+      best_loss_ = here->sum();
+      best_ = state_;
+    }
+    const bool go_on = report(here->sum(), iteration, observer, result);
+    if (iteration == options_.iterations) {
+      return {};
+    }
+    if (!go_on) {
+      result.interrupted = true;
+      return {};
+    }
+    if (auto stepped = step(here->gradient); !stepped) {
+      return stepped;
+    }
+  }
+}
+
+// Of training and held-out samples, in the order of the points.
+std::vector<PointFit> point_fits(const RoomModel& room,
+                                 const PaperSamples& samples,
+                                 const SharedScene& after,
+                                 int max_depth) {
+  std::vector<PointFit> fits;
+  for (const auto* part : {&samples.training, &samples.held_out}) {
+    const auto old_fit = correlations(room, room.scene, *part, max_depth);
+    const auto new_fit = correlations(room, after, *part, max_depth);
+    for (std::size_t i = 0; i < part->size(); ++i) {
+      fits.push_back({(*part)[i].point, (*part)[i].access_point, old_fit[i], new_fit[i]});
+    }
+  }
+  std::sort(fits.begin(), fits.end(), [](const PointFit& a, const PointFit& b) {
+    return a.point != b.point ? a.point < b.point : a.access_point < b.access_point;
+  });
+  return fits;
+}
+
+}  // namespace
+
+Expected<RoomCalibration> calibrate_by_paper(const RoomModel& room,
+                                             std::span<const CalibrationPoint> points,
+                                             const PaperCalibrationOptions& options,
+                                             const CalibrationObserver& observer) {
+  if (auto valid = check(options); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  const TraceOptions tracing{.max_depth = options.max_depth, .softness = options.softness};
+  const auto samples = gather_paper_samples(room, points, tracing);
+  if (!samples) {
+    return tl::make_unexpected(samples.error());
+  }
+  RoomCalibration result;
+  result.room = room;
+  PaperDescent descent(room, *samples, options);
+  if (auto done = descent.run(observer, result); !done) {
+    return tl::make_unexpected(std::move(done.error()));
+  }
+  result.room.scene = descent.best_scene();
+  result.parameters = descent.best_parameters();
+  result.points = point_fits(room, *samples, descent.best_scene(), options.max_depth);
+  return result;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,53 @@
+// PaperCsiLoss: how far an expected channel is from a measured one, as the paper's localization
+// has it (METHODS A4): MSE of the smoothed amplitudes of antenna ratios + gamma_1 MSE of delays.
+//
+// The delays are spreads (DelaySpread) in nanoseconds: the paper does not say in what unit gamma_1
+// weighs them, and in seconds they would weigh nothing. Where the expected channel comes from is
+// the caller's affair: a device that is moved, or a target.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "engine/channel/ofdm_grid.h"
+#include "engine/observe/csi_ratio.h"
+#include "engine/observe/savitzky_golay.h"
+#include "engine/paper/delay_spread.h"
+
+namespace rayloc {
+
+struct PaperCsiLossOptions {
+  double delay_weight = 0.05;  // gamma_1 [1/ns^2]
+  SavitzkyGolayOptions smoothing = {};
+  double floor = kRatioFloor;  // of RatioAmplitude and DelaySpread
+};
+
+class PaperCsiLoss {
+ public:
+  // REQUIRES: as of RatioAmplitude and DelaySpread.
+  PaperCsiLoss(const OfdmGrid& grid, const PaperCsiLossOptions& options);
+
+  struct Observables {
+    std::vector<double> amplitude;  // [antenna - 1][tone]
+    std::vector<double> spread;     // [antenna] [s]
+  };
+  // `h`: [antenna][tone], two antennas at least, chain gains removed, with any factor and delay.
+  Observables observe(std::span<const std::complex<double>> h) const;
+
+  double value(const Observables& measured, const Observables& expected) const;
+
+  // g with d value = Re sum conj(g) dh, where `expected` was observed of h.
+  std::vector<std::complex<double>> adjoint(const Observables& measured,
+                                            const Observables& expected,
+                                            std::span<const std::complex<double>> h) const;
+
+ private:
+  RatioAmplitude amplitude_;
+  DelaySpread spread_;
+  double delay_weight_;  // [1/s^2]
+};
+
+}  // namespace rayloc

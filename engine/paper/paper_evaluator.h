@@ -1,0 +1,52 @@
+// PaperEvaluator: both losses of the paper's calibration over all points, in any scene, with the
+// gradient of one of them by the tracer's derivatives.
+//
+// Thread safety: const members may be used from many threads. Results do not depend on their
+// number.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/paper/paper_loss.h"
+#include "engine/paper/paper_samples.h"
+#include "engine/trace/parameter.h"
+
+namespace rayloc {
+
+class PaperEvaluator {
+ public:
+  // What is passed outlives the evaluator.
+  PaperEvaluator(const RoomModel& room,
+                 std::span<const PaperSample> samples,
+                 const TraceOptions& tracing,
+                 const PaperLoss& loss);
+
+  struct Evaluation {
+    double delay = 0.0;            // L_p, mean over the samples
+    double ratio_amplitude = 0.0;  // L_m
+    std::vector<double> gradient;  // of the loss asked for, by each parameter
+    double sum() const { return delay + ratio_amplitude; }
+  };
+
+  // An Error as of ArrayTracer::differentiate().
+  Expected<Evaluation> evaluate(const std::shared_ptr<const Scene>& scene,
+                                PaperLossKind differentiated,
+                                std::span<const Parameter> parameters) const;
+
+ private:
+  Expected<Evaluation> evaluate_sample(std::size_t sample,
+                                       const ArrayTracer& tracer,
+                                       PaperLossKind differentiated,
+                                       std::span<const Parameter> parameters) const;
+
+  const RoomModel& room_;
+  std::span<const PaperSample> samples_;
+  TraceOptions tracing_;
+  const PaperLoss& loss_;
+  std::vector<PaperLoss::Measured> measured_;  // of each sample
+};
+
+}  // namespace rayloc

@@ -1,0 +1,150 @@
+#include "engine/paper/paper_localizer.h"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/paper/paper_position_loss.h"
+#include "engine/paper/paper_search.h"
+#include "engine/room/hearing.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc {
+namespace {
+
+// The device is in the air of the room: on a wall's face itself no path begins.
+constexpr double kMargin = 0.01;  // [m]
+
+}  // namespace
+
+class PaperLocalizer::Impl {
+ public:
+  Impl(std::shared_ptr<const RoomModel> room, const PaperLocalizerOptions& options)
+      : room_(std::move(room)),
+        options_(options),
+        bounds_(plan_bounds(*room_, kMargin)),
+        csi_loss_(room_->grid, options.csi) {
+    const PathTracer tracer(room_->scene, room_->trace);
+    for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+      const RoomAccessPoint& ap = room_->access_points[i];
+      std::string problem = calibration_problem(*room_, ap);
+      if (problem.empty() && ap.cores.size() < 2) {
+        problem = "has a single antenna, and there is no ratio of one";
+      }
+      if (problem.empty()) {
+        stations_.push_back({i, ArrayTracer(tracer, ap.array)});
+      } else {
+        warnings_.push_back("access point " + ap.id + " " + problem);
+      }
+    }
+  }
+
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
+  std::optional<LossInPlan> loss(std::span<const CsiFrame> frames, const Vec3d& position) const;
+  const RoomModel& room() const { return *room_; }
+  std::uint64_t seed() const { return options_.seed; }
+
+ private:
+  std::vector<PaperMeasurement> listen(std::span<const CsiFrame> frames,
+                                       LocationEstimate& estimate) const;
+  PaperPositionLoss loss_of(std::span<const PaperMeasurement> measured) const {
+    return {*room_, csi_loss_, measured, options_.centre_weight};
+  }
+
+  std::shared_ptr<const RoomModel> room_;
+  PaperLocalizerOptions options_;
+  PlanBounds bounds_;
+  PaperCsiLoss csi_loss_;
+  std::vector<PaperStation> stations_;
+  std::vector<std::string> warnings_;
+};
+
+std::vector<PaperMeasurement> PaperLocalizer::Impl::listen(std::span<const CsiFrame> frames,
+                                                           LocationEstimate& estimate) const {
+  std::vector<PaperMeasurement> measured;
+  HearingTally tally;
+  for (const PaperStation& station : stations_) {
+    auto burst = hear(*room_, station.access_point, frames, options_.burst, estimate.warnings);
+    if (burst) {
+      tally.add(room_->access_points[station.access_point], *burst);
+      auto observables = csi_loss_.observe(burst->h);
+      measured.push_back({&station, std::move(burst->h), std::move(observables)});
+    }
+  }
+  tally.fill(frames, estimate);
+  return measured;
+}
+
+LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames,
+                                              std::uint64_t seed) const {
+  LocationEstimate estimate;
+  estimate.warnings = warnings_;
+  estimate.is_uncertainty_stated = false;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return estimate;
+  }
+  const auto measured = listen(frames, estimate);
+  if (measured.empty()) {
+    estimate.reason = nothing_heard(*room_, estimate.warnings);
+    return estimate;
+  }
+  const PaperPositionLoss loss = loss_of(measured);
+  const PaperEnd best = search([&loss](const Vec3d& position) { return loss.at(position); },
+                               {bounds_, room_->device.height, seed, frames.front().time},
+                               options_);
+  estimate.loss = best.loss;
+  estimate.iterations = static_cast<std::size_t>(options_.descent.iterations);
+  estimate.starts = options_.starts;
+  if (!loss.is_reached(best.position)) {
+    estimate.reason = "the descent ended where no path leads to any access point";
+    return estimate;
+  }
+  estimate.position = best.position;
+  estimate.model_residual_db = loss.model_residual_db(best.position);
+  return estimate;
+}
+
+std::optional<LossInPlan> PaperLocalizer::Impl::loss(std::span<const CsiFrame> frames,
+                                                     const Vec3d& position) const {
+  LocationEstimate unused;
+  const auto measured = frames.empty() ? std::vector<PaperMeasurement>() : listen(frames, unused);
+  if (measured.empty()) {
+    return std::nullopt;
+  }
+  return loss_of(measured).at(position);
+}
+
+Expected<PaperLocalizer> PaperLocalizer::create(std::shared_ptr<const RoomModel> room,
+                                                const PaperLocalizerOptions& options) {
+  if (auto valid = validate(options); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  if (auto valid = check_room(room.get()); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  return PaperLocalizer(std::make_unique<const Impl>(std::move(room), options));
+}
+
+PaperLocalizer::PaperLocalizer(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+PaperLocalizer::~PaperLocalizer() = default;
+PaperLocalizer::PaperLocalizer(PaperLocalizer&&) noexcept = default;
+PaperLocalizer& PaperLocalizer::operator=(PaperLocalizer&&) noexcept = default;
+
+LocationEstimate PaperLocalizer::locate(std::span<const CsiFrame> frames) const {
+  return impl_->locate(frames, impl_->seed());
+}
+
+LocationEstimate PaperLocalizer::locate(std::span<const CsiFrame> frames,
+                                        std::uint64_t seed) const {
+  return impl_->locate(frames, seed);
+}
+
+std::optional<LossInPlan> PaperLocalizer::loss(std::span<const CsiFrame> frames,
+                                               const Vec3d& position) const {
+  return impl_->loss(frames, position);
+}
+
+const RoomModel& PaperLocalizer::room() const { return impl_->room(); }
+
+}  // namespace rayloc

@@ -1,0 +1,64 @@
+// PaperLoss: the two losses of the paper's calibration at one point (METHODS A3): L_p of the
+// delays, for positions of objects, and L_m of the amplitudes of antenna ratios, for materials.
+//
+// Both are symmetric mean absolute percentage errors with absolute values in the denominator
+// (METHODS C5), as shares: 0 when measured and expected agree, 2 at most.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/channel/ofdm_grid.h"
+#include "engine/observe/alignment.h"
+#include "engine/observe/csi_ratio.h"
+#include "engine/paper/paper_delay.h"
+
+namespace rayloc {
+
+// Mean of 2 |a - b| / (|a| + |b|); where both are 0 a term is 0. REQUIRES: sizes equal, not 0.
+double smape(std::span<const double> measured, std::span<const double> expected);
+
+// d smape / d expected. Where a term has a corner (a = b, b = 0) its slope is taken as 0.
+std::vector<double> smape_gradient(std::span<const double> measured,
+                                   std::span<const double> expected);
+
+enum class PaperLossKind : std::uint8_t { kDelay, kRatioAmplitude };
+
+class PaperLoss {
+ public:
+  // REQUIRES: as of PaperDelay and RatioAmplitude.
+  PaperLoss(const OfdmGrid& grid, const SavitzkyGolayOptions& smoothing, double floor);
+
+  // What a burst says of a point.
+  struct Measured {
+    PaperDelay::Anchor anchor;
+    std::vector<double> delay;      // [s], [antenna][pair of tones]
+    std::vector<double> amplitude;  // [antenna - 1][tone]
+  };
+  // `h`: [antenna][tone], chain gains removed, with any timing offset; `line_of_sight` [s] from the
+  // device to each antenna.
+  Measured measure(std::span<const std::complex<double>> h,
+                   std::vector<double> line_of_sight) const;
+
+  // `expected`: [antenna][tone]. When it is silent, nothing agrees: 2.
+  double value(PaperLossKind kind,
+               const Measured& measured,
+               std::span<const std::complex<double>> expected) const;
+
+  // g with d value = Re sum conj(g) d expected.
+  std::vector<std::complex<double>> adjoint(PaperLossKind kind,
+                                            const Measured& measured,
+                                            std::span<const std::complex<double>> expected) const;
+
+ private:
+  OfdmGrid grid_;
+  PaperDelay delay_;
+  RatioAmplitude amplitude_;
+  Aligner aligner_;
+};
+
+}  // namespace rayloc

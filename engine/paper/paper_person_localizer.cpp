@@ -1,0 +1,157 @@
+#include "engine/paper/paper_person_localizer.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/paper/paper_person_loss.h"
+#include "engine/paper/paper_search.h"
+#include "engine/room/hearing.h"
+
+namespace rayloc {
+
+class PaperPersonLocalizer::Impl {
+ public:
+  Impl(std::shared_ptr<const RoomModel> room,
+       const TargetBody& body,
+       const PaperLocalizerOptions& options)
+      : room_(std::move(room)),
+        options_(options),
+        bounds_(plan_bounds(*room_, std::max(body.semi_axes[0], body.semi_axes[1]))),
+        csi_loss_(room_->grid, options.csi) {}
+
+  Expected<void> add(const PersonReference& reference, const PersonLink& link);
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
+  std::optional<LossInPlan> loss(std::span<const CsiFrame> frames, const Vec3d& position) const;
+  std::uint64_t seed() const { return options_.seed; }
+
+ private:
+  std::vector<PaperPersonMeasurement> listen(std::span<const CsiFrame> frames,
+                                             LocationEstimate& estimate) const;
+  PaperPersonLoss loss_of(std::span<const PaperPersonMeasurement> measured) const {
+    return {*room_, csi_loss_, measured, options_.centre_weight};
+  }
+
+  std::shared_ptr<const RoomModel> room_;
+  PaperLocalizerOptions options_;
+  PlanBounds bounds_;
+  PaperCsiLoss csi_loss_;
+  std::vector<PaperPersonLink> links_;
+  std::vector<std::string> warnings_;
+};
+
+Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
+                                               const PersonLink& link) {
+  if (auto valid = check_link(*room_, link); !valid) {
+    return valid;
+  }
+  const RoomAccessPoint& ap = room_->access_points[link.access_point];
+  if (ap.cores.size() < 2) {
+    warnings_.push_back("access point " + ap.id +
+                        " has a single antenna, and there is no ratio of one");
+    return {};
+  }
+  auto scattering = PersonScattering::create(
+      *room_, link.access_point, reference.transmitter, reference.person.body, kPersonDepth);
+  if (!scattering) {
+    return tl::make_unexpected(std::move(scattering.error()));
+  }
+  links_.push_back({link.access_point, *std::move(scattering), link.empty, link.scale});
+  return {};
+}
+
+std::vector<PaperPersonMeasurement> PaperPersonLocalizer::Impl::listen(
+    std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
+  std::vector<PaperPersonMeasurement> measured;
+  HearingTally tally;
+  for (const PaperPersonLink& link : links_) {
+    auto burst = hear(*room_, link.access_point, frames, options_.burst, estimate.warnings);
+    if (burst) {
+      tally.add(room_->access_points[link.access_point], *burst);
+      auto observables = csi_loss_.observe(burst->h);
+      measured.push_back({&link, std::move(burst->h), std::move(observables)});
+    }
+  }
+  tally.fill(frames, estimate);
+  return measured;
+}
+
+LocationEstimate PaperPersonLocalizer::Impl::locate(std::span<const CsiFrame> frames,
+                                                    std::uint64_t seed) const {
+  LocationEstimate estimate;
+  estimate.warnings = warnings_;
+  estimate.is_uncertainty_stated = false;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return estimate;
+  }
+  const auto measured = listen(frames, estimate);
+  if (measured.empty()) {
+    estimate.reason = estimate.warnings.empty() ? "no access point of the reference heard the burst"
+                                                : estimate.warnings.front();
+    return estimate;
+  }
+  const PaperPersonLoss loss = loss_of(measured);
+  const PaperEnd best = search([&loss](const Vec3d& position) { return loss.at(position); },
+                               {bounds_, room_->bounds_min.z, seed, frames.front().time},
+                               options_);
+  estimate.loss = best.loss;
+  estimate.iterations = static_cast<std::size_t>(options_.descent.iterations);
+  estimate.starts = options_.starts;
+  estimate.position = best.position;
+  estimate.model_residual_db = loss.model_residual_db(best.position);
+  return estimate;
+}
+
+std::optional<LossInPlan> PaperPersonLocalizer::Impl::loss(std::span<const CsiFrame> frames,
+                                                           const Vec3d& position) const {
+  LocationEstimate unused;
+  const auto measured =
+      frames.empty() ? std::vector<PaperPersonMeasurement>() : listen(frames, unused);
+  if (measured.empty()) {
+    return std::nullopt;
+  }
+  return loss_of(measured).at(position);
+}
+
+Expected<PaperPersonLocalizer> PaperPersonLocalizer::create(std::shared_ptr<const RoomModel> room,
+                                                            const PersonReference& reference,
+                                                            const PaperLocalizerOptions& options) {
+  if (auto valid = validate(options); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  if (auto valid = check_room(room.get()); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  if (reference.links.empty()) {
+    return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
+  }
+  auto impl = std::make_unique<Impl>(std::move(room), reference.person.body, options);
+  for (const PersonLink& link : reference.links) {
+    if (auto added = impl->add(reference, link); !added) {
+      return tl::make_unexpected(std::move(added.error()));
+    }
+  }
+  return PaperPersonLocalizer(std::move(impl));
+}
+
+PaperPersonLocalizer::PaperPersonLocalizer(std::unique_ptr<const Impl> impl)
+    : impl_(std::move(impl)) {}
+PaperPersonLocalizer::~PaperPersonLocalizer() = default;
+PaperPersonLocalizer::PaperPersonLocalizer(PaperPersonLocalizer&&) noexcept = default;
+PaperPersonLocalizer& PaperPersonLocalizer::operator=(PaperPersonLocalizer&&) noexcept = default;
+
+LocationEstimate PaperPersonLocalizer::locate(std::span<const CsiFrame> frames) const {
+  return impl_->locate(frames, impl_->seed());
+}
+LocationEstimate PaperPersonLocalizer::locate(std::span<const CsiFrame> frames,
+                                              std::uint64_t seed) const {
+  return impl_->locate(frames, seed);
+}
+std::optional<LossInPlan> PaperPersonLocalizer::loss(std::span<const CsiFrame> frames,
+                                                     const Vec3d& position) const {
+  return impl_->loss(frames, position);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,92 @@
+#include "engine/paper/paper_position_loss.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/base/check.h"
+#include "engine/observe/alignment.h"
+#include "engine/paper/paper_search.h"
+#include "engine/room/surface_correction.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kLeastResidual = 1e-30;
+
+Transmitter device_at(const RoomModel& room, const Vec3d& position) {
+  return Transmitter{{position, {}, room.device.pattern, room.device.polarization}};
+}
+
+}  // namespace
+
+PaperPositionLoss::PaperPositionLoss(const RoomModel& room,
+                                     const PaperCsiLoss& csi_loss,
+                                     std::span<const PaperMeasurement> measured,
+                                     double centre_weight)
+    : room_(room), csi_loss_(csi_loss), measured_(measured), centre_weight_(centre_weight) {
+  RAYLOC_CHECK(!measured.empty());
+}
+
+std::vector<Paths> PaperPositionLoss::trace(const PaperStation& station,
+                                            const Vec3d& position) const {
+  auto traced = station.tracer.trace(device_at(room_, position));
+  for (Paths& paths : traced) {
+    correct_paths(room_.surface_correction, paths);
+  }
+  return traced;
+}
+
+LossInPlan PaperPositionLoss::of_station(const PaperMeasurement& measured,
+                                         const Vec3d& position) const {
+  static const std::array kInPlan = {Parameter::transmitter_position(0),
+                                     Parameter::transmitter_position(1)};
+  const ArrayTracer& tracer = measured.station->tracer;
+  const Transmitter device = device_at(room_, position);
+  auto paths = tracer.trace(device);
+  auto derivatives = tracer.differentiate(device, paths, kInPlan);
+  RAYLOC_CHECK(derivatives.has_value());  // a position always has derivatives
+  for (std::size_t element = 0; element < paths.size(); ++element) {
+    correct_paths(room_.surface_correction, paths[element], (*derivatives)[element]);
+  }
+  const auto h = array_csi(paths, room_.grid);
+  const auto expected = csi_loss_.observe(h);
+  const auto gradient = array_loss_gradient(
+      *derivatives, paths, room_.grid, csi_loss_.adjoint(measured.observables, expected, h));
+  return {csi_loss_.value(measured.observables, expected), gradient[0], gradient[1]};
+}
+
+LossInPlan PaperPositionLoss::at(const Vec3d& position) const {
+  LossInPlan sum = centre_loss(room_, centre_weight_, position);
+  const double share = 1.0 / static_cast<double>(measured_.size());
+  for (const PaperMeasurement& measured : measured_) {
+    const LossInPlan one = of_station(measured, position);
+    sum.value += share * one.value;
+    sum.by_x += share * one.by_x;
+    sum.by_y += share * one.by_y;
+  }
+  return sum;
+}
+
+double PaperPositionLoss::model_residual_db(const Vec3d& position) const {
+  const Aligner aligner(room_.grid);
+  double residual = 0.0;
+  for (const PaperMeasurement& measured : measured_) {
+    const auto h = array_csi(trace(*measured.station, position), room_.grid);
+    const bool is_silent = std::all_of(
+        h.begin(), h.end(), [](const auto& value) { return value == std::complex<double>(); });
+    residual += is_silent ? 1.0 : 1.0 - aligner.align(h, measured.h).correlation;
+  }
+  return 10.0 *
+         std::log10(std::max(residual / static_cast<double>(measured_.size()), kLeastResidual));
+}
+
+bool PaperPositionLoss::is_reached(const Vec3d& position) const {
+  return std::any_of(measured_.begin(), measured_.end(), [&](const PaperMeasurement& measured) {
+    const auto paths = measured.station->tracer.trace(device_at(room_, position));
+    return std::any_of(
+        paths.begin(), paths.end(), [](const Paths& of_element) { return !of_element.empty(); });
+  });
+}
+
+}  // namespace rayloc

@@ -1,0 +1,56 @@
+#include "engine/person/calibrate/occupied_room.h"
+
+#include <algorithm>
+#include <complex>
+
+#include "engine/observe/alignment.h"
+#include "engine/room/hearing.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kRounds = 5;
+constexpr std::size_t kTaken = 2;  // one frame of so many
+
+struct Heard {
+  const CsiFrame* frame;
+  std::vector<std::complex<double>> h;
+  double correlation = 0.0;  // with the background
+};
+
+}  // namespace
+
+std::optional<BurstObservation> hear_background(const RoomModel& room,
+                                                std::size_t access_point,
+                                                std::span<const CsiFrame> frames,
+                                                const BurstOptions& options,
+                                                std::vector<std::string>& warnings) {
+  auto background = hear(room, access_point, frames, options, warnings);
+  std::vector<Heard> heard;
+  for (const CsiFrame& frame : frames) {
+    if (frame.access_point != static_cast<int>(access_point)) {
+      continue;
+    }
+    std::vector<std::string> ignored;  // of the whole recording they have been said
+    if (auto one = hear(room, access_point, {&frame, 1}, options, ignored)) {
+      heard.push_back({&frame, std::move(one->h)});
+    }
+  }
+  const Aligner aligner(room.grid);
+  for (int round = 0; round < kRounds && background && heard.size() > kTaken; ++round) {
+    for (Heard& one : heard) {
+      one.correlation = aligner.align(background->h, one.h).correlation;
+    }
+    std::stable_sort(heard.begin(), heard.end(), [](const Heard& a, const Heard& b) {
+      return a.correlation > b.correlation;
+    });
+    std::vector<CsiFrame> quiet;
+    for (std::size_t i = 0; i < heard.size() / kTaken; ++i) {
+      quiet.push_back(*heard[i].frame);
+    }
+    background = hear(room, access_point, quiet, options, warnings);
+  }
+  return background;
+}
+
+}  // namespace rayloc

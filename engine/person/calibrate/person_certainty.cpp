@@ -1,0 +1,89 @@
+#include "engine/person/calibrate/person_certainty.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/person/people.h"
+#include "engine/posterior/judged_exponent.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kParts = 3;
+// Spots from which the most that a second person explains is known, and the least that it is said
+// to be.
+constexpr std::size_t kLeastSpots = 20;
+constexpr double kLeastGain = 20.0;
+
+// What the best second person explains; 0 where none is looked for.
+double second_gain(const PersonLocalizer& localizer, const PersonHearing& hearing) {
+  if (hearing.arrays.empty()) {
+    return 0.0;
+  }
+  const double temper = localizer.reference().person.temper;
+  const auto pair = best_pair(localizer, hearing, temper, localizer.map(hearing, temper));
+  return pair ? pair->gain : 0.0;
+}
+
+}  // namespace
+
+Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
+                                               const PersonFit& fit,
+                                               std::span<const PersonSpot> spots,
+                                               std::span<const std::vector<CsiFrame>> frames,
+                                               const PersonFitOptions& options) {
+  RAYLOC_CHECK(spots.size() == frames.size());
+  const auto shared = std::make_shared<const RoomModel>(room);
+  PersonFitOptions same_body = options;
+  same_body.radius_steps.clear();
+  std::array<std::vector<LocationEstimate>, kExponents.size()> estimates;  // by spot
+  KnownSpots known{{}, options.place_sigma, room.area()};
+  double gain = kLeastGain;
+  for (std::size_t part = 0; part < kParts; ++part) {
+    std::vector<PersonSpot> others;
+    for (std::size_t s = 0; s < spots.size(); ++s) {
+      if (s % kParts != part) {
+        others.push_back(spots[s]);
+      }
+    }
+    auto fitted = fit_person(room, fit.reference, others, same_body);
+    if (!fitted) {
+      return tl::make_unexpected(std::move(fitted.error()));
+    }
+    const auto localizer = PersonLocalizer::create(shared, std::move(fitted->reference), {});
+    if (!localizer) {
+      return tl::make_unexpected(localizer.error());
+    }
+    for (std::size_t s = part; s < spots.size(); s += kParts) {
+      const PersonHearing hearing = localizer->hear(frames[s]);
+      if (hearing.arrays.empty()) {
+        continue;
+      }
+      known.places.push_back({spots[s].place.x, spots[s].place.y, 0.0});
+      for (std::size_t t = 0; t < kExponents.size(); ++t) {
+        estimates[t].push_back(
+            localizer->summarise(hearing.estimate, localizer->map(hearing, kExponents[t])));
+      }
+      gain = std::max(gain, second_gain(*localizer, hearing));
+    }
+  }
+  PersonCertainty certainty;
+  if (!known.places.empty()) {
+    // Places known to a centimetre do not tell whether less than that is left in every position.
+    const std::array usual{PosteriorOptions{}.least_sigma};
+    std::vector<JudgedExponent> judged;
+    for (std::size_t t = 0; t < kExponents.size(); ++t) {
+      judged.push_back(judge_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
+    }
+    certainty.temper = judged[best_exponent(judged)].exponent;
+  }
+  if (known.places.size() >= kLeastSpots) {
+    certainty.second_person = gain;
+  }
+  return certainty;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,261 @@
+#include "engine/person/calibrate/person_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/person/calibrate/person_geometry.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kSquare = 0.06;  // [m], about a known place
+constexpr std::size_t kSamples = 11;
+constexpr int kPhases = 24;
+constexpr std::array<double, 6> kLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
+constexpr std::array<double, 6> kVariances = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+constexpr std::array<double, 6> kDiffuse = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+constexpr std::array<double, 6> kNoise = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
+constexpr double kLevelSigma = 0.3;  // of the logarithm of |a|
+
+struct HeardSpot {
+  std::size_t spot = 0;
+  ScatteredPatch patch;
+  PersonLikelihood::Observed observed;
+};
+
+// What one link heard of all spots, with a body of one radius.
+struct FitLink {
+  PersonLikelihood likelihood;
+  std::vector<HeardSpot> heard;
+};
+
+class PersonFitter {
+ public:
+  PersonFitter(const RoomModel& room,
+               const PersonReference& reference,
+               std::span<const PersonSpot> spots,
+               const PersonFitOptions& options)
+      : room_(room), reference_(reference), spots_(spots), options_(options) {
+    const PatchPlan plan{0.0, 0.0, kSquare, kSamples};
+    const double scale = -0.5 / (options.place_sigma * options.place_sigma);
+    for (std::size_t i = 0; i < kSamples; ++i) {
+      for (std::size_t j = 0; j < kSamples; ++j) {
+        prior_.push_back(scale * (plan.at(i) * plan.at(i) + plan.at(j) * plan.at(j)));
+      }
+    }
+  }
+
+  Expected<std::vector<FitLink>> listen(const TargetBody& body) const;
+  // Sum over the spots of the log-likelihood of their link alone.
+  double of_link(const FitLink& link, Value scale, const PersonModel& model) const;
+  // All links of a spot together.
+  double of_all(const std::vector<FitLink>& links,
+                const std::vector<Value>& scales,
+                const PersonModel& model) const;
+  Value best_scale(const FitLink& link, const PersonModel& model) const;
+  PersonModel best_errors(const std::vector<FitLink>& links,
+                          const std::vector<Value>& scales,
+                          PersonModel model) const;
+
+ private:
+  std::vector<double> samples(const FitLink& link,
+                              const HeardSpot& heard,
+                              Value scale,
+                              const PersonModel& model,
+                              double nobody) const;
+  double marginal(std::span<const double> samples) const;
+
+  const RoomModel& room_;
+  const PersonReference& reference_;
+  std::span<const PersonSpot> spots_;
+  const PersonFitOptions& options_;
+  std::vector<double> prior_;  // log, of each sample place about a known one
+};
+
+Expected<std::vector<FitLink>> PersonFitter::listen(const TargetBody& body) const {
+  std::vector<FitLink> links;
+  for (std::size_t l = 0; l < reference_.links.size(); ++l) {
+    const PersonLink& link = reference_.links[l];
+    const RoomAccessPoint& ap = room_.access_points[link.access_point];
+    const auto scattering = PersonScattering::create(
+        room_, link.access_point, reference_.transmitter, body, options_.depth);
+    if (!scattering) {
+      return tl::make_unexpected(scattering.error());
+    }
+    FitLink fit{PersonLikelihood(room_.grid,
+                                 ap.cores.size(),
+                                 link,
+                                 norm(ap.array.pose.position - reference_.transmitter.position)),
+                {}};
+    std::vector<std::optional<HeardSpot>> heard(spots_.size());
+    parallel_for(spots_.size(), 1, [&](std::size_t s) {
+      const auto rays = spots_[s].h[l].empty() ? std::nullopt : scattering->at(spots_[s].place);
+      if (rays) {
+        heard[s] = HeardSpot{s,
+                             fit.likelihood.patch(*rays, {0.0, 0.0, kSquare, kSamples}),
+                             fit.likelihood.observe(spots_[s].h[l])};
+      }
+    });
+    for (auto& one : heard) {
+      if (one) {
+        fit.heard.push_back(*std::move(one));
+      }
+    }
+    links.push_back(std::move(fit));
+  }
+  return links;
+}
+
+std::vector<double> PersonFitter::samples(const FitLink& link,
+                                          const HeardSpot& heard,
+                                          Value scale,
+                                          const PersonModel& model,
+                                          double nobody) const {
+  std::vector<double> values(prior_.size());
+  link.likelihood.log_likelihood(
+      link.likelihood.place(heard.patch, scale, model), heard.observed, {}, values);
+  for (double& value : values) {
+    value -= nobody;
+  }
+  return values;
+}
+
+double PersonFitter::marginal(std::span<const double> samples) const {
+  double top = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    top = std::max(top, samples[i] + prior_[i]);
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    sum += std::exp(samples[i] + prior_[i] - top);
+  }
+  return top + std::log(sum / static_cast<double>(samples.size()));
+}
+
+double PersonFitter::of_link(const FitLink& link, Value scale, const PersonModel& model) const {
+  std::vector<double> sums(link.heard.size());
+  parallel_for(sums.size(), 2, [&](std::size_t i) {
+    sums[i] = marginal(samples(link, link.heard[i], scale, model, 0.0));
+  });
+  double total = 0.0;
+  for (const double sum : sums) {
+    total += sum;
+  }
+  return total;
+}
+
+double PersonFitter::of_all(const std::vector<FitLink>& links,
+                            const std::vector<Value>& scales,
+                            const PersonModel& model) const {
+  std::vector<std::vector<double>> sums(spots_.size(), std::vector<double>(prior_.size()));
+  for (std::size_t l = 0; l < links.size(); ++l) {
+    parallel_for(links[l].heard.size(), 2, [&](std::size_t i) {
+      const HeardSpot& heard = links[l].heard[i];
+      const auto values = samples(links[l], heard, scales[l], model, 0.0);
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        sums[heard.spot][p] += values[p];
+      }
+    });
+  }
+  double total = 0.0;
+  for (const auto& sum : sums) {
+    total += marginal(sum);
+  }
+  return total;
+}
+
+// A scan over phase and level, then a finer one about the best.
+Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) const {
+  Value best = 1.0;
+  double most = -std::numeric_limits<double>::infinity();
+  const auto attempt = [&](Value scale) {
+    const double level = std::log(std::abs(scale)) / kLevelSigma;
+    const double value = of_link(link, scale, model) - 0.5 * level * level;
+    if (value > most) {
+      most = value;
+      best = scale;
+    }
+  };
+  for (const double level : kLevels) {
+    for (int i = 0; i < kPhases; ++i) {
+      attempt(std::polar(level, 2.0 * std::numbers::pi * i / kPhases));
+    }
+  }
+  const Value rough = best;
+  for (int i = -2; i <= 2; ++i) {
+    for (int j = -2; j <= 2; ++j) {
+      attempt(rough * std::polar(std::exp(0.06 * i), 2.0 * std::numbers::pi * j / (5 * kPhases)));
+    }
+  }
+  return best;
+}
+
+PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
+                                      const std::vector<Value>& scales,
+                                      PersonModel model) const {
+  double most = -std::numeric_limits<double>::infinity();
+  PersonModel best = model;
+  for (const double variance : kVariances) {
+    for (const double diffuse : kDiffuse) {
+      for (const double noise : kNoise) {
+        model.strength_variance = variance;
+        model.diffuse = diffuse;
+        model.noise = noise;
+        const double value = of_all(links, scales, model);
+        if (value > most) {
+          most = value;
+          best = model;
+        }
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Expected<PersonFit> fit_person(const RoomModel& room,
+                               const PersonReference& reference,
+                               std::span<const PersonSpot> spots,
+                               const PersonFitOptions& options) {
+  PersonFit fit{reference, 0.0, 0};
+  if (!options.radius_steps.empty()) {
+    const auto geometry = fit_person_geometry(room, reference, spots, options);
+    if (!geometry) {
+      return tl::make_unexpected(geometry.error());
+    }
+    fit.reference.person.body.semi_axes = {geometry->radius, geometry->radius};
+    fit.reference.transmitter.position = reference.transmitter.position + geometry->shift;
+  }
+  const PersonFitter fitter(room, fit.reference, spots, options);
+  const auto links = fitter.listen(fit.reference.person.body);
+  if (!links) {
+    return tl::make_unexpected(links.error());
+  }
+  std::vector<Value> scales;
+  for (const FitLink& link : *links) {
+    fit.spots = std::max(fit.spots, link.heard.size());
+    scales.push_back(fitter.best_scale(link, fit.reference.person));
+  }
+  if (fit.spots < kLeastPersonSpots) {
+    return bad_input("people were heard at " + std::to_string(fit.spots) + " places; " +
+                     std::to_string(kLeastPersonSpots) + " are needed to fit what a person does");
+  }
+  fit.reference.person = fitter.best_errors(*links, scales, fit.reference.person);
+  for (std::size_t l = 0; l < scales.size(); ++l) {
+    scales[l] = fitter.best_scale((*links)[l], fit.reference.person);
+    fit.reference.links[l].scale = scales[l];
+  }
+  fit.log_likelihood = fitter.of_all(*links, scales, fit.reference.person);
+  return fit;
+}
+
+}  // namespace rayloc

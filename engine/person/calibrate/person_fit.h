@@ -1,0 +1,50 @@
+// fit_person: from people who stood at known places, what a person of this site does to the fixed
+// links: the complex factor of each access point, the body's radius, the errors of the model and
+// the exponent of the likelihood with which stated probabilities are honest (METHODS B5).
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/person/person_localizer.h"
+#include "engine/person/person_reference.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// Somebody at a known place, as the links of a reference heard it.
+struct PersonSpot {
+  TargetPosition place;
+  // Of each link, [core][tone] with chain gains removed; empty where the link heard nothing.
+  std::vector<std::vector<std::complex<double>>> h;
+};
+
+struct PersonFitOptions {
+  double place_sigma = 0.01;        // [m], of each axis of the known places
+  double transmitter_sigma = 0.01;  // [m], of each axis of the transmitter's place
+  double radius_sigma = 0.02;       // [m], of people about the stated one
+  double least_radius = 0.05;       // [m]
+  int depth = PersonLocalizerOptions{}.depth;
+  // [m], from the stated radius, that are tried. Empty: the geometry stays as it is.
+  std::vector<double> radius_steps{0.0, -0.03, -0.02, -0.01, 0.01, 0.02, 0.03};
+};
+
+struct PersonFit {
+  PersonReference reference;    // with `scale` of every link and `person` as fitted
+  double log_likelihood = 0.0;  // of the spots, over that of the empty room
+  std::size_t spots = 0;        // that were used
+};
+
+// An Error when fewer than kLeastPersonSpots spots can be used. `temper` is not fitted here.
+inline constexpr std::size_t kLeastPersonSpots = 8;
+Expected<PersonFit> fit_person(const RoomModel& room,
+                               const PersonReference& reference,
+                               std::span<const PersonSpot> spots,
+                               const PersonFitOptions& options = {});
+
+}  // namespace rayloc

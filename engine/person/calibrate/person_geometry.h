@@ -1,0 +1,28 @@
+// fit_person_geometry: where the fixed transmitter is, to millimetres, and how wide a person is,
+// from people who stood at known places.
+//
+// The empty room does not tell the transmitter's place well: one array hears it over few strong
+// paths. People at tens of places are as many mirrors around it. The squared residuals of a spot,
+// whitened, with the empty room and a delay taken out, are compared over all complex factors of a
+// link and all places near the known one, which cost next to nothing once the rays are known.
+#pragma once
+
+#include <span>
+
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+#include "engine/person/calibrate/person_fit.h"
+
+namespace rayloc {
+
+struct PersonGeometry {
+  Vec3d shift;          // [m], of the transmitter, from the reference's
+  double radius = 0.0;  // [m], of the body
+};
+
+Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
+                                             const PersonReference& reference,
+                                             std::span<const PersonSpot> spots,
+                                             const PersonFitOptions& options);
+
+}  // namespace rayloc

@@ -1,0 +1,98 @@
+#include "engine/person/people.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kLeastArrays = 2;
+// Who is explained as well as this (PersonMap::misfit) is alone: 37 of 38 pairs were not.
+constexpr double kExplained = 1.2;
+// Places of one from which a pair is looked for: four find the same pairs as two, in twice the
+// time.
+constexpr std::size_t kStarts = 2;
+constexpr int kTurns = 2;
+
+struct Settled {
+  std::array<PersonSample, 2> places;
+  double log_likelihood = 0.0;
+};
+
+// Both in turn, near where they are.
+Settled settle(const PersonLocalizer& localizer,
+               const PersonHearing& hearing,
+               double temper,
+               Settled pair) {
+  for (int turn = 0; turn < 2 * kTurns; ++turn) {
+    PersonSample& one = pair.places[static_cast<std::size_t>(turn) % 2];
+    const std::array others = {pair.places[static_cast<std::size_t>(turn + 1) % 2]};
+    const PersonMap map = localizer.map(hearing, temper, {others, one});
+    if (map.places.empty() || !(map.best_log_likelihood > pair.log_likelihood)) {
+      break;
+    }
+    pair.log_likelihood = map.best_log_likelihood;
+    one = map.places.front();
+  }
+  return pair;
+}
+
+}  // namespace
+
+std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
+                                    const PersonHearing& hearing,
+                                    double temper,
+                                    const PersonMap& alone) {
+  if (hearing.arrays.size() < kLeastArrays || alone.misfit < kExplained) {
+    return std::nullopt;
+  }
+  std::optional<PersonPair> best;
+  for (std::size_t i = 0; i < std::min(kStarts, alone.places.size()); ++i) {
+    const std::array others = {alone.places[i]};
+    const PersonMap other = localizer.map(hearing, temper, {others, std::nullopt});
+    if (other.places.empty()) {
+      continue;
+    }
+    const Settled pair = settle(
+        localizer, hearing, temper, {{others[0], other.places.front()}, other.best_log_likelihood});
+    const double gain = pair.log_likelihood - alone.best_log_likelihood;
+    if (!best || gain > best->gain) {
+      best = PersonPair{pair.places, gain};
+    }
+  }
+  return best;
+}
+
+std::vector<PersonMap> map_people(const PersonLocalizer& localizer, const PersonHearing& hearing) {
+  const PersonModel& person = localizer.reference().person;
+  PersonMap alone = localizer.map(hearing, person.temper);
+  const auto pair =
+      person.second_person ? best_pair(localizer, hearing, person.temper, alone) : std::nullopt;
+  if (!pair || pair->gain <= *person.second_person) {
+    return {std::move(alone)};
+  }
+  std::vector<PersonMap> both;
+  for (const std::size_t i : {0U, 1U}) {
+    const std::array others = {pair->places[1 - i]};
+    both.push_back(localizer.map(hearing, person.temper, {others, std::nullopt}));
+    if (!both.back().is_explained || both.back().somebody < 0.0) {  // less likely than not
+      return {std::move(alone)};
+    }
+  }
+  return both;
+}
+
+std::vector<LocationEstimate> locate_people(const PersonLocalizer& localizer,
+                                            std::span<const CsiFrame> frames) {
+  PersonHearing hearing = localizer.hear(frames);
+  if (hearing.arrays.empty()) {
+    return {std::move(hearing.estimate)};
+  }
+  std::vector<LocationEstimate> estimates;
+  for (const PersonMap& map : map_people(localizer, hearing)) {
+    estimates.push_back(localizer.summarise(hearing.estimate, map));
+  }
+  return estimates;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,63 @@
+// PersonCompany: people who are known to be in the room, for the likelihood of one more (METHODS
+// B5). In the coordinates of PersonLikelihood they add a mean, and an error of covariance S S^H:
+//
+//   mu' = mu + added,   Sigma' = Sigma + S S^H
+//
+// S has few columns, so a Gaussian is seen with company without being factorised anew: with
+// B = W S and M = I + B^H B, a^H Sigma'^-1 b = (W a)^H (I - B M^-1 B^H) (W b), and det Sigma' =
+// det Sigma det M (matrix inversion and determinant lemmas).
+//
+// What waves do that meet two people is left out.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/likelihood/whitened_gaussian.h"
+
+namespace rayloc {
+
+struct PersonCompany {
+  static constexpr std::size_t kMostColumns = 6;
+  std::vector<std::complex<double>> added;                // [coordinate]; empty: nobody
+  std::vector<std::vector<std::complex<double>>> spread;  // S, [column][coordinate]
+
+  bool empty() const { return added.empty(); }
+};
+
+// One Gaussian with company. Holds a reference to the Gaussian.
+class AccompaniedGaussian {
+ public:
+  // REQUIRES: company is of somebody, and has at most kMostColumns.
+  AccompaniedGaussian(const WhitenedGaussian& gaussian, const PersonCompany& company);
+
+  // (I - B M^-1 B^H) u, of u = W y.
+  std::vector<std::complex<double>> reduced(std::span<const std::complex<double>> u) const;
+  // u^H (I - B M^-1 B^H) u
+  double power(std::span<const std::complex<double>> u) const;
+  // W added
+  std::span<const std::complex<double>> shift() const { return shift_; }
+  // ln det M
+  double log_determinant() const { return log_determinant_; }
+
+  // F with |W' x|^2 = |W x|^2 - |F x|^2: C^-1 B^H W, M = C C^H; [column of B][coordinate].
+  std::vector<std::vector<std::complex<double>>> reduction() const;
+
+ private:
+  using Column = std::array<std::complex<double>, PersonCompany::kMostColumns>;
+
+  void solve(std::span<std::complex<double>> x) const;
+  Column along(std::span<const std::complex<double>> u) const;  // C^-1 B^H u
+
+  const WhitenedGaussian& gaussian_;
+  std::size_t columns_;
+  std::array<std::vector<std::complex<double>>, PersonCompany::kMostColumns> b_;
+  std::array<Column, PersonCompany::kMostColumns> factor_{};  // C
+  std::vector<std::complex<double>> shift_;
+  double log_determinant_ = 0.0;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,473 @@
+#include "engine/person/person_likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "engine/base/check.h"
+#include "engine/base/constants.h"
+#include "engine/likelihood/gain_profile.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
+constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
+constexpr std::size_t kTriangle = 2;      // n (n + 1) / kTriangle values of a triangle
+
+std::size_t triangle_size(std::size_t n) { return n * (n + 1) / kTriangle; }
+
+// sigma += weight * s s^H, lower triangle by rows.
+void add_outer(double weight,
+               std::span<const Value> s,
+               std::size_t first,
+               std::vector<Value>& sigma) {
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    Value* row = sigma.data() + triangle_size(first + i) + first;
+    const Value left = weight * s[i];
+    for (std::size_t j = 0; j <= i; ++j) {
+      row[j] += left * std::conj(s[j]);
+    }
+  }
+}
+
+constexpr double kLeastPower = 1e-12;
+
+// Of one value, by second differences along the tones, where noise has six times its variance. The
+// array is aligned to the empty room: echoes of a room turn by a tenth of a radian from one tone to
+// the next, a timing offset that is left in by ten times that.
+double noise_power(std::span<const Value> h, std::size_t tones) {
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < h.size(); row += tones) {
+    for (std::size_t k = row + 1; k + 1 < row + tones; ++k) {
+      sum += std::norm(h[k - 1] - 2.0 * h[k] + h[k + 1]);
+      ++count;
+    }
+  }
+  return count == 0 ? 0.0 : sum / (6.0 * static_cast<double>(count));
+}
+
+}  // namespace
+
+PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
+                                   std::size_t antennas,
+                                   const PersonLink& link,
+                                   double distance)
+    : grid_(grid),
+      antennas_(antennas),
+      distance_(distance),
+      wave_number_(2.0 * std::numbers::pi * grid.centre_hz / kSpeedOfLight),
+      basis_(grid),
+      aligner_(grid),
+      reference_(link.empty),
+      diffuse_(basis_.diffuse_covariance(kDiffuseDecay)) {
+  RAYLOC_CHECK(reference_.size() == antennas_ * grid_.size());
+  scale_ = 1.0 / std::sqrt(std::max(power_of(reference_), kLeastPower * kLeastPower));
+  for (Value& v : reference_) {
+    v *= scale_;
+  }
+  const double first = distance_ / kSpeedOfLight;
+  std::vector<Value> row(grid_.size());
+  std::vector<Value> slope(grid_.size());
+  empty_.resize(antennas_ * basis_.size());
+  turned_.resize(empty_.size());
+  for (std::size_t m = 0; m < antennas_; ++m) {
+    for (std::size_t k = 0; k < grid_.size(); ++k) {
+      const double w = 2.0 * std::numbers::pi * grid_.offset_hz(k);
+      row[k] = reference_[m * grid_.size() + k] * std::polar(1.0, w * first);
+      slope[k] = Value(0.0, w) * row[k];
+    }
+    basis_.project(row, {empty_.data() + m * basis_.size(), basis_.size()});
+    basis_.project(slope, {turned_.data() + m * basis_.size(), basis_.size()});
+  }
+}
+
+PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) const {
+  RAYLOC_CHECK(h.size() == reference_.size());
+  Observed observed;
+  std::vector<Value> aligned(h.begin(), h.end());
+  const Alignment alignment = aligner_.align(reference_, h);
+  observed.correlation = alignment.correlation;
+  aligner_.apply(alignment, aligned);
+  const double first = distance_ / kSpeedOfLight;
+  std::vector<Value> row(grid_.size());
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const double delay =
+        first + kDelayStep * (static_cast<double>(t) - 0.5 * static_cast<double>(kDelays - 1));
+    observed.y[t].resize(dimension());
+    for (std::size_t m = 0; m < antennas_; ++m) {
+      for (std::size_t k = 0; k < grid_.size(); ++k) {
+        row[k] = aligned[m * grid_.size() + k] *
+                 std::polar(1.0, 2.0 * std::numbers::pi * grid_.offset_hz(k) * delay);
+      }
+      basis_.project(row, {observed.y[t].data() + m * basis_.size(), basis_.size()});
+    }
+  }
+  observed.re.resize(dimension());
+  observed.im.resize(dimension());
+  for (std::size_t i = 0; i < dimension(); ++i) {
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const Value value = observed.y[std::min(lane, kDelays - 1)][i];
+      observed.re[i][lane] = static_cast<float>(value.real());
+      observed.im[i][lane] = static_cast<float>(value.imag());
+    }
+  }
+  observed.noise = noise_power(aligned, grid_.size()) * static_cast<double>(dimension()) /
+                   std::max(power_of(aligned), kLeastPower);
+  return observed;
+}
+
+ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays, const PatchPlan& plan) const {
+  RAYLOC_CHECK(rays.size() == antennas_);
+  const std::size_t q = basis_.size();
+  const std::size_t size = dimension();
+  const std::size_t count = plan.count;
+  ScatteredPatch patch;
+  std::vector<Value> sample(count * count * size);
+  patch.strength.assign(triangle_size(size), 0.0);
+  patch.blur.assign(triangle_size(size), 0.0);
+  std::vector<Value> s(q);
+  std::vector<Value> turn_x(count);
+  std::vector<Value> turn_y(count);
+  // Unit tone vectors times this have the norm of a response of level 1 on all tones.
+  const double level = scale_ * std::sqrt(static_cast<double>(grid_.size()));
+  for (std::size_t m = 0; m < antennas_; ++m) {
+    for (const ScatteredRay& ray : rays[m]) {
+      basis_.tone((ray.length - distance_) / kSpeedOfLight, s);
+      const Value field = level * ray.amplitude * std::polar(1.0, -wave_number_ * ray.length) *
+                          std::exp(ray.slope_x * plan.offset_x + ray.slope_y * plan.offset_y);
+      for (std::size_t i = 0; i < count; ++i) {
+        turn_x[i] = field * std::exp(ray.slope_x * plan.at(i));
+        turn_y[i] = std::exp(ray.slope_y * plan.at(i));
+      }
+      for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t j = 0; j < count; ++j) {
+          const Value here = turn_x[i] * turn_y[j];
+          Value* out = sample.data() + (i * count + j) * size + m * q;
+          for (std::size_t c = 0; c < q; ++c) {
+            out[c] += Value(here.real() * s[c].real() - here.imag() * s[c].imag(),
+                            here.real() * s[c].imag() + here.imag() * s[c].real());
+          }
+        }
+      }
+      const double power = std::norm(field);
+      const double phase =
+          plan.step() * plan.step() *
+          (ray.slope_x.imag() * ray.slope_x.imag() + ray.slope_y.imag() * ray.slope_y.imag()) /
+          12.0;
+      add_outer(power, s, m * q, patch.strength);
+      add_outer(power * -std::expm1(-phase), s, m * q, patch.blur);
+      patch.power += power;
+    }
+  }
+  patch.sample.assign(sample.begin(), sample.end());
+  return patch;
+}
+
+// `sigma` without the noise and the delay, lower triangle by rows.
+WhitenedGaussian PersonLikelihood::factorise(std::vector<Value> sigma,
+                                             std::span<const Value> mean,
+                                             const PersonModel& model) const {
+  const std::size_t size = dimension();
+  add_outer(kDelayDeviation * kDelayDeviation, turned_, 0, sigma);
+  Eigen::MatrixXcd matrix(static_cast<Index>(size), static_cast<Index>(size));
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      matrix(static_cast<Index>(i), static_cast<Index>(j)) = sigma[triangle_size(i) + j];
+    }
+    matrix(static_cast<Index>(i), static_cast<Index>(i)) += model.noise / static_cast<double>(size);
+  }
+  const Eigen::LLT<Eigen::MatrixXcd, Eigen::Lower> cholesky(matrix);
+  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
+  const Eigen::MatrixXcd whitener = cholesky.matrixL().solve(
+      Eigen::MatrixXcd::Identity(static_cast<Index>(size), static_cast<Index>(size)));
+  WhitenedGaussian gaussian;
+  gaussian.whitener.reserve(triangle_size(size));
+  for (std::size_t i = 0; i < size; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      gaussian.whitener.emplace_back(whitener(static_cast<Index>(i), static_cast<Index>(j)));
+    }
+    gaussian.log_determinant -=
+        2.0 * std::log(whitener(static_cast<Index>(i), static_cast<Index>(i)).real());
+  }
+  if (!mean.empty()) {
+    const auto whitened = whiten(gaussian, mean);
+    gaussian.mean.assign(whitened.begin(), whitened.end());
+    gaussian.mean_power = power_of(whitened);
+  }
+  return gaussian;
+}
+
+PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
+                                    Value scale,
+                                    const PersonModel& model) const {
+  const std::size_t size = dimension();
+  const std::size_t q = basis_.size();
+  const std::size_t places = patch.sample.size() / size;
+  const double gain = std::norm(scale);
+  std::vector<Value> sigma(triangle_size(size));
+  for (std::size_t i = 0; i < sigma.size(); ++i) {
+    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.blur[i]);
+  }
+  const double diffuse = gain * model.diffuse * patch.power / static_cast<double>(antennas_);
+  for (std::size_t m = 0; m < size; m += q) {
+    for (std::size_t i = 0; i < q; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        sigma[triangle_size(m + i) + m + j] += diffuse * diffuse_[i * q + j];
+      }
+    }
+  }
+  PersonPlace place;
+  place.close = factorise(sigma, {}, model);
+  place.sample.resize(patch.sample.size());
+  std::vector<Value> mean(size);
+  std::vector<Value> mu(size);
+  for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t i = 0; i < size; ++i) {
+      const Value z = scale * Value(patch.sample[p * size + i]);
+      place.sample[p * size + i] = std::complex<float>(z);
+      mean[i] += z / static_cast<double>(places);
+      mu[i] = empty_[i] + z;
+    }
+    place.mean_power.push_back(static_cast<float>(power_of(whiten(place.close, mu))));
+  }
+  for (std::size_t p = 0; p < places; ++p) {
+    for (std::size_t i = 0; i < size; ++i) {
+      mu[i] = Value(place.sample[p * size + i]) - mean[i];
+    }
+    add_outer(1.0 / static_cast<double>(places), mu, 0, sigma);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    mean[i] += empty_[i];
+  }
+  place.whole = factorise(std::move(sigma), mean, model);
+  return place;
+}
+
+WhitenedGaussian PersonLikelihood::nobody(const PersonModel& model) const {
+  return factorise(std::vector<Value>(triangle_size(dimension())), empty_, model);
+}
+
+WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& model) const {
+  const std::size_t q = basis_.size();
+  std::vector<Value> sigma(triangle_size(dimension()));
+  for (std::size_t m = 0; m < dimension(); m += q) {
+    for (std::size_t i = 0; i < q; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        sigma[triangle_size(m + i) + m + j] =
+            share / static_cast<double>(antennas_) * diffuse_[i * q + j];
+      }
+    }
+  }
+  return factorise(std::move(sigma), empty_, model);
+}
+
+// Of each of them the covariance of its square, without the noise and the delay that every Gaussian
+// has; kept are the directions in which that is more than the noise is worth.
+PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
+                                        const PersonModel& model) const {
+  PersonCompany company;
+  if (people.empty()) {
+    return company;
+  }
+  const std::size_t size = dimension();
+  const auto n = static_cast<Index>(size);
+  company.added.resize(size);
+  Eigen::MatrixXcd sum = Eigen::MatrixXcd::Zero(n, n);
+  Eigen::VectorXcd turned(n);
+  for (std::size_t i = 0; i < size; ++i) {
+    turned(static_cast<Index>(i)) = kDelayDeviation * turned_[i];
+  }
+  const double noise = model.noise / static_cast<double>(size);
+  for (const PersonStand& person : people) {
+    Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
+    for (std::size_t i = 0; i < size; ++i) {
+      company.added[i] += Value(person.place->sample[person.sample * size + i]);
+      for (std::size_t j = 0; j <= i; ++j) {
+        whitener(static_cast<Index>(i), static_cast<Index>(j)) =
+            Value(person.place->close.whitener[triangle_size(i) + j]);
+      }
+    }
+    const Eigen::MatrixXcd lower =
+        whitener.triangularView<Eigen::Lower>().solve(Eigen::MatrixXcd::Identity(n, n));
+    sum += lower * lower.adjoint() - turned * turned.adjoint() -
+           noise * Eigen::MatrixXcd::Identity(n, n);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
+  for (Index i = n; i-- > 0 && company.spread.size() < PersonCompany::kMostColumns;) {  // ascending
+    const double variance = eigen.eigenvalues()(i);
+    if (variance <= noise) {
+      break;
+    }
+    const Eigen::VectorXcd column = std::sqrt(variance) * eigen.eigenvectors().col(i);
+    company.spread.emplace_back(column.data(), column.data() + n);
+  }
+  return company;
+}
+
+double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
+                                        const Observed& observed,
+                                        const PersonCompany& company) const {
+  if (company.empty()) {
+    LaneSums along;
+    LaneRow power = rayloc::whiten(
+        gaussian.whitener.data(), observed.re, observed.im, gaussian.mean, {&along, 1});
+    for (float& one : power) {
+      one = std::max(one, static_cast<float>(kLeastPower));
+    }
+    const LaneRow best = at_best_gain(power, along, dimension());
+    return static_cast<double>(*std::max_element(best.begin(), best.end())) - gaussian.mean_power -
+           gaussian.log_determinant;
+  }
+  const AccompaniedGaussian with(gaussian, company);
+  std::vector<Value> mean(gaussian.mean.begin(), gaussian.mean.end());
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    mean[i] += with.shift()[i];
+  }
+  const auto reduced = with.reduced(mean);
+  double best = -std::numeric_limits<double>::infinity();
+  for (const auto& y : observed.y) {
+    const auto u = whiten(gaussian, y);
+    best = std::max(best,
+                    gain_profile(std::max(with.power(u), kLeastPower),
+                                 std::abs(inner_product(reduced, u)),
+                                 static_cast<double>(dimension())));
+  }
+  return best - inner_product(mean, reduced).real() - gaussian.log_determinant -
+         with.log_determinant();
+}
+
+// A burst as the model of a square sees it, at every delay.
+struct PersonLikelihood::CloseLook {
+  std::array<double, kDelays> power{};                      // |W y|^2
+  std::array<Value, kDelays> along_empty{};                 // x0^H Sigma^-1 y
+  std::array<std::vector<std::complex<float>>, kDelays> v;  // Sigma^-1 y
+  double log_determinant = 0.0;                             // of Sigma
+  // With company |W mu|^2 is more by shift + 2 Re(turn^H z) - sum |base_i + reduce_i z|^2, of dH z.
+  double shift = 0.0;
+  std::vector<std::complex<float>> turn;
+  std::vector<Value> base;
+  std::vector<std::vector<std::complex<float>>> reduce;
+
+  double along(std::size_t delay, const std::complex<float>* z) const {
+    float re = 0.0F;
+    float im = 0.0F;
+    for (std::size_t i = 0; i < v[delay].size(); ++i) {
+      const std::complex<float> a = v[delay][i];
+      re += z[i].real() * a.real() + z[i].imag() * a.imag();
+      im += z[i].real() * a.imag() - z[i].imag() * a.real();
+    }
+    return std::abs(along_empty[delay] + Value(static_cast<double>(re), static_cast<double>(im)));
+  }
+  double mean_power(double alone, const std::complex<float>* z) const {
+    double result = alone + shift;
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+      result += 2.0 * (std::conj(Value(turn[i])) * Value(z[i])).real();
+    }
+    for (std::size_t r = 0; r < reduce.size(); ++r) {
+      float re = 0.0F;
+      float im = 0.0F;
+      for (std::size_t i = 0; i < turn.size(); ++i) {
+        const std::complex<float> a = reduce[r][i];
+        re += a.real() * z[i].real() - a.imag() * z[i].imag();
+        im += a.real() * z[i].imag() + a.imag() * z[i].real();
+      }
+      result -= std::norm(base[r] + Value(static_cast<double>(re), static_cast<double>(im)));
+    }
+    return std::max(result, 0.0);
+  }
+};
+
+PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
+                                                   const Observed& observed,
+                                                   const PersonCompany& company) const {
+  CloseLook result;
+  result.log_determinant = place.close.log_determinant;
+  std::vector<Value> mean = empty_;
+  std::optional<AccompaniedGaussian> with;
+  if (!company.empty()) {
+    with.emplace(place.close, company);
+    result.log_determinant += with->log_determinant();
+    const auto turn = unwhiten(place.close, with->shift());
+    result.turn.assign(turn.begin(), turn.end());
+    result.shift = power_of(with->shift()) + 2.0 * inner_product(turn, empty_).real();
+    for (std::size_t i = 0; i < mean.size(); ++i) {
+      mean[i] += company.added[i];
+    }
+    for (const auto& row : with->reduction()) {
+      Value base;
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        base += row[i] * mean[i];
+      }
+      result.base.push_back(base);
+      result.reduce.emplace_back(row.begin(), row.end());
+    }
+  }
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const auto u = whiten(place.close, observed.y[t]);
+    const auto reduced = with ? with->reduced(u) : u;
+    const auto v = unwhiten(place.close, reduced);
+    const double power = with ? with->power(u) : power_of(u);
+    result.power[t] = std::max(power, kLeastPower);
+    result.along_empty[t] = inner_product(mean, v);
+    result.v[t].assign(v.begin(), v.end());
+  }
+  return result;
+}
+
+void PersonLikelihood::log_likelihood(const PersonPlace& place,
+                                      const Observed& observed,
+                                      const PersonCompany& company,
+                                      std::span<double> out) const {
+  RAYLOC_CHECK(out.size() == place.mean_power.size());
+  const std::size_t size = dimension();
+  const auto d = static_cast<double>(size);
+  const CloseLook close = look(place, observed, company);
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    const std::complex<float>* z = place.sample.data() + p * size;
+    double best = -std::numeric_limits<double>::infinity();
+    for (std::size_t t = 0; t < kDelays; ++t) {
+      best = std::max(best, gain_profile(close.power[t], close.along(t, z), d));
+    }
+    out[p] = best - close.mean_power(static_cast<double>(place.mean_power[p]), z) -
+             close.log_determinant;
+  }
+}
+
+double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample) const {
+  double power = 0.0;
+  for (std::size_t i = 0; i < dimension(); ++i) {
+    power += std::norm(Value(place.sample[sample * dimension() + i]));
+  }
+  return power;
+}
+
+double PersonLikelihood::misfit(const PersonStand& stand,
+                                const Observed& observed,
+                                const PersonCompany& company) const {
+  const auto d = static_cast<double>(dimension());
+  const CloseLook close = look(*stand.place, observed, company);
+  const std::complex<float>* z = stand.place->sample.data() + stand.sample * dimension();
+  const double mean_power =
+      close.mean_power(static_cast<double>(stand.place->mean_power[stand.sample]), z);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t t = 0; t < kDelays; ++t) {
+    const double a = close.power[t];
+    const double b = close.along(t, z);
+    const double r = best_gain(a, b, d);
+    least = std::min(least, (a * r * r - 2.0 * b * r + mean_power) / d);
+  }
+  return least;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,151 @@
+// PersonLikelihood: how likely a burst of one access point is when a person stands in a small
+// square of the room (METHODS B5). In the coordinates of DelayBasis, with the empty room's array
+// x0 of power 1 and the person's rays z_p = a dH_p:
+//
+//   mu(P) = x0 + sum_p z_p
+//   Sigma = sum_p (v + u_p) |z_p|^2 s_p s_p^H + d |z|^2 R + n I / D + (sigma_T)^2 x0' x0'^H
+//
+// u_p is what the phase of a ray loses between two sample places; R a diffuse exponential tail. The
+// measurement is known up to a complex factor, profiled out in closed form as in ObservationModel,
+// and a delay: the burst is aligned to the empty room, a few delays about that are tried, and x0',
+// the change of x0 by a delay, covers those between.
+//
+// A square is known in two ways: closely, by its sample places a fraction of a wavelength apart,
+// and as a whole, by their mean and covariance, which says at once whether to look closely.
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/channel/ofdm_grid.h"
+#include "engine/likelihood/delay_basis.h"
+#include "engine/likelihood/lane_kernel.h"
+#include "engine/likelihood/whitened_gaussian.h"
+#include "engine/observe/alignment.h"
+#include "engine/person/person_company.h"
+#include "engine/person/person_reference.h"
+#include "engine/person/person_scattering.h"
+
+namespace rayloc {
+
+// A square of places, and where in it dH is sampled: count x count places, x outermost.
+struct PatchPlan {
+  double offset_x = 0.0;  // [m], of the square's centre from where the rays were traced
+  double offset_y = 0.0;
+  double size = 0.05;  // [m]
+  std::size_t count = 7;
+
+  double step() const { return size / static_cast<double>(count); }
+  double at(std::size_t i) const {  // from the centre of the square
+    return (static_cast<double>(i) + 0.5) * step() - 0.5 * size;
+  }
+};
+
+// dH over a square, for a = 1.
+struct ScatteredPatch {
+  std::vector<std::complex<float>> sample;     // [place][coordinate]
+  std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
+  std::vector<std::complex<double>> blur;      // the same times u_p
+  double power = 0.0;                          // sum |z_p|^2
+};
+
+// A square with the errors of a model.
+struct PersonPlace {
+  WhitenedGaussian whole;
+  WhitenedGaussian close;                   // without the spread of the samples; no mean
+  std::vector<std::complex<float>> sample;  // a dH
+  std::vector<float> mean_power;            // |W mu|^2 of each sample
+};
+
+// One of the sample places of a square.
+struct PersonStand {
+  const PersonPlace* place = nullptr;
+  std::size_t sample = 0;
+};
+
+class PersonLikelihood {
+ public:
+  static constexpr std::size_t kDelays = 5;
+  static_assert(kDelays <= kLaneCount);
+
+  // A burst in the coordinates of the basis, aligned to the empty room, at some delays.
+  struct Observed {
+    std::array<std::vector<std::complex<double>>, kDelays> y;
+    // The same in lanes, [coordinate][delay]; in those left over the last delay again.
+    std::vector<LaneRow> re;
+    std::vector<LaneRow> im;
+    double correlation = 0.0;  // with the empty room
+    double noise = 0.0;        // share of its power that is noise within the basis
+  };
+
+  // `distance`: from the transmitter to the array's centre [m].
+  PersonLikelihood(const OfdmGrid& grid,
+                   std::size_t antennas,
+                   const PersonLink& link,
+                   double distance);
+
+  std::size_t dimension() const { return empty_.size(); }
+
+  // h: [core][tone], chain gains removed.
+  Observed observe(std::span<const std::complex<double>> h) const;
+
+  ScatteredPatch patch(const ScatteredRays& rays, const PatchPlan& plan) const;
+
+  PersonPlace place(const ScatteredPatch& patch,
+                    std::complex<double> scale,
+                    const PersonModel& model) const;
+  // Nobody: the empty room.
+  WhitenedGaussian nobody(const PersonModel& model) const;
+  // The room changed in a way that nothing is known of, by this share of its power.
+  WhitenedGaussian changed(double share, const PersonModel& model) const;
+
+  // People at these places, for the likelihood of one more.
+  PersonCompany company(std::span<const PersonStand> people, const PersonModel& model) const;
+
+  // Log-likelihoods, maximised over gain, phase and delay; up to a constant of the measurement.
+  double log_likelihood(const WhitenedGaussian& gaussian,
+                        const Observed& observed,
+                        const PersonCompany& company = {}) const;
+  // Of every sample place. REQUIRES: out.size() == place.mean_power.size().
+  void log_likelihood(const PersonPlace& place,
+                      const Observed& observed,
+                      const PersonCompany& company,
+                      std::span<double> out) const;
+  std::span<const std::complex<double>> empty() const { return empty_; }
+
+  // Of what a person at a sample place adds; 1: as much as the empty room.
+  double echo_power(const PersonPlace& place, std::size_t sample) const;
+
+  // What a sample place leaves unexplained, in units of what its model expects to: about 1.
+  double misfit(const PersonStand& stand,
+                const Observed& observed,
+                const PersonCompany& company = {}) const;
+
+ private:
+  struct CloseLook;
+  CloseLook look(const PersonPlace& place,
+                 const Observed& observed,
+                 const PersonCompany& company) const;
+  WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
+                             std::span<const std::complex<double>> mean,
+                             const PersonModel& model) const;
+
+  OfdmGrid grid_;
+  std::size_t antennas_;
+  double distance_;
+  double wave_number_;  // [rad/m]
+  double scale_ = 1.0;  // of a channel of the traced room to power 1
+  DelayBasis basis_;
+  Aligner aligner_;
+  std::vector<std::complex<double>> reference_;  // H0, [core][tone]
+  std::vector<std::complex<double>> empty_;      // x0
+  std::vector<std::complex<double>> turned_;     // x0' [1/s]
+  std::vector<std::complex<double>> diffuse_;    // R of one antenna, [q][q]
+};
+
+}  // namespace rayloc

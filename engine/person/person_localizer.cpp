@@ -1,0 +1,404 @@
+#include "engine/person/person_localizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/cell_places.h"
+#include "engine/room/hearing.h"
+
+namespace rayloc {
+namespace {
+
+// Of the squares that are looked at closely: within this of the best as a whole, in units of the
+// tempered log-likelihood, and no more than this.
+constexpr double kCloseMargin = 25.0;
+constexpr std::size_t kMostClose = 600;
+constexpr double kNowhere = -1e4;
+// What is about a place [m].
+constexpr double kAbout = 0.3;
+// Probability that what an access point hears has changed as no person changes it.
+constexpr double kStrange = 0.02;
+// A body this near to the transmitter [m] is strong in all directions ...
+constexpr double kBesideTransmitter = 0.6;
+// ... which is seen from this share of the empty room's power on, in the second strongest array.
+constexpr double kStrongEcho = 0.05;
+// Probability that it is the transmitter that has changed, where what is heard cannot tell.
+constexpr double kDoubt = 0.5;
+
+// What one array says of every square as a whole.
+struct ArrayMap {
+  const PersonHearing::Array* array;
+  PersonCompany company;
+  std::vector<double> whole;  // log-likelihood of every cell
+  double floor = 0.0;         // of a change that no person makes, by its odds
+  double nobody = 0.0;
+
+  // Against nobody. What stands in the way of one access point does not rule out places.
+  double against_nobody(double log_likelihood) const {
+    return array->weight * (log_add(log_likelihood, floor) - nobody);
+  }
+};
+
+}  // namespace
+
+class PersonLocalizer::Impl {
+ public:
+  Impl(std::shared_ptr<const RoomModel> room,
+       PersonReference reference,
+       const PersonLocalizerOptions& options,
+       PersonSquares squares)
+      : room_(std::move(room)),
+        reference_(std::move(reference)),
+        options_(options),
+        squares_(std::move(squares)),
+        places_(squares_.samples * squares_.samples) {}
+
+  PersonHearing hear(std::span<const CsiFrame> frames) const;
+  PersonMap map(const PersonHearing& hearing, double temper, const PersonContext& context) const;
+  LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
+
+  const PersonSquares& squares() const { return squares_; }
+  const RoomModel& room() const { return *room_; }
+  const PersonReference& reference() const { return reference_; }
+  const PersonLocalizerOptions& options() const { return options_; }
+
+ private:
+  std::vector<std::size_t> clear_cells(const PersonContext& context) const;
+  ArrayMap whole_map(const PersonHearing::Array& array,
+                     std::span<const std::size_t> cells,
+                     std::span<const PersonSample> others) const;
+  std::vector<double> close_map(const std::vector<ArrayMap>& arrays,
+                                std::span<const std::size_t> cells) const;
+  void choose_places(std::span<const std::size_t> cells,
+                     std::span<const double> samples,
+                     PersonMap& map) const;
+  double judge(const std::vector<ArrayMap>& arrays, const PersonSample& best, PersonMap& map) const;
+  bool is_transmitter_doubtful(const std::vector<ArrayMap>& arrays, const PersonSample& best) const;
+
+  std::shared_ptr<const RoomModel> room_;
+  PersonReference reference_;
+  PersonLocalizerOptions options_;
+  PersonSquares squares_;
+  std::size_t places_;  // sample places of a cell
+};
+
+PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) const {
+  PersonHearing hearing;
+  LocationEstimate& estimate = hearing.estimate;
+  estimate.accuracy_confidence = options_.accuracy_confidence;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return hearing;
+  }
+  HearingTally tally;
+  for (std::size_t number = 0; number < squares_.stations.size(); ++number) {
+    const PersonStation& station = squares_.stations[number];
+    const std::size_t access_point = reference_.links[number].access_point;
+    auto burst = rayloc::hear(*room_, access_point, frames, options_.burst, estimate.warnings);
+    if (!burst) {
+      continue;
+    }
+    if (const auto dead = dead_chain(*burst)) {
+      estimate.warnings.push_back("access point " + room_->access_points[access_point].id +
+                                  ": the chain of core " + std::to_string(burst->cores[dead->row]) +
+                                  " is dead; the access point is left out");
+      continue;
+    }
+    auto observed = station.likelihood.observe(burst->h);
+    // The squares' covariances hold the model's noise only; a burst that has more counts less.
+    const double weight = std::min(1.0, reference_.person.noise / observed.noise);
+    tally.add(room_->access_points[access_point], *burst);
+    hearing.arrays.push_back({number, std::move(observed), weight});
+  }
+  tally.fill(frames, estimate);
+  if (hearing.arrays.empty()) {
+    estimate.reason = estimate.warnings.empty() ? "no access point of the reference heard the burst"
+                                                : estimate.warnings.front();
+  }
+  return hearing;
+}
+
+// Where somebody can stand beside the others.
+std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
+  const RoomGrid& grid = squares_.standing.grid;
+  const TargetBody& body = reference_.person.body;
+  const double apart = 2.0 * std::max(body.semi_axes[0], body.semi_axes[1]);
+  std::vector<std::size_t> cells;
+  for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+    const Vec3d centre = grid.centre(cell);
+    const auto off = [&](const PersonSample& sample) {
+      return norm(centre - squares_.place_of(sample));
+    };
+    if (squares_.standing.free[cell] != 0 && (!context.about || off(*context.about) < kAbout) &&
+        std::none_of(context.others.begin(), context.others.end(), [&](const PersonSample& other) {
+          return off(other) < apart;
+        })) {
+      cells.push_back(cell);
+    }
+  }
+  return cells;
+}
+
+ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array,
+                                          std::span<const std::size_t> cells,
+                                          std::span<const PersonSample> others) const {
+  const PersonStation& station = squares_.stations[array.link];
+  std::vector<PersonStand> people;
+  for (const PersonSample& other : others) {
+    people.push_back({&station.cells[other.cell], other.sample});
+  }
+  ArrayMap map{&array,
+               station.likelihood.company(people, reference_.person),
+               {},
+               -std::numeric_limits<double>::infinity(),
+               0.0};
+  const auto likelihood = [&](const WhitenedGaussian& gaussian) {
+    return station.likelihood.log_likelihood(gaussian, array.observed, map.company);
+  };
+  for (const WhitenedGaussian& changed : station.changed) {
+    map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
+  }
+  map.nobody = likelihood(station.nobody);
+  map.whole.resize(squares_.standing.grid.size());
+  parallel_for(cells.size(), 32, [&](std::size_t n) {
+    if (n + 1 < cells.size()) {
+      fetch(station.cells[cells[n + 1]].whole.whitener);
+    }
+    map.whole[cells[n]] = likelihood(station.cells[cells[n]].whole);
+  });
+  return map;
+}
+
+// [cell][sample place], against nobody, all arrays together.
+std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>& arrays,
+                                                     std::span<const std::size_t> cells) const {
+  std::vector<double> samples(cells.size() * places_);
+  parallel_for(cells.size(), 8, [&](std::size_t n) {
+    const std::span<double> sum(samples.data() + n * places_, places_);
+    std::vector<double> one(places_);
+    for (const ArrayMap& map : arrays) {
+      const PersonStation& station = squares_.stations[map.array->link];
+      station.likelihood.log_likelihood(
+          station.cells[cells[n]], map.array->observed, map.company, one);
+      for (std::size_t p = 0; p < places_; ++p) {
+        sum[p] += map.against_nobody(one[p]);
+      }
+    }
+  });
+  return samples;
+}
+
+// The best sample place of every cell, where no better one is near.
+void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
+                                          std::span<const double> samples,
+                                          PersonMap& map) const {
+  std::vector<std::pair<double, PersonSample>> best;
+  for (std::size_t n = 0; n < cells.size(); ++n) {
+    const auto of_cell = samples.subspan(n * places_, places_);
+    const auto top = std::max_element(of_cell.begin(), of_cell.end());
+    best.push_back({*top, {cells[n], static_cast<std::size_t>(top - of_cell.begin())}});
+  }
+  std::stable_sort(
+      best.begin(), best.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [value, sample] : best) {
+    const Vec3d here = squares_.place_of(sample);
+    const bool is_apart =
+        std::none_of(map.places.begin(), map.places.end(), [&](const PersonSample& better) {
+          return norm(here - squares_.place_of(better)) < PersonMap::kApart;
+        });
+    if (is_apart) {
+      map.places.push_back(sample);
+    }
+    if (map.places.size() == PersonMap::kPlaces) {
+      break;
+    }
+  }
+}
+
+// How badly the best place explains the arrays, 1 as expected; notes those that it does not.
+double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
+                                    const PersonSample& best,
+                                    PersonMap& map) const {
+  double most = 1.0;
+  double explained = 0.0;
+  std::vector<double> one(places_);
+  for (const ArrayMap& of : arrays) {
+    const PersonStation& station = squares_.stations[of.array->link];
+    const PersonPlace& place = station.cells[best.cell];
+    station.likelihood.log_likelihood(place, of.array->observed, of.company, one);
+    map.best_log_likelihood += of.array->weight * log_add(one[best.sample], of.floor);
+    if (one[best.sample] < of.floor) {
+      map.warnings.push_back(
+          "access point " + room_->access_points[reference_.links[of.array->link].access_point].id +
+          ": what it hears has changed as one person does not change it");
+      continue;
+    }
+    explained += 1.0;
+    most = std::max(most,
+                    of.array->weight * station.likelihood.misfit(
+                                           {&place, best.sample}, of.array->observed, of.company));
+  }
+  map.is_explained = explained > 0.0;
+  // Where one access point hears what nobody explains, the others are believed less as well.
+  return map.is_explained ? most * static_cast<double>(arrays.size()) / explained : most;
+}
+
+// One body stands in one direct way; a transmitter that was moved or covered changes all, and what
+// stands right beside it explains that best, for its echoes are strong and not known well.
+bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>& arrays,
+                                                    const PersonSample& best) const {
+  const Vec3d off = squares_.standing.grid.centre(best.cell) - reference_.transmitter.position;
+  if (std::hypot(off.x, off.y) > kBesideTransmitter) {
+    return false;
+  }
+  const auto strong = std::count_if(arrays.begin(), arrays.end(), [&](const ArrayMap& of) {
+    const PersonStation& station = squares_.stations[of.array->link];
+    return station.likelihood.echo_power(station.cells[best.cell], best.sample) > kStrongEcho;
+  });
+  return strong > 1;
+}
+
+PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
+                                     double temper,
+                                     const PersonContext& context) const {
+  PersonMap map;
+  std::vector<double>& total = map.log_likelihood;
+  total.assign(squares_.standing.grid.size(), kNowhere);
+  std::vector<std::size_t> order = clear_cells(context);
+  if (order.empty()) {  // they stand in all there is
+    map.is_explained = false;
+    map.somebody = kNowhere;
+    return map;
+  }
+  std::vector<ArrayMap> arrays;
+  for (const PersonHearing::Array& array : hearing.arrays) {
+    arrays.push_back(whole_map(array, order, context.others));
+  }
+  for (const std::size_t cell : order) {
+    total[cell] = 0.0;
+    for (const ArrayMap& one : arrays) {
+      total[cell] += one.against_nobody(one.whole[cell]);
+    }
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return total[a] > total[b];
+  });
+  const double least = total[order.front()] - kCloseMargin / temper;
+  std::size_t close = 0;
+  while (close < std::min(order.size(), kMostClose) && total[order[close]] >= least) {
+    ++close;
+  }
+  const auto samples = close_map(arrays, {order.data(), close});
+  choose_places({order.data(), close}, samples, map);
+  // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
+  map.misfit = judge(arrays, map.places.front(), map);
+  const double exponent = temper / map.misfit;
+  map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
+  const Lattice lattice = squares_.lattice();
+  for (std::size_t n = 0; n < close; ++n) {
+    const auto [log_mean, mass] =
+        summarise_places(lattice, {samples.data() + n * places_, places_}, exponent);
+    total[order[n]] = log_mean;
+    map.within.emplace_back(order[n], mass);
+  }
+  for (const std::size_t cell : order) {
+    total[cell] *= exponent;
+  }
+  std::vector<double> standing;
+  standing.reserve(order.size());
+  for (const std::size_t cell : order) {
+    standing.push_back(total[cell]);
+  }
+  map.somebody = log_mean_exp(standing, 1.0);
+  return map;
+}
+
+LocationEstimate PersonLocalizer::Impl::summarise(LocationEstimate estimate,
+                                                  const PersonMap& map) const {
+  estimate.warnings.insert(estimate.warnings.end(), map.warnings.begin(), map.warnings.end());
+  if (!map.is_explained) {
+    estimate.reason = "the room has changed as no single person would change it";
+    return estimate;
+  }
+  if (map.is_transmitter_doubtful) {
+    estimate.warnings.emplace_back(
+        "what is heard has changed as by somebody right beside the transmitter; it may have been "
+        "moved or covered");
+  }
+  if (map.somebody < kSomebody) {
+    estimate.reason = "nobody seen: the room is as it was when it was empty";
+    return estimate;
+  }
+  summarise_posterior(squares_.standing.grid,
+                      map.log_likelihood,
+                      {1.0,
+                       options_.accuracy_confidence,
+                       options_.max_hypotheses,
+                       map.is_transmitter_doubtful ? kDoubt : kPersonOutlier},
+                      estimate,
+                      map.within);
+  estimate.ambiguous = estimate.ambiguous || map.is_transmitter_doubtful;
+  return estimate;
+}
+
+Expected<PersonLocalizer> PersonLocalizer::create(std::shared_ptr<const RoomModel> room,
+                                                  PersonReference reference,
+                                                  const PersonLocalizerOptions& options) {
+  if (room == nullptr || room->scene == nullptr) {
+    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
+  }
+  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
+    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
+  }
+  if (reference.links.empty()) {
+    return make_error(ErrorKind::kConfiguration, "the reference is of no access point");
+  }
+  auto squares = make_person_squares(*room, reference, options.cell, options.depth);
+  if (!squares) {
+    return tl::make_unexpected(std::move(squares.error()));
+  }
+  return PersonLocalizer(
+      std::make_unique<Impl>(std::move(room), std::move(reference), options, *std::move(squares)));
+}
+
+PersonLocalizer::PersonLocalizer(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+PersonLocalizer::~PersonLocalizer() = default;
+PersonLocalizer::PersonLocalizer(PersonLocalizer&&) noexcept = default;
+PersonLocalizer& PersonLocalizer::operator=(PersonLocalizer&&) noexcept = default;
+
+LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames) const {
+  return locate(frames, reference().person.temper);
+}
+LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames, double temper) const {
+  PersonHearing hearing = hear(frames);
+  if (hearing.arrays.empty()) {
+    return std::move(hearing.estimate);
+  }
+  const PersonMap found = map(hearing, temper);
+  return summarise(std::move(hearing.estimate), found);
+}
+PersonHearing PersonLocalizer::hear(std::span<const CsiFrame> frames) const {
+  return impl_->hear(frames);
+}
+PersonMap PersonLocalizer::map(const PersonHearing& hearing,
+                               double temper,
+                               const PersonContext& context) const {
+  RAYLOC_CHECK(!hearing.arrays.empty());
+  return impl_->map(hearing, temper, context);
+}
+LocationEstimate PersonLocalizer::summarise(LocationEstimate estimate, const PersonMap& map) const {
+  return impl_->summarise(std::move(estimate), map);
+}
+const StandingRoom& PersonLocalizer::standing_room() const { return impl_->squares().standing; }
+const RoomModel& PersonLocalizer::room() const { return impl_->room(); }
+const PersonReference& PersonLocalizer::reference() const { return impl_->reference(); }
+const PersonLocalizerOptions& PersonLocalizer::options() const { return impl_->options(); }
+
+}  // namespace rayloc

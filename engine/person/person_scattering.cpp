@@ -1,0 +1,106 @@
+#include "engine/person/person_scattering.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "engine/base/constants.h"
+#include "engine/room/surface_correction.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+// Rays below this share of free space over the link's distance are left out (scattering.h).
+constexpr double kNegligible = 1e-3;
+// Largest change of a ray's strength over a metre: a ray at a shadow edge of the room fades over
+// centimetres, and its logarithm has no slope worth believing.
+constexpr double kMostGrowth = 10.0;
+
+Value log_slope(const PathDerivatives::Derivative& slope, const Value& a, double angular_carrier) {
+  const Value relative = Value(slope.a.re, slope.a.im) / a;
+  return {std::clamp(relative.real(), -kMostGrowth, kMostGrowth),
+          relative.imag() - angular_carrier * slope.tau};
+}
+
+}  // namespace
+
+ScatteredRays moved_transmitter(ScatteredRays rays, const Vec3d& shift) {
+  for (auto& element : rays) {
+    for (ScatteredRay& ray : element) {
+      ray.length -= dot(ray.departure, shift);
+    }
+  }
+  return rays;
+}
+
+PersonScattering::PersonScattering(const RoomModel& room, std::vector<TargetLink> links)
+    : links_(std::move(links)),
+      correction_(room.surface_correction),
+      angular_carrier_(2.0 * std::numbers::pi * room.grid.centre_hz) {}
+
+Expected<PersonScattering> PersonScattering::create(const RoomModel& room,
+                                                    std::size_t access_point,
+                                                    const Transmitter& transmitter,
+                                                    const TargetBody& body,
+                                                    int depth) {
+  ScatteringOptions options;
+  options.trace = room.trace;
+  options.trace.max_depth = std::min(depth, room.trace.max_depth);
+  options.trace.transmission = false;
+  options.negligible = kNegligible;
+  const auto tracer = TargetTracer::create(room.scene, body, options);
+  if (!tracer) {
+    return tl::make_unexpected(tracer.error());
+  }
+  const auto elements = array_elements<Receiver>(room.access_points[access_point].array);
+  return PersonScattering(room, tracer->links(transmitter, elements));
+}
+
+std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) const {
+  ScatteredRays rays(links_.size());
+  for (std::size_t element = 0; element < links_.size(); ++element) {
+    const auto found = links_[element].differentiate(place);
+    if (!found) {
+      return std::nullopt;
+    }
+    rays[element].reserve(found->paths.size());
+    for (std::size_t i = 0; i < found->paths.size(); ++i) {
+      const Path& path = found->paths[i];
+      const Value a(path.a.re, path.a.im);
+      if (std::norm(a) <= 0.0) {
+        continue;
+      }
+      ScatteredRay ray{a,
+                       path.tau * kSpeedOfLight,
+                       log_slope(found->by_position.at(i, 0), a, angular_carrier_),
+                       log_slope(found->by_position.at(i, 1), a, angular_carrier_),
+                       path.departure};
+      for (const Interaction& interaction : path.interactions) {
+        if (interaction.kind == InteractionKind::kReflection && !correction_.empty()) {
+          ray.amplitude *= correction_[interaction.surface];
+        }
+      }
+      rays[element].push_back(ray);
+    }
+  }
+  return rays;
+}
+
+std::optional<std::vector<TargetPaths>> PersonScattering::paths(const TargetPosition& place) const {
+  std::vector<TargetPaths> result;
+  result.reserve(links_.size());
+  for (const TargetLink& link : links_) {
+    auto found = link.differentiate(place);
+    if (!found) {
+      return std::nullopt;
+    }
+    correct_paths(correction_, found->paths, found->by_position);
+    result.push_back(*std::move(found));
+  }
+  return result;
+}
+
+}  // namespace rayloc

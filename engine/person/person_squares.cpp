@@ -1,0 +1,138 @@
+#include "engine/person/person_squares.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/constants.h"
+#include "engine/base/parallel.h"
+
+namespace rayloc {
+namespace {
+
+// Sample places are at most this far apart, in wavelengths.
+constexpr double kSampleStep = 0.125;
+// Squares along each side for which the rays are traced together.
+constexpr std::size_t kBlock = 2;
+// Shares of the power that a change which no person makes is tried with.
+constexpr std::array<double, 8> kChanges = {0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
+
+class SquaresBuilder {
+ public:
+  SquaresBuilder(const RoomModel& room, const PersonReference& reference, double cell)
+      : room_(room),
+        reference_(reference),
+        squares_{make_standing_room(room, reference.person.body, reference.area, cell), 0, {}} {}
+
+  Expected<PersonSquares> build(int depth);
+
+ private:
+  Expected<PersonStation> make_station(const PersonLink& link, int depth) const;
+  void build_block(std::size_t block_x, std::size_t block_y);
+
+  const RoomModel& room_;
+  const PersonReference& reference_;
+  PersonSquares squares_;
+};
+
+Expected<PersonStation> SquaresBuilder::make_station(const PersonLink& link, int depth) const {
+  if (auto valid = check_link(room_, link); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  const RoomAccessPoint& ap = room_.access_points[link.access_point];
+  auto scattering = PersonScattering::create(
+      room_, link.access_point, reference_.transmitter, reference_.person.body, depth);
+  if (!scattering) {
+    return tl::make_unexpected(scattering.error());
+  }
+  PersonLikelihood likelihood(room_.grid,
+                              ap.cores.size(),
+                              link,
+                              norm(ap.array.pose.position - reference_.transmitter.position));
+  PersonStation station{std::move(likelihood), *std::move(scattering), {}, {}, {}};
+  station.cells.resize(squares_.standing.grid.size());
+  station.nobody = station.likelihood.nobody(reference_.person);
+  for (const double share : kChanges) {
+    station.changed.push_back(station.likelihood.changed(share, reference_.person));
+  }
+  return station;
+}
+
+// The rays are traced once, in the middle of a block of squares.
+void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
+  StandingRoom& standing = squares_.standing;
+  const RoomGrid& grid = standing.grid;
+  std::vector<std::size_t> cells;
+  for (std::size_t x = block_x; x < std::min(block_x + kBlock, grid.count_x); ++x) {
+    for (std::size_t y = block_y; y < std::min(block_y + kBlock, grid.count_y); ++y) {
+      if (standing.free[x * grid.count_y + y] != 0) {
+        cells.push_back(x * grid.count_y + y);
+      }
+    }
+  }
+  if (cells.empty()) {
+    return;
+  }
+  Vec3d middle;
+  for (const std::size_t cell : cells) {
+    middle = middle + (1.0 / static_cast<double>(cells.size())) * grid.centre(cell);
+  }
+  for (std::size_t number = 0; number < squares_.stations.size(); ++number) {
+    PersonStation& station = squares_.stations[number];
+    const auto rays = station.scattering.at({middle.x, middle.y});
+    for (const std::size_t cell : cells) {
+      if (!rays) {  // a device is where the body would be
+        standing.free[cell] = 0;
+        continue;
+      }
+      const Vec3d offset = grid.centre(cell) - middle;
+      const PatchPlan plan{
+          offset.x, offset.y, std::max(grid.step_x, grid.step_y), squares_.samples};
+      station.cells[cell] = station.likelihood.place(
+          station.likelihood.patch(*rays, plan), reference_.links[number].scale, reference_.person);
+    }
+  }
+}
+
+Expected<PersonSquares> SquaresBuilder::build(int depth) {
+  for (const PersonLink& link : reference_.links) {
+    auto station = make_station(link, depth);
+    if (!station) {
+      return tl::make_unexpected(station.error());
+    }
+    squares_.stations.push_back(*std::move(station));
+  }
+  const RoomGrid& grid = squares_.standing.grid;
+  const double wavelength = kSpeedOfLight / room_.grid.centre_hz;
+  squares_.samples = static_cast<std::size_t>(
+      std::ceil(std::max(grid.step_x, grid.step_y) / (kSampleStep * wavelength)));
+  const std::size_t blocks_x = (grid.count_x + kBlock - 1) / kBlock;
+  const std::size_t blocks_y = (grid.count_y + kBlock - 1) / kBlock;
+  parallel_for(blocks_x * blocks_y, 1, [&](std::size_t block) {
+    build_block(block / blocks_y * kBlock, block % blocks_y * kBlock);
+  });
+  return std::move(squares_);
+}
+
+}  // namespace
+
+Lattice PersonSquares::lattice() const {
+  const RoomGrid& grid = standing.grid;
+  const PatchPlan plan{0.0, 0.0, std::max(grid.step_x, grid.step_y), samples};
+  return {samples, samples, plan.step(), plan.step()};
+}
+
+Vec3d PersonSquares::place_of(const PersonSample& sample) const {
+  return standing.grid.centre(sample.cell) +
+         lattice().offset(sample.sample / samples, sample.sample % samples);
+}
+
+Expected<PersonSquares> make_person_squares(const RoomModel& room,
+                                            const PersonReference& reference,
+                                            double cell,
+                                            int depth) {
+  return SquaresBuilder(room, reference, cell).build(depth);
+}
+
+}  // namespace rayloc

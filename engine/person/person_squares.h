@@ -1,0 +1,50 @@
+// PersonSquares: what every access point would hear of a person at every place of the room where
+// one can stand. Traced once; localizing is looking it up.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/vec3.h"
+#include "engine/person/person_likelihood.h"
+#include "engine/person/person_reference.h"
+#include "engine/person/person_scattering.h"
+#include "engine/person/standing_room.h"
+#include "engine/room/lattice.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// One of the sample places of a cell (PatchPlan).
+struct PersonSample {
+  std::size_t cell = 0;
+  std::size_t sample = 0;
+};
+
+// One access point of the reference.
+struct PersonStation {
+  PersonLikelihood likelihood;
+  PersonScattering scattering;
+  std::vector<PersonPlace> cells;  // empty where nobody can stand
+  WhitenedGaussian nobody;
+  std::vector<WhitenedGaussian> changed;  // the room, as no person changes it, by some shares
+};
+
+struct PersonSquares {
+  StandingRoom standing;
+  std::size_t samples = 0;              // along the side of a square
+  std::vector<PersonStation> stations;  // one a link of the reference
+
+  Lattice lattice() const;                           // of the sample places of a cell
+  Vec3d place_of(const PersonSample& sample) const;  // [m], on the floor
+};
+
+// An Error when reference, access point or body cannot be used. `cell` [m], about; `depth`:
+// reflections on the ways to and from the person together. Seconds to a minute.
+Expected<PersonSquares> make_person_squares(const RoomModel& room,
+                                            const PersonReference& reference,
+                                            double cell,
+                                            int depth);
+
+}  // namespace rayloc

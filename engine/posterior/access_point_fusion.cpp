@@ -1,0 +1,66 @@
+#include "engine/posterior/access_point_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+
+double log_add(double a, double b) {
+  const double top = std::max(a, b);
+  return top + std::log1p(std::exp(std::min(a, b) - top));
+}
+
+double log_mean_exp(std::span<const double> log_likelihood, double temper) {
+  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
+  double sum = 0.0;
+  for (const double value : log_likelihood) {
+    sum += std::exp(temper * (value - top));
+  }
+  return temper * top + std::log(sum / static_cast<double>(log_likelihood.size()));
+}
+
+AccessPointFusion::AccessPointFusion(std::span<const std::vector<double>> maps,
+                                     double temper,
+                                     std::span<const double> faulty)
+    : temper_(temper), faulty_(faulty.begin(), faulty.end()) {
+  RAYLOC_CHECK(!maps.empty() && maps.size() == faulty.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    RAYLOC_CHECK(faulty[i] > 0.0 && faulty[i] < 1.0);
+    log_mean_.push_back(log_mean_exp(maps[i], temper));
+    log_nothing_ += std::log(faulty[i]) + log_mean_.back();
+  }
+}
+
+double AccessPointFusion::log_likelihood(std::span<const double> of_each) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < faulty_.size(); ++i) {
+    sum += log_add(std::log1p(-faulty_[i]) + temper_ * of_each[i],
+                   std::log(faulty_[i]) + log_mean_[i]);
+  }
+  // ln (exp(sum) - exp(nothing))
+  const double above = sum - log_nothing_;
+  if (!(above > 0.0)) {
+    return kNothing;
+  }
+  return std::max(kNothing, (sum + std::log(-std::expm1(-above))) / temper_);
+}
+
+double AccessPointFusion::faulty(std::size_t i, double log_likelihood) const {
+  const double odds =
+      std::log1p(-faulty_[i]) - std::log(faulty_[i]) + temper_ * log_likelihood - log_mean_[i];
+  return 1.0 / (1.0 + std::exp(odds));
+}
+
+double AccessPointFusion::elsewhere(double log_mean, double prior) const {
+  // Each access point, of a device elsewhere, fits about as well as it does in the mean.
+  double log_outside = 0.0;
+  for (const double one : log_mean_) {
+    log_outside += one;
+  }
+  const double nothing = log_add(std::log(prior) + log_outside, std::log1p(-prior) + log_nothing_);
+  return 1.0 / (1.0 + std::exp(std::log1p(-prior) + log_mean - nothing));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,21 @@
+// The places of one cell of a room's grid, which a localizer looks at closely, as one figure.
+#pragma once
+
+#include <span>
+#include <utility>
+
+#include "engine/posterior/posterior.h"
+#include "engine/room/lattice.h"
+
+namespace rayloc {
+
+// Places that fill a cell, NearbyLikelihood::kPlaceDistance of a wavelength [m] apart at most.
+Lattice places_of_cell(const RoomGrid& grid, double wavelength);
+
+// The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
+// is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
+std::pair<double, CellMass> summarise_places(const Lattice& lattice,
+                                             std::span<const double> log_likelihood,
+                                             double temper);
+
+}  // namespace rayloc

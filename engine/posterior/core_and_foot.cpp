@@ -1,0 +1,120 @@
+#include "engine/posterior/core_and_foot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+constexpr int kIterations = 30;
+constexpr double kLeastGain = 0.1;   // [nat]
+constexpr double kLeastMass = 1e-4;  // of the hill, of a component
+constexpr double kStartShare = 0.5;  // of the hill's mass, the densest, that the core begins with
+
+double determinant(const HillMass& g) { return g.xx * g.yy - g.xy * g.xy; }
+
+// Mean of the logarithm of the Gaussian's density over the part, up to a constant.
+double log_density(const HillMass& gaussian, const HillMass& part) {
+  const double det = determinant(gaussian);
+  const double dx = part.x - gaussian.x;
+  const double dy = part.y - gaussian.y;
+  const double square = gaussian.yy * (dx * dx + part.xx) -
+                        2.0 * gaussian.xy * (dx * dy + part.xy) + gaussian.xx * (dy * dy + part.yy);
+  return -0.5 * (std::log(det) + square / det);
+}
+
+HillMass weighted_sum(std::span<const HillMass> parts, std::span<const double> share) {
+  HillMass sum;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double mass = share[i] * parts[i].mass;
+    sum.mass += mass;
+    sum.x += mass * parts[i].x;
+    sum.y += mass * parts[i].y;
+  }
+  if (sum.mass <= 0.0) {
+    return sum;
+  }
+  sum.x /= sum.mass;
+  sum.y /= sum.mass;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const double relative = share[i] * parts[i].mass / sum.mass;
+    const double dx = parts[i].x - sum.x;
+    const double dy = parts[i].y - sum.y;
+    sum.xx += relative * (dx * dx + parts[i].xx);
+    sum.xy += relative * (dx * dy + parts[i].xy);
+    sum.yy += relative * (dy * dy + parts[i].yy);
+  }
+  return sum;
+}
+
+// 1 for the densest parts that hold kStartShare of the mass.
+std::vector<double> densest(std::span<const HillMass> parts, double whole) {
+  std::vector<std::size_t> order(parts.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = i;
+  }
+  const auto density = [&](std::size_t i) {
+    return parts[i].mass / std::sqrt(determinant(parts[i]));
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return density(a) > density(b);
+  });
+  std::vector<double> share(parts.size());
+  double held = 0.0;
+  for (const std::size_t i : order) {
+    share[i] = 1.0;
+    held += parts[i].mass;
+    if (held >= kStartShare * whole) {
+      break;
+    }
+  }
+  return share;
+}
+
+}  // namespace
+
+HillMass sum_of(std::span<const HillMass> parts) {
+  const std::vector<double> all(parts.size(), 1.0);
+  const HillMass sum = weighted_sum(parts, all);
+  RAYLOC_CHECK(sum.mass > 0.0);
+  return sum;
+}
+
+std::optional<std::array<HillMass, 2>> core_and_foot(std::span<const HillMass> parts) {
+  const HillMass whole = sum_of(parts);
+  std::vector<double> share = densest(parts, whole.mass);
+  std::vector<double> rest(parts.size());
+  std::array<HillMass, 2> components;
+  double gain = 0.0;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    std::transform(share.begin(), share.end(), rest.begin(), [](double s) { return 1.0 - s; });
+    components = {weighted_sum(parts, share), weighted_sum(parts, rest)};
+    if (std::min(components[0].mass, components[1].mass) < kLeastMass * whole.mass) {
+      return std::nullopt;
+    }
+    gain = 0.0;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const double core =
+          std::log(components[0].mass / whole.mass) + log_density(components[0], parts[i]);
+      const double foot =
+          std::log(components[1].mass / whole.mass) + log_density(components[1], parts[i]);
+      const double top = std::max(core, foot);
+      const double both = top + std::log(std::exp(core - top) + std::exp(foot - top));
+      share[i] = std::exp(core - both);
+      gain += parts[i].mass / whole.mass * (both - log_density(whole, parts[i]));
+    }
+  }
+  if (gain < kLeastGain) {
+    return std::nullopt;
+  }
+  if (determinant(components[0]) > determinant(components[1])) {
+    std::swap(components[0], components[1]);
+  }
+  return components;
+}
+
+}  // namespace rayloc

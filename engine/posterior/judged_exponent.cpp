@@ -1,0 +1,114 @@
+#include "engine/posterior/judged_exponent.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/posterior/credible_region.h"
+
+namespace rayloc {
+namespace {
+
+// Standard deviation of what dishonesty() says of honest regions.
+constexpr double kSpreadOfHonest = 0.76;
+
+double mean_of(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+// Whether the mean of `better` is above that of `other` by no more than the standard error of the
+// difference, spot by spot.
+bool is_within_error(std::span<const double> better, std::span<const double> other) {
+  std::vector<double> differences(better.size());
+  std::transform(better.begin(), better.end(), other.begin(), differences.begin(), std::minus<>());
+  const double mean = mean_of(differences);
+  double squares = 0.0;
+  for (const double difference : differences) {
+    squares += (difference - mean) * (difference - mean);
+  }
+  const auto n = static_cast<double>(differences.size());
+  return mean <= std::sqrt(squares / (n * (n - 1.0)));
+}
+
+// The estimate if its variances were larger.
+LocationEstimate widened(LocationEstimate estimate, double more) {
+  const auto widen = [&](std::array<double, 9>& covariance) {
+    covariance[0] += more;
+    covariance[4] += more;
+  };
+  widen(estimate.covariance);
+  for (Hypothesis& hypothesis : estimate.hypotheses) {
+    widen(hypothesis.covariance);
+  }
+  return estimate;
+}
+
+double dishonesty(std::vector<double> reaching) {
+  std::sort(reaching.begin(), reaching.end());
+  const auto n = static_cast<double>(reaching.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < reaching.size(); ++i) {
+    sum += (2.0 * static_cast<double>(i) + 1.0) *
+           std::log(reaching[i] * (1.0 - reaching[reaching.size() - 1 - i]));
+  }
+  return -n - sum / n;
+}
+
+}  // namespace
+
+JudgedExponent judge_exponent(double exponent,
+                              std::span<const LocationEstimate> estimates,
+                              double stated_sigma,
+                              const KnownSpots& spots,
+                              std::span<const double> least_sigmas) {
+  RAYLOC_CHECK(!estimates.empty() && estimates.size() == spots.places.size());
+  RAYLOC_CHECK(!least_sigmas.empty());
+  const auto with = [&](std::size_t spot, double sigma) {
+    return widened(
+        estimates[spot],
+        sigma * sigma - stated_sigma * stated_sigma + spots.place_sigma * spots.place_sigma);
+  };
+  JudgedExponent best;
+  for (const double sigma : least_sigmas) {
+    std::vector<double> scores;
+    for (std::size_t i = 0; i < estimates.size(); ++i) {
+      scores.push_back(std::log(stated_density(with(i, sigma), spots.places[i], spots.area)));
+    }
+    const double score = mean_of(scores);
+    if (best.scores.empty() || score > best.score) {
+      best = {exponent, sigma, std::move(scores), score, 0.0};
+    }
+  }
+  constexpr double kLast = 0.999;
+  std::vector<double> reaching;
+  for (std::size_t i = 0; i < estimates.size(); ++i) {
+    const auto one = region_reaching(with(i, best.least_sigma), spots.places[i]);
+    reaching.push_back(std::clamp(one.value_or(kLast), 1.0 - kLast, kLast));
+  }
+  best.dishonesty = dishonesty(std::move(reaching));
+  return best;
+}
+
+std::size_t best_exponent(std::span<const JudgedExponent> judged) {
+  RAYLOC_CHECK(!judged.empty());
+  const auto top = std::max_element(
+      judged.begin(), judged.end(), [](const auto& a, const auto& b) { return a.score < b.score; });
+  std::vector<std::size_t> as_good;
+  double least = top->dishonesty;
+  for (std::size_t i = 0; i < judged.size(); ++i) {
+    if (is_within_error(top->scores, judged[i].scores)) {
+      as_good.push_back(i);
+      least = std::min(least, judged[i].dishonesty);
+    }
+  }
+  auto best = static_cast<std::size_t>(top - judged.begin());
+  for (const std::size_t i : as_good) {
+    best = judged[i].dishonesty <= least + kSpreadOfHonest ? i : best;
+  }
+  return best;
+}
+
+}  // namespace rayloc

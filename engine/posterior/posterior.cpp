@@ -1,0 +1,413 @@
+#include "engine/posterior/posterior.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/posterior/core_and_foot.h"
+#include "engine/posterior/half_disc.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kKernel = 0.1;            // [m], standard deviation
+constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
+constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
+constexpr double kLeastWeight = 0.02;      // of a hypothesis worth stating
+constexpr double kLeastPart = 1e-9;        // of a hill's mass, of a cell that has a part in it
+constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothesis to the first
+// Pieces of one broad hill: no farther apart than this [m], and than so many of their spreads.
+// Neighbouring pieces are 1.5 to 2 apart, peaks with a valley between 3 and more.
+constexpr double kTouch = 0.65;
+constexpr double kSpreads = 2.3;
+constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
+constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
+constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
+
+// exp(temper * (l - max)), normalised to 1.
+std::vector<double> weights_of(const std::vector<double>& log_likelihood, double temper) {
+  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
+  std::vector<double> weights(log_likelihood.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    weights[i] = std::exp(temper * (log_likelihood[i] - top));
+    sum += weights[i];
+  }
+  for (double& weight : weights) {
+    weight /= sum;
+  }
+  return weights;
+}
+
+std::vector<double> kernel_of(double step) {
+  std::vector<double> kernel;
+  for (std::size_t i = 0; static_cast<double>(i) * step <= 3.0 * kKernel; ++i) {
+    const double x = static_cast<double>(i) * step / kKernel;
+    kernel.push_back(std::exp(-0.5 * x * x));
+  }
+  return kernel;
+}
+
+// One pass of a separable smoothing along a line of `count` values `stride` apart.
+void smooth_line(const std::vector<double>& in,
+                 std::vector<double>& out,
+                 std::size_t begin,
+                 std::size_t stride,
+                 std::size_t count,
+                 const std::vector<double>& kernel) {
+  for (std::size_t i = 0; i < count; ++i) {
+    double sum = kernel[0] * in[begin + i * stride];
+    for (std::size_t k = 1; k < kernel.size(); ++k) {
+      if (i >= k) {
+        sum += kernel[k] * in[begin + (i - k) * stride];
+      }
+      if (i + k < count) {
+        sum += kernel[k] * in[begin + (i + k) * stride];
+      }
+    }
+    out[begin + i * stride] = sum;
+  }
+}
+
+// The cell with the most mass about it, of those for which `take` holds.
+template <typename Take>
+std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
+  std::vector<double> half(mass.size());
+  std::vector<double> smooth(mass.size());
+  const auto kernel_x = kernel_of(grid.step_x);
+  const auto kernel_y = kernel_of(grid.step_y);
+  for (std::size_t x = 0; x < grid.count_x; ++x) {
+    smooth_line(mass, half, x * grid.count_y, 1, grid.count_y, kernel_y);
+  }
+  for (std::size_t y = 0; y < grid.count_y; ++y) {
+    smooth_line(half, smooth, y, grid.count_y, grid.count_x, kernel_x);
+  }
+  std::size_t best = smooth.size();
+  for (std::size_t i = 0; i < smooth.size(); ++i) {
+    if (take(i) && (best == smooth.size() || smooth[i] > smooth[best])) {
+      best = i;
+    }
+  }
+  RAYLOC_CHECK(best < smooth.size());
+  return best;
+}
+
+double horizontal_distance(const Vec3d& a, const Vec3d& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+// The posterior: masses of the cells of a grid, and where in each.
+struct Masses {
+  const RoomGrid& grid;
+  std::vector<double> mass;
+  std::span<const CellMass> within;  // of every cell; empty: uniform
+  CellMoments uniform;
+  double least_sigma;
+
+  const CellMoments& moments(std::size_t i) const {
+    return within.empty() ? uniform : within[i].all;
+  }
+  Vec3d position(std::size_t i) const {
+    const CellMoments& m = moments(i);
+    return grid.centre(i) + Vec3d{m.x, m.y, 0.0};
+  }
+};
+
+// Nothing where nothing is known.
+std::vector<CellMass> of_every_cell(const RoomGrid& grid, const KnownCells& known) {
+  std::vector<CellMass> all;
+  if (!known.empty()) {
+    const CellMoments uniform = uniform_moments(grid);
+    all.assign(grid.size(), {uniform, uniform, 1.0});
+    for (const auto& [cell, mass] : known) {
+      all.at(cell) = mass;
+    }
+  }
+  return all;
+}
+
+struct Mean {
+  double mass = 0.0;
+  Vec3d position;
+};
+
+// Of the cells for which `take` holds.
+template <typename Take>
+Mean mean_of(const Masses& masses, const Take& take) {
+  Mean result;
+  double x = 0.0;
+  double y = 0.0;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = masses.mass[i];
+    if (mass > 0.0 && take(i)) {
+      const Vec3d p = masses.position(i);
+      result.mass += mass;
+      x += mass * p.x;
+      y += mass * p.y;
+    }
+  }
+  if (result.mass > 0.0) {
+    result.position = {x / result.mass, y / result.mass, masses.grid.first.z};
+  }
+  return result;
+}
+
+template <typename Take>
+std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about, const Take& take) {
+  double sum = 0.0;
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = masses.mass[i];
+    if (mass > 0.0 && take(i)) {
+      const Vec3d d = masses.position(i) - about;
+      const CellMoments& m = masses.moments(i);
+      sum += mass;
+      xx += mass * (d.x * d.x + m.xx);
+      xy += mass * (d.x * d.y + m.xy);
+      yy += mass * (d.y * d.y + m.yy);
+    }
+  }
+  const double least = masses.least_sigma * masses.least_sigma;
+  const double scale = sum > 0.0 ? 1.0 / sum : 0.0;
+  return {scale * xx + least,
+          scale * xy,
+          0.0,
+          scale * xy,
+          scale * yy + least,
+          0.0,
+          0.0,
+          0.0,
+          kHeightSigma * kHeightSigma};
+}
+
+// The radius about `centre` that holds `confidence` of the mass, widened by what a cell hides.
+double radius_of(const Masses& masses, const Vec3d& centre, double confidence, double anywhere) {
+  const double of_each = anywhere / static_cast<double>(masses.mass.size());
+  std::vector<std::pair<double, double>> by_distance;  // distance, mass
+  double variance = masses.least_sigma * masses.least_sigma;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    const double mass = (1.0 - anywhere) * masses.mass[i] + of_each;
+    if (mass > 1e-12) {
+      by_distance.emplace_back(horizontal_distance(masses.position(i), centre), mass);
+      const CellMoments& m = masses.moments(i);
+      variance += 0.5 * mass * (m.xx + m.yy);
+    }
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  double inside = 0.0;
+  double radius = 0.0;
+  for (const auto& [distance, weight] : by_distance) {
+    inside += weight;
+    radius = distance;
+    if (inside >= confidence) {
+      break;
+    }
+  }
+  // Radius of a circular Gaussian at that confidence.
+  const double hidden = std::sqrt(-2.0 * std::log(1.0 - confidence) * variance);
+  return std::hypot(radius, hidden);
+}
+
+// Of what is left over little is as if the map said so much less; of more than the radius may miss,
+// the rest is anywhere.
+double accuracy_of(const Masses& masses, const Vec3d& position, const PosteriorOptions& options) {
+  const double of_map = options.accuracy_confidence / (1.0 - options.outlier);
+  return of_map <= kMostConfidence
+             ? radius_of(masses, position, of_map, 0.0)
+             : radius_of(masses, position, options.accuracy_confidence, options.outlier);
+}
+
+double effective_cells(const std::vector<double>& mass) {
+  double entropy = 0.0;
+  for (const double m : mass) {
+    if (m > 0.0) {
+      entropy -= m * std::log(m);
+    }
+  }
+  return std::exp(entropy);
+}
+
+// What is left of `all` without the share of `best`.
+CellMoments without(const CellMoments& all, const CellMoments& best, double share) {
+  const double rest = 1.0 - share;
+  CellMoments m;
+  m.x = (all.x - share * best.x) / rest;
+  m.y = (all.y - share * best.y) / rest;
+  const auto second =
+      [&](double of_all, double of_best, double a, double b, double r, double mean) {
+        return (of_all + a * r - share * (of_best + b * mean)) / rest;
+      };
+  m.xx = second(all.xx, best.xx, all.x, best.x, all.x, best.x) - m.x * m.x;
+  m.xy = second(all.xy, best.xy, all.x, best.x, all.y, best.y) - m.x * m.y;
+  m.yy = second(all.yy, best.yy, all.y, best.y, all.y, best.y) - m.y * m.y;
+  return m;
+}
+
+// Adds the mass of a cell, in two parts where its best place is known.
+void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
+  constexpr double kAll = 1.0 - 1e-9;
+  const Vec3d centre = masses.grid.centre(cell);
+  const double least = masses.least_sigma * masses.least_sigma;
+  const auto add = [&](double mass, const CellMoments& m) {
+    parts.push_back({mass, centre.x + m.x, centre.y + m.y, m.xx + least, m.xy, m.yy + least});
+  };
+  const double mass = masses.mass[cell];
+  if (masses.within.empty() || masses.within[cell].best_share > kAll) {
+    add(mass, masses.moments(cell));
+    return;
+  }
+  const CellMass& within = masses.within[cell];
+  add(within.best_share * mass, within.best);
+  add((1.0 - within.best_share) * mass, without(within.all, within.best, within.best_share));
+}
+
+Hypothesis hypothesis_of(const HillMass& hill, double height, double believed) {
+  return {{hill.x, hill.y, height},
+          {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, kHeightSigma * kHeightSigma},
+          believed * hill.mass};
+}
+
+void sort_by_weight(std::vector<Hypothesis>& hypotheses) {
+  std::stable_sort(hypotheses.begin(),
+                   hypotheses.end(),
+                   [](const Hypothesis& a, const Hypothesis& b) { return a.weight > b.weight; });
+}
+
+bool touch(const Hypothesis& a, const Hypothesis& b) {
+  const double x = b.position.x - a.position.x;
+  const double y = b.position.y - a.position.y;
+  const double apart = std::hypot(x, y);
+  const auto spread = [&](const Hypothesis& one) {
+    const auto& c = one.covariance;
+    return std::sqrt(c[0] * x * x + 2.0 * c[1] * x * y + c[4] * y * y) / std::max(apart, 1e-9);
+  };
+  return apart < kTouch && apart < kSpreads * (spread(a) + spread(b));
+}
+
+// A place that the first does not touch, directly or by others, is nearly as likely.
+// REQUIRES: the heaviest is the first.
+bool is_ambiguous(const std::vector<Hypothesis>& hypotheses) {
+  if (hypotheses.empty()) {
+    return false;
+  }
+  std::vector<Hypothesis> others(hypotheses.begin() + 1, hypotheses.end());
+  std::vector<Hypothesis> same{hypotheses.front()};  // grows by what each of it touches
+  for (std::size_t i = 0; i < same.size(); ++i) {
+    const auto apart = std::stable_partition(
+        others.begin(), others.end(), [&](const auto& one) { return !touch(same[i], one); });
+    same.insert(same.end(), apart, others.end());
+    others.erase(apart, others.end());
+  }
+  return std::any_of(others.begin(), others.end(), [&](const Hypothesis& one) {
+    return one.weight > kAmbiguousRatio * hypotheses.front().weight;
+  });
+}
+
+void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
+  const double believed = 1.0 - options.outlier;
+  double left = 1.0;
+  std::vector<HillMass> heaviest;  // parts of the heaviest hill
+  double most = 0.0;
+  while (estimate.hypotheses.size() < options.max_hypotheses) {
+    const Vec3d peak =
+        masses.grid.centre(peak_of(masses.grid, masses.mass, [](std::size_t) { return true; }));
+    const auto near = [&](std::size_t i) {
+      return horizontal_distance(masses.grid.centre(i), peak) <= kHypothesisRadius;
+    };
+    const Mean mean = mean_of(masses, near);
+    if (mean.mass < kLeastWeight) {
+      break;
+    }
+    estimate.hypotheses.push_back(
+        {mean.position, covariance_about(masses, mean.position, near), believed * mean.mass});
+    left -= believed * mean.mass;
+    const bool is_heaviest = mean.mass > most;
+    if (is_heaviest) {
+      most = mean.mass;
+      heaviest.clear();
+    }
+    for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+      if (near(i)) {
+        if (is_heaviest && masses.mass[i] > kLeastPart * mean.mass) {
+          add_parts(masses, i, heaviest);
+        }
+        masses.mass[i] = 0.0;
+      }
+    }
+  }
+  estimate.residual_probability = std::clamp(left, 0.0, 1.0);
+  std::vector<Hypothesis>& hypotheses = estimate.hypotheses;
+  sort_by_weight(hypotheses);
+  estimate.ambiguous = is_ambiguous(hypotheses);
+  if (hypotheses.empty() || hypotheses.size() >= options.max_hypotheses) {
+    return;
+  }
+  if (const auto two = core_and_foot(heaviest)) {
+    const double height = masses.grid.first.z;
+    hypotheses.front() = hypothesis_of((*two)[0], height, believed);
+    hypotheses.push_back(hypothesis_of((*two)[1], height, believed));
+    sort_by_weight(hypotheses);
+  }
+}
+
+}  // namespace
+
+RoomGrid::RoomGrid(const Vec3d& bounds_min, const Vec3d& bounds_max, double height, double step) {
+  const double width_x = bounds_max.x - bounds_min.x;
+  const double width_y = bounds_max.y - bounds_min.y;
+  RAYLOC_CHECK(width_x > 0.0 && width_y > 0.0 && step > 0.0);
+  count_x = static_cast<std::size_t>(std::ceil(width_x / step));
+  count_y = static_cast<std::size_t>(std::ceil(width_y / step));
+  step_x = width_x / static_cast<double>(count_x);
+  step_y = width_y / static_cast<double>(count_y);
+  first = {bounds_min.x + 0.5 * step_x, bounds_min.y + 0.5 * step_y, height};
+}
+
+CellMoments uniform_moments(const RoomGrid& grid) {
+  return {0.0, 0.0, grid.step_x * grid.step_x / 12.0, 0.0, grid.step_y * grid.step_y / 12.0};
+}
+
+void summarise_posterior(const RoomGrid& grid,
+                         const std::vector<double>& log_likelihood,
+                         const PosteriorOptions& options,
+                         LocationEstimate& estimate,
+                         const KnownCells& within) {
+  RAYLOC_CHECK(log_likelihood.size() == grid.size());
+  const std::vector<CellMass> of_cells = of_every_cell(grid, within);
+  const Masses masses{grid,
+                      weights_of(log_likelihood, options.temper),
+                      of_cells,
+                      uniform_moments(grid),
+                      options.least_sigma};
+  if (effective_cells(masses.mass) > kMostSpread * static_cast<double>(grid.size())) {
+    estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
+    return;
+  }
+  const Disc half = half_disc(grid, masses.mass, kPeakRadius);
+  const Vec3d peak = grid.centre(
+      peak_of(grid, masses.mass, [&](std::size_t i) { return half.contains(grid.centre(i)); }));
+  const auto near = [&](std::size_t i) {
+    return horizontal_distance(grid.centre(i), peak) <= kPeakRadius;
+  };
+  const Vec3d position = mean_of(masses, near).position;
+  estimate.position = position;
+  estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
+  estimate.accuracy_confidence = options.accuracy_confidence;
+  estimate.accuracy_m = accuracy_of(masses, position, options);
+  add_hypotheses(masses, options, estimate);
+  double top = log_likelihood.front();
+  bool found = false;
+  for (std::size_t i = 0; i < masses.mass.size(); ++i) {
+    if (near(i) && (!found || log_likelihood[i] > top)) {
+      top = log_likelihood[i];
+      found = true;
+    }
+  }
+  estimate.loss = -top;
+}
+
+}  // namespace rayloc

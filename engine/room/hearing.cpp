@@ -1,0 +1,136 @@
+#include "engine/room/hearing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "engine/base/median.h"
+#include "engine/observe/chain_gains.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kMotionWarning = 0.1;
+// [dB], of the mean power of the others. With all chains alive, 250 bursts of two rooms had none
+// below -18.3; without an antenna, noise and coupling leave -23 or less.
+constexpr double kDeadChain = -20.0;
+constexpr double kLeastShare = 1e-12;
+
+}  // namespace
+
+Expected<void> check_room(const RoomModel* room) {
+  if (room == nullptr || room->scene == nullptr) {
+    return make_error(ErrorKind::kInternal, "a localizer needs a room with a scene");
+  }
+  if (!(room->bounds_max.x > room->bounds_min.x && room->bounds_max.y > room->bounds_min.y)) {
+    return make_error(ErrorKind::kConfiguration, "the room's bounds are empty");
+  }
+  if (room->access_points.empty() || room->grid.size() < 2) {
+    return make_error(ErrorKind::kConfiguration, "the site has no access point or no tones");
+  }
+  return {};
+}
+
+std::string calibration_problem(const RoomModel& room, const RoomAccessPoint& access_point) {
+  const RoomAccessPoint& ap = access_point;
+  if (ap.array.element_offset.size() != ap.cores.size() || ap.cores.empty()) {
+    return "has " + std::to_string(ap.cores.size()) + " cores for " +
+           std::to_string(ap.array.element_offset.size()) + " antennas";
+  }
+  if (ap.gains.empty()) {
+    return "has no chain gains: calibrate the site first (rayloc calibrate)";
+  }
+  if (ap.gains.grid != room.grid || ap.gains.cores != ap.cores ||
+      ap.gains.gain.size() != ap.cores.size() * room.grid.size()) {
+    return "was calibrated with other tones or cores: calibrate again";
+  }
+  return {};
+}
+
+std::string nothing_heard(const RoomModel& room, const std::vector<std::string>& warnings) {
+  const auto is_uncalibrated = [](const RoomAccessPoint& ap) { return ap.gains.empty(); };
+  if (std::all_of(room.access_points.begin(), room.access_points.end(), is_uncalibrated)) {
+    return "no chain gains, calibrate the site";
+  }
+  return warnings.empty() ? "no access point of the site heard the burst" : warnings.front();
+}
+
+std::optional<BurstObservation> hear(const RoomModel& room,
+                                     std::size_t access_point,
+                                     std::span<const CsiFrame> frames,
+                                     const BurstOptions& options,
+                                     std::vector<std::string>& warnings) {
+  const RoomAccessPoint& ap = room.access_points[access_point];
+  const auto index = static_cast<int>(access_point);
+  if (std::none_of(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
+        return frame.access_point == index;
+      })) {
+    return std::nullopt;
+  }
+  auto burst = combine_burst(frames, {index, room.grid, ap.cores, options});
+  if (!burst) {
+    warnings.push_back("access point " + ap.id + ": " + burst.error().message);
+    return std::nullopt;
+  }
+  remove_gains(ap.gains, burst->h);
+  return *std::move(burst);
+}
+
+std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
+  const std::size_t rows = burst.cores.size();
+  if (rows < 2) {
+    return std::nullopt;
+  }
+  std::vector<double> power(rows);
+  for (std::size_t j = 0; j < burst.h.size(); ++j) {
+    power[j / burst.grid.size()] += std::norm(burst.h[j]);
+  }
+  const auto weakest = std::min_element(power.begin(), power.end());
+  const double others = std::accumulate(power.begin(), power.end(), -*weakest);
+  const double share = *weakest * static_cast<double>(rows - 1) / others;
+  const double level_db = 10.0 * std::log10(std::max(share, kLeastShare));
+  if (!(level_db < kDeadChain)) {
+    return std::nullopt;
+  }
+  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), level_db};
+}
+
+BurstObservation without_row(BurstObservation burst, std::size_t row) {
+  const auto tones = static_cast<std::ptrdiff_t>(burst.grid.size());
+  const auto at = static_cast<std::ptrdiff_t>(row);
+  burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
+  burst.cores.erase(burst.cores.begin() + at);
+  burst.level_dbm.reset();  // that of the others was not learned
+  return burst;
+}
+
+void HearingTally::add(const RoomAccessPoint& access_point, const BurstObservation& burst) {
+  const bool is_first = snr_db_.empty();
+  first_ = is_first ? burst.first : std::min(first_, burst.first);
+  last_ = is_first ? burst.last : std::max(last_, burst.last);
+  frames_ += burst.frames_used;
+  antennas_ += burst.cores.size();
+  snr_db_.push_back(burst.snr_db);
+  if (burst.motion_residual > kMotionWarning) {
+    warnings_.push_back("access point " + access_point.id +
+                        ": the channel changes within the burst");
+  }
+}
+
+void HearingTally::fill(std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
+  estimate.capture_start = frames.front().time;
+  estimate.capture_end = frames.back().time;
+  const Timestamp first = snr_db_.empty() ? frames.front().time : first_;
+  const Timestamp last = snr_db_.empty() ? frames.back().time : last_;
+  estimate.time = first + (last - first) / 2;
+  estimate.frames_used = frames_;
+  estimate.antennas_used = antennas_;
+  estimate.access_points_used = snr_db_.size();
+  if (!snr_db_.empty()) {
+    estimate.snr_db = median(snr_db_);
+  }
+  estimate.warnings.insert(estimate.warnings.end(), warnings_.begin(), warnings_.end());
+}
+
+}  // namespace rayloc

@@ -1,0 +1,56 @@
+// Ray: what the observation model needs of a traced path between a device and the centre of an
+// antenna array.
+//
+// The array is small against the length of a path, and all surfaces are planes, so the path to
+// every element is that of the same mirror image of the device: its length is exact for each.
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "engine/base/mat3.h"
+#include "engine/base/vec3.h"
+#include "engine/room/room_model.h"
+#include "engine/trace/paths.h"
+
+namespace rayloc {
+
+struct Ray {
+  std::complex<double> amplitude;  // without propagation phase
+  double length = 0.0;             // [m], device to the array's centre
+  Vec3d at_array;                  // unit, from the array to where the wave comes from
+  Vec3d at_device;                 // unit, the way that the wave leaves the device
+  int reflections = 0;
+  // Sum over the reflections of cos^2 of the angle of incidence: a surface displaced by s along its
+  // normal changes the length by 2 s cos.
+  double cos2_incidence = 0.0;
+  // Turns what is about the array into its mirror image, as the device sees it:
+  // at_device = -(mirror * at_array).
+  Mat3<float> mirror;
+};
+
+// From the device to the image of an element that is `element_offset` [m] from the array's centre.
+// The image stays where it is when the device moves, as long as the ray meets the same surfaces:
+// from a place `moved` beside the device's the way is image_of(...) - moved, and the derivative of
+// its length is minus its direction (Fermat).
+inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
+  const Vec3<float> offset{static_cast<float>(element_offset.x),
+                           static_cast<float>(element_offset.y),
+                           static_cast<float>(element_offset.z)};
+  const Vec3<float> turned = ray.mirror * offset;
+  return ray.length * ray.at_device + Vec3d{static_cast<double>(turned.x),
+                                            static_cast<double>(turned.y),
+                                            static_cast<double>(turned.z)};
+}
+
+// What a likelihood knows of a place at most.
+inline constexpr std::size_t kMostRays = 64;
+
+// The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at
+// most `most`, each with the corrections of the surfaces that it meets.
+std::vector<Ray> rays_of(const Paths& paths,
+                         const RoomModel& room,
+                         const Vec3d& device,
+                         std::size_t most);
+
+}  // namespace rayloc

@@ -1,0 +1,319 @@
+#include "engine/scene/read/material_xml.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <set>
+#include <span>
+#include <utility>
+
+#include "engine/base/suggestion.h"
+#include "engine/scene/read/visual_names.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::string_view kMaterialPrefix = "mat-";
+constexpr std::string_view kItuPrefix = "itu_";
+constexpr std::string_view kRadio = "radio-material";
+constexpr std::string_view kItuRadio = "itu-radio-material";
+constexpr std::size_t kMostLevels = 64;  // of bsdfs in bsdfs; people write two or three
+
+std::string_view without_prefix(std::string_view text, std::string_view prefix) {
+  return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
+}
+
+// "concrete" of "mat-itu_concrete"; "" of an id that names no ITU material.
+std::string_view itu_id(std::string_view id) {
+  const std::string_view bare = without_prefix(id, kMaterialPrefix);
+  return bare.starts_with(kItuPrefix) ? bare.substr(kItuPrefix.size()) : std::string_view();
+}
+
+bool contains(std::span<const std::string_view> names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool is_itu_material(const std::string& name) {
+  const auto names = itu_material_names();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// Sionna's diffuse scattering at surfaces: its coefficient and the shape of its lobes.
+bool is_of_scattering(std::string_view name) {
+  constexpr std::array<std::string_view, 6> kNames{"scattering_coefficient",
+                                                   "xpd_coefficient",
+                                                   "scattering_pattern",
+                                                   "alpha_r",
+                                                   "alpha_i",
+                                                   "lambda_"};
+  return contains(kNames, name);
+}
+
+bool is_left_out(std::string_view name) {
+  return is_visual_of_bsdf(name) || is_of_scattering(name);
+}
+bool is_left_out_of_conductor(std::string_view name) {
+  return is_left_out(name) || name == "material";  // of which metal the colour is
+}
+
+// Of several statements the outermost counts, and another one beside it is a mistake.
+template <typename T>
+void keep(XmlElement& element,
+          std::string_view name,
+          std::optional<T> found,
+          std::optional<T>& kept) {
+  if (found && kept && *found != *kept) {
+    element.refuse(name, "is stated in another <bsdf> of this material with another value");
+  } else if (found) {
+    kept = std::move(found);
+  }
+}
+
+}  // namespace
+
+std::string material_name(std::string_view id) {
+  return std::string(without_prefix(without_prefix(id, kMaterialPrefix), kItuPrefix));
+}
+
+bool MaterialReader::is_overridden(const std::string& name) const {
+  const auto found = options_.materials.find(name);
+  return found != options_.materials.end() && found->second.relative_permittivity &&
+         found->second.conductivity;
+}
+
+// The <bsdf> and all within it, also by <ref>, from the outermost inwards, each once.
+std::vector<pugi::xml_node> MaterialReader::levels_of(const pugi::xml_node& bsdf) const {
+  std::vector<pugi::xml_node> levels{bsdf};
+  std::set<std::ptrdiff_t> seen{bsdf.offset_debug()};
+  const auto add = [&](const pugi::xml_node& found) {
+    if (levels.size() < kMostLevels && seen.insert(found.offset_debug()).second) {
+      levels.push_back(found);
+    }
+  };
+  for (std::size_t next = 0; next < levels.size();) {
+    const pugi::xml_node level = levels[next++];
+    for (const pugi::xml_node& child : level.children()) {
+      const std::string_view tag = child.name();
+      if (tag == "bsdf") {
+        add(child);
+      } else if (tag == "ref") {
+        if (const auto named = bsdfs_.find(child.attribute("id").value()); named != bsdfs_.end()) {
+          add(named->second);
+        }
+      }
+    }
+  }
+  return levels;
+}
+
+BsdfKind MaterialReader::kind_of(const pugi::xml_node& bsdf) const {
+  bool is_null = false;
+  bool is_seen = false;
+  for (const pugi::xml_node& level : levels_of(bsdf)) {
+    const std::string_view type = level.attribute("type").value();
+    const std::string_view id = level.attribute("id").value();
+    if (!itu_id(id).empty() || options_.materials.contains(material_name(id)) ||
+        !contains(visual_bsdf_types(), type)) {
+      return BsdfKind::kRadio;
+    }
+    const bool is_around_others = level.child("bsdf") || level.child("ref");
+    is_null = is_null || type == "null";
+    is_seen = is_seen || (type != "null" && !is_around_others);
+  }
+  return is_null && !is_seen ? BsdfKind::kNull : BsdfKind::kVisual;
+}
+
+std::optional<RadioMaterial> MaterialReader::read(const pugi::xml_node& bsdf,
+                                                  const std::string& user) {
+  const std::vector<pugi::xml_node> levels = levels_of(bsdf);
+  Stated stated = named(levels, user);
+  if (levels.size() == kMostLevels) {
+    file_.complain(bsdf, "material '" + stated.name + "' is made of too many <bsdf>s");
+    return std::nullopt;
+  }
+  for (const pugi::xml_node& level : levels) {
+    read_level(level, stated);
+  }
+  Expected<RadioMaterial> material = RadioMaterial{};
+  if (!is_overridden(stated.name)) {
+    material = material_of(stated, bsdf);
+  }
+  if (!material) {
+    file_.complain(bsdf, "material '" + stated.name + "': " + material.error().message);
+    return std::nullopt;
+  }
+  const auto found = options_.materials.find(stated.name);
+  const RadioMaterialOverride changed =
+      found != options_.materials.end() ? found->second : RadioMaterialOverride{};
+  material->name = stated.name;
+  material->thickness = changed.thickness.value_or(stated.thickness.value_or(kDefaultThickness));
+  material->relative_permittivity =
+      changed.relative_permittivity.value_or(material->relative_permittivity);
+  material->conductivity = changed.conductivity.value_or(material->conductivity);
+  if (auto valid = validate(*material); !valid) {
+    file_.complain(bsdf, valid.error().message);
+    return std::nullopt;
+  }
+  return *std::move(material);
+}
+
+MaterialReader::Stated MaterialReader::named(const std::vector<pugi::xml_node>& levels,
+                                             const std::string& user) const {
+  Stated stated;
+  for (const pugi::xml_node& level : levels) {
+    const std::string_view id = level.attribute("id").value();
+    const std::string_view itu = itu_id(id);
+    stated.name = stated.name.empty() ? material_name(id) : stated.name;
+    if (stated.itu_id.empty()) {
+      stated.itu_id = itu;
+    } else if (!itu.empty() && itu != stated.itu_id &&
+               itu_id(levels[0].attribute("id").value()).empty()) {
+      stated.other_itu_id = itu;
+    }
+  }
+  stated.name = stated.name.empty() ? user : stated.name;
+  return stated;
+}
+
+void MaterialReader::read_level(const pugi::xml_node& bsdf, Stated& stated) {
+  XmlElement element(file_, bsdf, "material '" + stated.name + "'");
+  const std::string type = element.attribute("type");
+  element.attribute("id");
+  element.attribute("name");
+  check_type(element, type, stated);
+  check_references(bsdf);
+  stated.radio_material = stated.radio_material || type == kRadio;
+  stated.itu_radio_material = stated.itu_radio_material || type == kItuRadio;
+  read_properties(element, type, stated);
+  element.allow_tags({"bsdf", "ref"});
+  element.allow_tags(visual_bsdf_tags());
+  element.leave_out(type.ends_with("conductor") ? is_left_out_of_conductor : is_left_out);
+  element.finish();
+}
+
+void MaterialReader::check_type(XmlElement& element,
+                                const std::string& type,
+                                const Stated& stated) {
+  if (type == kRadio || type == kItuRadio || contains(visual_bsdf_types(), type) ||
+      !file_.listens()) {
+    return;
+  }
+  const std::string_view close = closest_name(type, visual_bsdf_types());
+  element.complain("the type '" + type + "' of the material '" + stated.name + "' is not known" +
+                   (close.empty() ? "; write radio-material for one with values of its own, "
+                                    "itu-radio-material for one of ITU-R P.2040-3"
+                                  : "; did you mean '" + std::string(close) + "'?"));
+}
+
+void MaterialReader::check_references(const pugi::xml_node& bsdf) {
+  for (const pugi::xml_node& reference : bsdf.children("ref")) {
+    XmlElement element(file_, reference, {});
+    const std::string id = element.attribute("id");
+    element.attribute("name");
+    element.finish();
+    // A texture's reference has a role: "reflectance".
+    const std::string_view role = reference.attribute("name").value();
+    if (file_.listens() && !bsdfs_.contains(id) && (role.empty() || role == "bsdf")) {
+      std::vector<std::string> ids;
+      for (const auto& [known, node] : bsdfs_) {
+        ids.push_back(known);
+      }
+      element.complain("there is no <bsdf> with the id '" + id + "'" + suggestion(id, ids));
+    }
+  }
+}
+
+void MaterialReader::read_properties(XmlElement& element, const std::string& type, Stated& stated) {
+  const auto permittivity = element.number("relative_permittivity");
+  const auto conductivity = element.number("conductivity");
+  const auto itu_type = element.text("type");
+  keep(element, "thickness", element.number("thickness"), stated.thickness);
+  stated.scatters =
+      stated.scatters || element.number("scattering_coefficient").value_or(0.0) != 0.0;
+  if (type == kRadio) {
+    keep(element, "relative_permittivity", permittivity, stated.permittivity);
+    keep(element, "conductivity", conductivity, stated.conductivity);
+    element.refuse("type", "is of the type itu-radio-material only");
+    return;
+  }
+  keep(element, "type", itu_type, stated.itu_type);
+  for (const char* value : {"relative_permittivity", "conductivity"}) {
+    element.refuse(value, "is of the type radio-material only; this <bsdf> is a '" + type + "'");
+  }
+}
+
+Expected<RadioMaterial> MaterialReader::material_of(const Stated& stated,
+                                                    const pugi::xml_node& bsdf) {
+  if (stated.scatters) {
+    note(bsdf,
+         stated,
+         "its scattering_coefficient is not used: surfaces do not scatter here, the diffuse power "
+         "of a room is calibrated");
+  }
+  if (stated.radio_material && stated.itu_radio_material) {
+    return bad_input("it is a radio-material and an itu-radio-material; leave one of them out");
+  }
+  if (!stated.other_itu_id.empty()) {
+    return bad_input("it is made of '" + stated.itu_id + "' and of '" + stated.other_itu_id +
+                     "'; leave one of them out");
+  }
+  if (stated.radio_material && (stated.permittivity || stated.conductivity)) {
+    return of_values(stated, bsdf);
+  }
+  if (!stated.itu_id.empty() || stated.itu_radio_material) {
+    return of_table(stated, bsdf);
+  }
+  if (stated.radio_material) {
+    note(
+        bsdf,
+        stated,
+        "it states neither relative_permittivity nor conductivity: it is read as vacuum, as Sionna "
+        "RT does");
+    return RadioMaterial{};
+  }
+  return bad_input(
+      "the <bsdf> says nothing about radio; use an id mat-itu_NAME with a name of ITU-R "
+      "P.2040-3, the type radio-material, or state relative_permittivity and conductivity of "
+      "the material '" +
+      stated.name + "' in the site");
+}
+
+Expected<RadioMaterial> MaterialReader::of_values(const Stated& stated,
+                                                  const pugi::xml_node& bsdf) {
+  RadioMaterial material;
+  if (is_itu_material(stated.itu_id)) {
+    note(bsdf,
+         stated,
+         "its id names an ITU material, but it states values of its own, and these are kept; "
+         "Sionna RT takes those of the table");
+    if (auto of_table = itu_material(stated.itu_id, options_.carrier_hz)) {
+      material = *std::move(of_table);
+    }
+  }
+  material.relative_permittivity = stated.permittivity.value_or(material.relative_permittivity);
+  material.conductivity = stated.conductivity.value_or(material.conductivity);
+  return material;
+}
+
+Expected<RadioMaterial> MaterialReader::of_table(const Stated& stated, const pugi::xml_node& bsdf) {
+  const std::string& name = stated.itu_type ? *stated.itu_type : stated.itu_id;
+  if (name.empty()) {
+    return bad_input(R"(an itu-radio-material needs <string name="type" value="NAME"/>)" +
+                     suggestion(name, itu_material_names()));
+  }
+  if (name != stated.itu_id && is_itu_material(stated.itu_id)) {
+    note(bsdf,
+         stated,
+         "its id names the ITU material '" + stated.itu_id + "', its type '" + name + "': '" +
+             name + "' is read, as Sionna RT does");
+  }
+  return itu_material(name, options_.carrier_hz);
+}
+
+void MaterialReader::note(const pugi::xml_node& bsdf,
+                          const Stated& stated,
+                          const std::string& what) {
+  notes_.push_back({"material", file_.place(bsdf), "material '" + stated.name + "': " + what});
+}
+
+}  // namespace rayloc

@@ -1,0 +1,130 @@
+#include "engine/scene/read/visual_names.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <string>
+
+namespace rayloc {
+namespace {
+
+using Name = std::string_view;
+
+constexpr std::array<Name, 10> kTags{"emitter",
+                                     "film",
+                                     "integrator",
+                                     "medium",
+                                     "phase",
+                                     "rfilter",
+                                     "sampler",
+                                     "sensor",
+                                     "texture",
+                                     "volume"};
+
+constexpr std::array<Name, 5> kBsdfTags{"rgb", "spectrum", "texture", "color", "medium"};
+
+constexpr std::array<Name, 25> kBsdfTypes{"blendbsdf",    "bumpmap",        "circular",
+                                          "conductor",    "dielectric",     "diffuse",
+                                          "hair",         "mask",           "measured",
+                                          "normalmap",    "null",           "openpbr",
+                                          "phong",        "plastic",        "polarizer",
+                                          "pplastic",     "principled",     "principledthin",
+                                          "retarder",     "roughconductor", "roughdielectric",
+                                          "roughplastic", "thindielectric", "twosided",
+                                          "ward"};
+
+constexpr std::array<Name, 5> kShapeProperties{
+    "face_normals", "flip_normals", "flip_tex_coords", "max_smooth_angle", "smooth_normals"};
+
+constexpr std::array<Name, 43> kBsdfProperties{"alpha",
+                                               "alpha_u",
+                                               "alpha_v",
+                                               "anisotropic",
+                                               "base_color",
+                                               "clearcoat",
+                                               "clearcoat_gloss",
+                                               "color",
+                                               "diff_trans",
+                                               "diffuse_reflectance",
+                                               "distribution",
+                                               "eta",
+                                               "exponent",
+                                               "ext_eta",
+                                               "ext_ior",
+                                               "filename",
+                                               "flatness",
+                                               "int_ior",
+                                               "k",
+                                               "metallic",
+                                               "nonlinear",
+                                               "normalmap",
+                                               "opacity",
+                                               "reflectance",
+                                               "roughness",
+                                               "sample_visible",
+                                               "scale",
+                                               "sheen",
+                                               "sheen_tint",
+                                               "spec_tint",
+                                               "spec_trans",
+                                               "specular",
+                                               "specular_reflectance",
+                                               "specular_transmittance",
+                                               "theta",
+                                               "delta",
+                                               "transmittance",
+                                               "variant",
+                                               "weight",
+                                               "longitudinal_roughness",
+                                               "azimuthal_roughness",
+                                               "scale_tilt",
+                                               "wavelength"};
+
+constexpr std::array<Name, 9> kBsdfPrefixes{"base_",
+                                            "coat_",
+                                            "emission_",
+                                            "fuzz_",
+                                            "geometry_",
+                                            "specular_",
+                                            "subsurface_",
+                                            "thin_film_",
+                                            "transmission_"};
+
+constexpr Name kSamplingRate = "_sampling_rate";  // of the principled ones
+
+// Mitsuba 0.6 wrote "intIOR" where it is "int_ior" now.
+std::string without_style(Name name) {
+  std::string plain;
+  for (const char c : name) {
+    if (c != '_') {
+      plain += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+  }
+  return plain;
+}
+
+bool is_one_of(std::span<const Name> names, Name name) {
+  const std::string plain = without_style(name);
+  return std::any_of(
+      names.begin(), names.end(), [&](Name known) { return without_style(known) == plain; });
+}
+
+}  // namespace
+
+std::span<const Name> visual_tags() { return kTags; }
+std::span<const Name> visual_bsdf_tags() { return kBsdfTags; }
+std::span<const Name> visual_bsdf_types() { return kBsdfTypes; }
+std::span<const Name> visual_shape_properties() { return kShapeProperties; }
+std::span<const Name> visual_bsdf_properties() { return kBsdfProperties; }
+std::span<const Name> visual_bsdf_prefixes() { return kBsdfPrefixes; }
+
+bool is_visual_of_shape(Name name) { return is_one_of(kShapeProperties, name); }
+
+bool is_visual_of_bsdf(Name name) {
+  return is_one_of(kBsdfProperties, name) || name.ends_with(kSamplingRate) ||
+         std::any_of(kBsdfPrefixes.begin(), kBsdfPrefixes.end(), [&](Name prefix) {
+           return name.starts_with(prefix);
+         });
+}
+
+}  // namespace rayloc
