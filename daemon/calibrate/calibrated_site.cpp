@@ -8,6 +8,7 @@
 #include <string>
 
 #include "daemon/scene/scene_files.h"
+#include "engine/base/constants.h"
 #include "engine/calibrate/joint/stated_parameter.h"
 #include "engine/scene/scene.h"
 
@@ -32,12 +33,11 @@ std::string chain_name(const CalibratedAccessPoint& ap, std::size_t core) {
 
 // Where the method fitted the chains with the room, they are as sure as it says.
 void state_chains(std::span<const RoomParameter> parameters, CalibratedAccessPoint& ap) {
-  constexpr double kRadian = std::numbers::pi / 180.0;
   for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
     const std::string phase = chain_name(ap, core) + ".phase";
     for (const RoomParameter& parameter : parameters) {
       if (parameter.name == phase && parameter.sigma > 0.0) {
-        ap.gain_sigma[core] = kRadian * parameter.sigma;
+        ap.gain_sigma[core] = kDegree * parameter.sigma;
         ap.gain_sigma[0] = 0.0;  // the others are against it
       }
     }
@@ -102,7 +102,6 @@ void count_yaw_from_survey(const RoomModel& surveyed,
 }
 
 std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
   std::vector<RoomParameter> parameters;
   for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
@@ -111,8 +110,12 @@ std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
     const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
     parameters.push_back(
         {name + ".gain", "dB", kDecibels * std::log(std::abs(ratio)), 0.0, 0.0, kDecibels * sigma});
-    parameters.push_back(
-        {name + ".phase", "deg", kDegrees * std::arg(ratio), 0.0, 0.0, kDegrees * sigma});
+    parameters.push_back({name + ".phase",
+                          "deg",
+                          kDegreesPerRadian * std::arg(ratio),
+                          0.0,
+                          0.0,
+                          kDegreesPerRadian * sigma});
   }
   return parameters;
 }

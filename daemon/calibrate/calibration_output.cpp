@@ -47,7 +47,8 @@ std::vector<RoomParameter> all_parameters(const std::vector<CalibrationMethodRes
   for (const CalibratedAccessPoint& ap : file.access_points) {
     add_common_parameters(ap, parameters);
   }
-  parameters.push_back({"temper", "1", file.temper.value, file.temper.prior, 0.0, 0.0});
+  parameters.push_back(
+      {"temper", "1", file.likelihood_exponent.value, file.likelihood_exponent.prior, 0.0, 0.0});
   parameters.push_back(
       {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
   return parameters;
@@ -93,7 +94,7 @@ CalibrationFile Calibration::file_of(const std::vector<CalibrationMethodResult>&
   file.method = methods.front().method;
   file.scene_hash = scene_hash(*room.scene);
   file.points_hash = inputs_.points_hash;
-  file.temper = {fixes_.back().temper, plan_.temper, 0.0};
+  file.likelihood_exponent = {fixes_.back().likelihood_exponent, plan_.likelihood_exponent, 0.0};
   file.least_sigma = {fixes_.back().least_sigma, plan_.least_sigma, 0.0};
   file.ray_depth = room.trace.max_depth;
   file.transmission = room.trace.transmission;

@@ -18,8 +18,8 @@
 #include "daemon/site/site_copy.h"
 #include "daemon/terminal/stop_signal.h"
 #include "engine/calibrate/check/input_check.h"
-#include "engine/calibrate/joint/draw_search.h"
 #include "engine/calibrate/joint/joint_calibration.h"
+#include "engine/calibrate/joint/multi_start.h"
 #include "engine/paper/paper_calibration.h"
 
 namespace rayloc::cli {

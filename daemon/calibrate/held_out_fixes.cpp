@@ -37,12 +37,12 @@ struct Tried {
 
 Tried fixes_with(const Localizer& localizer,
                  std::span<const HeldOutSpot> spots,
-                 double temper,
+                 double likelihood_exponent,
                  std::span<const double> sigmas,
                  double survey_sigma) {
   Tried tried;
   HeldOutFixes& result = tried.outcome;
-  result.temper = temper;
+  result.likelihood_exponent = likelihood_exponent;
   result.points = spots.size();
   std::vector<double> errors;
   std::vector<LocationEstimate> estimates;
@@ -50,7 +50,7 @@ Tried fixes_with(const Localizer& localizer,
   KnownSpots known{{}, survey_sigma, room.area()};
   for (const HeldOutSpot& spot : spots) {
     known.places.push_back(spot.position);
-    estimates.push_back(localizer.locate(spot.frames, temper));
+    estimates.push_back(localizer.locate(spot.frames, likelihood_exponent));
     const LocationEstimate& estimate = estimates.back();
     if (!estimate.position) {
       continue;
@@ -63,7 +63,7 @@ Tried fixes_with(const Localizer& localizer,
   }
   result.least_sigma = room.least_sigma;
   if (!estimates.empty()) {
-    tried.judged = judge_exponent(temper, estimates, room.least_sigma, known, sigmas);
+    tried.judged = judge_exponent(likelihood_exponent, estimates, room.least_sigma, known, sigmas);
     result.least_sigma = tried.judged.least_sigma;
     result.log_score = tried.judged.score;
     result.dishonesty = tried.judged.dishonesty;
@@ -80,7 +80,7 @@ Expected<std::vector<HeldOutFixes>> fit_certainty_of(std::shared_ptr<const RoomM
                                                      std::span<const HeldOutSpot> all,
                                                      double survey_sigma) {
   const std::vector<HeldOutSpot> spots = at_height(all, room->device.height);
-  const double usual = room->temper;
+  const double usual = room->likelihood_exponent;
   const double most = room->access_points.size() > 1 ? kMostOfSeveral : kExponents.front();
   const std::array usual_sigma{room->least_sigma};
   const auto localizer = Localizer::create(std::move(room), {});

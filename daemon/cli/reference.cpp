@@ -24,7 +24,7 @@
 #include "engine/person/calibrate/occupied_room.h"
 #include "engine/person/calibrate/person_certainty.h"
 #include "engine/person/calibrate/person_fit.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc::cli {
 namespace {
@@ -274,7 +274,7 @@ Expected<void> Reference::learn_person() {
       return tl::make_unexpected(certainty.error());
     }
     reference = std::move(fit->reference);
-    reference.person.temper = certainty->temper;
+    reference.person.likelihood_exponent = certainty->likelihood_exponent;
     reference.person.second_person = certainty->second_person;
     spots_ = std::max(spots_, fit->spots);
   }
@@ -333,14 +333,15 @@ void Reference::print() const {
   }
   const PersonModel& person = references_.front().person;
   std::fprintf(stderr,
-               "person %s: radius %.3f m, strength variance %g, diffuse %g, noise %g, temper %g\n",
+               "person %s: radius %.3f m, strength variance %g, diffuse %g, noise %g, "
+               "likelihood_exponent %g\n",
                spots_ > 0 ? ("from " + std::to_string(spots_) + " places").c_str()
                           : "as stated (no --people)",
                person.body.semi_axes[0],
                person.strength_variance,
                person.diffuse,
                person.noise,
-               person.temper);
+               person.likelihood_exponent);
   if (person.second_person) {
     std::fprintf(stderr,
                  "  a second person is believed from a log-likelihood of %.1f on, and with two "

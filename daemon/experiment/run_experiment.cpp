@@ -12,7 +12,7 @@
 #include "engine/paper/paper_person_localizer.h"
 #include "engine/person/calibrate/empty_room.h"
 #include "engine/person/person_localizer.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {

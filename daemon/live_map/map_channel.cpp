@@ -11,7 +11,7 @@
 
 #include "daemon/publish/proto_time.h"
 #include "engine/likelihood/observation_model.h"
-#include "engine/localize/station_map.h"
+#include "engine/localize/access_point_map.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc {
@@ -81,10 +81,10 @@ const ReceiverTracer& MapChannel::tracer_at(const ChannelWatch::Sight& sight,
 }
 
 std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
-  const Hearing hearing = sight.localizer->hear(sight.frames);
+  const RoomObservation observation = sight.localizer->hear(sight.frames);
   const OfdmGrid& grid = sight.localizer->room().grid;
   Json arrays = Json::array();
-  for (const HeardArray& heard : hearing.arrays) {
+  for (const HeardArray& heard : observation.arrays) {
     const RoomAccessPoint& at = heard.map->access_point();
     auto simulated = simulate(tracer_at(sight, at), sight.localizer->room(), at, sight.position);
     if (simulated.size() != heard.h.size()) {  // it is heard without a chain that is dead

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
+#include "engine/base/constants.h"
 
 namespace rayloc {
 namespace {
@@ -22,7 +22,6 @@ CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
 // In the words and numbers of CalibrationMonitor.
 CalibrationWarning chains_turned(const RoomAccessPoint& access_point,
                                  const ChainWatch::Turn& turn) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   CalibrationWarning warning;
   warning.problem = CalibrationProblem::kChainPhaseJump;
   warning.access_point = turn.access_point;
@@ -32,7 +31,7 @@ CalibrationWarning chains_turned(const RoomAccessPoint& access_point,
       warning.core = access_point.cores[i];
       warning.phase = turn.phase[i];
       cores += (cores.empty() ? "core " : ", core ") + std::to_string(access_point.cores[i]) +
-               " by " + std::to_string(std::lround(kDegrees * turn.phase[i])) + " degrees";
+               " by " + std::to_string(std::lround(kDegreesPerRadian * turn.phase[i])) + " degrees";
     }
   }
   warning.text = "chain_phase_jump: access point " + access_point.id + ", " + cores +

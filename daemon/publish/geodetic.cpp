@@ -1,7 +1,7 @@
 #include "daemon/publish/geodetic.h"
+#include "engine/base/constants.h"
 
 #include <cmath>
-#include <numbers>
 
 namespace rayloc {
 namespace {
@@ -11,7 +11,6 @@ constexpr double kMajor = 6'378'137.0;
 constexpr double kFlattening = 1.0 / 298.257223563;
 constexpr double kMinor = kMajor * (1.0 - kFlattening);
 constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Radius of curvature across the meridian [m].
 double normal_radius(double sin_latitude) {

@@ -13,7 +13,6 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kReferenceDistance = 4.0;  // [m], of Impairments::snr_db
 // Of two half-wave dipoles side by side: 1.64 each ([Balanis] 4.6).
 constexpr double kReferenceGain = 1.64 * 1.64;

@@ -227,7 +227,7 @@ Expected<CalibrationFile> read(TomlDocument& document) {
   calibration.scene_hash = root.string("scene").value_or("");
   calibration.points_hash = root.string("points").value_or("");
   // Above 1 where the model states more error than it has.
-  calibration.temper = read_value(root, "temper", {0.0, 2.0, ""});
+  calibration.likelihood_exponent = read_value(root, "temper", {0.0, 2.0, ""});
   if (root.has("least_sigma")) {  // calibrations of before have none
     calibration.least_sigma = read_value(root, "least_sigma", {0.0, 1.0, ""});
   }
@@ -280,7 +280,7 @@ std::string to_toml(const CalibrationFile& calibration) {
       calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash + "\"\nmethod = \"" +
       calibration.method + "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
       "\ntransmission = " + (calibration.transmission ? "true" : "false") +
-      "\ntemper = " + value_text(calibration.temper, "1") +
+      "\ntemper = " + value_text(calibration.likelihood_exponent, "1") +
       "\nleast_sigma = " + value_text(calibration.least_sigma, "m") + "\n";
   for (const CalibratedAccessPoint& ap : calibration.access_points) {
     text +=

@@ -62,7 +62,7 @@ struct CalibrationFile {
   std::string scene_hash;
   std::string points_hash;            // of the surveyed points
   std::string method = "gains-only";  // or "joint", "paper"
-  CalibratedValue temper;
+  CalibratedValue likelihood_exponent;
   CalibratedValue least_sigma{0.01, 0.01, 0.0};  // [m]
   int ray_depth = kRayDepth;                     // RoomModel::trace
   bool transmission = false;

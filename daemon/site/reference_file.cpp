@@ -39,7 +39,7 @@ std::string person_text(const PersonModel& person, std::size_t spots) {
          "\nconductivity = " + to_text(body.conductivity) +
          "\nstrength_variance = " + to_text(person.strength_variance) +
          "\ndiffuse = " + to_text(person.diffuse) + "\nnoise = " + to_text(person.noise) +
-         "\ntemper = " + to_text(person.temper) + "\n" +
+         "\ntemper = " + to_text(person.likelihood_exponent) + "\n" +
          (person.second_person
               ? "second_person = " + to_text(*person.second_person) +
                     "  # difference of log-likelihoods from which on one is believed\n"
@@ -65,7 +65,8 @@ PersonModel read_person(const TomlTable& root) {
       table->number("strength_variance", {0.0, 100.0}).value_or(person.strength_variance);
   person.diffuse = table->number("diffuse", {0.0, 100.0}).value_or(person.diffuse);
   person.noise = table->number("noise", {1e-9, 1.0}).value_or(person.noise);
-  person.temper = table->number("temper", {1e-3, 1.0}).value_or(person.temper);
+  person.likelihood_exponent =
+      table->number("temper", {1e-3, 1.0}).value_or(person.likelihood_exponent);
   person.second_person = table->number("second_person", {0.0, 1e9});
   return person;
 }

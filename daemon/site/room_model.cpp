@@ -64,7 +64,7 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
                           "); calibrate again, or restore the scene");
   }
   room.calibration_id = calibration->id;
-  room.temper = calibration->temper.value;
+  room.likelihood_exponent = calibration->likelihood_exponent.value;
   room.least_sigma = calibration->least_sigma.value;
   room.trace.max_depth = calibration->ray_depth;
   room.trace.transmission = calibration->transmission;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "capture/decode/decoder_registry.h"
 #include "daemon/site/site_tables.h"
+#include "engine/base/constants.h"
 #include "engine/base/suggestion.h"
 
 namespace rayloc {
@@ -13,7 +13,6 @@ constexpr std::array<std::string_view, 2> kRoles = {"device", "fixed"};
 
 constexpr double kMinAntennaDistance = 1e-3;  // [m]; closer is the same antenna written twice
 constexpr double kMaxAntennaOffset = 10.0;    // [m]
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Centre of an 802.11 channel of the 5 GHz band, or of the other bands that share its number.
 // Source: IEEE 802.11-2020, 17.3.8.4.2, 19.3.15, 27.3.23.2.

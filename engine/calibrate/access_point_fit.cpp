@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
 #include "engine/observe/alignment.h"
@@ -19,7 +19,6 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
 constexpr double kYawStep = 1.0 * kDegree;
 constexpr int kYawSteps = 3;  // to either side

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <utility>
 
+#include "engine/base/constants.h"
 #include "engine/base/csv_reader.h"
 
 namespace rayloc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kFewestPhi = 4;
 constexpr std::size_t kFewestTheta = 3;
 constexpr double kLowestGain = -200.0;    // [dBi]

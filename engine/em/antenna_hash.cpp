@@ -1,7 +1,7 @@
 #include "engine/em/antenna_hash.h"
+#include "engine/base/constants.h"
 
 #include <cstdint>
-#include <numbers>
 
 namespace rayloc {
 
@@ -12,7 +12,6 @@ void add_antenna(ContentHash& hash, const AntennaPattern& pattern, Polarization 
     return;
   }
   // A table is smooth between its samples, which are as fine as a degree at most.
-  constexpr double kDegree = std::numbers::pi / 180.0;
   for (int theta = 0; theta <= 180; ++theta) {
     for (int phi = 0; phi < 360; ++phi) {
       hash.add(pattern.table().at(theta * kDegree, phi * kDegree).dbi);

@@ -5,8 +5,8 @@
 // with L the level that the receiver states [dB], L_p the power that is traced at a place and
 // diffuse power with it, offset and sigma of access point and transmitter (TransmitterLevel).
 // Powers add without their phases: what a fade is above or below that is part of sigma, and so L_p
-// hardly changes within a cell of the grid. Sigma was measured, so RoomModel::temper does not
-// apply.
+// hardly changes within a cell of the grid. Sigma was measured, so RoomModel::likelihood_exponent
+// does not apply.
 #pragma once
 
 #include <optional>

@@ -13,14 +13,14 @@
 #include "engine/base/parallel.h"
 #include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
-#include "engine/localize/station_map.h"
+#include "engine/localize/access_point_map.h"
 #include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
 #include "engine/posterior/posterior.h"
 #include "engine/posterior/room_map.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
@@ -42,7 +42,7 @@ constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempere
 constexpr double kLeastResidual = 1e-30;
 
 // What every access point says of every cell, above being nowhere in particular.
-struct StationMaps {
+struct AccessPointMaps {
   std::vector<double> nowhere;            // [array], log-likelihood of that
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
@@ -68,14 +68,14 @@ class Localizer::Impl {
         continue;
       }
       index_.push_back(i);
-      stations_.push_back(std::make_unique<const StationMap>(
-          StationMap::Source{room_, i, grid_, options_.likelihood}, options_.path_grids.get()));
+      aps_.push_back(std::make_unique<const AccessPointMap>(
+          AccessPointMap::Source{room_, i, grid_, options_.likelihood}, options_.path_grids.get()));
     }
   }
 
-  Hearing hear_burst(std::span<const CsiFrame> frames) const;
-  Evidence evidence(const Hearing& hearing, Look look) const;
-  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+  RoomObservation hear_burst(std::span<const CsiFrame> frames) const;
+  Evidence evidence(const RoomObservation& observation, Look look) const;
+  LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
   const RoomModel& room() const { return *room_; }
   const RoomGrid& grid() const { return grid_; }
   const LocalizerOptions& options() const { return options_; }
@@ -88,23 +88,25 @@ class Localizer::Impl {
   std::optional<HeardArray> heard_by(std::size_t number,
                                      BurstObservation& burst,
                                      LocationEstimate& estimate) const;
-  StationMaps maps_of(const std::vector<HeardArray>& heard, double temper, double far_below) const;
+  AccessPointMaps maps_of(const std::vector<HeardArray>& heard,
+                          double likelihood_exponent,
+                          double far_below) const;
   std::vector<std::vector<double>> places_of(std::size_t cell,
                                              const Lattice& lattice,
                                              const std::vector<HeardArray>& heard,
                                              const std::vector<double>& nowhere,
-                                             double temper) const;
+                                             double likelihood_exponent) const;
   void refine(const std::vector<HeardArray>& heard,
-              const StationMaps& maps,
+              const AccessPointMaps& maps,
               const AccessPointFusion& fusion,
-              double temper,
+              double likelihood_exponent,
               RoomMap& map) const;
   void keep_explained(std::vector<HeardArray>& heard,
-                      StationMaps& maps,
+                      AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
   void warn_of_doubtful(const std::vector<HeardArray>& heard,
                         const RoomMap& map,
-                        double temper,
+                        double likelihood_exponent,
                         const RaysOfEach& rays,
                         LocationEstimate& estimate) const;
   double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
@@ -113,8 +115,8 @@ class Localizer::Impl {
   LocalizerOptions options_;
   WatchedArea area_;
   const RoomGrid& grid_ = area_.grid;
-  std::vector<std::unique_ptr<const StationMap>> stations_;
-  std::vector<std::size_t> index_;  // of each station, in RoomModel::access_points
+  std::vector<std::unique_ptr<const AccessPointMap>> aps_;
+  std::vector<std::size_t> index_;  // of each access point, in RoomModel::access_points
   std::vector<std::string> warnings_;
 };
 
@@ -122,29 +124,29 @@ class Localizer::Impl {
 std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
                                                     BurstObservation& burst,
                                                     LocationEstimate& estimate) const {
-  const StationMap* station = stations_[number].get();
-  const RoomAccessPoint& ap = station->access_point();
+  const AccessPointMap* map = aps_[number].get();
+  const RoomAccessPoint& ap = map->access_point();
   if (const auto dead = dead_chain(burst)) {
     estimate.warnings.push_back("access point " + ap.id + ": the chain of core " +
                                 std::to_string(burst.cores[dead->row]) + " is dead (" +
                                 std::to_string(std::lround(dead->level_db)) +
                                 " dB of the others; an antenna is off?); it is left out");
-    if (station->antennas() <= least_antennas()) {
+    if (map->antennas() <= least_antennas()) {
       return std::nullopt;
     }
     burst = without_row(std::move(burst), dead->row);
-    station = &station->without(dead->row);
+    map = &map->without(dead->row);
   }
-  const double noise = burst.noise_variance * static_cast<double>(station->dimension()) /
+  const double noise = burst.noise_variance * static_cast<double>(map->dimension()) /
                        static_cast<double>(burst.h.size());
-  HeardArray heard{number, station, station->observe(burst.h, noise), burst.h, {}};
+  HeardArray heard{number, map, map->observe(burst.h, noise), burst.h, {}};
   if (heard.observed.array.captured < kLeastCaptured) {
     estimate.warnings.push_back("access point " + ap.id +
                                 ": what it heard is no channel of this room");
     return std::nullopt;
   }
   if (const auto level = heard_level(ap, burst)) {
-    heard.level = station->level_log_likelihood(*level);
+    heard.level = map->level_log_likelihood(*level);
   }
   return heard;
 }
@@ -152,12 +154,12 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
 std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames,
                                                 LocationEstimate& estimate) const {
   std::vector<HeardArray> heard;
-  HearingTally tally;
-  for (std::size_t number = 0; number < stations_.size(); ++number) {
+  ObservationTally tally;
+  for (std::size_t number = 0; number < aps_.size(); ++number) {
     auto burst = rayloc::hear(*room_, index_[number], frames, options_.burst, estimate.warnings);
     auto one = burst ? heard_by(number, *burst, estimate) : std::nullopt;
     if (one) {
-      tally.add(stations_[number]->access_point(), *burst);
+      tally.add(aps_[number]->access_point(), *burst);
       heard.push_back(*std::move(one));
     }
   }
@@ -167,10 +169,10 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
 
 // Cells near the best of all access points together, and near the best of each, are looked at
 // closely; far_below is taken from the others.
-StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
-                                     double temper,
-                                     double far_below) const {
-  StationMaps maps;
+AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
+                                         double likelihood_exponent,
+                                         double far_below) const {
+  AccessPointMaps maps;
   for (const HeardArray& one : heard) {
     maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
@@ -179,14 +181,14 @@ StationMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
                                                  std::vector<std::uint8_t>(grid_.size()));
   std::vector<double> sum(grid_.size());
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
-    return log_likelihood - maps.nowhere[i] + heard[i].level_at(cell, temper);
+    return log_likelihood - maps.nowhere[i] + heard[i].level_at(cell, likelihood_exponent);
   };
   parallel_for(grid_.size(), 64, [&](std::size_t cell) {
     for (std::size_t i = 0; i < heard.size(); ++i) {
-      const StationMap& station = *heard[i].map;
-      station.fetch(cell + 1);
-      if (station.is_reachable(cell)) {
-        const auto coarse = station.coarse(cell, heard[i].observed);
+      const AccessPointMap& ap = *heard[i].map;
+      ap.fetch(cell + 1);
+      if (ap.is_reachable(cell)) {
+        const auto coarse = ap.coarse(cell, heard[i].observed);
         windows[i][cell] = coarse.windows;
         maps.cell[i][cell] = above(i, cell, coarse.log_likelihood);
       }
@@ -221,7 +223,7 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
                                                             const Lattice& lattice,
                                                             const std::vector<HeardArray>& heard,
                                                             const std::vector<double>& nowhere,
-                                                            double temper) const {
+                                                            double likelihood_exponent) const {
   std::vector<std::vector<double>> places(lattice.size(), std::vector<double>(heard.size()));
   for (std::size_t i = 0; i < heard.size(); ++i) {
     if (!heard[i].map->is_reachable(cell)) {
@@ -233,7 +235,7 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
     }
     const auto values = nearby->on(lattice);
     for (std::size_t j = 0; j < places.size(); ++j) {
-      places[j][i] = values[j] - nowhere[i] + heard[i].level_at(cell, temper);
+      places[j][i] = values[j] - nowhere[i] + heard[i].level_at(cell, likelihood_exponent);
     }
   }
   return places;
@@ -241,9 +243,9 @@ std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
 
 // Looks closely at the best cells: their log-likelihood becomes that of the mean over their places.
 void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
-                             const StationMaps& maps,
+                             const AccessPointMaps& maps,
                              const AccessPointFusion& fusion,
-                             double temper,
+                             double likelihood_exponent,
                              RoomMap& map) const {
   std::vector<double>& cells = map.log_likelihood;
   std::vector<std::size_t> order(cells.size());
@@ -256,7 +258,7 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
                       return cells[a] > cells[b] || (cells[a] == cells[b] && a < b);
                     });
   order.resize(most);
-  while (cells[order.back()] < cells[order.front()] - kRefinedMargin / temper) {
+  while (cells[order.back()] < cells[order.front()] - kRefinedMargin / likelihood_exponent) {
     order.pop_back();
   }
   const CellMoments uniform = uniform_moments(grid_);
@@ -268,7 +270,7 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
       places_of_cell(grid_, finer * kSpeedOfLight / room_->grid.centre_hz);
   parallel_for(order.size(), 1, [&](std::size_t n) {
     const std::size_t cell = order[n];
-    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, temper);
+    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, likelihood_exponent);
     if (places.empty()) {
       return;
     }
@@ -277,13 +279,14 @@ void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
     for (const std::vector<double>& place : places) {
       fused.push_back(fusion.log_likelihood(place));
     }
-    const auto [log_mean, mass] = summarise_places(lattice_of_cell, fused, temper);
+    const auto [log_mean, mass] = summarise_places(lattice_of_cell, fused, likelihood_exponent);
     cells[cell] = log_mean;
     map.within[n].second = mass;
     for (std::size_t i = 0; i < heard.size(); ++i) {
       double doubt = 0.0;
       for (std::size_t j = 0; j < places.size(); ++j) {
-        doubt += std::exp(temper * (fused[j] - log_mean)) * fusion.faulty(i, places[j][i]);
+        doubt +=
+            std::exp(likelihood_exponent * (fused[j] - log_mean)) * fusion.faulty(i, places[j][i]);
       }
       map.doubt[i][cell] = doubt / static_cast<double>(places.size());
     }
@@ -300,25 +303,25 @@ double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
   return 10.0 * std::log10(std::max(residual / static_cast<double>(heard.size()), kLeastResidual));
 }
 
-Hearing Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
-  Hearing hearing;
-  LocationEstimate& estimate = hearing.estimate;
+RoomObservation Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) const {
+  RoomObservation observation;
+  LocationEstimate& estimate = observation.estimate;
   estimate.warnings = warnings_;
   estimate.accuracy_confidence = options_.accuracy_confidence;
   if (frames.empty()) {
     estimate.reason = "no frames";
-    return hearing;
+    return observation;
   }
-  hearing.arrays = listen(frames, estimate);
-  if (hearing.arrays.empty()) {
+  observation.arrays = listen(frames, estimate);
+  if (observation.arrays.empty()) {
     estimate.reason = nothing_heard(*room_, estimate.warnings);
   }
-  return hearing;
+  return observation;
 }
 
 // Leaves out what no place explains; nothing is left when no access point is explained by any.
 void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
-                                     StationMaps& maps,
+                                     AccessPointMaps& maps,
                                      LocationEstimate& estimate) const {
   for (std::size_t i = heard.size(); i-- > 0;) {
     const double best = *std::max_element(maps.cell[i].begin(), maps.cell[i].end());
@@ -339,10 +342,10 @@ void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
 // Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
 void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
                                        const RoomMap& map,
-                                       double temper,
+                                       double likelihood_exponent,
                                        const RaysOfEach& rays,
                                        LocationEstimate& estimate) const {
-  const std::vector<double> doubt = doubts(map, temper);
+  const std::vector<double> doubt = doubts(map, likelihood_exponent);
   for (std::size_t i = 0; i < heard.size(); ++i) {
     const std::string name = "access point " + heard[i].map->access_point().id;
     if (heard.size() > 1 && doubt[i] > 0.5) {
@@ -352,7 +355,7 @@ void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
       continue;
     }
     const auto odds = heard[i].map->covered_log_odds(rays[i], heard[i].observed);
-    if (odds && temper * *odds > kCoveredForCertain) {
+    if (odds && likelihood_exponent * *odds > kCoveredForCertain) {
       estimate.warnings.push_back(name +
                                   ": the direct way to the device is not as the plan has it: it is "
                                   "covered, or the chains have changed");
@@ -360,25 +363,26 @@ void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
   }
 }
 
-LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, double temper) const {
-  Hearing hearing = hear_burst(frames);
-  LocationEstimate& estimate = hearing.estimate;
-  if (hearing.arrays.empty()) {
+LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
+                                         double likelihood_exponent) const {
+  RoomObservation observation = hear_burst(frames);
+  LocationEstimate& estimate = observation.estimate;
+  if (observation.arrays.empty()) {
     return std::move(estimate);
   }
-  StationMaps maps = maps_of(hearing.arrays, temper, kFarBelow);
-  keep_explained(hearing.arrays, maps, estimate);
-  if (hearing.arrays.empty()) {
+  AccessPointMaps maps = maps_of(observation.arrays, likelihood_exponent, kFarBelow);
+  keep_explained(observation.arrays, maps, estimate);
+  if (observation.arrays.empty()) {
     return std::move(estimate);
   }
   estimate.reason.clear();
-  const std::vector<double> faulty(hearing.arrays.size(), options_.faults.access_point);
-  const AccessPointFusion fusion(maps.cell, temper, faulty);
+  const std::vector<double> faulty(observation.arrays.size(), options_.faults.access_point);
+  const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
-  refine(hearing.arrays, maps, fusion, temper, map);
-  const double contradicted =
-      fusion.elsewhere(log_mean_exp(map.log_likelihood, temper), options_.faults.elsewhere);
-  const double outside = take_outside(area_, temper, map.log_likelihood);
+  refine(observation.arrays, maps, fusion, likelihood_exponent, map);
+  const double contradicted = fusion.elsewhere(
+      log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
+  const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
   const double elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   if (elsewhere > kMostElsewhere) {
     estimate.reason =
@@ -390,7 +394,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
   }
   summarise_posterior(grid_,
                       map.log_likelihood,
-                      {temper,
+                      {likelihood_exponent,
                        options_.accuracy_confidence,
                        options_.max_hypotheses,
                        elsewhere,
@@ -399,36 +403,36 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames, doubl
                       map.within);
   if (estimate.position) {
     RaysOfEach rays;
-    for (const HeardArray& one : hearing.arrays) {
+    for (const HeardArray& one : observation.arrays) {
       rays.push_back(one.map->rays_to(*estimate.position));
     }
-    warn_of_doubtful(hearing.arrays, map, temper, rays, estimate);
-    estimate.model_residual_db = model_residual(hearing.arrays, rays);
+    warn_of_doubtful(observation.arrays, map, likelihood_exponent, rays, estimate);
+    estimate.model_residual_db = model_residual(observation.arrays, rays);
   }
   return std::move(estimate);
 }
 
-Localizer::Evidence Localizer::Impl::evidence(const Hearing& hearing, Look look) const {
-  std::vector<HeardArray> heard = hearing.arrays;
-  const double temper = room_->temper;
-  StationMaps maps = maps_of(heard, temper, 0.0);
+Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation, Look look) const {
+  std::vector<HeardArray> heard = observation.arrays;
+  const double likelihood_exponent = room_->likelihood_exponent;
+  AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0);
   LocationEstimate unused;
   keep_explained(heard, maps, unused);
   if (heard.empty()) {
     return {};
   }
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
-  const AccessPointFusion fusion(maps.cell, temper, faulty);
+  const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
   Evidence result;
   if (look == Look::kPlaces) {
-    refine(heard, maps, fusion, temper, map);
+    refine(heard, maps, fusion, likelihood_exponent, map);
     result.within = std::move(map.within);
   }
   result.log_likelihood = std::move(map.log_likelihood);
-  const double contradicted =
-      fusion.elsewhere(log_mean_exp(result.log_likelihood, temper), options_.faults.elsewhere);
-  const double outside = take_outside(area_, temper, result.log_likelihood);
+  const double contradicted = fusion.elsewhere(
+      log_mean_exp(result.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
+  const double outside = take_outside(area_, likelihood_exponent, result.log_likelihood);
   result.elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   return result;
 }
@@ -449,18 +453,19 @@ Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
 LocationEstimate Localizer::locate(std::span<const CsiFrame> frames) const {
-  return impl_->locate(frames, impl_->room().temper);
+  return impl_->locate(frames, impl_->room().likelihood_exponent);
 }
-LocationEstimate Localizer::locate(std::span<const CsiFrame> frames, double temper) const {
-  return impl_->locate(frames, temper);
+LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
+                                   double likelihood_exponent) const {
+  return impl_->locate(frames, likelihood_exponent);
 }
 
-Hearing Localizer::hear(std::span<const CsiFrame> frames) const {
+RoomObservation Localizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear_burst(frames);
 }
-Localizer::Evidence Localizer::evidence(const Hearing& hearing, Look look) const {
-  RAYLOC_CHECK(!hearing.arrays.empty());
-  return impl_->evidence(hearing, look);
+Localizer::Evidence Localizer::evidence(const RoomObservation& observation, Look look) const {
+  RAYLOC_CHECK(!observation.arrays.empty());
+  return impl_->evidence(observation, look);
 }
 
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }

@@ -19,8 +19,8 @@
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/likelihood/likelihood.h"
+#include "engine/localize/access_point_map.h"
 #include "engine/localize/path_grid.h"
-#include "engine/localize/station_map.h"
 #include "engine/observe/burst.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
@@ -41,20 +41,21 @@ struct LocalizerOptions {
 
 // A burst as one access point heard it, its chain gains removed.
 struct HeardArray {
-  std::size_t station = 0;          // number among the access points that the localizer can use
-  const StationMap* map = nullptr;  // of the antennas that work; the localizer's
+  std::size_t ap = 0;                   // number among the access points that the localizer can use
+  const AccessPointMap* map = nullptr;  // of the antennas that work; the localizer's
   ObservedBurst observed;
   std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
-  std::vector<double> level;            // [cell], StationMap::level_log_likelihood(); empty: none
+  std::vector<double> level;  // [cell], AccessPointMap::level_log_likelihood(); empty: none
 
-  // To add to what is then raised to the power of `temper`: that is of how well h is modelled, and
-  // the spread of levels was measured.
-  double level_at(std::size_t cell, double temper) const {
-    return level.empty() || temper <= 0.0 ? 0.0 : level[cell] / temper;
+  // To add to what is then raised to the power of `likelihood_exponent`: that is of how well h is
+  // modelled, and the spread of levels was measured.
+  double level_at(std::size_t cell, double likelihood_exponent) const {
+    return level.empty() || likelihood_exponent <= 0.0 ? 0.0 : level[cell] / likelihood_exponent;
   }
 };
 
-struct Hearing {
+// A burst as the access points of the room heard it.
+struct RoomObservation {
   std::vector<HeardArray> arrays;  // of one Localizer; empty: nothing usable, see estimate.reason
   LocationEstimate estimate;       // times, counts and warnings, no position
 };
@@ -71,25 +72,25 @@ class Localizer {
 
   // `frames`: one transmitter, any access points, in order of time.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
-  // With another exponent of the likelihood than RoomModel::temper: for fitting that.
-  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+  // With another exponent of the likelihood than RoomModel::likelihood_exponent: for fitting that.
+  LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
-  Hearing hear(std::span<const CsiFrame> frames) const;
+  RoomObservation hear(std::span<const CsiFrame> frames) const;
   // What a burst says of every cell of grid(). Cells that are far from the best are known less
-  // precisely, as a lower bound. REQUIRES: hearing.arrays is not empty.
+  // precisely, as a lower bound. REQUIRES: observation.arrays is not empty.
   enum class Look {
     kCells,   // as a whole
     kPlaces,  // the best of them place by place, as locate() does
   };
   struct Evidence {
     // Relative to the device being nowhere in particular, not tempered (what a level says is
-    // divided by RoomModel::temper, which does not apply to it); empty when no place explains the
-    // burst.
+    // divided by RoomModel::likelihood_exponent, which does not apply to it); empty when no place
+    // explains the burst.
     std::vector<double> log_likelihood;
     double elsewhere = 0.0;  // probability that the burst says nothing of the place
     KnownCells within;       // where in the best cells; empty with kCells
   };
-  Evidence evidence(const Hearing& hearing, Look look = Look::kCells) const;
+  Evidence evidence(const RoomObservation& observation, Look look = Look::kCells) const;
   const RoomGrid& grid() const;
 
   const RoomModel& room() const;

@@ -54,7 +54,9 @@ WatchedArea watched_area(const RoomModel& room) {
   return area;
 }
 
-double take_outside(const WatchedArea& area, double temper, std::vector<double>& log_likelihood) {
+double take_outside(const WatchedArea& area,
+                    double likelihood_exponent,
+                    std::vector<double>& log_likelihood) {
   if (area.inside.empty()) {
     return 0.0;
   }
@@ -62,7 +64,7 @@ double take_outside(const WatchedArea& area, double temper, std::vector<double>&
   double all = 0.0;
   double outside = 0.0;
   for (std::size_t i = 0; i < log_likelihood.size(); ++i) {
-    const double mass = std::exp(temper * (log_likelihood[i] - top));
+    const double mass = std::exp(likelihood_exponent * (log_likelihood[i] - top));
     all += mass;
     if (area.inside[i] == 0) {
       outside += mass;

@@ -25,6 +25,8 @@ WatchedArea watched_area(const RoomModel& room);
 
 // The probability of the cells that are not in the area, by a map of log-likelihoods; their cells
 // become AccessPointFusion::kNothing.
-double take_outside(const WatchedArea& area, double temper, std::vector<double>& log_likelihood);
+double take_outside(const WatchedArea& area,
+                    double likelihood_exponent,
+                    std::vector<double>& log_likelihood);
 
 }  // namespace rayloc

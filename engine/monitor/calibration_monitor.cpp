@@ -7,9 +7,10 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/monitor/chain_turns.h"
-#include "engine/monitor/steady.h"
+#include "engine/monitor/debounce.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
@@ -19,7 +20,6 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr std::size_t kFramesOfBurst = 6;
 constexpr std::size_t kScannedRays = 16;  // the strongest; the scan is about the large part
 constexpr double kShiftStep = 0.01;       // [m], a sixth of a wavelength
@@ -57,15 +57,15 @@ struct Spot {
 // What the windows of an access point have told.
 struct Told {
   Told(std::size_t chains, std::optional<double> usual_fit)
-      : usual(usual_fit), jump(chains, Steady(CalibrationMonitor::kSteady)), jump_phase(chains) {}
+      : usual(usual_fit), jump(chains, Debounce(CalibrationMonitor::kSteady)), jump_phase(chains) {}
   std::size_t bursts = 0;  // of the window
   std::optional<double> usual;
   std::vector<double> first;  // fits of the first windows, until `usual` is known
   double fit = 0.0;           // of the last window
   double slow = 0.0;          // mean of what is unexplained
   bool has_slow = false;
-  Steady moved{CalibrationMonitor::kSteady};
-  std::vector<Steady> jump;  // of each chain
+  Debounce moved{CalibrationMonitor::kSteady};
+  std::vector<Debounce> jump;  // of each chain
   std::vector<double> jump_phase;
   ArrayMotion motion;
   double moved_fit = 0.0;
@@ -106,9 +106,9 @@ void settle(Spot& spot, const std::vector<Value>& phasor) {
 
 }  // namespace
 
-class CalibrationMonitor::Station {
+class CalibrationMonitor::AccessPoint {
  public:
-  Station(const RoomModel& room, std::size_t index, std::optional<double> usual)
+  AccessPoint(const RoomModel& room, std::size_t index, std::optional<double> usual)
       : index_(index),
         ap_(room.access_points[index]),
         grid_(room.grid),
@@ -171,7 +171,7 @@ class CalibrationMonitor::Station {
   Told told_;
 };
 
-Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
+Spot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
   for (const auto& spot : spots_) {
     if (spot->transmitter.position == transmitter.position &&
         spot->transmitter.device == transmitter.device) {
@@ -191,7 +191,8 @@ Spot& CalibrationMonitor::Station::spot_of(const Transmitter& transmitter) {
   return *spots_.back();
 }
 
-void CalibrationMonitor::Station::know(const Transmitter& transmitter, std::vector<Value> array) {
+void CalibrationMonitor::AccessPoint::know(const Transmitter& transmitter,
+                                           std::vector<Value> array) {
   RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
   Spot& spot = spot_of(transmitter);
   spot.expected = std::move(array);
@@ -199,7 +200,7 @@ void CalibrationMonitor::Station::know(const Transmitter& transmitter, std::vect
   spot.sigma.assign(ap_.cores.size(), 0.0);
 }
 
-std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
+std::vector<HeardSpot> CalibrationMonitor::AccessPoint::hear() {
   std::vector<HeardSpot> heard;
   for (const auto& spot : spots_) {
     auto burst = combine_burst(spot->frames, {static_cast<int>(index_), grid_, ap_.cores, {}});
@@ -214,7 +215,7 @@ std::vector<HeardSpot> CalibrationMonitor::Station::hear() {
 
 // What each chain heard along what is expected of it. The delay of a spot is found on one chain,
 // the one that fits best: together, turned chains would cancel.
-std::vector<Value> CalibrationMonitor::Station::along(const HeardSpot& one) const {
+std::vector<Value> CalibrationMonitor::AccessPoint::along(const HeardSpot& one) const {
   const std::size_t tones = grid_.size();
   const std::size_t chains = ap_.cores.size();
   Alignment best;
@@ -232,8 +233,8 @@ std::vector<Value> CalibrationMonitor::Station::along(const HeardSpot& one) cons
   return phasor;
 }
 
-double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
-                                                const std::vector<double>& turn) const {
+double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>& heard,
+                                                    const std::vector<double>& turn) const {
   double sum = 0.0;
   for (const HeardSpot& one : heard) {
     auto h = one.h;
@@ -245,8 +246,8 @@ double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& he
   return sum / static_cast<double>(heard.size());
 }
 
-double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& heard,
-                                                const ArrayMotion& motion) const {
+double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>& heard,
+                                                    const ArrayMotion& motion) const {
   double sum = 0.0;
   for (const HeardSpot& one : heard) {
     const auto& all = one.spot->rays;
@@ -259,7 +260,7 @@ double CalibrationMonitor::Station::correlation(const std::vector<HeardSpot>& he
 }
 
 // The best of a grid, and of ever smaller steps from there.
-ArrayMotion CalibrationMonitor::Station::scan(const std::vector<HeardSpot>& heard) const {
+ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& heard) const {
   const int shifts = static_cast<int>(std::lround(kMostShift / kShiftStep));
   const int yaws = static_cast<int>(std::lround(kMostYaw / kYawStep));
   std::vector<ArrayMotion> grid;
@@ -297,8 +298,8 @@ ArrayMotion CalibrationMonitor::Station::scan(const std::vector<HeardSpot>& hear
 }
 
 // Whether a motion leaves much less than `unexplained`: the one found last, or that of a new scan.
-bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpot>& heard,
-                                                      double unexplained) {
+bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<HeardSpot>& heard,
+                                                          double unexplained) {
   told_.moved_fit = correlation(heard, told_.motion);
   if (1.0 - told_.moved_fit >= kBetter * unexplained && told_.since_scan >= kRescan) {
     told_.since_scan = 0;
@@ -310,7 +311,7 @@ bool CalibrationMonitor::Station::explained_by_motion(const std::vector<HeardSpo
 
 // Of turns against the calibration those that are jumps, 0 for the others: more than kJump and
 // three sigmas, and nothing where a quarter turn could not be told.
-std::vector<double> CalibrationMonitor::Station::jumps_of_calibration(
+std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
     const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const {
   const auto spots = static_cast<double>(heard.size());
   double share = correlation(heard, turn);
@@ -336,7 +337,7 @@ std::vector<double> CalibrationMonitor::Station::jumps_of_calibration(
 
 // By how much each chain has jumped, 0 for those that have not: against the calibration, else
 // against the first windows, which are none when they had jumped themselves.
-std::vector<double> CalibrationMonitor::Station::jumps(const std::vector<HeardSpot>& heard) {
+std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<HeardSpot>& heard) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());
   for (const HeardSpot& one : heard) {
@@ -364,7 +365,7 @@ std::vector<double> CalibrationMonitor::Station::jumps(const std::vector<HeardSp
   return jumped;
 }
 
-void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) {
+void CalibrationMonitor::AccessPoint::evaluate(const std::vector<HeardSpot>& heard) {
   if (heard.empty()) {
     return;
   }
@@ -394,7 +395,7 @@ void CalibrationMonitor::Station::evaluate(const std::vector<HeardSpot>& heard) 
   told_.drifted = is_worse(told_.slow, usual, told_.drifted ? 0.5 : 1.0);
 }
 
-CalibrationWarning CalibrationMonitor::Station::warning(CalibrationProblem problem) const {
+CalibrationWarning CalibrationMonitor::AccessPoint::warning(CalibrationProblem problem) const {
   CalibrationWarning warning;
   warning.problem = problem;
   warning.access_point = index_;
@@ -403,7 +404,7 @@ CalibrationWarning CalibrationMonitor::Station::warning(CalibrationProblem probl
   return warning;
 }
 
-void CalibrationMonitor::Station::append_warnings(std::vector<CalibrationWarning>& out) const {
+void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWarning>& out) const {
   const std::string fits = "; the room explains " + percent(told_.fit) + " of it, usually " +
                            percent(told_.usual.value_or(told_.fit));
   bool explained = false;
@@ -446,9 +447,9 @@ CalibrationMonitor::CalibrationMonitor(std::shared_ptr<const RoomModel> room,
   RAYLOC_CHECK(room_ != nullptr);
   usual_fit.resize(room_->access_points.size());
   for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
-    stations_.push_back(room_->access_points[i].gains.empty()
-                            ? nullptr
-                            : std::make_unique<Station>(*room_, i, usual_fit[i]));
+    aps_.push_back(room_->access_points[i].gains.empty()
+                       ? nullptr
+                       : std::make_unique<AccessPoint>(*room_, i, usual_fit[i]));
   }
 }
 
@@ -457,31 +458,31 @@ CalibrationMonitor::~CalibrationMonitor() = default;
 void CalibrationMonitor::know(const Transmitter& transmitter,
                               std::size_t access_point,
                               std::vector<Value> array) {
-  RAYLOC_CHECK(stations_.at(access_point) != nullptr);
-  stations_[access_point]->know(transmitter, std::move(array));
+  RAYLOC_CHECK(aps_.at(access_point) != nullptr);
+  aps_[access_point]->know(transmitter, std::move(array));
 }
 
 void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
-  for (const auto& station : stations_) {
-    if (station != nullptr) {
-      station->observe(transmitter, frames);
+  for (const auto& ap : aps_) {
+    if (ap != nullptr) {
+      ap->observe(transmitter, frames);
     }
   }
 }
 
 void CalibrationMonitor::restart() {
-  for (const auto& station : stations_) {
-    if (station != nullptr) {
-      station->restart();
+  for (const auto& ap : aps_) {
+    if (ap != nullptr) {
+      ap->restart();
     }
   }
 }
 
 std::vector<CalibrationWarning> CalibrationMonitor::warnings() const {
   std::vector<CalibrationWarning> all;
-  for (const auto& station : stations_) {
-    if (station != nullptr) {
-      station->append_warnings(all);
+  for (const auto& ap : aps_) {
+    if (ap != nullptr) {
+      ap->append_warnings(all);
     }
   }
   return all;

@@ -93,9 +93,9 @@ class CalibrationMonitor {
   std::vector<CalibrationWarning> warnings() const;
 
  private:
-  class Station;
+  class AccessPoint;
   std::shared_ptr<const RoomModel> room_;
-  std::vector<std::unique_ptr<Station>> stations_;  // nullptr without gains
+  std::vector<std::unique_ptr<AccessPoint>> aps_;  // nullptr without gains
 };
 
 }  // namespace rayloc

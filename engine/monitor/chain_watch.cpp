@@ -73,7 +73,7 @@ HeardArray turned_back(const HeardArray& heard, const std::vector<int>& quarters
 ChainWatch::ChainWatch(std::shared_ptr<const Localizer> localizer)
     : localizer_(std::move(localizer)), aligner_(localizer_->room().grid) {}
 
-double ChainWatch::Station::probability() const {
+double ChainWatch::AccessPoint::probability() const {
   double odds = 0.0;
   for (const double one : log_odds) {
     odds += std::exp(one);
@@ -81,19 +81,19 @@ double ChainWatch::Station::probability() const {
   return odds / (1.0 + odds);
 }
 
-bool ChainWatch::Station::is_settled() const {
+bool ChainWatch::AccessPoint::is_settled() const {
   return bursts >= kLeastBursts && probability() < kPrior;
 }
 
 bool ChainWatch::is_due(std::size_t access_point, Timestamp time) const {
-  const auto found = stations_.find(access_point);
-  return found == stations_.end() ||
+  const auto found = aps_.find(access_point);
+  return found == aps_.end() ||
          time - found->second.last >=
              (found->second.is_settled() ? Duration(kLater) : Duration(kSoon));
 }
 
-bool ChainWatch::is_new(const Station& station, const Array& h) const {
-  return std::none_of(station.heard.begin(), station.heard.end(), [&](const Array& before) {
+bool ChainWatch::is_new(const AccessPoint& ap, const Array& h) const {
+  return std::none_of(ap.heard.begin(), ap.heard.end(), [&](const Array& before) {
     return before.size() == h.size() && aligner_.align(before, h).correlation > kSame;
   });
 }
@@ -102,10 +102,10 @@ double ChainWatch::log_evidence(const HeardArray& heard) const {
   const Localizer::Evidence evidence = localizer_->evidence({{heard}, {}});
   return evidence.log_likelihood.empty()
              ? 0.0
-             : log_mean_exp(evidence.log_likelihood, localizer_->room().temper);
+             : log_mean_exp(evidence.log_likelihood, localizer_->room().likelihood_exponent);
 }
 
-void ChainWatch::weigh(const HeardArray& heard, Station& station) const {
+void ChainWatch::weigh(const HeardArray& heard, AccessPoint& ap) const {
   const auto states = states_of(heard.map->antennas());
   const double as_calibrated = log_evidence(heard);
   double best = as_calibrated;
@@ -117,19 +117,19 @@ void ChainWatch::weigh(const HeardArray& heard, Station& station) const {
   if (best < kLeastEvidence) {
     return;
   }
-  if (station.log_odds.empty()) {
-    station.log_odds.assign(states.size(), std::log(kPrior / static_cast<double>(states.size())));
+  if (ap.log_odds.empty()) {
+    ap.log_odds.assign(states.size(), std::log(kPrior / static_cast<double>(states.size())));
   }
   for (std::size_t v = 0; v < states.size(); ++v) {
     const double gain = std::clamp(of_state[v] - as_calibrated, -kMostOfABurst, kMostOfABurst);
-    station.log_odds[v] = std::clamp(station.log_odds[v] + gain, kFloor, kMost);
+    ap.log_odds[v] = std::clamp(ap.log_odds[v] + gain, kFloor, kMost);
   }
-  ++station.bursts;
-  if (station.heard.size() < kRemembered) {
-    station.heard.push_back(heard.h);
+  ++ap.bursts;
+  if (ap.heard.size() < kRemembered) {
+    ap.heard.push_back(heard.h);
   } else {
-    station.heard[station.next] = heard.h;
-    station.next = (station.next + 1) % kRemembered;
+    ap.heard[ap.next] = heard.h;
+    ap.next = (ap.next + 1) % kRemembered;
   }
 }
 
@@ -147,8 +147,8 @@ void ChainWatch::hear(std::span<const CsiFrame> frames) {
   if (std::find(due.begin(), due.end(), 1) == due.end()) {
     return;
   }
-  const Hearing hearing = localizer_->hear(frames);
-  for (const HeardArray& heard : hearing.arrays) {
+  const RoomObservation observation = localizer_->hear(frames);
+  for (const HeardArray& heard : observation.arrays) {
     const auto a = static_cast<std::size_t>(
         std::find_if(access_points.begin(),
                      access_points.end(),
@@ -158,10 +158,10 @@ void ChainWatch::hear(std::span<const CsiFrame> frames) {
     if (due[a] == 0 || heard.map->antennas() != access_points[a].cores.size()) {
       continue;
     }
-    Station& station = stations_[a];
-    station.last = time;
-    if (is_new(station, heard.h)) {
-      weigh(heard, station);
+    AccessPoint& ap = aps_[a];
+    ap.last = time;
+    if (is_new(ap, heard.h)) {
+      weigh(heard, ap);
     }
   }
 }
@@ -179,15 +179,14 @@ std::vector<CsiFrame> ChainWatch::believed(std::span<const CsiFrame> frames,
 
 std::vector<ChainWatch::Turn> ChainWatch::turned() const {
   std::vector<Turn> result;
-  for (const auto& [access_point, station] : stations_) {
-    const double probability = station.probability();
+  for (const auto& [access_point, ap] : aps_) {
+    const double probability = ap.probability();
     if (probability < kSure) {
       continue;
     }
     const auto best = static_cast<std::size_t>(
-        std::max_element(station.log_odds.begin(), station.log_odds.end()) -
-        station.log_odds.begin());
-    Turn turn{access_point, {}, probability, station.bursts};
+        std::max_element(ap.log_odds.begin(), ap.log_odds.end()) - ap.log_odds.begin());
+    Turn turn{access_point, {}, probability, ap.bursts};
     const auto states = states_of(localizer_->room().access_points[access_point].cores.size());
     for (const int quarters : states[best]) {
       turn.phase.push_back(0.5 * std::numbers::pi * (quarters > 2 ? quarters - 4 : quarters));

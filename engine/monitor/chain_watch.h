@@ -40,7 +40,7 @@ class ChainWatch {
   void hear(std::span<const CsiFrame> frames);
 
   // As before the first burst.
-  void restart() { stations_.clear(); }
+  void restart() { aps_.clear(); }
 
   // An access point whose chains are turned, more probably than kSure, until later bursts say
   // otherwise.
@@ -57,7 +57,7 @@ class ChainWatch {
 
  private:
   using Array = std::vector<std::complex<double>>;
-  struct Station {
+  struct AccessPoint {
     std::vector<double> log_odds;  // of each state against that of the calibration
     std::vector<Array> heard;      // bursts that counted last
     std::size_t next = 0;          // of them to be forgotten
@@ -69,13 +69,13 @@ class ChainWatch {
   };
 
   bool is_due(std::size_t access_point, Timestamp time) const;
-  bool is_new(const Station& station, const Array& h) const;
+  bool is_new(const AccessPoint& ap, const Array& h) const;
   double log_evidence(const HeardArray& heard) const;
-  void weigh(const HeardArray& heard, Station& station) const;
+  void weigh(const HeardArray& heard, AccessPoint& ap) const;
 
   std::shared_ptr<const Localizer> localizer_;
   Aligner aligner_;
-  std::map<std::size_t, Station> stations_;  // by access point of the room
+  std::map<std::size_t, AccessPoint> aps_;  // by access point of the room
 };
 
 }  // namespace rayloc

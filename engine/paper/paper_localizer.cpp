@@ -6,7 +6,7 @@
 
 #include "engine/paper/paper_position_loss.h"
 #include "engine/paper/paper_search.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
@@ -32,7 +32,7 @@ class PaperLocalizer::Impl {
         problem = "has a single antenna, and there is no ratio of one";
       }
       if (problem.empty()) {
-        stations_.push_back({i, ArrayTracer(tracer, ap.array)});
+        aps_.push_back({i, ArrayTracer(tracer, ap.array)});
       } else {
         warnings_.push_back("access point " + ap.id + " " + problem);
       }
@@ -55,20 +55,20 @@ class PaperLocalizer::Impl {
   PaperLocalizerOptions options_;
   PlanBounds bounds_;
   PaperCsiLoss csi_loss_;
-  std::vector<PaperStation> stations_;
+  std::vector<PaperAccessPoint> aps_;
   std::vector<std::string> warnings_;
 };
 
 std::vector<PaperMeasurement> PaperLocalizer::Impl::listen(std::span<const CsiFrame> frames,
                                                            LocationEstimate& estimate) const {
   std::vector<PaperMeasurement> measured;
-  HearingTally tally;
-  for (const PaperStation& station : stations_) {
-    auto burst = hear(*room_, station.access_point, frames, options_.burst, estimate.warnings);
+  ObservationTally tally;
+  for (const PaperAccessPoint& ap : aps_) {
+    auto burst = hear(*room_, ap.access_point, frames, options_.burst, estimate.warnings);
     if (burst) {
-      tally.add(room_->access_points[station.access_point], *burst);
+      tally.add(room_->access_points[ap.access_point], *burst);
       auto observables = csi_loss_.observe(burst->h);
-      measured.push_back({&station, std::move(burst->h), std::move(observables)});
+      measured.push_back({&ap, std::move(burst->h), std::move(observables)});
     }
   }
   tally.fill(frames, estimate);

@@ -7,7 +7,7 @@
 
 #include "engine/paper/paper_person_loss.h"
 #include "engine/paper/paper_search.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 
@@ -64,7 +64,7 @@ Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
 std::vector<PaperPersonMeasurement> PaperPersonLocalizer::Impl::listen(
     std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
   std::vector<PaperPersonMeasurement> measured;
-  HearingTally tally;
+  ObservationTally tally;
   for (const PaperPersonLink& link : links_) {
     auto burst = hear(*room_, link.access_point, frames, options_.burst, estimate.warnings);
     if (burst) {

@@ -28,20 +28,20 @@ PaperPositionLoss::PaperPositionLoss(const RoomModel& room,
   RAYLOC_CHECK(!measured.empty());
 }
 
-std::vector<Paths> PaperPositionLoss::trace(const PaperStation& station,
+std::vector<Paths> PaperPositionLoss::trace(const PaperAccessPoint& ap,
                                             const Vec3d& position) const {
-  auto traced = station.tracer.trace(device_at(room_, position));
+  auto traced = ap.tracer.trace(device_at(room_, position));
   for (Paths& paths : traced) {
     correct_paths(room_.surface_correction, paths);
   }
   return traced;
 }
 
-LossInPlan PaperPositionLoss::of_station(const PaperMeasurement& measured,
-                                         const Vec3d& position) const {
+LossInPlan PaperPositionLoss::of_access_point(const PaperMeasurement& measured,
+                                              const Vec3d& position) const {
   static const std::array kInPlan = {Parameter::transmitter_position(0),
                                      Parameter::transmitter_position(1)};
-  const ArrayTracer& tracer = measured.station->tracer;
+  const ArrayTracer& tracer = measured.ap->tracer;
   const Transmitter device = device_at(room_, position);
   auto paths = tracer.trace(device);
   auto derivatives = tracer.differentiate(device, paths, kInPlan);
@@ -60,7 +60,7 @@ LossInPlan PaperPositionLoss::at(const Vec3d& position) const {
   LossInPlan sum = centre_loss(room_, centre_weight_, position);
   const double share = 1.0 / static_cast<double>(measured_.size());
   for (const PaperMeasurement& measured : measured_) {
-    const LossInPlan one = of_station(measured, position);
+    const LossInPlan one = of_access_point(measured, position);
     sum.value += share * one.value;
     sum.by_x += share * one.by_x;
     sum.by_y += share * one.by_y;
@@ -72,7 +72,7 @@ double PaperPositionLoss::model_residual_db(const Vec3d& position) const {
   const Aligner aligner(room_.grid);
   double residual = 0.0;
   for (const PaperMeasurement& measured : measured_) {
-    const auto h = array_csi(trace(*measured.station, position), room_.grid);
+    const auto h = array_csi(trace(*measured.ap, position), room_.grid);
     const bool is_silent = std::all_of(
         h.begin(), h.end(), [](const auto& value) { return value == std::complex<double>(); });
     residual += is_silent ? 1.0 : 1.0 - aligner.align(h, measured.h).correlation;
@@ -83,7 +83,7 @@ double PaperPositionLoss::model_residual_db(const Vec3d& position) const {
 
 bool PaperPositionLoss::is_reached(const Vec3d& position) const {
   return std::any_of(measured_.begin(), measured_.end(), [&](const PaperMeasurement& measured) {
-    const auto paths = measured.station->tracer.trace(device_at(room_, position));
+    const auto paths = measured.ap->tracer.trace(device_at(room_, position));
     return std::any_of(
         paths.begin(), paths.end(), [](const Paths& of_element) { return !of_element.empty(); });
   });

@@ -15,14 +15,14 @@
 namespace rayloc {
 
 // An access point of the room that can be used.
-struct PaperStation {
+struct PaperAccessPoint {
   std::size_t access_point = 0;  // of RoomModel::access_points
   ArrayTracer tracer;
 };
 
 // What it heard.
 struct PaperMeasurement {
-  const PaperStation* station;
+  const PaperAccessPoint* ap;
   std::vector<std::complex<double>> h;  // [antenna][tone], chain gains removed
   PaperCsiLoss::Observables observables;
 };
@@ -45,8 +45,8 @@ class PaperPositionLoss {
   bool is_reached(const Vec3d& position) const;
 
  private:
-  LossInPlan of_station(const PaperMeasurement& measured, const Vec3d& position) const;
-  std::vector<Paths> trace(const PaperStation& station, const Vec3d& position) const;
+  LossInPlan of_access_point(const PaperMeasurement& measured, const Vec3d& position) const;
+  std::vector<Paths> trace(const PaperAccessPoint& ap, const Vec3d& position) const;
 
   const RoomModel& room_;
   const PaperCsiLoss& csi_loss_;

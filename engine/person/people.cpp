@@ -21,13 +21,13 @@ struct Settled {
 
 // Both in turn, near where they are.
 Settled settle(const PersonLocalizer& localizer,
-               const PersonHearing& hearing,
-               double temper,
+               const PersonObservation& observation,
+               double likelihood_exponent,
                Settled pair) {
   for (int turn = 0; turn < 2 * kTurns; ++turn) {
     PersonSample& one = pair.places[static_cast<std::size_t>(turn) % 2];
     const std::array others = {pair.places[static_cast<std::size_t>(turn + 1) % 2]};
-    const PersonMap map = localizer.map(hearing, temper, {others, one});
+    const PersonMap map = localizer.map(observation, likelihood_exponent, {others, one});
     if (map.places.empty() || !(map.best_log_likelihood > pair.log_likelihood)) {
       break;
     }
@@ -40,21 +40,23 @@ Settled settle(const PersonLocalizer& localizer,
 }  // namespace
 
 std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
-                                    const PersonHearing& hearing,
-                                    double temper,
+                                    const PersonObservation& observation,
+                                    double likelihood_exponent,
                                     const PersonMap& alone) {
-  if (hearing.arrays.size() < kLeastArrays || alone.misfit < kExplained) {
+  if (observation.arrays.size() < kLeastArrays || alone.misfit < kExplained) {
     return std::nullopt;
   }
   std::optional<PersonPair> best;
   for (std::size_t i = 0; i < std::min(kStarts, alone.places.size()); ++i) {
     const std::array others = {alone.places[i]};
-    const PersonMap other = localizer.map(hearing, temper, {others, std::nullopt});
+    const PersonMap other = localizer.map(observation, likelihood_exponent, {others, std::nullopt});
     if (other.places.empty()) {
       continue;
     }
-    const Settled pair = settle(
-        localizer, hearing, temper, {{others[0], other.places.front()}, other.best_log_likelihood});
+    const Settled pair = settle(localizer,
+                                observation,
+                                likelihood_exponent,
+                                {{others[0], other.places.front()}, other.best_log_likelihood});
     const double gain = pair.log_likelihood - alone.best_log_likelihood;
     if (!best || gain > best->gain) {
       best = PersonPair{pair.places, gain};
@@ -63,18 +65,20 @@ std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
   return best;
 }
 
-std::vector<PersonMap> map_people(const PersonLocalizer& localizer, const PersonHearing& hearing) {
+std::vector<PersonMap> map_people(const PersonLocalizer& localizer,
+                                  const PersonObservation& observation) {
   const PersonModel& person = localizer.reference().person;
-  PersonMap alone = localizer.map(hearing, person.temper);
-  const auto pair =
-      person.second_person ? best_pair(localizer, hearing, person.temper, alone) : std::nullopt;
+  PersonMap alone = localizer.map(observation, person.likelihood_exponent);
+  const auto pair = person.second_person
+                        ? best_pair(localizer, observation, person.likelihood_exponent, alone)
+                        : std::nullopt;
   if (!pair || pair->gain <= *person.second_person) {
     return {std::move(alone)};
   }
   std::vector<PersonMap> both;
   for (const std::size_t i : {0U, 1U}) {
     const std::array others = {pair->places[1 - i]};
-    both.push_back(localizer.map(hearing, person.temper, {others, std::nullopt}));
+    both.push_back(localizer.map(observation, person.likelihood_exponent, {others, std::nullopt}));
     if (!both.back().is_explained || both.back().somebody < 0.0) {  // less likely than not
       return {std::move(alone)};
     }
@@ -84,13 +88,13 @@ std::vector<PersonMap> map_people(const PersonLocalizer& localizer, const Person
 
 std::vector<LocationEstimate> locate_people(const PersonLocalizer& localizer,
                                             std::span<const CsiFrame> frames) {
-  PersonHearing hearing = localizer.hear(frames);
-  if (hearing.arrays.empty()) {
-    return {std::move(hearing.estimate)};
+  PersonObservation observation = localizer.hear(frames);
+  if (observation.arrays.empty()) {
+    return {std::move(observation.estimate)};
   }
   std::vector<LocationEstimate> estimates;
-  for (const PersonMap& map : map_people(localizer, hearing)) {
-    estimates.push_back(localizer.summarise(hearing.estimate, map));
+  for (const PersonMap& map : map_people(localizer, observation)) {
+    estimates.push_back(localizer.summarise(observation.estimate, map));
   }
   return estimates;
 }

@@ -28,15 +28,16 @@ struct PersonPair {
 
 // The best two places of which one is near one of the best of `alone`. Nothing where one person
 // explains the burst as well as the model expects to, or a single access point heard it.
-// `alone`: what localizer.map() says of the hearing. REQUIRES: hearing.arrays is not empty.
+// `alone`: what localizer.map() says of the observation. REQUIRES: observation.arrays is not empty.
 std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
-                                    const PersonHearing& hearing,
-                                    double temper,
+                                    const PersonObservation& observation,
+                                    double likelihood_exponent,
                                     const PersonMap& alone);
 
 // What a burst says of one person or of two: PersonLocalizer::map() where no second one is seen.
-// REQUIRES: hearing.arrays is not empty.
-std::vector<PersonMap> map_people(const PersonLocalizer& localizer, const PersonHearing& hearing);
+// REQUIRES: observation.arrays is not empty.
+std::vector<PersonMap> map_people(const PersonLocalizer& localizer,
+                                  const PersonObservation& observation);
 
 // One estimate for each; as PersonLocalizer::locate() where no second one is seen. Of two, one may
 // be no fix, for a reason of its own.

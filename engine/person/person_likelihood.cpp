@@ -22,9 +22,9 @@ using Eigen::Index;
 
 constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
 constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
-constexpr std::size_t kTriangle = 2;      // n (n + 1) / kTriangle values of a triangle
 
-std::size_t triangle_size(std::size_t n) { return n * (n + 1) / kTriangle; }
+// The values of a triangular matrix of n rows, its diagonal with them.
+std::size_t triangle_size(std::size_t n) { return n * (n + 1) / 2; }
 
 // sigma += weight * s s^H, lower triangle by rows.
 void add_outer(double weight,
@@ -274,9 +274,9 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
 
 // Of each of them the covariance of its square, without the noise and the delay that every Gaussian
 // has; kept are the directions in which that is more than the noise is worth.
-PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
-                                        const PersonModel& model) const {
-  PersonCompany company;
+OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
+                                      const PersonModel& model) const {
+  OtherPeople company;
   if (people.empty()) {
     return company;
   }
@@ -304,7 +304,7 @@ PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(sum);
-  for (Index i = n; i-- > 0 && company.spread.size() < PersonCompany::kMostColumns;) {  // ascending
+  for (Index i = n; i-- > 0 && company.spread.size() < OtherPeople::kMostColumns;) {  // ascending
     const double variance = eigen.eigenvalues()(i);
     if (variance <= noise) {
       break;
@@ -317,7 +317,7 @@ PersonCompany PersonLikelihood::company(std::span<const PersonStand> people,
 
 double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
                                         const Observed& observed,
-                                        const PersonCompany& company) const {
+                                        const OtherPeople& company) const {
   if (company.empty()) {
     LaneSums along;
     LaneRow power = rayloc::whiten(
@@ -390,7 +390,7 @@ struct PersonLikelihood::CloseLook {
 
 PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
                                                    const Observed& observed,
-                                                   const PersonCompany& company) const {
+                                                   const OtherPeople& company) const {
   CloseLook result;
   result.log_determinant = place.close.log_determinant;
   std::vector<Value> mean = empty_;
@@ -427,7 +427,7 @@ PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
 
 void PersonLikelihood::log_likelihood(const PersonPlace& place,
                                       const Observed& observed,
-                                      const PersonCompany& company,
+                                      const OtherPeople& company,
                                       std::span<double> out) const {
   RAYLOC_CHECK(out.size() == place.mean_power.size());
   const std::size_t size = dimension();
@@ -454,7 +454,7 @@ double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample
 
 double PersonLikelihood::misfit(const PersonStand& stand,
                                 const Observed& observed,
-                                const PersonCompany& company) const {
+                                const OtherPeople& company) const {
   const auto d = static_cast<double>(dimension());
   const CloseLook close = look(*stand.place, observed, company);
   const std::complex<float>* z = stand.place->sample.data() + stand.sample * dimension();

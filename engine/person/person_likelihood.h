@@ -27,7 +27,7 @@
 #include "engine/likelihood/lane_kernel.h"
 #include "engine/likelihood/whitened_gaussian.h"
 #include "engine/observe/alignment.h"
-#include "engine/person/person_company.h"
+#include "engine/person/other_people.h"
 #include "engine/person/person_reference.h"
 #include "engine/person/person_scattering.h"
 
@@ -105,16 +105,16 @@ class PersonLikelihood {
   WhitenedGaussian changed(double share, const PersonModel& model) const;
 
   // People at these places, for the likelihood of one more.
-  PersonCompany company(std::span<const PersonStand> people, const PersonModel& model) const;
+  OtherPeople company(std::span<const PersonStand> people, const PersonModel& model) const;
 
   // Log-likelihoods, maximised over gain, phase and delay; up to a constant of the measurement.
   double log_likelihood(const WhitenedGaussian& gaussian,
                         const Observed& observed,
-                        const PersonCompany& company = {}) const;
+                        const OtherPeople& company = {}) const;
   // Of every sample place. REQUIRES: out.size() == place.mean_power.size().
   void log_likelihood(const PersonPlace& place,
                       const Observed& observed,
-                      const PersonCompany& company,
+                      const OtherPeople& company,
                       std::span<double> out) const;
   std::span<const std::complex<double>> empty() const { return empty_; }
 
@@ -124,13 +124,13 @@ class PersonLikelihood {
   // What a sample place leaves unexplained, in units of what its model expects to: about 1.
   double misfit(const PersonStand& stand,
                 const Observed& observed,
-                const PersonCompany& company = {}) const;
+                const OtherPeople& company = {}) const;
 
  private:
   struct CloseLook;
   CloseLook look(const PersonPlace& place,
                  const Observed& observed,
-                 const PersonCompany& company) const;
+                 const OtherPeople& company) const;
   WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
                              std::span<const std::complex<double>> mean,
                              const PersonModel& model) const;

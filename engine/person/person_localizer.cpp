@@ -11,7 +11,7 @@
 #include "engine/base/parallel.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/cell_places.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
@@ -34,8 +34,8 @@ constexpr double kDoubt = 0.5;
 
 // What one array says of every square as a whole.
 struct ArrayMap {
-  const PersonHearing::Array* array;
-  PersonCompany company;
+  const PersonObservation::Array* array;
+  OtherPeople company;
   std::vector<double> whole;  // log-likelihood of every cell
   double floor = 0.0;         // of a change that no person makes, by its odds
   double nobody = 0.0;
@@ -60,8 +60,10 @@ class PersonLocalizer::Impl {
         squares_(std::move(squares)),
         places_(squares_.samples * squares_.samples) {}
 
-  PersonHearing hear(std::span<const CsiFrame> frames) const;
-  PersonMap map(const PersonHearing& hearing, double temper, const PersonContext& context) const;
+  PersonObservation hear(std::span<const CsiFrame> frames) const;
+  PersonMap map(const PersonObservation& observation,
+                double likelihood_exponent,
+                const PersonContext& context) const;
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
   const PersonSquares& squares() const { return squares_; }
@@ -71,7 +73,7 @@ class PersonLocalizer::Impl {
 
  private:
   std::vector<std::size_t> clear_cells(const PersonContext& context) const;
-  ArrayMap whole_map(const PersonHearing::Array& array,
+  ArrayMap whole_map(const PersonObservation::Array& array,
                      std::span<const std::size_t> cells,
                      std::span<const PersonSample> others) const;
   std::vector<double> close_map(const std::vector<ArrayMap>& arrays,
@@ -89,17 +91,17 @@ class PersonLocalizer::Impl {
   std::size_t places_;  // sample places of a cell
 };
 
-PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) const {
-  PersonHearing hearing;
-  LocationEstimate& estimate = hearing.estimate;
+PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) const {
+  PersonObservation observation;
+  LocationEstimate& estimate = observation.estimate;
   estimate.accuracy_confidence = options_.accuracy_confidence;
   if (frames.empty()) {
     estimate.reason = "no frames";
-    return hearing;
+    return observation;
   }
-  HearingTally tally;
-  for (std::size_t number = 0; number < squares_.stations.size(); ++number) {
-    const PersonStation& station = squares_.stations[number];
+  ObservationTally tally;
+  for (std::size_t number = 0; number < squares_.links.size(); ++number) {
+    const PersonLinkMap& link = squares_.links[number];
     const std::size_t access_point = reference_.links[number].access_point;
     auto burst = rayloc::hear(*room_, access_point, frames, options_.burst, estimate.warnings);
     if (!burst) {
@@ -111,18 +113,18 @@ PersonHearing PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) cons
                                   " is dead; the access point is left out");
       continue;
     }
-    auto observed = station.likelihood.observe(burst->h);
+    auto observed = link.likelihood.observe(burst->h);
     // The squares' covariances hold the model's noise only; a burst that has more counts less.
     const double weight = std::min(1.0, reference_.person.noise / observed.noise);
     tally.add(room_->access_points[access_point], *burst);
-    hearing.arrays.push_back({number, std::move(observed), weight});
+    observation.arrays.push_back({number, std::move(observed), weight});
   }
   tally.fill(frames, estimate);
-  if (hearing.arrays.empty()) {
+  if (observation.arrays.empty()) {
     estimate.reason = estimate.warnings.empty() ? "no access point of the reference heard the burst"
                                                 : estimate.warnings.front();
   }
-  return hearing;
+  return observation;
 }
 
 // Where somebody can stand beside the others.
@@ -146,32 +148,32 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
   return cells;
 }
 
-ArrayMap PersonLocalizer::Impl::whole_map(const PersonHearing::Array& array,
+ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
                                           std::span<const std::size_t> cells,
                                           std::span<const PersonSample> others) const {
-  const PersonStation& station = squares_.stations[array.link];
+  const PersonLinkMap& link = squares_.links[array.link];
   std::vector<PersonStand> people;
   for (const PersonSample& other : others) {
-    people.push_back({&station.cells[other.cell], other.sample});
+    people.push_back({&link.cells[other.cell], other.sample});
   }
   ArrayMap map{&array,
-               station.likelihood.company(people, reference_.person),
+               link.likelihood.company(people, reference_.person),
                {},
                -std::numeric_limits<double>::infinity(),
                0.0};
   const auto likelihood = [&](const WhitenedGaussian& gaussian) {
-    return station.likelihood.log_likelihood(gaussian, array.observed, map.company);
+    return link.likelihood.log_likelihood(gaussian, array.observed, map.company);
   };
-  for (const WhitenedGaussian& changed : station.changed) {
+  for (const WhitenedGaussian& changed : link.changed) {
     map.floor = std::max(map.floor, likelihood(changed) + std::log(kStrange));
   }
-  map.nobody = likelihood(station.nobody);
+  map.nobody = likelihood(link.nobody);
   map.whole.resize(squares_.standing.grid.size());
   parallel_for(cells.size(), 32, [&](std::size_t n) {
     if (n + 1 < cells.size()) {
-      fetch(station.cells[cells[n + 1]].whole.whitener);
+      fetch(link.cells[cells[n + 1]].whole.whitener);
     }
-    map.whole[cells[n]] = likelihood(station.cells[cells[n]].whole);
+    map.whole[cells[n]] = likelihood(link.cells[cells[n]].whole);
   });
   return map;
 }
@@ -184,9 +186,8 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
     const std::span<double> sum(samples.data() + n * places_, places_);
     std::vector<double> one(places_);
     for (const ArrayMap& map : arrays) {
-      const PersonStation& station = squares_.stations[map.array->link];
-      station.likelihood.log_likelihood(
-          station.cells[cells[n]], map.array->observed, map.company, one);
+      const PersonLinkMap& link = squares_.links[map.array->link];
+      link.likelihood.log_likelihood(link.cells[cells[n]], map.array->observed, map.company, one);
       for (std::size_t p = 0; p < places_; ++p) {
         sum[p] += map.against_nobody(one[p]);
       }
@@ -230,9 +231,9 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
   double explained = 0.0;
   std::vector<double> one(places_);
   for (const ArrayMap& of : arrays) {
-    const PersonStation& station = squares_.stations[of.array->link];
-    const PersonPlace& place = station.cells[best.cell];
-    station.likelihood.log_likelihood(place, of.array->observed, of.company, one);
+    const PersonLinkMap& link = squares_.links[of.array->link];
+    const PersonPlace& place = link.cells[best.cell];
+    link.likelihood.log_likelihood(place, of.array->observed, of.company, one);
     map.best_log_likelihood += of.array->weight * log_add(one[best.sample], of.floor);
     if (one[best.sample] < of.floor) {
       map.warnings.push_back(
@@ -242,7 +243,7 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
     }
     explained += 1.0;
     most = std::max(most,
-                    of.array->weight * station.likelihood.misfit(
+                    of.array->weight * link.likelihood.misfit(
                                            {&place, best.sample}, of.array->observed, of.company));
   }
   map.is_explained = explained > 0.0;
@@ -259,14 +260,14 @@ bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>&
     return false;
   }
   const auto strong = std::count_if(arrays.begin(), arrays.end(), [&](const ArrayMap& of) {
-    const PersonStation& station = squares_.stations[of.array->link];
-    return station.likelihood.echo_power(station.cells[best.cell], best.sample) > kStrongEcho;
+    const PersonLinkMap& link = squares_.links[of.array->link];
+    return link.likelihood.echo_power(link.cells[best.cell], best.sample) > kStrongEcho;
   });
   return strong > 1;
 }
 
-PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
-                                     double temper,
+PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
+                                     double likelihood_exponent,
                                      const PersonContext& context) const {
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
@@ -278,7 +279,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
     return map;
   }
   std::vector<ArrayMap> arrays;
-  for (const PersonHearing::Array& array : hearing.arrays) {
+  for (const PersonObservation::Array& array : observation.arrays) {
     arrays.push_back(whole_map(array, order, context.others));
   }
   for (const std::size_t cell : order) {
@@ -290,7 +291,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return total[a] > total[b];
   });
-  const double least = total[order.front()] - kCloseMargin / temper;
+  const double least = total[order.front()] - kCloseMargin / likelihood_exponent;
   std::size_t close = 0;
   while (close < std::min(order.size(), kMostClose) && total[order[close]] >= least) {
     ++close;
@@ -299,7 +300,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonHearing& hearing,
   choose_places({order.data(), close}, samples, map);
   // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
   map.misfit = judge(arrays, map.places.front(), map);
-  const double exponent = temper / map.misfit;
+  const double exponent = likelihood_exponent / map.misfit;
   map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
   const Lattice lattice = squares_.lattice();
   for (std::size_t n = 0; n < close; ++n) {
@@ -374,24 +375,25 @@ PersonLocalizer::PersonLocalizer(PersonLocalizer&&) noexcept = default;
 PersonLocalizer& PersonLocalizer::operator=(PersonLocalizer&&) noexcept = default;
 
 LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames) const {
-  return locate(frames, reference().person.temper);
+  return locate(frames, reference().person.likelihood_exponent);
 }
-LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames, double temper) const {
-  PersonHearing hearing = hear(frames);
-  if (hearing.arrays.empty()) {
-    return std::move(hearing.estimate);
+LocationEstimate PersonLocalizer::locate(std::span<const CsiFrame> frames,
+                                         double likelihood_exponent) const {
+  PersonObservation observation = hear(frames);
+  if (observation.arrays.empty()) {
+    return std::move(observation.estimate);
   }
-  const PersonMap found = map(hearing, temper);
-  return summarise(std::move(hearing.estimate), found);
+  const PersonMap found = map(observation, likelihood_exponent);
+  return summarise(std::move(observation.estimate), found);
 }
-PersonHearing PersonLocalizer::hear(std::span<const CsiFrame> frames) const {
+PersonObservation PersonLocalizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear(frames);
 }
-PersonMap PersonLocalizer::map(const PersonHearing& hearing,
-                               double temper,
+PersonMap PersonLocalizer::map(const PersonObservation& observation,
+                               double likelihood_exponent,
                                const PersonContext& context) const {
-  RAYLOC_CHECK(!hearing.arrays.empty());
-  return impl_->map(hearing, temper, context);
+  RAYLOC_CHECK(!observation.arrays.empty());
+  return impl_->map(observation, likelihood_exponent, context);
 }
 LocationEstimate PersonLocalizer::summarise(LocationEstimate estimate, const PersonMap& map) const {
   return impl_->summarise(std::move(estimate), map);

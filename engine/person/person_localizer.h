@@ -39,7 +39,7 @@ struct PersonLocalizerOptions {
 };
 
 // What was heard, one entry for each link that heard something usable.
-struct PersonHearing {
+struct PersonObservation {
   struct Array {
     std::size_t link = 0;  // of PersonReference::links
     PersonLikelihood::Observed observed;
@@ -91,13 +91,14 @@ class PersonLocalizer {
   // `frames`: of the reference's transmitter, any access points, in order of time. Without a fix,
   // `reason` says why; an empty room is such a reason.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
-  // With another exponent of the likelihood than PersonModel::temper: for fitting that.
-  LocationEstimate locate(std::span<const CsiFrame> frames, double temper) const;
+  // With another exponent of the likelihood than PersonModel::likelihood_exponent: for fitting
+  // that.
+  LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
-  PersonHearing hear(std::span<const CsiFrame> frames) const;
-  // REQUIRES: hearing.arrays is not empty.
-  PersonMap map(const PersonHearing& hearing,
-                double temper,
+  PersonObservation hear(std::span<const CsiFrame> frames) const;
+  // REQUIRES: observation.arrays is not empty.
+  PersonMap map(const PersonObservation& observation,
+                double likelihood_exponent,
                 const PersonContext& context = {}) const;
   // The estimate of hear() with what a map says: a fix, or why there is none.
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;

@@ -1,6 +1,6 @@
 #include "engine/person/person_reference.h"
 
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 

@@ -29,10 +29,10 @@ namespace rayloc {
 // those of a person of whom nothing was measured.
 struct PersonModel {
   TargetBody body{.semi_axes = {0.165, 0.165}, .yaw = 0.0, .base = 0.0, .height = 1.7};
-  double strength_variance = 0.1;  // v: of each scattered ray, share of its power
-  double diffuse = 0.1;            // d: scattered power that is not traced, share of the traced
-  double noise = 5e-4;             // n: share of the power that nothing explains
-  double temper = 0.35;            // exponent of the likelihood
+  double strength_variance = 0.1;     // v: of each scattered ray, share of its power
+  double diffuse = 0.1;               // d: scattered power that is not traced, share of the traced
+  double noise = 5e-4;                // n: share of the power that nothing explains
+  double likelihood_exponent = 0.35;  // exponent of the likelihood
   // Difference of log-likelihoods that a second person must make to be believed: what is wrong with
   // the model of one is explained by another to some extent. Unknown without known places, and
   // then no second person is looked for.

@@ -28,7 +28,7 @@ class SquaresBuilder {
   Expected<PersonSquares> build(int depth);
 
  private:
-  Expected<PersonStation> make_station(const PersonLink& link, int depth) const;
+  Expected<PersonLinkMap> make_link_map(const PersonLink& link, int depth) const;
   void build_block(std::size_t block_x, std::size_t block_y);
 
   const RoomModel& room_;
@@ -36,7 +36,7 @@ class SquaresBuilder {
   PersonSquares squares_;
 };
 
-Expected<PersonStation> SquaresBuilder::make_station(const PersonLink& link, int depth) const {
+Expected<PersonLinkMap> SquaresBuilder::make_link_map(const PersonLink& link, int depth) const {
   if (auto valid = check_link(room_, link); !valid) {
     return tl::make_unexpected(std::move(valid.error()));
   }
@@ -50,13 +50,13 @@ Expected<PersonStation> SquaresBuilder::make_station(const PersonLink& link, int
                               ap.cores.size(),
                               link,
                               norm(ap.array.pose.position - reference_.transmitter.position));
-  PersonStation station{std::move(likelihood), *std::move(scattering), {}, {}, {}};
-  station.cells.resize(squares_.standing.grid.size());
-  station.nobody = station.likelihood.nobody(reference_.person);
+  PersonLinkMap map{std::move(likelihood), *std::move(scattering), {}, {}, {}};
+  map.cells.resize(squares_.standing.grid.size());
+  map.nobody = map.likelihood.nobody(reference_.person);
   for (const double share : kChanges) {
-    station.changed.push_back(station.likelihood.changed(share, reference_.person));
+    map.changed.push_back(map.likelihood.changed(share, reference_.person));
   }
-  return station;
+  return map;
 }
 
 // The rays are traced once, in the middle of a block of squares.
@@ -78,9 +78,9 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
   for (const std::size_t cell : cells) {
     middle = middle + (1.0 / static_cast<double>(cells.size())) * grid.centre(cell);
   }
-  for (std::size_t number = 0; number < squares_.stations.size(); ++number) {
-    PersonStation& station = squares_.stations[number];
-    const auto rays = station.scattering.at({middle.x, middle.y});
+  for (std::size_t number = 0; number < squares_.links.size(); ++number) {
+    PersonLinkMap& link = squares_.links[number];
+    const auto rays = link.scattering.at({middle.x, middle.y});
     for (const std::size_t cell : cells) {
       if (!rays) {  // a device is where the body would be
         standing.free[cell] = 0;
@@ -89,19 +89,19 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
       const Vec3d offset = grid.centre(cell) - middle;
       const PatchPlan plan{
           offset.x, offset.y, std::max(grid.step_x, grid.step_y), squares_.samples};
-      station.cells[cell] = station.likelihood.place(
-          station.likelihood.patch(*rays, plan), reference_.links[number].scale, reference_.person);
+      link.cells[cell] = link.likelihood.place(
+          link.likelihood.patch(*rays, plan), reference_.links[number].scale, reference_.person);
     }
   }
 }
 
 Expected<PersonSquares> SquaresBuilder::build(int depth) {
   for (const PersonLink& link : reference_.links) {
-    auto station = make_station(link, depth);
-    if (!station) {
-      return tl::make_unexpected(station.error());
+    auto map = make_link_map(link, depth);
+    if (!map) {
+      return tl::make_unexpected(map.error());
     }
-    squares_.stations.push_back(*std::move(station));
+    squares_.links.push_back(*std::move(map));
   }
   const RoomGrid& grid = squares_.standing.grid;
   const double wavelength = kSpeedOfLight / room_.grid.centre_hz;

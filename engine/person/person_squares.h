@@ -23,7 +23,7 @@ struct PersonSample {
 };
 
 // One access point of the reference.
-struct PersonStation {
+struct PersonLinkMap {
   PersonLikelihood likelihood;
   PersonScattering scattering;
   std::vector<PersonPlace> cells;  // empty where nobody can stand
@@ -33,8 +33,8 @@ struct PersonStation {
 
 struct PersonSquares {
   StandingRoom standing;
-  std::size_t samples = 0;              // along the side of a square
-  std::vector<PersonStation> stations;  // one a link of the reference
+  std::size_t samples = 0;           // along the side of a square
+  std::vector<PersonLinkMap> links;  // one a link of the reference
 
   Lattice lattice() const;                           // of the sample places of a cell
   Vec3d place_of(const PersonSample& sample) const;  // [m], on the floor

@@ -12,23 +12,23 @@ double log_add(double a, double b) {
   return top + std::log1p(std::exp(std::min(a, b) - top));
 }
 
-double log_mean_exp(std::span<const double> log_likelihood, double temper) {
+double log_mean_exp(std::span<const double> log_likelihood, double likelihood_exponent) {
   const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   double sum = 0.0;
   for (const double value : log_likelihood) {
-    sum += std::exp(temper * (value - top));
+    sum += std::exp(likelihood_exponent * (value - top));
   }
-  return temper * top + std::log(sum / static_cast<double>(log_likelihood.size()));
+  return likelihood_exponent * top + std::log(sum / static_cast<double>(log_likelihood.size()));
 }
 
 AccessPointFusion::AccessPointFusion(std::span<const std::vector<double>> maps,
-                                     double temper,
+                                     double likelihood_exponent,
                                      std::span<const double> faulty)
-    : temper_(temper), faulty_(faulty.begin(), faulty.end()) {
+    : likelihood_exponent_(likelihood_exponent), faulty_(faulty.begin(), faulty.end()) {
   RAYLOC_CHECK(!maps.empty() && maps.size() == faulty.size());
   for (std::size_t i = 0; i < maps.size(); ++i) {
     RAYLOC_CHECK(faulty[i] > 0.0 && faulty[i] < 1.0);
-    log_mean_.push_back(log_mean_exp(maps[i], temper));
+    log_mean_.push_back(log_mean_exp(maps[i], likelihood_exponent));
     log_nothing_ += std::log(faulty[i]) + log_mean_.back();
   }
 }
@@ -36,7 +36,7 @@ AccessPointFusion::AccessPointFusion(std::span<const std::vector<double>> maps,
 double AccessPointFusion::log_likelihood(std::span<const double> of_each) const {
   double sum = 0.0;
   for (std::size_t i = 0; i < faulty_.size(); ++i) {
-    sum += log_add(std::log1p(-faulty_[i]) + temper_ * of_each[i],
+    sum += log_add(std::log1p(-faulty_[i]) + likelihood_exponent_ * of_each[i],
                    std::log(faulty_[i]) + log_mean_[i]);
   }
   // ln (exp(sum) - exp(nothing))
@@ -44,12 +44,12 @@ double AccessPointFusion::log_likelihood(std::span<const double> of_each) const 
   if (!(above > 0.0)) {
     return kNothing;
   }
-  return std::max(kNothing, (sum + std::log(-std::expm1(-above))) / temper_);
+  return std::max(kNothing, (sum + std::log(-std::expm1(-above))) / likelihood_exponent_);
 }
 
 double AccessPointFusion::faulty(std::size_t i, double log_likelihood) const {
-  const double odds =
-      std::log1p(-faulty_[i]) - std::log(faulty_[i]) + temper_ * log_likelihood - log_mean_[i];
+  const double odds = std::log1p(-faulty_[i]) - std::log(faulty_[i]) +
+                      likelihood_exponent_ * log_likelihood - log_mean_[i];
   return 1.0 / (1.0 + std::exp(odds));
 }
 

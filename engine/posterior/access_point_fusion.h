@@ -32,7 +32,7 @@ class AccessPointFusion {
   // maps: [access point][cell], log-likelihoods of all cells of the room; not empty.
   // faulty: of each access point, e_i; in (0, 1).
   AccessPointFusion(std::span<const std::vector<double>> maps,
-                    double temper,
+                    double likelihood_exponent,
                     std::span<const double> faulty);
 
   std::size_t size() const { return log_mean_.size(); }
@@ -48,7 +48,7 @@ class AccessPointFusion {
   double elsewhere(double log_mean, double prior) const;
 
  private:
-  double temper_;
+  double likelihood_exponent_;
   std::vector<double> faulty_;    // e_i
   std::vector<double> log_mean_;  // ln Z_i
   double log_nothing_ = 0.0;      // ln prod e_i Z_i
@@ -56,7 +56,7 @@ class AccessPointFusion {
 
 // ln (e^a + e^b).
 double log_add(double a, double b);
-// ln of the mean of exp(temper l).
-double log_mean_exp(std::span<const double> log_likelihood, double temper);
+// ln of the mean of exp(likelihood_exponent l).
+double log_mean_exp(std::span<const double> log_likelihood, double likelihood_exponent);
 
 }  // namespace rayloc

@@ -54,21 +54,21 @@ Lattice places_of_cell(const RoomGrid& grid, double wavelength) {
 
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
                                              std::span<const double> log_likelihood,
-                                             double temper) {
+                                             double likelihood_exponent) {
   const auto best = static_cast<std::size_t>(
       std::max_element(log_likelihood.begin(), log_likelihood.end()) - log_likelihood.begin());
   const double top = log_likelihood[best];
   std::vector<double> mass;
   mass.reserve(log_likelihood.size());
   for (const double one : log_likelihood) {
-    mass.push_back(std::exp(temper * (one - top)));
+    mass.push_back(std::exp(likelihood_exponent * (one - top)));
   }
   const auto is_beside = [](std::size_t a, std::size_t b) { return a <= b + 1 && b <= a + 1; };
   const auto [sum, all] = moments_of(lattice, mass, [](std::size_t, std::size_t) { return true; });
   const auto [near, about_best] = moments_of(lattice, mass, [&](std::size_t x, std::size_t y) {
     return is_beside(x, best / lattice.count_y) && is_beside(y, best % lattice.count_y);
   });
-  return {top + std::log(sum / static_cast<double>(log_likelihood.size())) / temper,
+  return {top + std::log(sum / static_cast<double>(log_likelihood.size())) / likelihood_exponent,
           {all, about_best, near / sum}};
 }
 

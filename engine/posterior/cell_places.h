@@ -16,6 +16,6 @@ Lattice places_of_cell(const RoomGrid& grid, double wavelength);
 // is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
                                              std::span<const double> log_likelihood,
-                                             double temper);
+                                             double likelihood_exponent);
 
 }  // namespace rayloc

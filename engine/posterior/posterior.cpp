@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "engine/base/check.h"
-#include "engine/posterior/core_and_foot.h"
-#include "engine/posterior/half_disc.h"
+#include "engine/posterior/smallest_half_mass_disc.h"
+#include "engine/posterior/two_component_split.h"
 
 namespace rayloc {
 namespace {
@@ -26,13 +26,14 @@ constexpr double kMostSpread = 0.5;         // of the room's area: past that the
 constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
 
-// exp(temper * (l - max)), normalised to 1.
-std::vector<double> weights_of(const std::vector<double>& log_likelihood, double temper) {
+// exp(likelihood_exponent * (l - max)), normalised to 1.
+std::vector<double> weights_of(const std::vector<double>& log_likelihood,
+                               double likelihood_exponent) {
   const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
   std::vector<double> weights(log_likelihood.size());
   double sum = 0.0;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    weights[i] = std::exp(temper * (log_likelihood[i] - top));
+    weights[i] = std::exp(likelihood_exponent * (log_likelihood[i] - top));
     sum += weights[i];
   }
   for (double& weight : weights) {
@@ -346,7 +347,7 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
   if (hypotheses.empty() || hypotheses.size() >= options.max_hypotheses) {
     return;
   }
-  if (const auto two = core_and_foot(heaviest)) {
+  if (const auto two = two_component_split(heaviest)) {
     const double height = masses.grid.first.z;
     hypotheses.front() = hypothesis_of((*two)[0], height, believed);
     hypotheses.push_back(hypothesis_of((*two)[1], height, believed));
@@ -379,7 +380,7 @@ void summarise_posterior(const RoomGrid& grid,
   RAYLOC_CHECK(log_likelihood.size() == grid.size());
   const std::vector<CellMass> of_cells = of_every_cell(grid, within);
   const Masses masses{grid,
-                      weights_of(log_likelihood, options.temper),
+                      weights_of(log_likelihood, options.likelihood_exponent),
                       of_cells,
                       uniform_moments(grid),
                       options.least_sigma};
@@ -387,7 +388,7 @@ void summarise_posterior(const RoomGrid& grid,
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }
-  const Disc half = half_disc(grid, masses.mass, kPeakRadius);
+  const Disc half = smallest_half_mass_disc(grid, masses.mass, kPeakRadius);
   const Vec3d peak = grid.centre(
       peak_of(grid, masses.mass, [&](std::size_t i) { return half.contains(grid.centre(i)); }));
   const auto near = [&](std::size_t i) {

@@ -54,7 +54,7 @@ struct CellMass {
 using KnownCells = std::vector<std::pair<std::size_t, CellMass>>;
 
 struct PosteriorOptions {
-  double temper = 1.0;  // exponent of the likelihood
+  double likelihood_exponent = 1.0;  // exponent of the likelihood
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
   // Probability that the map says nothing of the place: left over, whatever the map says.
@@ -64,10 +64,10 @@ struct PosteriorOptions {
 
 // Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
 // estimate. Hypotheses are the hills of the map; of the heaviest, where there is room for one more,
-// core and foot (core_and_foot.h) where these are two. The position is where half of the mass is
-// near (half_disc.h), which need not be the heaviest hill; in there the maximum of the mass in a
-// kernel of 0.1 m, not the highest cell: a spike is more often wrong than a hill. Without a
-// position, `reason` says that the map is flat.
+// core and foot (two_component_split.h) where these are two. The position is where half of the mass
+// is near (smallest_half_mass_disc.h), which need not be the heaviest hill; in there the maximum of
+// the mass in a kernel of 0.1 m, not the highest cell: a spike is more often wrong than a hill.
+// Without a position, `reason` says that the map is flat.
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,

@@ -23,14 +23,14 @@ RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion&
   return map;
 }
 
-std::vector<double> doubts(const RoomMap& map, double temper) {
-  const double log_sum = log_mean_exp(map.log_likelihood, temper) +
+std::vector<double> doubts(const RoomMap& map, double likelihood_exponent) {
+  const double log_sum = log_mean_exp(map.log_likelihood, likelihood_exponent) +
                          std::log(static_cast<double>(map.log_likelihood.size()));
   std::vector<double> result;
   for (const std::vector<double>& of_cell : map.doubt) {
     double doubt = 0.0;
     for (std::size_t cell = 0; cell < of_cell.size(); ++cell) {
-      doubt += std::exp(temper * map.log_likelihood[cell] - log_sum) * of_cell[cell];
+      doubt += std::exp(likelihood_exponent * map.log_likelihood[cell] - log_sum) * of_cell[cell];
     }
     result.push_back(doubt);
   }

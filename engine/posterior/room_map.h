@@ -19,6 +19,6 @@ struct RoomMap {
 RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion& fusion);
 
 // Of each access point the probability that what it hears says nothing of the place.
-std::vector<double> doubts(const RoomMap& map, double temper);
+std::vector<double> doubts(const RoomMap& map, double likelihood_exponent);
 
 }  // namespace rayloc

@@ -74,7 +74,7 @@ struct RoomModel {
   DeviceModel device;
   // Exponent of the likelihood: what is wrong with the model is wrong in the same way all over the
   // burst, so the raw likelihood is too sure of itself.
-  double temper = 0.6;
+  double likelihood_exponent = 0.6;
   // [m], each axis, standard deviation: what the survey of the access points and the plan leave in
   // every position, however sharp the likelihood is.
   double least_sigma = 0.01;

@@ -88,11 +88,11 @@ PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
 
 // By how much what the person adds has changed since the last moment: 0 not at all, 1 as by a move.
 // The access points count by what they hear of the person.
-double PersonTracker::change_of(const PersonHearing& hearing) const {
+double PersonTracker::change_of(const PersonObservation& observation) const {
   double changed = 0.0;
   double added = 0.0;
-  for (const PersonHearing::Array& now : hearing.arrays) {
-    for (const PersonHearing::Array& before : life_->last) {
+  for (const PersonObservation::Array& now : observation.arrays) {
+    for (const PersonObservation::Array& before : life_->last) {
       if (now.link == before.link) {
         const double noise = now.observed.noise + before.observed.noise + kStillChange;
         changed += 1.0 - correlation(before.observed, now.observed) - noise;
@@ -121,9 +121,9 @@ void PersonTracker::predict(Timestamp time) {
   life_->time = time;
 }
 
-PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
-  const double temper = localizer_->reference().person.temper;
-  const Timestamp time = hearing.estimate.time;
+PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) {
+  const double likelihood_exponent = localizer_->reference().person.likelihood_exponent;
+  const Timestamp time = observation.estimate.time;
   const auto judge = [](const PersonMap& map, double least) {
     if (!map.is_explained || map.is_transmitter_doubtful) {
       return Sight::kUnexplained;
@@ -131,18 +131,18 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
     return map.somebody < least ? Sight::kNobody : Sight::kSeen;
   };
   if (!life_) {
-    PersonMap map = localizer_->map(hearing, temper);
+    PersonMap map = localizer_->map(observation, likelihood_exponent);
     const Sight sight = judge(map, kSomebody);
     if (sight == Sight::kSeen) {
       begin(time);
       life_->filter.update(map.log_likelihood, 1.0);
       life_->within = std::move(map.within);
       life_->credit = 1.0;
-      life_->last = hearing.arrays;
+      life_->last = observation.arrays;
     }
     return sight;
   }
-  const double change = life_->last.empty() ? 1.0 : change_of(hearing);
+  const double change = life_->last.empty() ? 1.0 : change_of(observation);
   const double credit = life_->credit * (1.0 - change);
   const double share =
       std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(options_.evidence_time));
@@ -150,7 +150,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
   life_->filter.weigh_change(change);
   life_->credit = credit;
   if (weight >= kLeastWeight) {
-    PersonMap map = localizer_->map(hearing, temper);
+    PersonMap map = localizer_->map(observation, likelihood_exponent);
     if (const Sight sight = judge(map, 0.0); sight != Sight::kSeen) {
       return sight;
     }
@@ -160,7 +160,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonHearing& hearing) {
     life_->is_clear = map.somebody >= kSomebody;
   }
   life_->weighed = time;
-  life_->last = hearing.arrays;
+  life_->last = observation.arrays;
   return Sight::kSeen;
 }
 
@@ -249,12 +249,12 @@ void PersonTracker::coast(Timestamp until, std::vector<PersonUpdate>& updates) {
 void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
                                 std::vector<PersonUpdate>& updates) {
   ++counters_.moments;
-  PersonHearing hearing = localizer_->hear(frames);
-  if (hearing.arrays.empty()) {
+  PersonObservation observation = localizer_->hear(frames);
+  if (observation.arrays.empty()) {
     ++counters_.unusable;
     return;
   }
-  const Timestamp time = hearing.estimate.time;
+  const Timestamp time = observation.estimate.time;
   if ((time_ && time <= *time_) || (life_ && time <= life_->time)) {
     ++counters_.out_of_order;
     return;
@@ -263,7 +263,7 @@ void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
     predict(time);
   }
   time_ = time;
-  const Sight sight = weigh(hearing);
+  const Sight sight = weigh(observation);
   const bool is_seen = sight == Sight::kSeen;
   counters_.used += is_seen ? 1U : 0U;
   counters_.nobody += sight == Sight::kNobody ? 1U : 0U;
@@ -273,7 +273,7 @@ void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
   }
   auto transition = age(time, is_seen);
   life_->due = std::max(life_->seen + options_.coast_after, time + options_.coasting_interval);
-  report(std::move(hearing.estimate), is_seen, std::move(transition), updates);
+  report(std::move(observation.estimate), is_seen, std::move(transition), updates);
 }
 
 void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>& updates) {

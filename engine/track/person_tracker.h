@@ -114,7 +114,7 @@ class PersonTracker {
     std::size_t moments = 0;  // in which somebody was seen
     double credit = 0.0;      // of a snapshot's weight, given to the present channel
     bool is_clear = true;     // what the present channel shows
-    std::vector<PersonHearing::Array> last{};
+    std::vector<PersonObservation::Array> last{};
     KnownCells within{};  // where in the best cells, of the last moment that was weighed
   };
 
@@ -122,8 +122,8 @@ class PersonTracker {
   void coast(Timestamp until, std::vector<PersonUpdate>& updates);
   void begin(Timestamp time);
   void predict(Timestamp time);
-  double change_of(const PersonHearing& hearing) const;
-  Sight weigh(const PersonHearing& hearing);
+  double change_of(const PersonObservation& observation) const;
+  Sight weigh(const PersonObservation& observation);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);
   LocationEstimate unheard(Timestamp time) const;
   void report(LocationEstimate location,

@@ -30,12 +30,12 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
       filter_(std::move(space), options.motion) {}
 
 // Share of the power that differs from the last burst, mean over the access points that heard both.
-std::optional<double> Track::change_of(const Hearing& hearing) const {
+std::optional<double> Track::change_of(const RoomObservation& observation) const {
   double sum = 0.0;
   double count = 0.0;
-  for (const HeardArray& now : hearing.arrays) {
+  for (const HeardArray& now : observation.arrays) {
     for (const HeardArray& before : last_) {
-      if (now.station == before.station && now.h.size() == before.h.size()) {
+      if (now.ap == before.ap && now.h.size() == before.h.size()) {
         sum += 1.0 - aligner_.align(before.h, now.h).correlation;
         count += 1.0;
       }
@@ -45,12 +45,12 @@ std::optional<double> Track::change_of(const Hearing& hearing) const {
 }
 
 // 0: no more has changed than by noise and the radio, 1: the device must have moved.
-double Track::motion_of(double change, const Hearing& hearing) const {
+double Track::motion_of(double change, const RoomObservation& observation) const {
   // What lies outside the delays of a room is noise, and both bursts have it.
   double noise = 0.0;
-  for (const HeardArray& heard : hearing.arrays) {
-    noise +=
-        2.0 * (1.0 - heard.observed.array.captured) / static_cast<double>(hearing.arrays.size());
+  for (const HeardArray& heard : observation.arrays) {
+    noise += 2.0 * (1.0 - heard.observed.array.captured) /
+             static_cast<double>(observation.arrays.size());
   }
   return std::clamp(
       std::log(change / (options_.still_change + noise)) / std::log(options_.walking_ratio),
@@ -59,8 +59,8 @@ double Track::motion_of(double change, const Hearing& hearing) const {
 }
 
 // False when no place of the room explains the burst.
-bool Track::weigh(const Hearing& hearing, Duration elapsed) {
-  const std::optional<double> change = change_of(hearing);
+bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
+  const std::optional<double> change = change_of(observation);
   const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
   const double credit = credit_ * (1.0 - novelty);
   const double share =
@@ -69,24 +69,24 @@ bool Track::weigh(const Hearing& hearing, Duration elapsed) {
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    evidence = localizer_->evidence(hearing, Localizer::Look::kPlaces);
+    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces);
     if (map.empty()) {
       return false;
     }
   }
   if (change) {
-    filter_.weigh_change(motion_of(*change, hearing));
+    filter_.weigh_change(motion_of(*change, observation));
   }
   credit_ = credit;
   if (!map.empty()) {
-    filter_.update(map, weight * localizer_->room().temper, evidence.elsewhere);
+    filter_.update(map, weight * localizer_->room().likelihood_exponent, evidence.elsewhere);
     within_ = std::move(evidence.within);
     credit_ += weight;
     const auto mass = filter_.mass();
     const auto peak = std::max_element(mass.begin(), mass.end()) - mass.begin();
     loss_ = -map[static_cast<std::size_t>(peak)];
   }
-  last_ = hearing.arrays;
+  last_ = observation.arrays;
   ++bursts_;
   return true;
 }
@@ -157,21 +157,21 @@ void Track::remember(FilteredEstimate& estimate) {
 }
 
 tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFrame> frames) {
-  Hearing hearing = localizer_->hear(frames);
-  const Timestamp time = hearing.estimate.time;
+  RoomObservation observation = localizer_->hear(frames);
+  const Timestamp time = observation.estimate.time;
   if (state_ && time <= time_) {
     return tl::make_unexpected(MomentRefusal::kOutOfOrder);
   }
-  if (hearing.arrays.empty()) {
+  if (observation.arrays.empty()) {
     return tl::make_unexpected(MomentRefusal::kUnusable);
   }
   const Duration elapsed = time - heard_;
   advance(time);
-  if (!weigh(hearing, elapsed)) {
+  if (!weigh(observation, elapsed)) {
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   heard_ = time;
-  FilteredEstimate estimate = summarise(std::move(hearing.estimate), within_);
+  FilteredEstimate estimate = summarise(std::move(observation.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {
     enter(TrackState::kTentative, time, "heard for the first time", estimate);

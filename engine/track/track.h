@@ -95,9 +95,9 @@ class Track {
     Vec3d position;
   };
 
-  std::optional<double> change_of(const Hearing& hearing) const;
-  double motion_of(double change, const Hearing& hearing) const;
-  bool weigh(const Hearing& hearing, Duration elapsed);
+  std::optional<double> change_of(const RoomObservation& observation) const;
+  double motion_of(double change, const RoomObservation& observation) const;
+  bool weigh(const RoomObservation& observation, Duration elapsed);
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);

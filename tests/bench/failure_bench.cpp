@@ -99,8 +99,8 @@ void judge(bool verbose,
                 reaching,
                 estimate.residual_probability,
                 estimate.loss);
-    const Hearing hearing = localizer.hear(frames);
-    for (const HeardArray& heard : hearing.arrays) {
+    const RoomObservation observation = localizer.hear(frames);
+    for (const HeardArray& heard : observation.arrays) {
       double weakest = 1e9;
       const std::size_t tones = localizer.room().grid.size();
       for (std::size_t m = 0; m < heard.h.size() / tones; ++m) {

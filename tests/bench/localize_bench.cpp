@@ -258,7 +258,7 @@ void print_latencies() {
     const auto& heard = evidence[static_cast<std::size_t>(i) % evidence.size()];
     filter.predict(std::chrono::milliseconds(50));
     filter.weigh_change(1.0);
-    filter.update(heard.log_likelihood, p.room->temper, heard.elsewhere);
+    filter.update(heard.log_likelihood, p.room->likelihood_exponent, heard.elsewhere);
     benchmark::DoNotOptimize(filter.mass());
   });
   DeviceTracker tracker(p.localizer, {});

@@ -20,7 +20,7 @@
 #include "daemon/survey/points_csv.h"
 #include "engine/observe/alignment.h"
 #include "engine/person/people.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc::bench {
 namespace {
@@ -158,10 +158,10 @@ void Study::add(const char* name, const std::vector<Vec3d>& truth, const Frames&
     farther_.push_back(far);
   }
   if (verbose_) {
-    const PersonHearing hearing = localizer_.hear(frames);
-    const double temper = localizer_.reference().person.temper;
-    const PersonMap alone = localizer_.map(hearing, temper);
-    const auto pair = best_pair(localizer_, hearing, temper, alone);
+    const PersonObservation observation = localizer_.hear(frames);
+    const double likelihood_exponent = localizer_.reference().person.likelihood_exponent;
+    const PersonMap alone = localizer_.map(observation, likelihood_exponent);
+    const auto pair = best_pair(localizer_, observation, likelihood_exponent, alone);
     std::printf("%s: %zu found, misfit of one %.2f, gain of two %.1f",
                 name,
                 found.size(),

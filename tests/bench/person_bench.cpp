@@ -17,7 +17,7 @@
 
 #include "engine/person/calibrate/empty_room.h"
 #include "engine/person/person_localizer.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 #include "engine/trace/scattering/scattering.h"
 #include "engine/track/person_tracker.h"
 #include "tests/bench/best_times.h"

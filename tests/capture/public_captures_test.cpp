@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "capture/assemble/csi_receiver.h"
+#include "engine/base/constants.h"
 #include "tests/support/public_captures.h"
 
 namespace rayloc {
@@ -18,8 +19,6 @@ namespace {
 
 using test::PublicCaptures;
 using testing::ElementsAre;
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 struct Received {
   std::vector<CsiFrame> frames;
@@ -64,7 +63,7 @@ double mean_step_deg(const std::vector<CsiFrame>& frames, int below, int above) 
       sum += std::polar(1.0, step - slope_of(frame, row) * (above - below));
     }
   }
-  return std::arg(sum) * kDegrees;
+  return std::arg(sum) * kDegreesPerRadian;
 }
 
 TEST_F(PublicCaptures, AllDataIs36FramesOfFourCores) {

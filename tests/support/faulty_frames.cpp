@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "engine/base/constants.h"
-#include "engine/localize/station_map.h"
+#include "engine/localize/access_point_map.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc::test {
@@ -52,11 +52,11 @@ struct Expected {
 
 Expected expected_of(const RoomModel& room, std::size_t access_point, const Vec3d& device) {
   const Vec3d aside{0.01, 0.01, 0.0};
-  const StationMap map({std::make_shared<const RoomModel>(room),
-                        access_point,
-                        RoomGrid(device - aside, device + aside, device.z, 2.0 * aside.x),
-                        LikelihoodKind::kPartial},
-                       nullptr);
+  const AccessPointMap map({std::make_shared<const RoomModel>(room),
+                            access_point,
+                            RoomGrid(device - aside, device + aside, device.z, 2.0 * aside.x),
+                            LikelihoodKind::kPartial},
+                           nullptr);
   const RoomAccessPoint& ap = room.access_points[access_point];
   Expected expected{map.expected(map.rays_to(device)), {}};
   for (std::size_t m = 0; m < ap.cores.size(); ++m) {

@@ -10,6 +10,7 @@
 #include <random>
 #include <utility>
 
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/box_scene.h"
@@ -27,7 +28,6 @@ constexpr double kWall = 0.1;
 constexpr double kHeight = 1.2;     // of device and access points
 constexpr double kCoupling = 0.04;  // of the antennas: -28 dB
 constexpr double kClearance = 0.25;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // A face of the shell as built, along the outward normal of the room [m].
 struct Shell {

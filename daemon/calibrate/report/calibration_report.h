@@ -30,10 +30,10 @@ struct CalibrationMethodResult {
   TraceOptions rays;     // that it was fitted with, and its points compared
 };
 
-// Fixes of the points held out, with the likelihood raised to one exponent (RoomModel::temper) and
-// the RoomModel::least_sigma that scores best with it.
+// Fixes of the points held out, with the likelihood raised to one exponent
+// (RoomModel::likelihood_exponent) and the RoomModel::least_sigma that scores best with it.
 struct HeldOutFixes {
-  double temper = 0.0;
+  double likelihood_exponent = 0.0;
   double least_sigma = 0.0;  // [m]
   std::size_t points = 0;    // held out and heard
   std::size_t fixes = 0;

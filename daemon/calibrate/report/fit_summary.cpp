@@ -67,7 +67,7 @@ std::string to_text(const HeldOutFixes& fixes) {
                      fixes.fixes,
                      fixes.points,
                      error,
-                     fixes.temper);
+                     fixes.likelihood_exponent);
 }
 
 }  // namespace rayloc

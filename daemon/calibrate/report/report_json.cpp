@@ -112,7 +112,7 @@ Json method_json(const CalibrationReport& report, const CalibrationMethodResult&
 Json fixes_json(const std::vector<HeldOutFixes>& fixes) {
   Json all = Json::array();
   for (const HeldOutFixes& one : fixes) {
-    all.push_back({{"temper", one.temper},
+    all.push_back({{"temper", one.likelihood_exponent},
                    {"least_sigma_m", one.least_sigma},
                    {"dishonesty", one.dishonesty},
                    {"points", one.points},

@@ -131,7 +131,7 @@ void RotatingRecorder::rotate() {
   if (!recorder_ || records_ == 0 || counters_.stopped) {
     return;
   }
-  const Steady now = options_.steady();
+  const Debounce now = options_.steady();
   const bool full = recorder_->counters().bytes >= options_.limits.rotate_bytes;
   const bool old = now - opened_ >= options_.limits.rotate_every;
   if ((full || old) && now >= rotate_next_) {
@@ -142,7 +142,7 @@ void RotatingRecorder::rotate() {
 }
 
 void RotatingRecorder::keep_house() {
-  const Steady now = options_.steady();
+  const Debounce now = options_.steady();
   if (now - looked_ >= kLookInterval) {
     look_at_the_disk();
     open_first_file();

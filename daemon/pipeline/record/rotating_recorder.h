@@ -84,7 +84,7 @@ class RotatingRecorder {
   const RotatingRecorderCounters& counters() const { return counters_; }
 
  private:
-  using Steady = std::chrono::steady_clock::time_point;
+  using Debounce = std::chrono::steady_clock::time_point;
 
   void keep_house();
   void look_at_the_disk();
@@ -104,10 +104,10 @@ class RotatingRecorder {
   std::uint64_t records_ = 0;             // in the file
   std::vector<RecordingGap> gaps_;        // that no file has a mark of yet
   Timestamp last_{};                      // time of the last datagram written
-  Steady opened_;                         // the file
-  Steady looked_;                         // at the disk
-  Steady tidied_;                         // the folder
-  Steady rotate_next_{};                  // not before: the last attempt failed
+  Debounce opened_;                       // the file
+  Debounce looked_;                       // at the disk
+  Debounce tidied_;                       // the folder
+  Debounce rotate_next_{};                // not before: the last attempt failed
   std::string rotate_error_;              // of it
   std::string name_error_;                // why the file before has not got its name
   std::uint64_t synced_bytes_ = 0;        // of the file, as of tidied_

@@ -1,4 +1,5 @@
 #include "engine/calibrate/check/array_mistakes.h"
+#include "engine/base/constants.h"
 
 #include <algorithm>
 #include <charconv>
@@ -9,8 +10,6 @@
 
 namespace rayloc {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::string text_of(double value) {
   std::array<char, 32> text{};

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/base/constants.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -68,10 +69,9 @@ RoomParameter stated_chain(const Unknown& unknown,
                            const ChainGains& assumed,
                            const ChainGains& found,
                            double sigma) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   constexpr double kDecibels = 20.0 * std::numbers::log10e;  // of one neper
   const bool phase = unknown.kind == Kind::kChainPhase;
-  const double unit = phase ? kDegrees : kDecibels;
+  const double unit = phase ? kDegreesPerRadian : kDecibels;
   const std::complex<double> before = chain_ratio(assumed, unknown.part);
   const std::complex<double> turned = chain_ratio(found, unknown.part) / before;
   const auto part = [&](const std::complex<double>& ratio) {

@@ -4,7 +4,7 @@
 #include <complex>
 
 #include "engine/observe/alignment.h"
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {

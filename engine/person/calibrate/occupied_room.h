@@ -19,7 +19,7 @@
 
 namespace rayloc {
 
-// As hear() of engine/room/hearing.h, of the frames that differ least.
+// As hear() of engine/room/hear_burst.h, of the frames that differ least.
 std::optional<BurstObservation> hear_background(const RoomModel& room,
                                                 std::size_t access_point,
                                                 std::span<const CsiFrame> frames,

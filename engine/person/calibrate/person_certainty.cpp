@@ -19,12 +19,13 @@ constexpr std::size_t kLeastSpots = 20;
 constexpr double kLeastGain = 20.0;
 
 // What the best second person explains; 0 where none is looked for.
-double second_gain(const PersonLocalizer& localizer, const PersonHearing& hearing) {
-  if (hearing.arrays.empty()) {
+double second_gain(const PersonLocalizer& localizer, const PersonObservation& observation) {
+  if (observation.arrays.empty()) {
     return 0.0;
   }
-  const double temper = localizer.reference().person.temper;
-  const auto pair = best_pair(localizer, hearing, temper, localizer.map(hearing, temper));
+  const double likelihood_exponent = localizer.reference().person.likelihood_exponent;
+  const auto pair = best_pair(
+      localizer, observation, likelihood_exponent, localizer.map(observation, likelihood_exponent));
   return pair ? pair->gain : 0.0;
 }
 
@@ -58,16 +59,16 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
       return tl::make_unexpected(localizer.error());
     }
     for (std::size_t s = part; s < spots.size(); s += kParts) {
-      const PersonHearing hearing = localizer->hear(frames[s]);
-      if (hearing.arrays.empty()) {
+      const PersonObservation observation = localizer->hear(frames[s]);
+      if (observation.arrays.empty()) {
         continue;
       }
       known.places.push_back({spots[s].place.x, spots[s].place.y, 0.0});
       for (std::size_t t = 0; t < kExponents.size(); ++t) {
         estimates[t].push_back(
-            localizer->summarise(hearing.estimate, localizer->map(hearing, kExponents[t])));
+            localizer->summarise(observation.estimate, localizer->map(observation, kExponents[t])));
       }
-      gain = std::max(gain, second_gain(*localizer, hearing));
+      gain = std::max(gain, second_gain(*localizer, observation));
     }
   }
   PersonCertainty certainty;
@@ -78,7 +79,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
     for (std::size_t t = 0; t < kExponents.size(); ++t) {
       judged.push_back(judge_exponent(kExponents[t], estimates[t], usual.front(), known, usual));
     }
-    certainty.temper = judged[best_exponent(judged)].exponent;
+    certainty.likelihood_exponent = judged[best_exponent(judged)].exponent;
   }
   if (known.places.size() >= kLeastSpots) {
     certainty.second_person = gain;

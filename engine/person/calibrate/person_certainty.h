@@ -14,7 +14,7 @@
 namespace rayloc {
 
 struct PersonCertainty {
-  double temper = 0.35;
+  double likelihood_exponent = 0.35;
   // PersonModel::second_person: the most that a second one explained where one stood, so that a
   // next spot exceeds it once in as many spots. Nothing from fewer than 20 spots.
   std::optional<double> second_person;

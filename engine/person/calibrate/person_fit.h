@@ -40,7 +40,8 @@ struct PersonFit {
   std::size_t spots = 0;        // that were used
 };
 
-// An Error when fewer than kLeastPersonSpots spots can be used. `temper` is not fitted here.
+// An Error when fewer than kLeastPersonSpots spots can be used. `likelihood_exponent` is not fitted
+// here.
 inline constexpr std::size_t kLeastPersonSpots = 8;
 Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,

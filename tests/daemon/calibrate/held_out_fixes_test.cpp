@@ -73,17 +73,17 @@ TEST(HeldOutFixes, PositionsOfARoomThatIsAsItsModelAreStatedToMillimetres) {
 // At most 0.8 of several access points: what is wrong with the map is wrong for them all.
 TEST(HeldOutFixes, TheExponentIsNotAboveTheModelAndItsRegionsHonest) {
   const HeldOutFixes fixes = fit(0.01, 0.01);
-  EXPECT_LE(fixes.temper, 0.8);
+  EXPECT_LE(fixes.likelihood_exponent, 0.8);
   EXPECT_LT(fixes.dishonesty, 3.9);  // honest ones are below it in 99 of 100 cases
   // Spots that lie elsewhere than anybody says: as sure as the model is, the regions are wrong.
   const std::vector<HeldOutFixes> elsewhere = fit_all(0.3, 0.0);
   const auto sure = std::max_element(
       elsewhere.begin(), elsewhere.end(), [](const HeldOutFixes& a, const HeldOutFixes& b) {
-        return a.temper < b.temper;
+        return a.likelihood_exponent < b.likelihood_exponent;
       });
-  EXPECT_EQ(sure->temper, 0.8);
+  EXPECT_EQ(sure->likelihood_exponent, 0.8);
   EXPECT_GT(sure->dishonesty, 8.0);
-  EXPECT_LT(elsewhere.back().temper, 0.2);
+  EXPECT_LT(elsewhere.back().likelihood_exponent, 0.2);
 }
 
 // What the survey is off is no error of the fixes.
@@ -116,7 +116,7 @@ TEST(HeldOutFixes, FewSpotsTellNothing) {
   const auto fixes = fit_certainty_of(recorded().room, std::vector(3, alone), 0.005);
   ASSERT_TRUE(fixes);
   ASSERT_EQ(fixes->size(), 1U);
-  EXPECT_EQ(fixes->back().temper, recorded().room->temper);
+  EXPECT_EQ(fixes->back().likelihood_exponent, recorded().room->likelihood_exponent);
   EXPECT_EQ(fixes->back().least_sigma, recorded().room->least_sigma);
 }
 

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
+#include "engine/base/constants.h"
 #include "engine/calibrate/joint/room_unknowns.h"
 #include "engine/scene/moved_surfaces.h"
 #include "tests/support/edited_text.h"
@@ -28,7 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // [m] along the normals of the faces that look into the room.
 const std::map<std::string, double>& moved_walls() {

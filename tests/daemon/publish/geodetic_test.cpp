@@ -1,7 +1,7 @@
 #include "daemon/publish/geodetic.h"
+#include "engine/base/constants.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -29,7 +29,6 @@ TEST(Geodetic, IsThatOfTheExampleOfEpsg) {
 
 // Near the origin: the radii of curvature of the meridian and of the parallel.
 TEST(Geodetic, FollowsTheRadiiOfCurvature) {
-  constexpr double kDegree = std::numbers::pi / 180.0;
   constexpr double kE2 = 0.00669437999014;  // WGS 84, as published
   for (const double latitude : {-70.0, -0.5, 0.0, 33.3, 52.52}) {
     const double root = std::sqrt(1.0 - kE2 * std::pow(std::sin(latitude * kDegree), 2));

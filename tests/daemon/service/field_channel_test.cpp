@@ -67,7 +67,7 @@ Site make_site(const fs::path& folder) {
   calibration.id = "of the test";
   calibration.scene_hash = room.scene_hash;
   calibration.points_hash = "of none";
-  calibration.temper = {room.temper, room.temper, 0.0};
+  calibration.likelihood_exponent = {room.likelihood_exponent, room.likelihood_exponent, 0.0};
   for (std::size_t i = 0; i < room.access_points.size(); ++i) {
     CalibratedAccessPoint& one = calibration.access_points.emplace_back();
     one.id = room.access_points[i].id;

@@ -199,7 +199,7 @@ TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
   error.diffuse_decay = 9e-9;
   error.noise = 1e-3;
   RoomModel room = room_with(error);
-  room.temper = 1.0;
+  room.likelihood_exponent = 1.0;
   room.least_sigma = 0.001;
   const auto shared = std::make_shared<const RoomModel>(room);
   const auto localizer = Localizer::create(shared, {});

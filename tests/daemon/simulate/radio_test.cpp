@@ -1,6 +1,7 @@
 // Each impairment alone, against what its key says. The tones are turned back here by hand: at 40
 // MHz 802.11 multiplies those at and above the centre by j.
 #include "daemon/simulate/radio.h"
+#include "engine/base/constants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,6 @@ using Value = std::complex<double>;
 
 constexpr double kCentre = 5.19e9;  // [Hz]
 constexpr double kSpacing = 312'500.0;
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kScale = 0x1p30;  // without gain control
 constexpr std::size_t kTotal = 128;
 const RadioSetup kSetup = {PhyFormat::kVht, 40, kCentre, {2, 0, 3}};
@@ -183,7 +183,7 @@ TEST(SimulatedRadio, JitterIsTheDeviationBetweenTwoCores) {
   std::vector<double> difference;
   for (int n = 0; n < 2000; ++n) {
     const auto heard = radio.receive();
-    difference.push_back(kDegrees * std::arg(heard[1][5] / heard[0][5]));
+    difference.push_back(kDegreesPerRadian * std::arg(heard[1][5] / heard[0][5]));
   }
   EXPECT_NEAR(standard_deviation(difference), 2.0, 0.1);
 }
@@ -294,7 +294,7 @@ TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
     double phase = 0.0;
     for (const Value& value : row) {
       level = std::max(level, std::abs(decibels(std::norm(value / 1e-3))));
-      phase = std::max(phase, std::abs(kDegrees * std::arg(value)));
+      phase = std::max(phase, std::abs(kDegreesPerRadian * std::arg(value)));
     }
     EXPECT_NEAR(level, 0.3, 0.01);
     EXPECT_NEAR(phase, 2.0, 0.05);

@@ -32,7 +32,7 @@ class RoomModelTest : public testing::Test {
     file.id = "0000000000000001";
     file.scene_hash = room.scene_hash;
     file.points_hash = "0000000000000002";
-    file.temper = {0.5, 0.6, 0.0};
+    file.likelihood_exponent = {0.5, 0.6, 0.0};
     for (const RoomAccessPoint& ap : room.access_points) {
       CalibratedAccessPoint one;
       one.id = ap.id;
@@ -95,7 +95,7 @@ TEST_F(RoomModelTest, OfACopyIsThatOfTheOriginalWithItsCalibration) {
   ASSERT_TRUE(calibrated) << calibrated.error().message;
   EXPECT_EQ(calibrated->scene_hash, room->scene_hash);
   EXPECT_EQ(calibrated->calibration_id, "0000000000000001");
-  EXPECT_EQ(calibrated->temper, 0.5);
+  EXPECT_EQ(calibrated->likelihood_exponent, 0.5);
   EXPECT_EQ(calibrated->access_points[2].error.noise, 0.003);
   EXPECT_FALSE(calibrated->access_points[2].gains.empty());
   EXPECT_NEAR(calibrated->access_points[2].array.pose.orientation.yaw,

@@ -14,8 +14,6 @@
 namespace rayloc {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 // What access point 0 hears of a device on a grid of `per_axis` squared points.
 std::vector<CalibrationSample> survey(const RoomModel& room, int per_axis) {
   std::vector<CalibrationSample> samples;

@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/base/constants.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
@@ -20,7 +21,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 const std::vector<Vec3d> kPlugs = {{1.2, -0.9, 0.6}, {-0.4, -1.0, 1.9}, {0.6, 0.9, 1.5}};
 
 RoomModel calibrated() {

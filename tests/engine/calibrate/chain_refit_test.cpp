@@ -2,12 +2,12 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/base/constants.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
@@ -18,7 +18,6 @@ namespace {
 using ::testing::HasSubstr;
 using Value = std::complex<double>;
 
-constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr UsualFit kUsual{0.97, 0.95, 0.98};
 
 // The room of the tests as it was calibrated before a power cycle: frames_at() makes the chains of

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,13 +13,12 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "engine/base/constants.h"
 #include "engine/calibrate/joint/stated_parameter.h"
 #include "tests/support/surveyed_room.h"
 
 namespace rayloc {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 JointCalibrationOptions options_of(const test::SurveyedRoom& room) {
   JointCalibrationOptions options;

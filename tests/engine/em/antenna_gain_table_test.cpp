@@ -1,4 +1,5 @@
 #include "engine/em/antenna_gain_table.h"
+#include "engine/base/constants.h"
 
 #include <array>
 #include <cmath>
@@ -15,7 +16,6 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 
 constexpr const char* kSmall = R"(# Four sides, no two alike.
 theta\phi,    0,   90,  180,  270

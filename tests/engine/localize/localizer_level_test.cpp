@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "engine/base/constants.h"
+#include "engine/localize/access_point_map.h"
 #include "engine/localize/localizer.h"
-#include "engine/localize/station_map.h"
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
@@ -77,7 +77,8 @@ double mass_at(const Localizer& localizer, std::span<const CsiFrame> frames, dou
   double near = 0.0;
   double all = 0.0;
   for (std::size_t cell = 0; cell < evidence.log_likelihood.size(); ++cell) {
-    const double mass = std::exp(localizer.room().temper * evidence.log_likelihood[cell]);
+    const double mass =
+        std::exp(localizer.room().likelihood_exponent * evidence.log_likelihood[cell]);
     all += mass;
     near += norm(localizer.grid().centre(cell) - place) < 0.4 ? mass : 0.0;
   }
@@ -123,9 +124,9 @@ TEST(LocalizerLevel, IsNotTempered) {
   const auto frames = heard_at(with.room(), 2.0);
   double most = 0.0;
   double least = 10.0;
-  for (const double temper : {0.2, 0.6, 1.8}) {
-    const LocationEstimate estimate = with.locate(frames, temper);
-    ASSERT_TRUE(estimate.position) << temper;
+  for (const double likelihood_exponent : {0.2, 0.6, 1.8}) {
+    const LocationEstimate estimate = with.locate(frames, likelihood_exponent);
+    ASSERT_TRUE(estimate.position) << likelihood_exponent;
     // Along the line of sight, where nothing else tells the place.
     most = std::max(most, std::sqrt(estimate.covariance[0]));
     least = std::min(least, std::sqrt(estimate.covariance[0]));
@@ -172,7 +173,8 @@ TEST(LocalizerLevel, IsNotBelievedWithADeadChain) {
 TEST(LocalizerLevel, SaysNothingOfTheRoomAsAWhole) {
   const auto room = std::make_shared<const RoomModel>(make_field());
   const RoomGrid grid(room->bounds_min, room->bounds_max, 1.2, 0.25);
-  const StationMap map(StationMap::Source{room, 0, grid, LikelihoodKind::kPartial}, nullptr);
+  const AccessPointMap map(AccessPointMap::Source{room, 0, grid, LikelihoodKind::kPartial},
+                           nullptr);
   const double offset = known_level(*room).offset_db;
   const double sigma = 3.0;
   const double level = kAtOneMetre - 20.0 * std::log10(2.0);

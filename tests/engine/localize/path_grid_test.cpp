@@ -128,7 +128,7 @@ TEST(PathGrid, KeyTellsApartWhateverTheRaysDependOn) {
   EXPECT_EQ(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
               // These are no business of the rays.
               r.name = "other";
-              r.temper = 0.1;
+              r.likelihood_exponent = 0.1;
               r.access_points[0].gains = {};
               r.access_points[1].array.pose.position.x += 0.1;
             }));

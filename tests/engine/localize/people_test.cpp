@@ -114,14 +114,15 @@ TEST_F(PeopleTest, OneAccessPointIsNotEnough) {
 }
 
 TEST_F(PeopleTest, ASecondStandsClearOfTheFirst) {
-  const auto hearing = localizer().hear(frames({kPairs[0].one, kPairs[0].other}, 1));
-  const double temper = localizer().reference().person.temper;
-  const PersonMap alone = localizer().map(hearing, temper);
+  const auto observation = localizer().hear(frames({kPairs[0].one, kPairs[0].other}, 1));
+  const double likelihood_exponent = localizer().reference().person.likelihood_exponent;
+  const PersonMap alone = localizer().map(observation, likelihood_exponent);
   const std::array others = {alone.places.front()};
-  const PersonMap beside = localizer().map(hearing, temper, {others, std::nullopt});
+  const PersonMap beside =
+      localizer().map(observation, likelihood_exponent, {others, std::nullopt});
   EXPECT_LT(beside.log_likelihood[others[0].cell], -1e3);
   EXPECT_GT(beside.best_log_likelihood, alone.best_log_likelihood);
-  const PersonMap about = localizer().map(hearing, temper, {{}, others[0]});
+  const PersonMap about = localizer().map(observation, likelihood_exponent, {{}, others[0]});
   EXPECT_EQ(about.places.front().cell, others[0].cell);
   EXPECT_EQ(about.places.front().sample, others[0].sample);
 }

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/posterior/half_disc.h"
+#include "engine/posterior/smallest_half_mass_disc.h"
 
 namespace rayloc {
 namespace {
@@ -189,7 +189,7 @@ TEST(Posterior, IsWhereHalfOfTheMassIsNear) {
   EXPECT_NEAR(estimate.hypotheses[0].position.x, -1.0, 0.03);
 }
 
-TEST(HalfDisc, HoldsHalfAndIsTheSmallest) {
+TEST(SmallestHalfMassDisc, HoldsHalfAndIsTheSmallest) {
   const RoomGrid g = grid();
   std::vector<double> mass(g.size());
   const auto put = [&](std::size_t x, std::size_t y, double m) { mass[x * g.count_y + y] = m; };
@@ -197,7 +197,7 @@ TEST(HalfDisc, HoldsHalfAndIsTheSmallest) {
   put(10, 10, 0.3);
   put(16, 10, 0.25);
   put(40, 50, 0.45);
-  const Disc disc = half_disc(g, mass, 0.05);
+  const Disc disc = smallest_half_mass_disc(g, mass, 0.05);
   EXPECT_TRUE(disc.contains(g.centre(10 * g.count_y + 10)));
   EXPECT_TRUE(disc.contains(g.centre(16 * g.count_y + 10)));
   EXPECT_GE(disc.radius, 0.15);
@@ -205,8 +205,8 @@ TEST(HalfDisc, HoldsHalfAndIsTheSmallest) {
   // No smaller than was asked for; and at the edge of the grid.
   std::vector<double> corner(g.size());
   corner.back() = 1.0;
-  EXPECT_EQ(half_disc(g, corner, 0.12).radius, 0.12);
-  EXPECT_TRUE(half_disc(g, corner, 0.12).contains(g.centre(g.size() - 1)));
+  EXPECT_EQ(smallest_half_mass_disc(g, corner, 0.12).radius, 0.12);
+  EXPECT_TRUE(smallest_half_mass_disc(g, corner, 0.12).contains(g.centre(g.size() - 1)));
 }
 
 TEST(Posterior, OfAFlatMapIsNoPosition) {

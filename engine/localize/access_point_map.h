@@ -1,5 +1,5 @@
-// StationMap: what one access point of a room expects to hear of a device in every cell of a grid,
-// and how likely a burst is there: an access point's part of a Localizer's map.
+// AccessPointMap: what one access point of a room expects to hear of a device in every cell of a
+// grid, and how likely a burst is there: an access point's part of a Localizer's map.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -25,7 +25,7 @@
 
 namespace rayloc {
 
-class StationMap {
+class AccessPointMap {
  public:
   struct Source {
     std::shared_ptr<const RoomModel> room;
@@ -34,14 +34,14 @@ class StationMap {
     LikelihoodKind likelihood = LikelihoodKind::kPartial;
   };
   // Traces the grid, or takes the rays from `store` (null: no store). Seconds.
-  StationMap(const Source& source, PathGridStore* store);
-  ~StationMap();
-  StationMap(StationMap&&) noexcept;
-  StationMap& operator=(StationMap&&) = delete;
+  AccessPointMap(const Source& source, PathGridStore* store);
+  ~AccessPointMap();
+  AccessPointMap(AccessPointMap&&) noexcept;
+  AccessPointMap& operator=(AccessPointMap&&) = delete;
 
   // The same access point, of the same rays, without one of its antennas: about a second the first
   // time. REQUIRES: two antennas or more.
-  const StationMap& without(std::size_t antenna) const;
+  const AccessPointMap& without(std::size_t antenna) const;
 
   const RoomAccessPoint& access_point() const;
   std::size_t antennas() const { return offsets_.size(); }
@@ -80,9 +80,9 @@ class StationMap {
 
  private:
   struct Tracing;
-  StationMap(const Source& source,
-             std::shared_ptr<const Tracing> tracing,
-             std::vector<Vec3d> offsets);
+  AccessPointMap(const Source& source,
+                 std::shared_ptr<const Tracing> tracing,
+                 std::vector<Vec3d> offsets);
   void build_cells();
   double cell_size() const;
 
@@ -93,8 +93,8 @@ class StationMap {
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
   PlaceLikelihood nowhere_;
   std::vector<PlaceLikelihood> cells_;
-  std::vector<double> level_db_;                            // of each cell that a ray leads to
-  std::vector<std::unique_ptr<Lazy<StationMap>>> without_;  // [antenna]
+  std::vector<double> level_db_;                                // of each cell that a ray leads to
+  std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-#include "engine/calibrate/joint/draw_search.h"
+#include "engine/calibrate/joint/multi_start.h"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::vector<double> numbers(const RoomCalibration& calibration) {
 }
 
 // Those that somebody heard count: three access points hear three times as many.
-TEST(DrawSearch, BeginsTheMoreOftenTheFewerBurstsThereAre) {
+TEST(MultiStart, BeginsTheMoreOftenTheFewerBurstsThereAre) {
   const auto heard = [](std::size_t points, std::size_t access_points) {
     CalibrationPoint point;
     point.h.assign(access_points, {1.0});
@@ -51,7 +51,7 @@ TEST(DrawSearch, BeginsTheMoreOftenTheFewerBurstsThereAre) {
   EXPECT_EQ(heard(143, 3), 1);
 }
 
-TEST(DrawSearch, KeepsTheRunWhoseRoomMeetsThePointsBest) {
+TEST(MultiStart, KeepsTheRunWhoseRoomMeetsThePointsBest) {
   const RoomCalibration first = by_draw(3);
   const RoomCalibration second = by_draw(4);
   const double of_first = left_unexplained(survey().points, first);
@@ -66,7 +66,7 @@ TEST(DrawSearch, KeepsTheRunWhoseRoomMeetsThePointsBest) {
   EXPECT_EQ(numbers(alone), numbers(second));
 }
 
-TEST(DrawSearch, PointsHeldOutHaveNoSay) {
+TEST(MultiStart, PointsHeldOutHaveNoSay) {
   RoomCalibration calibration = by_draw(3);
   const double before = left_unexplained(survey().points, calibration);
   for (PointFit& fit : calibration.points) {
@@ -75,7 +75,7 @@ TEST(DrawSearch, PointsHeldOutHaveNoSay) {
   EXPECT_EQ(left_unexplained(survey().points, calibration), before);
 }
 
-TEST(DrawSearch, TellsOneShareAndCheckpointsOfTheFirst) {
+TEST(MultiStart, TellsOneShareAndCheckpointsOfTheFirst) {
   double last = 0.0;
   int checkpoints = 0;
   JointCalibrationOptions options = options_of(3);
@@ -94,7 +94,7 @@ TEST(DrawSearch, TellsOneShareAndCheckpointsOfTheFirst) {
   EXPECT_EQ(checkpoints, 5);
 }
 
-TEST(DrawSearch, AnInterruptionLeavesTheBestSoFar) {
+TEST(MultiStart, AnInterruptionLeavesTheBestSoFar) {
   const auto stopped =
       calibrate_from_draws(survey().plan,
                            survey().points,

@@ -1,4 +1,4 @@
-#include "engine/room/hearing.h"
+#include "engine/room/hear_burst.h"
 
 #include <algorithm>
 #include <cmath>
@@ -105,7 +105,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   return burst;
 }
 
-void HearingTally::add(const RoomAccessPoint& access_point, const BurstObservation& burst) {
+void ObservationTally::add(const RoomAccessPoint& access_point, const BurstObservation& burst) {
   const bool is_first = snr_db_.empty();
   first_ = is_first ? burst.first : std::min(first_, burst.first);
   last_ = is_first ? burst.last : std::max(last_, burst.last);
@@ -118,7 +118,7 @@ void HearingTally::add(const RoomAccessPoint& access_point, const BurstObservati
   }
 }
 
-void HearingTally::fill(std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
+void ObservationTally::fill(std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
   estimate.capture_start = frames.front().time;
   estimate.capture_end = frames.back().time;
   const Timestamp first = snr_db_.empty() ? frames.front().time : first_;

@@ -1,4 +1,4 @@
-// PersonCompany: people who are known to be in the room, for the likelihood of one more (METHODS
+// OtherPeople: people who are known to be in the room, for the likelihood of one more (METHODS
 // B5). In the coordinates of PersonLikelihood they add a mean, and an error of covariance S S^H:
 //
 //   mu' = mu + added,   Sigma' = Sigma + S S^H
@@ -20,7 +20,7 @@
 
 namespace rayloc {
 
-struct PersonCompany {
+struct OtherPeople {
   static constexpr std::size_t kMostColumns = 6;
   std::vector<std::complex<double>> added;                // [coordinate]; empty: nobody
   std::vector<std::vector<std::complex<double>>> spread;  // S, [column][coordinate]
@@ -32,7 +32,7 @@ struct PersonCompany {
 class AccompaniedGaussian {
  public:
   // REQUIRES: company is of somebody, and has at most kMostColumns.
-  AccompaniedGaussian(const WhitenedGaussian& gaussian, const PersonCompany& company);
+  AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& company);
 
   // (I - B M^-1 B^H) u, of u = W y.
   std::vector<std::complex<double>> reduced(std::span<const std::complex<double>> u) const;
@@ -47,15 +47,15 @@ class AccompaniedGaussian {
   std::vector<std::vector<std::complex<double>>> reduction() const;
 
  private:
-  using Column = std::array<std::complex<double>, PersonCompany::kMostColumns>;
+  using Column = std::array<std::complex<double>, OtherPeople::kMostColumns>;
 
   void solve(std::span<std::complex<double>> x) const;
   Column along(std::span<const std::complex<double>> u) const;  // C^-1 B^H u
 
   const WhitenedGaussian& gaussian_;
   std::size_t columns_;
-  std::array<std::vector<std::complex<double>>, PersonCompany::kMostColumns> b_;
-  std::array<Column, PersonCompany::kMostColumns> factor_{};  // C
+  std::array<std::vector<std::complex<double>>, OtherPeople::kMostColumns> b_;
+  std::array<Column, OtherPeople::kMostColumns> factor_{};  // C
   std::vector<std::complex<double>> shift_;
   double log_determinant_ = 0.0;
 };

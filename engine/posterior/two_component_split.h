@@ -27,6 +27,6 @@ HillMass sum_of(std::span<const HillMass> parts);
 // The core, which is the denser one, and the foot; together they have the mass of all. By
 // expectation and maximisation from the densest part on. Nothing where one Gaussian says nearly as
 // much of where the mass is: a tenth of a nat less, in the mean over the mass.
-std::optional<std::array<HillMass, 2>> core_and_foot(std::span<const HillMass> parts);
+std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillMass> parts);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// half_disc: where half of a posterior's mass is as near together as it gets.
+// smallest_half_mass_disc: where half of a posterior's mass is as near together as it gets.
 //
 // Of all places the middle of the smallest disc that holds half of the mass has the least median
 // error (in robust statistics, the centre of the least median of squares: Rousseeuw, JASA 79,
@@ -25,6 +25,6 @@ struct Disc {
 
 // The first that does, of discs of `least` [m] and more, each a fifth wider than the one before and
 // about a cell of the grid. mass: of each cell, 1 in all.
-Disc half_disc(const RoomGrid& grid, const std::vector<double>& mass, double least);
+Disc smallest_half_mass_disc(const RoomGrid& grid, const std::vector<double>& mass, double least);
 
 }  // namespace rayloc

@@ -48,7 +48,7 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst);
 BurstObservation without_row(BurstObservation burst, std::size_t row);
 
 // Adds up what an estimate says of the bursts that were used for it.
-class HearingTally {
+class ObservationTally {
  public:
   void add(const RoomAccessPoint& access_point, const BurstObservation& burst);
 

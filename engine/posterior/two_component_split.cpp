@@ -1,4 +1,4 @@
-#include "engine/posterior/core_and_foot.h"
+#include "engine/posterior/two_component_split.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +84,7 @@ HillMass sum_of(std::span<const HillMass> parts) {
   return sum;
 }
 
-std::optional<std::array<HillMass, 2>> core_and_foot(std::span<const HillMass> parts) {
+std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillMass> parts) {
   const HillMass whole = sum_of(parts);
   std::vector<double> share = densest(parts, whole.mass);
   std::vector<double> rest(parts.size());

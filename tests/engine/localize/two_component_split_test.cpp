@@ -1,4 +1,4 @@
-#include "engine/posterior/core_and_foot.h"
+#include "engine/posterior/two_component_split.h"
 
 #include <gtest/gtest.h>
 
@@ -34,14 +34,14 @@ std::vector<HillMass> parts_of(const std::vector<Hill>& hills) {
   return parts;
 }
 
-TEST(CoreAndFoot, OfOneGaussianAreNotTwo) {
-  EXPECT_FALSE(core_and_foot(parts_of({{1.0, 0.0, 0.03}})));
-  EXPECT_FALSE(core_and_foot(std::vector<HillMass>{{1.0, 0.3, 0.2, 1e-4, 0.0, 1e-4}}));
+TEST(TwoComponentSplit, OfOneGaussianAreNotTwo) {
+  EXPECT_FALSE(two_component_split(parts_of({{1.0, 0.0, 0.03}})));
+  EXPECT_FALSE(two_component_split(std::vector<HillMass>{{1.0, 0.3, 0.2, 1e-4, 0.0, 1e-4}}));
 }
 
-TEST(CoreAndFoot, AreFoundAgain) {
+TEST(TwoComponentSplit, AreFoundAgain) {
   const auto parts = parts_of({{0.8, 0.01, 0.005}, {0.2, -0.01, 0.05}});
-  const auto two = core_and_foot(parts);
+  const auto two = two_component_split(parts);
   ASSERT_TRUE(two);
   const auto& [core, foot] = *two;
   const HillMass whole = sum_of(parts);
@@ -54,9 +54,9 @@ TEST(CoreAndFoot, AreFoundAgain) {
 }
 
 // Mean and covariance of both together are those of the hill.
-TEST(CoreAndFoot, AddUpToTheHill) {
+TEST(TwoComponentSplit, AddUpToTheHill) {
   const auto parts = parts_of({{0.6, 0.02, 0.01}, {0.4, -0.02, 0.06}});
-  const auto two = core_and_foot(parts);
+  const auto two = two_component_split(parts);
   ASSERT_TRUE(two);
   const HillMass whole = sum_of(parts);
   const HillMass again = sum_of(*two);

@@ -1,4 +1,4 @@
-#include "engine/localize/station_map.h"
+#include "engine/localize/access_point_map.h"
 
 #include <cmath>
 #include <utility>
@@ -11,7 +11,7 @@
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
-struct StationMap::Tracing {
+struct AccessPointMap::Tracing {
   const Source source;
   const ReceiverTracer tracer;
   PathGrid rays;  // of each cell's centre
@@ -35,9 +35,9 @@ struct StationMap::Tracing {
   }
 };
 
-StationMap::StationMap(const Source& source,
-                       std::shared_ptr<const Tracing> tracing,
-                       std::vector<Vec3d> offsets)
+AccessPointMap::AccessPointMap(const Source& source,
+                               std::shared_ptr<const Tracing> tracing,
+                               std::vector<Vec3d> offsets)
     : source_(source),
       offsets_(std::move(offsets)),
       likelihood_(Likelihood::make(source.likelihood, source.room->grid, offsets_.size())),
@@ -46,36 +46,36 @@ StationMap::StationMap(const Source& source,
       nowhere_(likelihood_->nowhere(access_point().error)) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
-    without_.push_back(std::make_unique<Lazy<StationMap>>());
+    without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
   }
 }
 
-StationMap::StationMap(const Source& source, PathGridStore* store)
-    : StationMap(source,
-                 std::make_shared<const Tracing>(source, store),
-                 offsets_of(source.room->access_points[source.access_point].array)) {}
+AccessPointMap::AccessPointMap(const Source& source, PathGridStore* store)
+    : AccessPointMap(source,
+                     std::make_shared<const Tracing>(source, store),
+                     offsets_of(source.room->access_points[source.access_point].array)) {}
 
-StationMap::~StationMap() = default;
-StationMap::StationMap(StationMap&&) noexcept = default;
+AccessPointMap::~AccessPointMap() = default;
+AccessPointMap::AccessPointMap(AccessPointMap&&) noexcept = default;
 
-const StationMap& StationMap::without(std::size_t antenna) const {
+const AccessPointMap& AccessPointMap::without(std::size_t antenna) const {
   RAYLOC_CHECK(antenna < offsets_.size() && offsets_.size() > 1);
   return without_[antenna]->get([&] {
     std::vector<Vec3d> left = offsets_;
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(antenna));
-    return std::unique_ptr<StationMap>(new StationMap(source_, tracing_, std::move(left)));
+    return std::unique_ptr<AccessPointMap>(new AccessPointMap(source_, tracing_, std::move(left)));
   });
 }
 
-const RoomAccessPoint& StationMap::access_point() const {
+const RoomAccessPoint& AccessPointMap::access_point() const {
   return source_.room->access_points[source_.access_point];
 }
 
-double StationMap::cell_size() const {
+double AccessPointMap::cell_size() const {
   return std::sqrt(source_.grid.step_x * source_.grid.step_y);
 }
 
-void StationMap::build_cells() {
+void AccessPointMap::build_cells() {
   const ModelError& error = access_point().error;
   cells_.resize(source_.grid.size());
   level_db_.resize(cells_.size());
@@ -87,29 +87,29 @@ void StationMap::build_cells() {
   });
 }
 
-ObservedBurst StationMap::observe(std::span<const std::complex<double>> h, double noise) const {
+ObservedBurst AccessPointMap::observe(std::span<const std::complex<double>> h, double noise) const {
   ObservedBurst observed = likelihood_->observe(h);
   observed.array.noise = noise;
   return observed;
 }
 
-Likelihood::Coarse StationMap::coarse(std::size_t cell, const ObservedBurst& observed) const {
+Likelihood::Coarse AccessPointMap::coarse(std::size_t cell, const ObservedBurst& observed) const {
   return likelihood_->coarse(cells_[cell], observed);
 }
 
-void StationMap::fetch(std::size_t cell) const {
+void AccessPointMap::fetch(std::size_t cell) const {
   if (cell < cells_.size()) {
     rayloc::fetch(cells_[cell].model.whitener);
   }
 }
 
-double StationMap::log_likelihood(std::size_t cell,
-                                  const ObservedBurst& observed,
-                                  std::uint8_t windows) const {
+double AccessPointMap::log_likelihood(std::size_t cell,
+                                      const ObservedBurst& observed,
+                                      std::uint8_t windows) const {
   return likelihood_->log_likelihood(cells_[cell], observed, windows);
 }
 
-std::vector<double> StationMap::level_log_likelihood(const HeardLevel& heard) const {
+std::vector<double> AccessPointMap::level_log_likelihood(const HeardLevel& heard) const {
   std::vector<double> result(cells_.size());
   std::vector<double> reachable;
   for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
@@ -128,22 +128,22 @@ std::vector<double> StationMap::level_log_likelihood(const HeardLevel& heard) co
   return result;
 }
 
-double StationMap::nowhere(const ObservedBurst& observed) const {
+double AccessPointMap::nowhere(const ObservedBurst& observed) const {
   return likelihood_->log_likelihood(nowhere_, observed);
 }
 
-std::unique_ptr<const NearbyLikelihood> StationMap::nearby(std::size_t cell,
-                                                           const ObservedBurst& observed) const {
+std::unique_ptr<const NearbyLikelihood> AccessPointMap::nearby(
+    std::size_t cell, const ObservedBurst& observed) const {
   return likelihood_->nearby(
       {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], access_point().error, observed);
 }
 
-std::vector<Ray> StationMap::rays_to(const Vec3d& position) const {
+std::vector<Ray> AccessPointMap::rays_to(const Vec3d& position) const {
   return tracing_->rays_to(position);
 }
 
-std::optional<double> StationMap::covered_log_odds(std::span<const Ray> rays,
-                                                   const ObservedBurst& observed) const {
+std::optional<double> AccessPointMap::covered_log_odds(std::span<const Ray> rays,
+                                                       const ObservedBurst& observed) const {
   return rays.empty() || source_.likelihood != LikelihoodKind::kPartial
              ? std::nullopt
              : ObservationModel::covered_log_odds(
@@ -152,7 +152,7 @@ std::optional<double> StationMap::covered_log_odds(std::span<const Ray> rays,
                    observed.array);
 }
 
-std::vector<std::complex<double>> StationMap::expected(std::span<const Ray> rays) const {
+std::vector<std::complex<double>> AccessPointMap::expected(std::span<const Ray> rays) const {
   return model_.expected({rays, offsets_, 0.0}, access_point().error);
 }
 

@@ -1,12 +1,12 @@
-// Steady: a yes or no that changes only when it has been contradicted several times in a row.
+// Debounce: a yes or no that changes only when it has been contradicted several times in a row.
 #pragma once
 
 namespace rayloc {
 
-class Steady {
+class Debounce {
  public:
   // Begins with no.
-  explicit Steady(int contradictions) : contradictions_(contradictions) {}
+  explicit Debounce(int contradictions) : contradictions_(contradictions) {}
 
   void update(bool now) {
     run_ = now == state_ ? 0 : run_ + 1;

@@ -1,4 +1,4 @@
-#include "engine/calibrate/joint/draw_search.h"
+#include "engine/calibrate/joint/multi_start.h"
 
 #include <algorithm>
 #include <cmath>

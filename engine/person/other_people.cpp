@@ -1,4 +1,4 @@
-#include "engine/person/person_company.h"
+#include "engine/person/other_people.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,11 +10,11 @@ namespace rayloc {
 using Value = std::complex<double>;
 
 AccompaniedGaussian::AccompaniedGaussian(const WhitenedGaussian& gaussian,
-                                         const PersonCompany& company)
+                                         const OtherPeople& company)
     : gaussian_(gaussian),
       columns_(company.spread.size()),
       shift_(whiten(gaussian, company.added)) {
-  RAYLOC_CHECK(columns_ <= PersonCompany::kMostColumns);
+  RAYLOC_CHECK(columns_ <= OtherPeople::kMostColumns);
   for (std::size_t c = 0; c < columns_; ++c) {
     b_[c] = whiten(gaussian, company.spread[c]);
   }

@@ -1,4 +1,4 @@
-#include "engine/person/person_company.h"
+#include "engine/person/other_people.h"
 
 #include <cmath>
 #include <random>
@@ -32,7 +32,7 @@ Eigen::VectorXcd as_eigen(const std::vector<Value>& x) {
 // A Gaussian, company, and the covariance of both together, written out.
 struct Accompanied {
   WhitenedGaussian gaussian;
-  PersonCompany company;
+  OtherPeople company;
   Eigen::MatrixXcd sigma;
   double log_determinant = 0.0;  // of the Gaussian alone
 };
@@ -65,9 +65,9 @@ Accompanied make(std::size_t columns, std::mt19937& random) {
 // The whitener is kept in single precision.
 constexpr double kClose = 1e-5;
 
-class PersonCompanyTest : public testing::TestWithParam<std::size_t> {};
+class OtherPeopleTest : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(PersonCompanyTest, IsTheGaussianOfBothTogether) {
+TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
   std::mt19937 random(1);
   const Accompanied made = make(GetParam(), random);
   const AccompaniedGaussian with(made.gaussian, made.company);
@@ -108,8 +108,8 @@ TEST_P(PersonCompanyTest, IsTheGaussianOfBothTogether) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Columns,
-                         PersonCompanyTest,
-                         testing::Values(0U, 1U, 3U, PersonCompany::kMostColumns));
+                         OtherPeopleTest,
+                         testing::Values(0U, 1U, 3U, OtherPeople::kMostColumns));
 
 }  // namespace
 }  // namespace rayloc

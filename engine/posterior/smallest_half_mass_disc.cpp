@@ -1,4 +1,4 @@
-#include "engine/posterior/half_disc.h"
+#include "engine/posterior/smallest_half_mass_disc.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,7 +69,7 @@ class DiscMasses {
 
 }  // namespace
 
-Disc half_disc(const RoomGrid& grid, const std::vector<double>& mass, double least) {
+Disc smallest_half_mass_disc(const RoomGrid& grid, const std::vector<double>& mass, double least) {
   RAYLOC_CHECK(mass.size() == grid.size() && least > 0.0);
   const DiscMasses discs(grid, mass);
   const double most = grid.step_x * static_cast<double>(grid.count_x) +
