@@ -4,7 +4,7 @@
 
 namespace rayloc::cli {
 
-std::shared_ptr<HttpOptions> add_http_options(CLI::App& app, const std::string& address) {
+std::shared_ptr<HttpOptions> add_http_options(OptionParser& app, const std::string& address) {
   auto options = std::make_shared<HttpOptions>(HttpOptions{address, {}});
   app.add_option("--http", options->address, "HOST:PORT of raylocd's [http] listen")
       ->capture_default_str();

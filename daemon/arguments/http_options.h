@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "daemon/command/option_parser.h"
 #include "daemon/http/http_query.h"
 
 namespace rayloc::cli {
@@ -17,7 +17,7 @@ struct HttpOptions {
 };
 
 // Adds --http and --token-file. `address` holds where nobody says another.
-std::shared_ptr<HttpOptions> add_http_options(CLI::App& app,
+std::shared_ptr<HttpOptions> add_http_options(OptionParser& app,
                                               const std::string& address = "127.0.0.1:8480");
 
 // kUsage when the token file cannot be read.

@@ -76,7 +76,7 @@ Expected<RadioDevice> parse_end(const EndText& text) {
 
 }  // namespace
 
-void declare_link(CLI::App& app, LinkArguments& arguments) {
+void declare_link(OptionParser& app, LinkArguments& arguments) {
   app.add_option("SCENE", arguments.scene, "Mitsuba XML, or a site: a directory with site.toml")
       ->required();
   app.add_option("--tx", arguments.tx, "Position of the transmitter, x,y,z [m]");
@@ -85,9 +85,9 @@ void declare_link(CLI::App& app, LinkArguments& arguments) {
                  arguments.frequency,
                  "Carrier, where materials and antennas are evaluated [Hz]; default: of the site, "
                  "else 5.18e9")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   app.add_option("--depth", arguments.options.max_depth, "Most interactions of a path")
-      ->check(CLI::Range(0, kMostDepth))
+      ->check(in_range(0, kMostDepth))
       ->capture_default_str();
   app.add_flag("--transmission",
                arguments.options.transmission,
@@ -96,11 +96,11 @@ void declare_link(CLI::App& app, LinkArguments& arguments) {
                  arguments.options.softness,
                  "Soft visibility: distance from its edge over which a face begins to reflect and "
                  "to shadow [m]; 0 is hard")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(in_range(0.0, 10.0))
       ->capture_default_str();
 }
 
-void declare_antennas(CLI::App& app, LinkArguments& arguments) {
+void declare_antennas(OptionParser& app, LinkArguments& arguments) {
   app.add_option("--pattern",
                  arguments.pattern,
                  "Antenna: isotropic, dipole, half_wave_dipole or tr38901; TX,RX when they differ")

@@ -6,8 +6,7 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
+#include "daemon/command/option_parser.h"
 #include "daemon/scene/scene_source.h"
 #include "engine/base/expected.h"
 #include "engine/trace/radio_device.h"
@@ -29,9 +28,9 @@ struct LinkArguments {
 };
 
 // Adds SCENE, --frequency, --tx, --rx, --depth, --transmission and --soft; the first is required.
-void declare_link(CLI::App& app, LinkArguments& arguments);
+void declare_link(OptionParser& app, LinkArguments& arguments);
 // Adds --pattern, --polarization, --orientation-tx and --orientation-rx.
-void declare_antennas(CLI::App& app, LinkArguments& arguments);
+void declare_antennas(OptionParser& app, LinkArguments& arguments);
 
 struct Link {
   Transmitter transmitter;

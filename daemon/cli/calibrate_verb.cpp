@@ -66,7 +66,7 @@ Expected<int> run(const Options& options) {
   });
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->calibrate.site, "directory with site.toml")->required();
   app.add_option("--capture", options->calibrate.captures, "recordings of the survey: [AP=]FILE");
@@ -78,7 +78,7 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--method",
                  options->calibrate.method,
                  "joint: surfaces, arrays, chains and materials together; paper: the published one")
-      ->check(CLI::IsMember({"joint", "paper"}))
+      ->check(one_of({"joint", "paper"}))
       ->capture_default_str();
   app.add_flag(
       "--plan", options->make_plan, "says where to stand in a survey, before there is one");

@@ -120,7 +120,7 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->path, "raylocd.toml, or a site: a directory with site.toml")
       ->required();

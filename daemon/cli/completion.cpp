@@ -10,11 +10,11 @@
 namespace rayloc::cli {
 namespace {
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto shell = std::make_shared<std::string>();
   app.add_option("SHELL", *shell, "For which shell: bash or zsh")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh"}));
+      ->check(one_of({"bash", "zsh"}));
   return [shell]() -> Expected<void> {
     const Command rayloc = describe_command_line();
     std::fputs((*shell == "bash" ? bash_completion(rayloc) : zsh_completion(rayloc)).c_str(),

@@ -19,13 +19,13 @@ Expected<void> print(const Expected<std::string>& text) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto file = std::make_shared<std::string>();
-  const CLI::App* example = app.add_subcommand(
+  const OptionParser* example = app.add_subcommand(
       "default", "Print every key with its default and what it means, as a file to start from");
-  const CLI::App* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
-  const CLI::App* manual = app.add_subcommand("man", "Print the manual page raylocd.toml(5)");
-  CLI::App* show = app.add_subcommand("show", "Print the values that hold with a file");
+  const OptionParser* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
+  const OptionParser* manual = app.add_subcommand("man", "Print the manual page raylocd.toml(5)");
+  OptionParser* show = app.add_subcommand("show", "Print the values that hold with a file");
   show->add_option("FILE", *file, "raylocd.toml")->required();
   app.require_subcommand(1);
   return [file, example, schema, manual] {

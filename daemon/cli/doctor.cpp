@@ -166,7 +166,7 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
   return problem ? Expected<void>(exit_silently(ErrorKind::kUnavailable)) : Expected<void>();
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto file = std::make_shared<std::string>("/etc/raylocd/raylocd.toml");
   app.add_option("FILE", *file, "raylocd.toml")->capture_default_str();
   const auto options = add_http_options(app, "");

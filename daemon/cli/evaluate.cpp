@@ -283,7 +283,7 @@ Expected<void> run_evaluate(const EvaluateArguments& arguments) {
   return {};
 }
 
-RunVerb declare_evaluate(CLI::App& app) {
+RunVerb declare_evaluate(OptionParser& app) {
   auto arguments = std::make_shared<EvaluateArguments>();
   app.add_option("--estimates",
                  arguments->estimates,
@@ -293,10 +293,10 @@ RunVerb declare_evaluate(CLI::App& app) {
          "--truth", arguments->truth, "csv: t_start,t_end,x,y,z per spot or t,x,y,z per instant")
       ->required();
   app.add_option("--kind", arguments->kind, "What is located")
-      ->check(CLI::IsMember({"device", "person"}))
+      ->check(one_of({"device", "person"}))
       ->capture_default_str();
   app.add_option("--estimate", arguments->estimate, "Which estimates of it")
-      ->check(CLI::IsMember({"snapshot", "filtered"}))
+      ->check(one_of({"snapshot", "filtered"}))
       ->capture_default_str();
   app.add_option("--target", arguments->target, "Only this target: its address, or person-N");
   app.add_option("--time-offset", arguments->time_offset, "Seconds added to the times of the truth")

@@ -67,7 +67,7 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
   app.add_option("--out", arguments->out, "Directory for report.html, report.json and report.csv")

@@ -290,7 +290,7 @@ Expected<void> run(const FramesOptions& options) {
   return result;
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<FramesOptions>();
   app.add_option(
          "captures",

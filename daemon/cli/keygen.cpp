@@ -29,7 +29,7 @@ Expected<void> run(const std::string& file, bool of_existing) {
   return print_public(keys);
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto file = std::make_shared<std::string>();
   const auto of_existing = std::make_shared<bool>(false);
   app.add_option("FILE", *file, "Where the secret key goes; a file that exists is never changed")

@@ -1,6 +1,8 @@
 // `rayloc`: the command line. Data goes to stdout, words for people to stderr.
 #include <cstdio>
 #include <exception>
+#include <memory>
+#include <optional>
 
 #include "daemon/cli/command_line.h"
 #include "daemon/publish/quiet_protobuf.h"
@@ -11,13 +13,11 @@ namespace rayloc::cli {
 namespace {
 
 int run(int argc, const char* const* argv) {
-  CLI::App app;
+  const std::unique_ptr<OptionParser> parser = make_parser();
   RunVerb chosen;
-  declare_command_line(app, chosen);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+  declare_command_line(*parser, chosen);
+  if (const std::optional<int> status = parser->parse(argc, argv)) {
+    return *status;
   }
   const Expected<int> result = chosen();
   if (result) {

@@ -8,7 +8,7 @@
 namespace rayloc::cli {
 namespace {
 
-RunVerb declare(CLI::App&) {
+RunVerb declare(OptionParser&) {
   return []() -> Expected<void> {
     std::fputs(manual_page(describe_command_line()).c_str(), stdout);
     return {};

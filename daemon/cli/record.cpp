@@ -159,7 +159,7 @@ Expected<void> run(const RecordArguments& arguments) {
   return result;
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   auto arguments = std::make_shared<RecordArguments>();
   auto* udp = app.add_option("--udp", arguments->udp, "HOST:PORT to receive at");
   app.add_option("--only-interface",
@@ -176,9 +176,8 @@ RunVerb declare(CLI::App& app) {
   app.add_option("--out", arguments->out, "The pcap file to make; it must not exist yet")
       ->required();
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--count", arguments->count, "Stop after so many datagrams")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
+  app.add_option("--count", arguments->count, "Stop after so many datagrams")->check(positive());
   return [arguments] { return run(*arguments); };
 }
 

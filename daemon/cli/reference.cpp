@@ -382,7 +382,7 @@ Expected<void> Reference::run() {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "calibrated site: directory with site.toml")->required();
   app.add_option("--capture",

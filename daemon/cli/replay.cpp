@@ -382,11 +382,11 @@ Expected<void> run(const Options& options) {
   return written;
 }
 
-void add_method_options(CLI::App& app, Options& options) {
+void add_method_options(OptionParser& app, Options& options) {
   app.add_option("--seed", options.seed, "of random numbers; rayloc draws none")
       ->capture_default_str();
   app.add_option("--multi-start", options.starts, "random starts of paper; the least loss wins")
-      ->check(CLI::Range(1, 10'000))
+      ->check(in_range(1, 10'000))
       ->capture_default_str();
   app.add_option(
       "--paper",
@@ -396,7 +396,7 @@ void add_method_options(CLI::App& app, Options& options) {
           paper_settings_help());
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
   app.add_option(
@@ -406,16 +406,16 @@ RunVerb declare(CLI::App& app) {
          "order of time")
       ->required();
   app.add_option("--method", options->method, "rayloc, or paper: the published one, as it is")
-      ->check(CLI::IsMember({"rayloc", "paper"}))
+      ->check(one_of({"rayloc", "paper"}))
       ->capture_default_str();
   app.add_option("--likelihood", options->likelihood, help_of_likelihoods())
-      ->check(CLI::IsMember(names_of_likelihoods()))
+      ->check(one_of(names_of_likelihoods()))
       ->capture_default_str();
   app.add_option("--kind",
                  options->kind,
                  "targets to locate: device, person (needs `rayloc reference`), or all that the "
                  "site can")
-      ->check(CLI::IsMember({"device", "person", "all"}))
+      ->check(one_of({"device", "person", "all"}))
       ->capture_default_str();
   app.add_option("--burst", options->burst, "length of a burst of frames")->capture_default_str();
   app.add_option("--speed", options->speed, "max, or N times the recorded pace")
@@ -424,10 +424,10 @@ RunVerb declare(CLI::App& app) {
                  options->max_gap,
                  "seconds of the recordings that --speed waits at most where they hold nothing, or "
                  "the clock was set")
-      ->check(CLI::Range(0.1, 1e9))
+      ->check(in_range(0.1, 1e9))
       ->capture_default_str();
   app.add_option("--format", options->format, "jsonl, or varint-delimited protobuf")
-      ->check(CLI::IsMember({"jsonl", "pb"}))
+      ->check(one_of({"jsonl", "pb"}))
       ->capture_default_str();
   app.add_option("--out", options->out, "file to write instead of standard output");
   app.add_option("--zone-events",
@@ -435,13 +435,13 @@ RunVerb declare(CLI::App& app) {
                  "file for who enters and leaves the zones of the site, one ZoneEvent a line");
   add_method_options(app, *options);
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
-      ->check(CLI::Range(0, 1024))
+      ->check(in_range(0, 1024))
       ->capture_default_str();
   app.add_option("--target-key",
                  options->target_key,
                  "hash devices' addresses as raylocd does with this [privacy] key_file");
   app.add_option("--target-rotate-h", options->target_rotate_h, "its rotate_h")
-      ->check(CLI::Range(0.01, 8760.0))
+      ->check(in_range(0.01, 8760.0))
       ->capture_default_str();
   app.add_flag("--no-cache",
                options->no_cache,

@@ -12,7 +12,7 @@ namespace {
 struct Part {
   const char* name;
   const char* summary;
-  RunVerb (*declare)(CLI::App& app);
+  RunVerb (*declare)(OptionParser& app);
 };
 
 constexpr std::array kParts = {
@@ -25,11 +25,11 @@ constexpr std::array kParts = {
     Part{"show", "Draw a scene, its antennas and the paths of a link", declare_scene_show},
 };
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   app.require_subcommand(1);
-  std::vector<std::pair<const CLI::App*, RunVerb>> parts;
+  std::vector<std::pair<const OptionParser*, RunVerb>> parts;
   for (const Part& part : kParts) {
-    CLI::App* sub = app.add_subcommand(part.name, part.summary);
+    OptionParser* sub = app.add_subcommand(part.name, part.summary);
     RunVerb run = part.declare(*sub);
     parts.emplace_back(sub, std::move(run));
   }

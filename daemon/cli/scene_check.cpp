@@ -158,7 +158,7 @@ Expected<void> run(const Arguments& arguments) {
 
 }  // namespace
 
-RunVerb declare_scene_check(CLI::App& app) {
+RunVerb declare_scene_check(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SCENE", arguments->scene, "Mitsuba XML, or a site: a directory with site.toml")
       ->required();

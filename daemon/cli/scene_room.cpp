@@ -94,7 +94,7 @@ Expected<void> run(const Arguments& arguments) {
 
 }  // namespace
 
-RunVerb declare_scene_room(CLI::App& app) {
+RunVerb declare_scene_room(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->plan, "The plan of the room, TOML")->required();
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml")

@@ -208,7 +208,7 @@ Expected<void> run(const Arguments& arguments) {
 
 }  // namespace
 
-RunVerb declare_scene_show(CLI::App& app) {
+RunVerb declare_scene_show(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   declare_link(app, arguments->link);
   declare_antennas(app, arguments->link);
@@ -217,10 +217,10 @@ RunVerb declare_scene_show(CLI::App& app) {
                  "The other end of the link where only --tx or only --rx is given; default: the "
                  "site's first access point");
   app.add_option("--range", arguments->range, "Draw the paths this much below the strongest [dB]")
-      ->check(CLI::Range(1.0, 300.0))
+      ->check(in_range(1.0, 300.0))
       ->capture_default_str();
   app.add_option("--view", arguments->view, "From above, or isometric from the south-west")
-      ->check(CLI::IsMember({"plan", "3d"}))
+      ->check(one_of({"plan", "3d"}))
       ->capture_default_str();
   app.add_option("--out", arguments->out, "The picture, .svg or .png")->required();
   app.footer(

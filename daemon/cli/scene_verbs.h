@@ -5,8 +5,8 @@
 
 namespace rayloc::cli {
 
-RunVerb declare_scene_check(CLI::App& app);
-RunVerb declare_scene_room(CLI::App& app);
-RunVerb declare_scene_show(CLI::App& app);
+RunVerb declare_scene_check(OptionParser& app);
+RunVerb declare_scene_room(OptionParser& app);
+RunVerb declare_scene_show(OptionParser& app);
 
 }  // namespace rayloc::cli

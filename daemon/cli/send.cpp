@@ -389,7 +389,7 @@ Expected<void> run(const SendArguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   auto arguments = std::make_shared<SendArguments>();
   app.add_option("FILE",
                  arguments->files,
@@ -409,16 +409,16 @@ RunVerb declare(CLI::App& app) {
                  arguments->rate,
                  "Datagrams per second instead of the recorded pace. With --duration the recording "
                  "is repeated, frame counters and all")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->excludes(speed);
   app.add_option("--max-gap",
                  arguments->max_gap,
                  "Seconds of the recording that are waited at most where it holds nothing, or the "
                  "clock was set")
-      ->check(CLI::Range(0.1, 1e9))
+      ->check(in_range(0.1, 1e9))
       ->capture_default_str();
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   return [arguments] { return run(*arguments); };
 }
 

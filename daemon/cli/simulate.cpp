@@ -219,7 +219,7 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
       ->required();
@@ -233,25 +233,25 @@ RunVerb declare(CLI::App& app) {
                      impairments_help())
       ->capture_default_str();
   app.add_option("--frames", arguments->transmissions.frames, "At each point")
-      ->check(CLI::Range(1, 100'000))
+      ->check(in_range(1, 100'000))
       ->capture_default_str();
   app.add_option("--survey-error",
                  arguments->transmissions.survey_error,
                  "The device stands off each point by this standard deviation along each axis [m]")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(in_range(0.0, 10.0))
       ->capture_default_str();
   app.add_option(
       "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
-  CLI::Option* const person = app.add_flag(
+  ParserOption* const person = app.add_flag(
       "--person",
       arguments->person,
       "The points are those of a person without a device, as [person] of site.toml states, "
       "past whom the fixed --transmitter is heard");
-  CLI::Option* const depth =
+  ParserOption* const depth =
       app.add_option("--depth", arguments->trace.max_depth, "Reflections (and crossings) of a path")
-          ->check(CLI::Range(0, 8))
+          ->check(in_range(0, 8))
           ->capture_default_str();
-  CLI::Option* const transmission = app.add_flag(
+  ParserOption* const transmission = app.add_flag(
       "--transmission", arguments->trace.transmission, "Waves also go through objects");
   app.add_flag("--model-error",
                arguments->model_error,

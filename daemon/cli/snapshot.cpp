@@ -33,7 +33,7 @@ Expected<void> run(const HttpOptions& options) {
                                 : why);
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = add_http_options(app);
   app.footer(app.get_footer() + R"(
 

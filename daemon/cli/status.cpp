@@ -137,7 +137,7 @@ Expected<void> run(const HttpOptions& options, bool json) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = add_http_options(app);
   const auto json = std::make_shared<bool>(false);
   app.add_flag("--json", *json, "One line of JSON: readiness, and the heartbeat as status");

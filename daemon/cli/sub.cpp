@@ -173,30 +173,30 @@ Expected<void> run_sub(const SubArguments& arguments) {
   return Subscription(arguments, static_cast<FeedFormat>(index)).run();
 }
 
-void declare_filter(CLI::App& app, MessageFilter& filter) {
+void declare_filter(OptionParser& app, MessageFilter& filter) {
   app.add_option("--target",
                  filter.targets,
                  "Only of these targets: as in the topic (MAC, hash, person-N), or the name in "
                  "site.toml");
   app.add_option("--kind", filter.kind, "Only locations of one burst, or those of the tracker")
-      ->check(CLI::IsMember({"snapshot", "filtered"}));
+      ->check(one_of({"snapshot", "filtered"}));
   app.add_option("--zone",
                  filter.zones,
                  "Only locations that are probably in one of these zones, and events of them");
   app.add_option("--zone-probability",
                  filter.zone_probability,
                  "From which probability on a location is in a zone")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(in_range(0.0, 1.0))
       ->capture_default_str();
   app.add_option("--max-accuracy", filter.max_accuracy, "Only locations at least so accurate [m]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   app.add_option("--min-confidence",
                  filter.min_confidence,
                  "Only locations whose likeliest place is at least so probable")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(in_range(0.0, 1.0));
 }
 
-RunVerb declare_sub(CLI::App& app) {
+RunVerb declare_sub(OptionParser& app) {
   auto arguments = std::make_shared<SubArguments>();
   app.add_option("TOPIC",
                  arguments->topics,
@@ -208,14 +208,14 @@ RunVerb declare_sub(CLI::App& app) {
          arguments->format,
          "text: for people; json: every Envelope; of locations alone csv, geojson (WGS 84 by "
          "the site's georeference), omlox")
-      ->check(CLI::IsMember(feed_format_names()))
+      ->check(one_of(feed_format_names()))
       ->capture_default_str();
   app.add_flag("--json", arguments->json, "The same as --format json");
   declare_filter(app, arguments->filter);
   app.add_option("--count", arguments->count, "Stop after this many messages");
   app.add_option(
          "--timeout", arguments->timeout, "Stop with status 69 after so many silent seconds")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   return [arguments] { return run_sub(*arguments); };
 }
 

@@ -312,7 +312,7 @@ Expected<void> run(const Arguments& arguments) {
   return done;
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml")->required();
   app.add_option("--out",
@@ -326,10 +326,10 @@ RunVerb declare(CLI::App& app) {
                  arguments->plan,
                  "Planned points, x,y,z,name (rayloc calibrate --plan): Enter takes the next one");
   app.add_option("--frames", arguments->frames, "Of every access point at each point")
-      ->check(CLI::Range(1, 100'000))
+      ->check(in_range(1, 100'000))
       ->capture_default_str();
   app.add_option("--timeout", arguments->timeout, "A point ends after so many seconds in any case")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   return [arguments] { return run(*arguments); };
 }

@@ -119,7 +119,7 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   add_source_options(app, arguments->from);
   app.get_option("--snapshot")
@@ -131,12 +131,12 @@ RunVerb declare(CLI::App& app) {
                "Print one table after the second heartbeat and end; so it is where standard output "
                "is no terminal");
   app.add_option("--interval", arguments->interval, "Seconds between two pictures")
-      ->check(CLI::Range(0.1, 3600.0))
+      ->check(in_range(0.1, 3600.0))
       ->capture_default_str();
   app.add_option("--timeout",
                  arguments->timeout,
                  "With --once: seconds to wait for heartbeats; none is status 69")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   return [arguments] { return run(*arguments); };
 }

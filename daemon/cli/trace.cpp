@@ -144,7 +144,7 @@ Expected<void> run(const TraceArguments& arguments) {
   return {};
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<TraceArguments>();
   declare_link(app, arguments->link);
   app.get_option("--tx")->required();

@@ -54,12 +54,12 @@ Expected<void> run(const HttpOptions& options, double timeout, bool sources) {
   }
 }
 
-RunVerb declare(CLI::App& app) {
+RunVerb declare(OptionParser& app) {
   const auto options = add_http_options(app);
   const auto timeout = std::make_shared<double>(60.0);
   const auto running = std::make_shared<bool>(false);
   app.add_option("--timeout", *timeout, "Give up with status 69 after so many seconds")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   app.add_flag("--running", *running, "It is enough that raylocd runs, heard or not");
   return [options, timeout, running] { return run(*options, *timeout, !*running); };

@@ -5,8 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
+#include "daemon/command/option_parser.h"
 #include "engine/base/expected.h"
 
 namespace rayloc::cli {
@@ -33,9 +32,9 @@ class RunVerb {
 
 struct Verb {
   const char* name;
-  const char* summary;                // one line, for `rayloc --help`
-  const char* example;                // printed at the end of `rayloc VERB --help`
-  RunVerb (*declare)(CLI::App& app);  // adds the verb's arguments to `app`
+  const char* summary;                    // one line, for `rayloc --help`
+  const char* example;                    // printed at the end of `rayloc VERB --help`
+  RunVerb (*declare)(OptionParser& app);  // adds the verb's arguments to `app`
 };
 
 // A verb that reports by exit status what is no failure of its own (for example a check that

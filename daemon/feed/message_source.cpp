@@ -34,16 +34,16 @@ Expected<std::optional<CurveClientKeys>> read_keys(const MessageSource& source) 
 
 }  // namespace
 
-void add_source_options(CLI::App& app, MessageSource& source) {
+void add_source_options(OptionParser& app, MessageSource& source) {
   app.add_option("--endpoint", source.endpoint, "Where raylocd publishes")->capture_default_str();
   app.add_option("--snapshot",
                  source.snapshot,
                  "Begin with the last message of each topic, asked for at this endpoint");
-  CLI::Option* const server_key =
+  ParserOption* const server_key =
       app.add_option("--server-key",
                      source.server_key,
                      "File with the public key of a raylocd that publishes with CURVE");
-  CLI::Option* const key =
+  ParserOption* const key =
       app.add_option("--key", source.key, "File with our own secret key, by `rayloc keygen`");
   server_key->needs(key);
   key->needs(server_key);

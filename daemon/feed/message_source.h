@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
+#include "daemon/command/option_parser.h"
 #include "daemon/publish/subscriber.h"
 #include "engine/base/expected.h"
 
@@ -24,7 +23,7 @@ struct MessageSource {
 };
 
 // Adds --endpoint, --snapshot, --server-key and --key.
-void add_source_options(CLI::App& app, MessageSource& source);
+void add_source_options(OptionParser& app, MessageSource& source);
 
 // The next message, nothing when none comes for the time given or a signal was caught.
 using Receive = std::function<std::optional<PublishedMessage>(std::chrono::milliseconds timeout)>;

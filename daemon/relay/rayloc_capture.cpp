@@ -11,10 +11,9 @@
 #include <exception>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "capture/source/pcap_live_source.h"
 #include "capture/transport/relay_sender.h"
+#include "daemon/command/option_parser.h"
 #include "daemon/terminal/exit_status.h"
 #include "engine/base/printable.h"
 
@@ -129,9 +128,10 @@ Expected<void> capture(const Arguments& arguments) {
 }
 
 int run(int argc, const char* const* argv) {
-  CLI::App app{"Captures what passes an interface and hands it to raylocd, without its privileges",
-               "rayloc-capture"};
-  app.set_version_flag("--version", "rayloc-capture " RAYLOC_VERSION);
+  cli::OptionParser app(
+      "Captures what passes an interface and hands it to raylocd, without its privileges",
+      "rayloc-capture",
+      "rayloc-capture " RAYLOC_VERSION);
   app.footer("Example:\n  rayloc-capture --interface eth0 --to /run/raylocd/eth0");
   Arguments arguments;
   arguments.live.filter = "udp dst port 5500";
@@ -140,10 +140,8 @@ int run(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_option("--to", arguments.to, "Socket of raylocd: path of a source of kind \"unix\"")
       ->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+  if (const std::optional<int> status = app.parse(argc, argv)) {
+    return *status;
   }
   const Expected<void> done = capture(arguments);
   if (!done) {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <spdlog/spdlog.h>
-#include <CLI/CLI.hpp>
 
+#include "daemon/command/option_parser.h"
 #include "daemon/log/log.h"
 #include "daemon/machine/spare_memory.h"
 #include "daemon/machine/start_resources.h"
@@ -99,16 +99,15 @@ Expected<void> serve(const std::string& file) {
 }
 
 int run(int argc, const char* const* argv) {
-  CLI::App app{"Wi-Fi localization daemon: CSI datagrams in, locations out over ZeroMQ", "raylocd"};
-  app.set_version_flag("--version", "raylocd " RAYLOC_VERSION);
+  cli::OptionParser app("Wi-Fi localization daemon: CSI datagrams in, locations out over ZeroMQ",
+                        "raylocd",
+                        "raylocd " RAYLOC_VERSION);
   app.footer("Example:\n  raylocd --config /etc/raylocd/raylocd.toml");
   std::string file;
   app.add_option("--config", file, "configuration (TOML); `rayloc config default` prints one")
       ->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+  if (const std::optional<int> status = app.parse(argc, argv)) {
+    return *status;
   }
   const Expected<void> served = serve(file);
   if (!served) {
