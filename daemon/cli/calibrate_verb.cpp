@@ -3,8 +3,8 @@
 #include <string>
 
 #include "daemon/calibrate/calibrate.h"
-#include "daemon/cli/calibrate_plan.h"
-#include "daemon/cli/calibrate_rechain.h"
+#include "daemon/calibrate/calibrate_plan.h"
+#include "daemon/calibrate/calibrate_rechain.h"
 #include "daemon/command/verb.h"
 #include "daemon/terminal/exit_status.h"
 

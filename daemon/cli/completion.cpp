@@ -3,8 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "daemon/cli/shell_completion.h"
+#include "daemon/cli/command_line.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/shell_completion.h"
 #include "daemon/command/verb.h"
 
 namespace rayloc::cli {

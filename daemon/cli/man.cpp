@@ -1,8 +1,9 @@
 // `rayloc man`: the manual page rayloc(1), from the declarations of the verbs.
 #include <cstdio>
 
-#include "daemon/cli/manual_page.h"
+#include "daemon/cli/command_line.h"
 #include "daemon/cli/verbs.h"
+#include "daemon/command/manual_page.h"
 #include "daemon/command/verb.h"
 
 namespace rayloc::cli {

@@ -1,5 +1,5 @@
+#include "daemon/command/roff.h"
 #include "daemon/config/config_schema.h"
-#include "daemon/config/roff.h"
 
 namespace rayloc {
 namespace {

@@ -1,8 +1,8 @@
-#include "daemon/cli/manual_page.h"
+#include "daemon/command/manual_page.h"
 
 #include <sstream>
 
-#include "daemon/config/roff.h"
+#include "daemon/command/roff.h"
 
 namespace rayloc::cli {
 namespace {

@@ -1,4 +1,4 @@
-#include "daemon/cli/calibrate_plan.h"
+#include "daemon/calibrate/calibrate_plan.h"
 
 #include <algorithm>
 #include <cstdio>

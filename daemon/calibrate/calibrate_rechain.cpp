@@ -1,4 +1,4 @@
-#include "daemon/cli/calibrate_rechain.h"
+#include "daemon/calibrate/calibrate_rechain.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "daemon/cli/shell_completion.h"
+#include "daemon/command/shell_completion.h"
 
 #include <functional>
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "daemon/cli/command_line.h"
+#include "daemon/command/command_description.h"
 
 namespace rayloc::cli {
 

@@ -1,4 +1,4 @@
-#include "daemon/config/roff.h"
+#include "daemon/command/roff.h"
 
 namespace rayloc {
 
