@@ -20,6 +20,7 @@ namespace {
 using Values = PaperParameters::Values;
 using SharedScene = std::shared_ptr<const Scene>;
 
+// The name of the method's one stage, in a calibration's history.
 constexpr const char* kStage = "objects and materials";
 // A material that the table calls lossless may still become lossy, in steps of this much.
 constexpr double kLeastConductivity = 0.01;  // [S/m]

@@ -77,6 +77,7 @@ Expected<std::shared_ptr<const Scene>> PaperParameters::scene_with(const Values&
 }
 
 std::vector<RoomParameter> PaperParameters::describe(const Values& values) const {
+  // [m], world axes: the ends of the names of an object's translations.
   static constexpr std::array<const char*, 3> kAxes = {".x", ".y", ".z"};
   std::vector<RoomParameter> result;
   for (std::size_t i = 0; i < objects_.size(); ++i) {

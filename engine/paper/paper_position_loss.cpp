@@ -12,6 +12,7 @@
 namespace rayloc {
 namespace {
 
+// A ratio, chosen: a perfect match is -300 dB and not infinite.
 constexpr double kLeastResidual = 1e-30;
 
 Transmitter device_at(const RoomModel& room, const Vec3d& position) {
@@ -39,6 +40,7 @@ std::vector<Paths> PaperPositionLoss::trace(const PaperAccessPoint& ap,
 
 LossInPlan PaperPositionLoss::of_access_point(const PaperMeasurement& measured,
                                               const Vec3d& position) const {
+  // [m], x and y: the method holds the height (METHODS A4).
   static const std::array kInPlan = {Parameter::transmitter_position(0),
                                      Parameter::transmitter_position(1)};
   const ArrayTracer& tracer = measured.ap->tracer;

@@ -16,10 +16,12 @@ namespace {
 using Options = PaperLocalizerOptions;
 using Kind = PaperSettingKind;
 
+// In a setting's unit, chosen: far above every value of METHODS A4.
 constexpr double kLargest = 1e6;
-constexpr double kSmallest = 1e-12;  // of what must be more than 0
-constexpr double kBelowOne = 0.999999;
+constexpr double kSmallest = 1e-12;     // in the same unit, chosen: of what must be more than 0
+constexpr double kBelowOne = 0.999999;  // a ratio, chosen: a memory of 1 would never forget
 
+// The settings of METHODS A4 and what it leaves open; each says its unit.
 constexpr std::array kSettings = std::to_array<PaperSetting>({
     {"gamma_1",
      Kind::kNumber,
@@ -203,7 +205,8 @@ std::string paper_text(const PaperSetting& setting, double value) {
 }
 
 std::string paper_settings_help() {
-  constexpr std::size_t kWidth = 22;  // of "sigma_0_squared=1"
+  // [characters] of the column, so that the longest, "sigma_0_squared=1", fits.
+  constexpr std::size_t kWidth = 22;
   const Options defaults;
   const Options people = paper_person_options();
   std::string text;

@@ -21,7 +21,9 @@
 namespace rayloc {
 namespace {
 
+// A count, as cfr_kernel.h chooses it.
 constexpr std::size_t kTonesPerBlock = CfrKernel::kTonesPerBlock;
+// A count: tones to either side of a block's centre share a sine and cosine.
 constexpr std::size_t kPairs = kTonesPerBlock / 2;
 // Paths that are worked on together: their tables stay in the first-level cache.
 constexpr std::size_t kTilePaths = 128;
@@ -74,7 +76,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Lanes are paths.
 using Lanes = hn::ScalableTag<double>;
 using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;
+constexpr Lanes kLanes;  // as many paths as a vector register of the machine holds
 
 struct ComplexVector {
   Vector re;

@@ -64,6 +64,7 @@ class CfrKernel {
     std::size_t first_tone = 0;
     std::size_t num_tones = 0;
   };
+  // A count, chosen: that many sines stay in the first-level cache.
   static constexpr std::size_t kTonesPerBlock = 16;
 
  private:

@@ -9,6 +9,7 @@ namespace {
 
 // Faces nearer to each other than this are at the same place [m].
 constexpr double kSamePlane = 1e-9;
+// The least cosine between normals of parallel faces, chosen: rounding.
 constexpr double kParallel = 1.0 - 1e-12;
 constexpr double kLargestTilt = 1.5e-6;  // [rad], acos(kParallel)
 

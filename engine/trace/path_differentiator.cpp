@@ -56,8 +56,10 @@ struct EndKinds {
   Kind orientation;
   Kind array_turn;
 };
+// The parameters that move a transmitter, as parameter.h orders them.
 constexpr EndKinds kTransmitterKinds{
     Kind::kTransmitterPosition, Kind::kTransmitterOrientation, Kind::kTransmitterArrayTurn};
+// The parameters that move a receiver, as parameter.h orders them.
 constexpr EndKinds kReceiverKinds{
     Kind::kReceiverPosition, Kind::kReceiverOrientation, Kind::kReceiverArrayTurn};
 

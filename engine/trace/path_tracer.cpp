@@ -116,11 +116,12 @@ std::vector<ReceiverTracer> PathTracer::at(std::span<const Receiver> receivers) 
 Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
   const LinkEnd<double> from = link_end(transmitter);
   const LinkEnd<double> to = link_end(receiver_);
-  constexpr std::size_t kUsually = 64;  // paths
+  // A count, chosen: memory for a room of three reflections.
+  constexpr std::size_t kUsualPaths = 64;
   InteractionFinder finder(context_);
   std::vector<Interaction> interactions;
   std::vector<Path> paths;
-  paths.reserve(kUsually);
+  paths.reserve(kUsualPaths);
   tree_->visit_chains(root_, transmitter.position, [&](const SpecularChain& chain) {
     if (!finder.find(chain, from, to, interactions)) {
       return;

@@ -6,7 +6,9 @@
 
 namespace rayloc {
 
+// A count of reflections, chosen: as Sionna RT has it.
 inline constexpr int kDefaultMaxDepth = 3;
+// A count, measured: of 13,791 paths of three rooms so many rays miss none.
 inline constexpr std::size_t kDefaultRays = std::size_t{1} << 18U;
 
 // Who proposes the sequences of mirrors.

@@ -72,6 +72,7 @@ struct SoftSegment {
 // Softness squared that counts for the distance of a point of one plane from the other.
 template <typename T>
 T slant_softness2(const Vec3<T>& normal, const Vec3<T>& other, double softness) {
+  // The sine between planes, chosen: 1.1 degrees count as parallel.
   constexpr double kLeastSlant = 0.02;
   const T least(kLeastSlant * kLeastSlant);
   const Vec3<T> across = cross(normal, other);

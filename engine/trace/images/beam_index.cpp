@@ -14,7 +14,7 @@ namespace {
 constexpr float kRounding = 2e-6F;
 // A cube is divided down to this half of its side [m], or while it has more beams than this.
 constexpr float kLeastHalf = 0.15F;
-constexpr std::size_t kFewBeams = 32;
+constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are looked at faster than divided
 // Beams that are fetched from memory before they are looked at.
 constexpr std::size_t kAhead = 8;
 
@@ -25,7 +25,7 @@ float largest(const Vec3<float>& v) {
 }  // namespace
 
 BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root) {
-  constexpr float kEverywhere = -1e30F;
+  constexpr float kEverywhere = -1e30F;  // [m], chosen: a plane so far outside cuts nothing off
   for (std::size_t i = 0; i < kPlanes; ++i) {
     const bool used = i < planes.size();
     const Plane<double> plane = used ? planes[i] : Plane<double>{};

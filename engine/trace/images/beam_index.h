@@ -24,7 +24,7 @@ namespace rayloc {
 
 // Half spaces that hold a beam, in single precision and relative to the root of its tree.
 struct BeamBounds {
-  static constexpr std::size_t kPlanes = 8;
+  static constexpr std::size_t kPlanes = 8;  // a count, chosen: a register of eight floats (AVX2)
   using Lanes = std::array<float, kPlanes>;
   alignas(32) Lanes x, y, z, offset;
 

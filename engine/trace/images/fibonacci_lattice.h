@@ -58,6 +58,7 @@ class FibonacciLattice {
   }
 
  private:
+  // A count of directions, chosen: neighbours meet the same things.
   static constexpr double kTile = 16.0;
   static constexpr double kGoldenTurn = 2.0 - std::numbers::phi;  // the golden angle / 2 pi
 

@@ -7,6 +7,7 @@
 
 namespace rayloc {
 
+// No index of a node: the parent of a first mirror is a root.
 inline constexpr std::uint32_t kRootNode = 0xffffffff;
 // Roots that may share a tree: so many bits has RootSet.
 inline constexpr std::size_t kMaxRoots = 32;

@@ -21,7 +21,7 @@ constexpr std::size_t kPortion = 32;
 // In looks at a surface by a beam, each about 0.5 ns: what an image costs, and the most that an
 // exhaustive tree may.
 constexpr double kWorkOfImage = 1000.0;
-constexpr double kMostWork = 2e8;
+constexpr double kMostWork = 2e8;  // in looks as well, chosen: about 0.1 s
 // Of that, what a tree of several roots may: each root's own, of about as many images, then is
 // exhaustive too, so that a root hears from both the same.
 constexpr double kSharedPart = 0.5;

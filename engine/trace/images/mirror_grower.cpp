@@ -20,7 +20,8 @@ constexpr double kOnPlane = 1e-9;
 constexpr double kCertain = 1e-6;
 // Of the mirrors that a beam lights, so many are tried as things in the way of the others.
 constexpr std::size_t kMaxOccluders = 12;
-constexpr std::size_t kFew = 16;
+// A count of lit mirrors, chosen: with no more, images of the last level are not tried for shadows.
+constexpr std::size_t kFewLit = 16;
 // Of an object with more surfaces than this only those that rays met are proposed.
 constexpr std::uint32_t kMostNeighbours = 32;
 
@@ -77,7 +78,7 @@ void MirrorGrower::grow(const Parent& parent, GrownNodes& grown) {
   find_lit(parent);
   occluders_.clear();
   // A few images too many at the last level cost less than to see that they are.
-  if (parent.depth + 1 < options_.max_depth || lit_.size() > kFew) {
+  if (parent.depth + 1 < options_.max_depth || lit_.size() > kFewLit) {
     choose_occluders();
   }
   // Interactions that are left for crossings.

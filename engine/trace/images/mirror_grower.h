@@ -53,7 +53,7 @@ class MirrorGrower {
     int depth = 0;                // mirrors so far
     std::uint32_t trie_node = 0;  // kNoTrieNode: no ray has met this sequence
   };
-  static constexpr std::uint32_t kNoTrieNode = 0xffffffff;
+  static constexpr std::uint32_t kNoTrieNode = 0xffffffff;  // no index of a node
 
   // All must outlive the grower. With a trie (in order) mirrors follow each other as it says, and
   // other surfaces of the same objects besides, which rays may have passed by.

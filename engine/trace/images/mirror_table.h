@@ -46,6 +46,7 @@ class MirrorTable {
   void find(std::span<const Plane<double>> bounds, std::vector<std::uint32_t>& found) const;
 
  private:
+  // A count of surfaces, chosen: 16 floats fill a cache line of 64 bytes.
   static constexpr std::size_t kBlock = 16;
   using Lanes = std::array<float, kBlock>;
 

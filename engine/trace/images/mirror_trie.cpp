@@ -11,8 +11,9 @@
 namespace rayloc {
 namespace {
 
+// A count, a power of two: the table doubles when half full.
 constexpr std::size_t kFirstSlots = 1024;
-constexpr std::uint32_t kNoParent = 0xffffffff;
+constexpr std::uint32_t kNoParent = 0xffffffff;  // no index of a node
 
 }  // namespace
 

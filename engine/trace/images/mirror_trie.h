@@ -10,6 +10,7 @@ namespace rayloc {
 
 class MirrorTrie {
  public:
+  // The index of the empty sequence, which is always there.
   static constexpr std::uint32_t kRoot = 0;
 
   MirrorTrie();
@@ -61,6 +62,7 @@ class MirrorTrie {
     std::uint64_t key;
     std::uint32_t node;
   };
+  // No key: its node would have the number 2^32 - 1.
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
   static std::uint64_t key_of(std::uint32_t node, std::uint32_t surface) {

@@ -25,7 +25,7 @@ bool is_within(const Scene& scene, std::uint32_t object, const Vec3d& root) {
 }
 
 bool is_coplanar(const Surface& face, const Surface& other) {
-  constexpr double kLeastCosine = 1.0 - 1e-6;
+  constexpr double kLeastCosine = 1.0 - 1e-6;  // between the normals, chosen: 1.4 mrad of tilt
   return std::abs(dot(face.plane().normal, other.plane().normal)) > kLeastCosine &&
          std::all_of(other.outline().begin(), other.outline().end(), [&](const Vec3d& corner) {
            return std::abs(distance(face.plane(), corner)) <= kCoplanarTolerance;
