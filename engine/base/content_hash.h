@@ -36,6 +36,7 @@ class ContentHash {
 
   // The same in 16 hexadecimal digits.
   std::string text() const {
+    // Base 16, as content hashes are usually written.
     constexpr std::string_view kDigits = "0123456789abcdef";
     std::string text;
     for (int shift = 60; shift >= 0; shift -= 4) {

@@ -23,6 +23,7 @@ bool is_utf16(std::string_view text) {
 
 // Of the cells of the first line, outside of quotes, what most are parted by.
 char separator_of(std::string_view text) {
+  // RFC 4180 has the comma; spreadsheets also write the others.
   constexpr std::array<char, 3> kSeparators = {',', ';', '\t'};
   std::array<std::size_t, 3> counts{};
   bool quoted = false;
@@ -46,6 +47,7 @@ CsvReader::CsvReader(std::string_view text,
                      ErrorKind kind,
                      std::size_t most_cells)
     : text_(text), name_(std::move(name)), kind_(kind), most_cells_(most_cells) {
+  // U+FEFF in UTF-8: some spreadsheets begin with it.
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text_.substr(0, kByteOrderMark.size()) == kByteOrderMark) {
     text_.remove_prefix(kByteOrderMark.size());
@@ -86,10 +88,12 @@ void CsvReader::skip_lines_without_cells() {
 
 // "sep=;" before the header is how spreadsheets are told.
 void CsvReader::read_separator() {
-  constexpr std::string_view kStated = "sep=";
+  // A spreadsheet's own line before the header.
+  constexpr std::string_view kStatedSeparator = "sep=";
   const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
   const std::string_view line = text_.substr(at_, end - at_);
-  if (line.size() == kStated.size() + 1 && line.substr(0, kStated.size()) == kStated) {
+  if (line.size() == kStatedSeparator.size() + 1 &&
+      line.substr(0, kStatedSeparator.size()) == kStatedSeparator) {
     separator_ = line.back();
     at_ = end;
     skip_line_end();
@@ -219,7 +223,7 @@ std::optional<double> parse_csv_number(std::string_view text, char separator) {
 }
 
 std::string quoted_cell(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
+  constexpr std::size_t kLongest = 40;  // [characters] of a cell, chosen: an error stays one line
   return '"' + printable(std::string(text.substr(0, kLongest))) +
          (text.size() > kLongest ? "...\"" : "\"");
 }

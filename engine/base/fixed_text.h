@@ -9,7 +9,7 @@ namespace rayloc {
 
 inline std::string fixed_text(double value) {
   std::array<char, 32> text{};
-  constexpr int kDigits = 2;
+  constexpr int kDigits = 2;  // a count behind the point, chosen: a correlation or centimetres
   const auto end = std::to_chars(
       text.data(), text.data() + text.size(), value, std::chars_format::fixed, kDigits);
   return {text.data(), end.ptr};

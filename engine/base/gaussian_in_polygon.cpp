@@ -17,6 +17,7 @@ constexpr double kFar = 8.0;
 // Nodes and weights of Gauss and Legendre's rule with eight points, of one half: the other mirrors.
 constexpr std::array<double, 4> kNodes = {
     0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+// The weights of kNodes, in the same order.
 constexpr std::array<double, 4> kWeights = {
     0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 // Longest piece of an edge that the rule is used on, in deviations: 1e-11 of error each.
@@ -99,7 +100,7 @@ double along(const Point& a, const Point& b) {
 // over the polygon one along its edges: of density(y) * below(x) dy.
 double gaussian_in_polygon(const PlanarGaussian& gaussian, std::span<const Point> corners) {
   RAYLOC_CHECK(corners.size() >= 3);
-  constexpr double kLeastVariance = kLeastDeviation * kLeastDeviation;
+  constexpr double kLeastVariance = kLeastDeviation * kLeastDeviation;  // [m^2], of kLeastDeviation
   const double deviation_x = std::sqrt(std::max(gaussian.variance_x, kLeastVariance));
   const double slope = gaussian.covariance_xy / deviation_x;
   const double deviation_y =

@@ -8,7 +8,7 @@ namespace rayloc {
 
 // ln(share / (1 - share)); shares nearer than 1e-6 to an end count as that far from it.
 inline double log_odds(double share) {
-  constexpr double kNearest = 1e-6;
+  constexpr double kNearest = 1e-6;  // a ratio, chosen: +-13.8 at the most
   const double bounded = std::clamp(share, kNearest, 1.0 - kNearest);
   return std::log(bounded / (1.0 - bounded));
 }

@@ -44,8 +44,8 @@ class TextPrecision {
   // Mesh::rounding [m]. Numbers of fewer digits are round ones, as people write them, and so may be
   // those whose last digit is a millimetre: they are not taken for coarser than this.
   double rounding() const {
-    constexpr std::ptrdiff_t kFewest = 6;
-    constexpr double kCoarsest = 5e-5;
+    constexpr std::ptrdiff_t kFewest = 6;  // a count of digits, chosen: people write fewer
+    constexpr double kCoarsest = 5e-5;     // [m], chosen: half of a tenth of a millimetre
     if (digits_ < kFewest || !(largest_ > 0.0)) {
       return 0.0;
     }

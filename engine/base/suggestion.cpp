@@ -44,6 +44,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 constexpr std::size_t kLongestWord = 64;  // more is no mistyped name, and costs time
+// A count of letters, chosen: two are within too many names.
 constexpr std::size_t kShortestAbbreviation = 3;
 
 }  // namespace

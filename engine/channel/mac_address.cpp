@@ -5,12 +5,13 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kTextLength = 17;  // "02:52:4c:00:00:01"
+// [characters], six pairs and five colons: "02:52:4c:00:00:01".
+constexpr std::size_t kTextLength = 17;
 
 }  // namespace
 
 std::string to_string(const MacAddress& mac) {
-  static constexpr std::string_view kDigits = "0123456789abcdef";
+  static constexpr std::string_view kDigits = "0123456789abcdef";  // base 16, in small letters
   std::string text;
   text.reserve(kTextLength);
   for (const std::uint8_t octet : mac.octets) {

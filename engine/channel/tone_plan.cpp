@@ -12,6 +12,7 @@ namespace {
 
 using Range = std::pair<int, int>;  // first and last tone, inclusive
 
+// [MHz], as IEEE 802.11-2020 has them.
 constexpr std::array<int, 4> kBandwidths = {20, 40, 80, 160};
 
 std::vector<std::int16_t> tones_of(std::initializer_list<Range> ranges) {
@@ -175,7 +176,7 @@ int transform_size(PhyFormat phy, int bandwidth_mhz) {
 }
 
 const TonePlan& tone_plan(PhyFormat phy, int bandwidth_mhz) {
-  static const Plans kPlans = make_plans();
+  static const Plans kPlans = make_plans();  // made once, from IEEE 802.11-2020 and 802.11ax-2021
   return kPlans[static_cast<std::size_t>(phy)][bandwidth_position(bandwidth_mhz)];
 }
 

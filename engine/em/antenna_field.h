@@ -34,6 +34,7 @@ T half_wave_dipole_amplitude(const T& cos_theta, const T& sin_theta) {
 // [38.901] table 7.3-1 [dBi]; theta in [0, pi], phi in [-pi, pi].
 template <typename T>
 T tr38901_gain_dbi(const T& theta, const T& phi) {
+  // [rad], 3GPP TR 38.901 table 7.3-1: 65 degrees at -3 dB.
   constexpr double kBeamwidth = 65.0 * std::numbers::pi / 180.0;
   const T floor(30.0);  // [dB], SLA_V and A_max alike
   const auto at_most_floor = [&](const T& loss) { return loss < floor ? loss : floor; };

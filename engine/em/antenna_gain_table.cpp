@@ -14,8 +14,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kFewestPhi = 4;
-constexpr std::size_t kFewestTheta = 3;
+constexpr std::size_t kFewestPhi = 4;     // a count of columns, chosen: one every 90 degrees
+constexpr std::size_t kFewestTheta = 3;   // a count of lines, chosen: the poles and the horizon
 constexpr double kLowestGain = -200.0;    // [dBi]
 constexpr double kHighestGain = 60.0;     // [dBi]
 constexpr std::size_t kMostCells = 3601;  // of a line, and lines: a tenth of a degree

@@ -18,9 +18,9 @@ using C = Complex<double>;
 // Samples are this far apart in k_t times the radius: at the most, and at the least for bodies of
 // little loss, whose resonances are narrow.
 constexpr double kWidestStep = 0.1;
-constexpr double kNarrowestStep = 0.02;
-constexpr std::size_t kFewestSamples = 16;
-constexpr std::size_t kMostOrders = 132;  // cylinder_order_count(kLargestSection), and some
+constexpr double kNarrowestStep = 0.02;     // as above, chosen: bounds the size of the table
+constexpr std::size_t kFewestSamples = 16;  // a count, chosen: slopes need five neighbours
+constexpr std::size_t kMostOrders = 132;    // cylinder_order_count(kLargestSection), and some
 
 // A resonance is about x |Im eps| / (2 eps) wide.
 std::size_t sample_count(double k_radius, const C& relative_permittivity) {

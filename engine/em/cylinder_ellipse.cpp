@@ -19,13 +19,13 @@ using C = Complex<double>;
 
 // Samples are this far apart in k_t times the larger semi-axis.
 constexpr double kStep = 0.4;
-constexpr std::size_t kFewestSamples = 16;
+constexpr std::size_t kFewestSamples = 16;  // a count, chosen: slopes need five neighbours
 // A flat body needs some orders more than a round one of the same length.
 constexpr std::size_t kMoreOrders = 8;
 // Error of the transition matrix above which it is refused.
 constexpr double kLargestAsymmetry = 1e-3;
 
-constexpr std::size_t kSymmetryCount = kSymmetries.size();
+constexpr std::size_t kSymmetryCount = kSymmetries.size();  // a count, of cylinder_tmatrix.h
 
 // Where symmetry.across() stands in kSymmetries.
 constexpr std::size_t across(std::size_t symmetry) { return (symmetry + 2) % kSymmetryCount; }

@@ -13,15 +13,15 @@ namespace cylinder {
 
 // Waves whose cosine of elevation is below the first are left out, above the second whole.
 inline constexpr double kSteep = 0.18;
-inline constexpr double kLevel = 0.26;
+inline constexpr double kLevel = 0.26;  // a cosine: 75 degrees; chosen, as is the first: 80
 // The same for the distance of an end from the axis, in larger semi-axes.
 inline constexpr double kTouching = 1.0;
-inline constexpr double kFree = 1.05;
+inline constexpr double kFree = 1.05;  // a ratio, chosen: from here on the wave is whole
 // In the shadow the way is the straight one, which the body's wave must cancel; in the light that
 // by the reflecting point. From the first to the second: how far from the axis the straight way
 // passes, in radii.
 inline constexpr double kGrazing = 1.0;
-inline constexpr double kLit = 1.5;
+inline constexpr double kLit = 1.5;  // a ratio, chosen: from here on the light is whole
 
 // 0 below `from`, 1 above `to`.
 template <typename T>

@@ -34,7 +34,7 @@ struct SectionRays {
 
 // vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, whose sign they change with.
 enum SectionPart : std::size_t { kVv, kHh, kVh, kHv };
-inline constexpr std::size_t kSectionParts = 4;
+inline constexpr std::size_t kSectionParts = 4;      // a count, of SectionPart
 inline constexpr std::size_t kSectionArguments = 5;  // as they stand in SectionRays
 
 struct SectionResponse {

@@ -37,6 +37,7 @@ struct TransitionBlock {
   double asymmetry = 0.0;
 };
 
+// E_z even or odd in y, with even or odd orders: waves of each keep to themselves.
 inline constexpr std::array<Symmetry, 4> kSymmetries{{{Harmonic::kCosine, false},
                                                       {Harmonic::kCosine, true},
                                                       {Harmonic::kSine, false},

@@ -41,7 +41,7 @@ constexpr std::array<ItuRow, 17> kItuTable{{
     {"wet_ground", 30.0, -0.4, 0.15, 1.30, 1.0, 10.0},
 }};
 
-constexpr double kHertzPerGigahertz = 1e9;
+constexpr double kHertzPerGigahertz = 1e9;  // [Hz/GHz]: the formulas of ITU-R P.2040-3 take GHz
 
 std::string number(double value) {
   std::array<char, 32> text{};
@@ -58,6 +58,7 @@ Complex<double> complex_permittivity(const RadioMaterial& material, double frequ
 }
 
 std::span<const std::string> itu_material_names() {
+  // The materials of ITU-R P.2040-3, each once.
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;
     for (const ItuRow& row : kItuTable) {

@@ -18,7 +18,7 @@
 namespace rayloc {
 
 inline constexpr double kDefaultThickness = 0.1;  // [m], where a scene states none (as Sionna RT)
-inline constexpr double kHalfSpace = std::numeric_limits<double>::infinity();  // a thickness
+inline constexpr double kHalfSpace = std::numeric_limits<double>::infinity();  // [m], a thickness
 
 struct RadioMaterial {
   std::string name;

@@ -11,10 +11,13 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastCosine = 0.05;  // 87 degrees
-constexpr double kTolerance = 1e-13;
-constexpr std::size_t kFewest = 16;  // intervals
-constexpr std::size_t kMost = 1024;
+// A cosine of incidence, chosen: 87 degrees; beyond, the slab is computed exactly.
+constexpr double kLeastCosine = 0.05;
+constexpr double kTolerance = 1e-13;  // a ratio, chosen: little more than the rounding of a double
+// A count, chosen: what a thin slab is tried with first.
+constexpr std::size_t kFewestIntervals = 16;
+// A count, chosen: a slab that needs more has no table.
+constexpr std::size_t kMostIntervals = 1024;
 
 // Interpolation at Chebyshev nodes of [-1, 1] by divided differences, then expanded in powers.
 template <std::size_t N, typename F>
@@ -68,7 +71,7 @@ SlabTable::SlabTable(const Complex<double>& relative_permittivity,
                                           s.t_excess.re,
                                           s.t_excess.im};
   };
-  for (std::size_t count = kFewest; count <= kMost; count *= 2) {
+  for (std::size_t count = kFewestIntervals; count <= kMostIntervals; count *= 2) {
     const double width = (1.0 - kLeastCosine) / static_cast<double>(count);
     intervals_.clear();
     double worst = 0.0;
@@ -77,7 +80,7 @@ SlabTable::SlabTable(const Complex<double>& relative_permittivity,
     for (std::size_t i = 0; i < count && worst <= kTolerance * largest; ++i) {
       const double middle = kLeastCosine + (static_cast<double>(i) + 0.5) * width;
       const auto f = [&](double x) { return exact(middle + 0.5 * x * width); };
-      intervals_.push_back(interpolate<kDegree + 1>(f));
+      intervals_.push_back(interpolate<kPolynomialDegree + 1>(f));
       for (const double x : {-1.0, -0.55, -0.1, 0.3, 0.75, 1.0}) {  // between the nodes
         const auto value = f(x);
         for (std::size_t k = 0; k < kFunctions; ++k) {

@@ -45,10 +45,12 @@ class SlabTable {
   }
 
  private:
-  static constexpr std::size_t kDegree = 7;
+  // Chosen: eight coefficients, a cache line of doubles.
+  static constexpr std::size_t kPolynomialDegree = 7;
   static constexpr std::size_t kPerPair = 4;  // real functions of a Pair
+  // A count, of reflection and transmission.
   static constexpr std::size_t kFunctions = 2 * kPerPair;
-  using Polynomial = std::array<double, kDegree + 1>;
+  using Polynomial = std::array<double, kPolynomialDegree + 1>;
   using Interval = std::array<Polynomial, kFunctions>;
 
   template <typename T>
@@ -69,9 +71,9 @@ SlabTable::Pair<T> SlabTable::at(const T& cos_theta, std::size_t first) const {
   std::array<T, kPerPair> result;
   for (std::size_t i = 0; i < kPerPair; ++i) {
     const Polynomial& c = intervals_[index][first + i];
-    double value = c[kDegree];
+    double value = c[kPolynomialDegree];
     double slope = 0.0;
-    for (std::size_t k = kDegree; k > 0; --k) {
+    for (std::size_t k = kPolynomialDegree; k > 0; --k) {
       slope = slope * x + value;
       value = value * x + c[k - 1];
     }

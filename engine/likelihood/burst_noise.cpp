@@ -15,7 +15,7 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kLeastCounted = 0.2;  // of the model's noise: less is a unit of log-likelihood
-constexpr double kLeastPower = 1e-12;
+constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
 }  // namespace
 

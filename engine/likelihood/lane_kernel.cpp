@@ -17,7 +17,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, kLaneCount>;
 using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;
+constexpr Lanes kLanes;  // as many as a vector register of the machine holds, up to kLaneCount
 
 // Four sums, so that none waits for another: of a re, b im, a im, b re.
 struct Products {

@@ -10,6 +10,7 @@
 namespace rayloc {
 namespace {
 
+// The likelihoods of METHODS B2.
 constexpr std::array<LikelihoodName, 5> kNames{{
     {LikelihoodKind::kPartial, "partial", "of every path a part is known and a part is not"},
     {LikelihoodKind::kCoherent, "coherent", "every path is known, phase and strength"},

@@ -17,8 +17,8 @@ using Value = std::complex<double>;
 
 // Delays of the search that are kept around the best one.
 constexpr std::size_t kDelaysBeside = 1;
-constexpr double kLeastPower = 1e-12;
-constexpr double kLeftOut = 1e-6;  // of the known power
+constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
+constexpr double kLeftOut = 1e-6;      // of the known power
 
 // Products written out: those of std::complex check for infinities.
 Value times(const Value& a, const Value& b) {

@@ -23,10 +23,10 @@ constexpr double kEarliest = -12e-9;
 // Decays between the tabulated ones, kDiffuseDecay and a factor of 2^(1/4) apart, are mixtures of
 // the two beside them.
 constexpr int kDecaysBelow = 8;
-constexpr int kDecaysAbove = 8;
-constexpr double kDecaysAnOctave = 4.0;
+constexpr int kDecaysAbove = 8;            // a count as well, chosen: two octaves to either side
+constexpr double kDecaysAnOctave = 4.0;    // a count: makes the factor 2^(1/4)
 constexpr double kDiffuseReference = 3.0;  // [m]
-constexpr float kLeastPower = 1e-12F;
+constexpr float kLeastPower = 1e-12F;      // a ratio, chosen: keeps divisions from zero
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
 constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
 

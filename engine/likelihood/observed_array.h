@@ -16,9 +16,9 @@
 namespace rayloc {
 
 struct ObservedArray {
-  static constexpr std::size_t kStride = 4;  // from one coarse delay to the next
-  static constexpr std::size_t kWindows = kLaneCount;
-  static constexpr std::size_t kDelays = kStride * kWindows;  // 1.5 ns apart
+  static constexpr std::size_t kStride = 4;            // from one coarse delay to the next
+  static constexpr std::size_t kWindows = kLaneCount;  // a count: a coarse delay for each lane
+  static constexpr std::size_t kDelays = kStride * kWindows;  // a count, 1.5 ns apart
   using Row = LaneRow;
   struct Block {
     std::vector<Row> re;  // [coordinate][delay]

@@ -26,6 +26,6 @@ struct PlaceModel {
 
 // Probability that a direct way is covered, before anything is heard.
 inline constexpr double kCovered = 0.02;
-inline const double kLogCovered = std::log(kCovered);
+inline const double kLogCovered = std::log(kCovered);  // [nat]
 
 }  // namespace rayloc

@@ -28,17 +28,18 @@ namespace {
 // Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
 // search misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
-constexpr double kFarBelow = 1e4;
+constexpr double kFarBelow = 1e4;  // [nat], chosen: what such a cell loses, to weigh nothing
 constexpr double kMostElsewhere = 2.0 / 3.0;  // more, and there is no fix
 // The best cells are looked at closely, place by place: those whose
 // tempered log-likelihood is within this of the best.
 constexpr double kRefinedMargin = 6.0;
-constexpr std::size_t kMostRefined = 100;
+constexpr std::size_t kMostRefined = 100;  // a count of cells, chosen: bounds the time of a fix
 constexpr std::size_t kMostFine =
     25;  // no more than these: at half of the distance, it costs as much
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
 constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
+// A ratio, chosen: a perfect fit is -300 dB and not infinite.
 constexpr double kLeastResidual = 1e-30;
 
 // What every access point says of every cell, above being nowhere in particular.
