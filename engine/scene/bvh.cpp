@@ -44,6 +44,7 @@ struct Query {
 class Bvh::Impl {
  public:
   Impl(std::span<const Surface> surfaces, double margin) : surfaces_(surfaces), margin_(margin) {
+    // [m]: the first corner replaces it.
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec3d lower{kInfinity, kInfinity, kInfinity};
     Vec3d upper = -lower;
@@ -168,22 +169,23 @@ class Bvh::Impl {
   // The verdict, in double precision: the share of the segment, or -1 for none.
   double crossing(const Query& query, const Primitive& primitive) const {
     const Segment& s = *query.segment;
-    constexpr double kNone = -1.0;
+    constexpr double kNoCrossing = -1.0;  // no share of a segment, which lies between 0 and 1
     if (primitive.surface == s.from_surface || primitive.surface == s.to_surface) {
-      return kNone;
+      return kNoCrossing;
     }
     const Surface& surface = surfaces_[primitive.surface];
     const double from = distance(surface.plane(), s.from);
     const double to = distance(surface.plane(), s.to);
     if ((from > 0.0) == (to > 0.0) || from == to) {
-      return kNone;
+      return kNoCrossing;
     }
     const double share = from / (from - to);
     if (share * query.length <= kEndTolerance || (1.0 - share) * query.length <= kEndTolerance) {
-      return kNone;
+      return kNoCrossing;
     }
     const Vec3d point = s.from + share * (s.to - s.from);
-    return surface.contains(surface.pieces()[primitive.piece], point, margin_) ? share : kNone;
+    return surface.contains(surface.pieces()[primitive.piece], point, margin_) ? share
+                                                                               : kNoCrossing;
   }
 
   static void bounds(const RTCBoundsFunctionArguments* arguments) {

@@ -51,7 +51,7 @@ class PlaneFinder {
     for (const Facet3& facet : facets_) {
       size_ = std::max(size_, 2.0 * norm(facet.corners[0] - facets_[0].corners[0]));
     }
-    group_.assign(facets_.size(), kNone);
+    group_.assign(facets_.size(), kNoGroup);
     largest_first_.resize(facets_.size());
     std::iota(largest_first_.begin(), largest_first_.end(), std::size_t{0});
     std::stable_sort(
@@ -67,7 +67,7 @@ class PlaneFinder {
   std::vector<MeshSurface> find(double rounding) {
     std::vector<Plane<double>> planes;
     for (const std::size_t seed : largest_first_) {
-      if (group_[seed] == kNone) {
+      if (group_[seed] == kNoGroup) {
         planes.push_back(take_plane(seed, planes.size()));
       }
     }
@@ -75,7 +75,8 @@ class PlaneFinder {
   }
 
  private:
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  // The number of no group: a facet that no surface has taken.
+  static constexpr std::size_t kNoGroup = static_cast<std::size_t>(-1);
 
   void add(const Triangle& t) {
     const Vec3d twice_area = cross(t[1] - t[0], t[2] - t[0]);
@@ -94,7 +95,7 @@ class PlaneFinder {
   bool fits(const Plane<double>& plane, const FreeFacet& facet) const {
     const Triangle& corners = facets_[facet.number].corners;
     return std::abs(dot(plane.normal, facet.normal)) >= facet.least_cosine &&
-           group_[facet.number] == kNone &&
+           group_[facet.number] == kNoGroup &&
            std::all_of(corners.begin(), corners.end(), [&](const Vec3d& corner) {
              return std::abs(distance(plane, corner)) <= tolerance_;
            });
@@ -133,7 +134,7 @@ class PlaneFinder {
     taken_ += members.size();
     // Seldom, or moving the others would cost more than looking at them.
     if (kCompaction * taken_ >= free_.size()) {
-      std::erase_if(free_, [&](const FreeFacet& f) { return group_[f.number] != kNone; });
+      std::erase_if(free_, [&](const FreeFacet& f) { return group_[f.number] != kNoGroup; });
       taken_ = 0;
     }
     return plane;

@@ -41,6 +41,7 @@ std::vector<Vec3d> corners_of(const Surface& surface, const Surface::Piece& piec
 class RayShooter::Impl {
  public:
   explicit Impl(std::span<const Surface> surfaces) {
+    // [m]: the first corner replaces it.
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec3d lower{kInfinity, kInfinity, kInfinity};
     Vec3d upper = -lower;

@@ -25,6 +25,7 @@
 namespace rayloc {
 
 struct RayStream {
+  // A count of rays, chosen: a stream stays in the first-level cache.
   static constexpr std::size_t kCapacity = 256;
   template <typename T>
   using Lanes = std::array<T, kCapacity>;
@@ -39,7 +40,7 @@ struct RayStream {
 
 class RayShooter {
  public:
-  static constexpr std::uint32_t kNoTriangle = 0xffffffff;
+  static constexpr std::uint32_t kNoTriangle = 0xffffffff;  // the index of no triangle
   struct Triangle {
     float normal_x, normal_y, normal_z;  // unit, that of the surface
     std::uint32_t surface;

@@ -143,6 +143,7 @@ Scene::Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwne
       owners_(std::move(owners)),
       bvh_(std::move(bvh)),
       shooter_(std::make_unique<const Lazy<RayShooter>>()) {
+  // [m]: the first corner replaces it.
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   bounds_min_ = {kInfinity, kInfinity, kInfinity};
   bounds_max_ = {-kInfinity, -kInfinity, -kInfinity};

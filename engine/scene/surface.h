@@ -167,6 +167,7 @@ struct MeshSurface {
 };
 inline constexpr double kCoplanarTolerance = 1e-5;  // [m]
 inline double coplanar_tolerance(const Mesh& mesh) {
+  // A ratio, chosen: a few roundings of the mesh.
   constexpr double kRoundings = 4.0;
   return std::max(kCoplanarTolerance, kRoundings * mesh.rounding);
 }

@@ -13,10 +13,10 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMaterialPrefix = "mat-";
-constexpr std::string_view kItuPrefix = "itu_";
-constexpr std::string_view kRadio = "radio-material";
-constexpr std::string_view kItuRadio = "itu-radio-material";
+constexpr std::string_view kMaterialPrefix = "mat-";  // as Mitsuba's exporters begin ids
+constexpr std::string_view kItuPrefix = "itu_";  // as Sionna RT names materials of ITU-R P.2040-3
+constexpr std::string_view kRadio = "radio-material";         // a type of bsdf of Sionna RT
+constexpr std::string_view kItuRadio = "itu-radio-material";  // a type of bsdf of Sionna RT
 constexpr std::size_t kMostLevels = 64;  // of bsdfs in bsdfs; people write two or three
 
 std::string_view without_prefix(std::string_view text, std::string_view prefix) {
@@ -40,6 +40,7 @@ bool is_itu_material(const std::string& name) {
 
 // Sionna's diffuse scattering at surfaces: its coefficient and the shape of its lobes.
 bool is_of_scattering(std::string_view name) {
+  // The parameters of Sionna RT's scattering, which nothing here models.
   constexpr std::array<std::string_view, 6> kNames{"scattering_coefficient",
                                                    "xpd_coefficient",
                                                    "scattering_pattern",

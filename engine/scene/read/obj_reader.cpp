@@ -22,9 +22,10 @@ constexpr std::array<std::string_view, 21> kPassedOver{
     "vn",         "vt",        "vp",     "g",        "o",        "s",      "mg",
     "l",          "p",         "mtllib", "usemtl",   "usemap",   "maplib", "lod",
     "shadow_obj", "trace_obj", "bevel",  "c_interp", "d_interp", "ctech",  "stech"};
+// Wavefront's words for curves and curved surfaces.
 constexpr std::array<std::string_view, 4> kCurved{"curv", "curv2", "surf", "cstype"};
 
-constexpr std::string_view kBlank = " \t\r\f\v";
+constexpr std::string_view kBlank = " \t\r\f\v";  // what parts words within a line
 
 template <std::size_t N>
 bool is_one_of(std::string_view word, const std::array<std::string_view, N>& words) {
@@ -34,6 +35,7 @@ bool is_one_of(std::string_view word, const std::array<std::string_view, N>& wor
 class ObjReader {
  public:
   ObjReader(std::string_view bytes, const std::string& name) : bytes_(bytes), name_(name) {
+    // U+FEFF in UTF-8: some exporters begin with it.
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (bytes_.starts_with(kByteOrderMark)) {
       bytes_.remove_prefix(kByteOrderMark.size());

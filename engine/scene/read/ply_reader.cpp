@@ -59,6 +59,7 @@ std::size_t size_of(Type type) {
 }
 
 std::optional<Type> type_named(std::string_view name) {
+  // The two names that PLY has for each type.
   constexpr std::array<std::pair<std::string_view, Type>, 16> kNames{{
       {"char", Type::kInt8},
       {"int8", Type::kInt8},
@@ -85,6 +86,7 @@ std::optional<Type> type_named(std::string_view name) {
   return std::nullopt;
 }
 
+// Blanks that part words of a header and numbers of a body.
 constexpr std::string_view kBlank = " \t\r\n";
 
 std::vector<std::string_view> words_of(std::string_view line) {
@@ -349,8 +351,9 @@ class MeshReader {
 
   // A float of a binary file tells no more than its 24 bits.
   Expected<void> note_rounding(const Element& element, const Vec3d& vertex) {
-    constexpr double kFloatRounding = 5.9604644775390625e-8;  // 2^-24
-    constexpr double kCoarsest = 1e-3;                        // [m], 6 degrees of phase at 5 GHz
+    // A ratio: half of the last bit of a float, 2^-24.
+    constexpr double kFloatRounding = 5.9604644775390625e-8;
+    constexpr double kCoarsest = 1e-3;  // [m], 6 degrees of phase at 5 GHz
     const bool is_float = std::any_of(
         element.properties.begin(), element.properties.end(), [](const Property& property) {
           return property.type == Type::kFloat32 && is_coordinate(property);

@@ -20,7 +20,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMeshPrefix = "mesh-";
+constexpr std::string_view kMeshPrefix = "mesh-";  // as Mitsuba's exporters begin ids
 
 bool contains(std::span<const std::string_view> names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();

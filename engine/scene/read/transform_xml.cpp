@@ -77,7 +77,7 @@ class StepReader {
 
   // Stated as value="x y z", value="s", or x="" y="" z="" with `missing` for what is not there.
   Vec3d vector(double missing) {
-    constexpr std::array<const char*, 3> kNames{"x", "y", "z"};
+    constexpr std::array<const char*, 3> kNames{"x", "y", "z"};  // attributes of Mitsuba's vectors
     const std::string value = element_.attribute("value");
     std::array<double, 3> v{missing, missing, missing};
     std::size_t stated = 0;

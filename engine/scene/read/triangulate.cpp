@@ -17,6 +17,7 @@ constexpr double kLeastWidth = 1e-6;
 // Where rounding has moved a corner across a line by this much, it is on the line [m].
 constexpr double kOnLine = 1e-9;
 
+// The end of every refusal of a face.
 const std::string kAdvice = "; cut the face into triangles in the program that made it";
 
 // Newell's: of a plane face, twice its area along its normal; from the first corner, so that

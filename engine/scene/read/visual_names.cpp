@@ -10,6 +10,7 @@ namespace {
 
 using Name = std::string_view;
 
+// Mitsuba's plugins that change what is seen, not what is heard.
 constexpr std::array<Name, 10> kTags{"emitter",
                                      "film",
                                      "integrator",
@@ -21,8 +22,10 @@ constexpr std::array<Name, 10> kTags{"emitter",
                                      "texture",
                                      "volume"};
 
+// Children of Mitsuba's bsdfs that have no part in radio.
 constexpr std::array<Name, 5> kBsdfTags{"rgb", "spectrum", "texture", "color", "medium"};
 
+// Mitsuba's plugins of bsdfs, all for light.
 constexpr std::array<Name, 25> kBsdfTypes{"blendbsdf",    "bumpmap",        "circular",
                                           "conductor",    "dielectric",     "diffuse",
                                           "hair",         "mask",           "measured",
@@ -33,9 +36,11 @@ constexpr std::array<Name, 25> kBsdfTypes{"blendbsdf",    "bumpmap",        "cir
                                           "roughplastic", "thindielectric", "twosided",
                                           "ward"};
 
+// Mitsuba's properties of shapes, for shading and textures.
 constexpr std::array<Name, 5> kShapeProperties{
     "face_normals", "flip_normals", "flip_tex_coords", "max_smooth_angle", "smooth_normals"};
 
+// Mitsuba's properties of kBsdfTypes.
 constexpr std::array<Name, 43> kBsdfProperties{"alpha",
                                                "alpha_u",
                                                "alpha_v",
@@ -80,6 +85,7 @@ constexpr std::array<Name, 43> kBsdfProperties{"alpha",
                                                "scale_tilt",
                                                "wavelength"};
 
+// Beginnings of Mitsuba's properties of bsdfs with layers.
 constexpr std::array<Name, 9> kBsdfPrefixes{"base_",
                                             "coat_",
                                             "emission_",

@@ -23,6 +23,7 @@ constexpr std::array<std::string_view, 10> kPropertyTags{"float",
                                                          "transform",
                                                          "color"};
 
+// Mitsuba's tags within a transform.
 constexpr std::array<std::string_view, 5> kTransformSteps{
     "translate", "rotate", "scale", "matrix", "lookat"};
 
@@ -47,7 +48,7 @@ std::string meant(std::string_view word, const std::vector<std::string_view>& na
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";
+  constexpr std::string_view kBlanks = " \t\r\n";  // what XML takes for blanks
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) {
     return std::nullopt;
@@ -61,6 +62,7 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
+  // Blanks of XML, and commas: Mitsuba takes both.
   constexpr std::string_view kSeparators = " \t\r\n,";
   std::vector<double> numbers;
   for (std::size_t begin = text.find_first_not_of(kSeparators); begin != std::string_view::npos;) {

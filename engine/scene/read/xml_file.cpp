@@ -5,13 +5,14 @@
 namespace rayloc {
 namespace {
 
+// U+FEFF in UTF-8: some editors begin with it.
 constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 
 // UTF-16 and UTF-32 have zeros between the letters of their first tag.
 bool is_wide(std::string_view xml) {
-  constexpr std::size_t kFirstTag = 8;
+  constexpr std::size_t kFirstTagBytes = 8;  // [bytes], chosen: two letters of UTF-32
   return xml.substr(0, 2) == "\xFF\xFE" || xml.substr(0, 2) == "\xFE\xFF" ||
-         xml.substr(0, kFirstTag).find('\0') != std::string_view::npos;
+         xml.substr(0, kFirstTagBytes).find('\0') != std::string_view::npos;
 }
 
 }  // namespace

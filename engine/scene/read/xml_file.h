@@ -36,6 +36,7 @@ class XmlFile {
   Expected<void> check() const;
 
  private:
+  // A count, chosen: more than one reads at once.
   static constexpr std::size_t kMostComplaints = 20;
 
   std::string place(std::ptrdiff_t offset) const;
