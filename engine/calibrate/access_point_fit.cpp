@@ -20,6 +20,7 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
+// [rad], chosen: the scan covers three of kYawPrior to either side.
 constexpr double kYawStep = 1.0 * kDegree;
 constexpr int kYawSteps = 3;  // to either side
 // The tones of a point are no independent evidence about the model's errors; one point is.
@@ -220,19 +221,20 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
 std::vector<std::optional<double>> AccessPointCalibrator::crossed_correlations(
     const std::vector<Vec3d>& offsets) const {
   std::vector<std::optional<double>> each(given_);
-  constexpr std::size_t kHalves = 2;
-  if (samples_.size() / kHalves < kLeastSamples) {
+  // A count: gains of one half of the points are judged on the other.
+  constexpr std::size_t kFolds = 2;
+  if (samples_.size() / kFolds < kLeastSamples) {
     return each;
   }
   const ModelError error = assumed_model_error().value();
-  std::array<ChainGains, kHalves> gains;
-  for (std::size_t half = 0; half < kHalves; ++half) {
-    gains.at(half) = principal_gains(offsets, error, nullptr, {half, kHalves});
+  std::array<ChainGains, kFolds> gains;
+  for (std::size_t half = 0; half < kFolds; ++half) {
+    gains.at(half) = principal_gains(offsets, error, nullptr, {half, kFolds});
   }
   const Aligner aligner(grid_);
   parallel_for(samples_.size(), 4, [&](std::size_t i) {
     auto h = samples_[i].h;
-    remove_gains(gains.at((i + 1) % kHalves), h);
+    remove_gains(gains.at((i + 1) % kFolds), h);
     each[samples_[i].index] =
         aligner.align(model_.expected(place(samples_[i], offsets), error), h).correlation;
   });

@@ -23,7 +23,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kIterations = 8;
+constexpr int kIterations = 8;  // a count, chosen: bounds the time of a refit
 // Reflections beyond those that the likelihood knows; tried, and kept where they explain more. They
 // average out over a survey, not over one spot: where the strong paths to an antenna cancel, what
 // is left of them turns the phase.

@@ -59,6 +59,7 @@ struct ChainRefit {
   bool ripple = false;    // of every tone, else the old ripple
 };
 
+// A count, chosen: fewer do not average out what no ray explains.
 inline constexpr std::size_t kRippleSpots = 12;
 inline constexpr double kLevelSigma = 0.17;  // of ln |gain|, 1.5 dB
 
@@ -68,6 +69,7 @@ inline constexpr double kLevelSigma = 0.17;  // of ln |gain|, 1.5 dB
 // is taken as at least kLeastSpread. It names both numbers.
 // REQUIRES: room.access_points[access_point].gains not empty; every h of its size.
 inline constexpr double kFarBelowUsual = 3.5;
+// [log odds], chosen: surveys whose fits agree too well refuse nothing.
 inline constexpr double kLeastSpread = 0.5;
 Expected<ChainRefit> refit_chains(const RoomModel& room,
                                   std::size_t access_point,

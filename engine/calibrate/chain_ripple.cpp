@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kIterations = 6;
+constexpr int kIterations = 6;  // a count, chosen: phases of frames and gains, in turn
 // Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
 constexpr int kGainDegree = 4;
 

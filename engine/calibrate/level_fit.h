@@ -22,6 +22,7 @@ struct LevelFit {
   std::size_t samples = 0;
 };
 
+// A count, chosen: the spread of fewer is not known.
 inline constexpr std::size_t kLeastLevelSamples = 10;
 
 // Of the room as calibrated: its device, rays and diffuse power. Nothing with fewer points than

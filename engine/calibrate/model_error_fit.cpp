@@ -22,6 +22,7 @@ struct Unknown {
   double width;  // standard deviation of the prior, octaves if it is a scale
   double floor;
 };
+// Priors are about assumed_model_error(); their widths and the floors are chosen.
 constexpr std::array<Unknown, 5> kUnknowns = {{
     {&FittedModelError::plan_tolerance, true, 3.0, 0.5e-3},
     {&FittedModelError::diffuse, true, 3.0, 1e-3},
@@ -29,13 +30,13 @@ constexpr std::array<Unknown, 5> kUnknowns = {{
     {&FittedModelError::diffuse_decay, true, 1.0, 0.0},
     {&FittedModelError::noise, true, 3.0, 1.25e-4},
 }};
-constexpr auto kCount = static_cast<int>(kUnknowns.size());
+constexpr auto kCount = static_cast<int>(kUnknowns.size());  // a count, of kUnknowns
 // Of differences: the likelihood is a sum in single precision, and decays are tabulated by
 // quarters.
 constexpr double kStep = 0.125;
-constexpr double kCurvatureStep = 0.5;
-constexpr double kConverged = 1e-6;  // of the cost, a hundredth of a unit in 10 000
-constexpr int kMostIterations = 40;
+constexpr double kCurvatureStep = 0.5;  // as kStep; chosen: second differences need a wider one
+constexpr double kConverged = 1e-6;     // of the cost, a hundredth of a unit in 10 000
+constexpr int kMostIterations = 40;     // a count, chosen: bounds the time of the fit
 // Of a scale, about its assumed value: log_evidence is asked for nothing beyond.
 constexpr double kMostOctaves = 12.0;
 

@@ -11,7 +11,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
-constexpr std::size_t kLeastPoints = 4;
+constexpr std::size_t kLeastPoints = 4;  // a count, chosen: as AccessPointCalibrator::kLeastSamples
 constexpr std::size_t kLeastDeciding = 3;  // a median of fewer is one point's word
 constexpr std::size_t kDecidingPart = 4;   // but one in so many at most
 

@@ -18,10 +18,12 @@ enum class Use : std::uint8_t {
   kDecide,   // kept from the fit: says whether what it found is better
   kHeldOut,  // only looked at
 };
-inline constexpr std::array kFitted{Use::kFit};
+inline constexpr std::array kFitted{Use::kFit};  // the uses whose points a round is fitted to
+// The uses whose points judge a round (METHODS B4, step 6).
 inline constexpr std::array kDeciding{Use::kDecide};
+// The uses that the last fit joins.
 inline constexpr std::array kAllButHeldOut{Use::kFit, Use::kDecide};
-inline constexpr std::array kHeldOut{Use::kHeldOut};
+inline constexpr std::array kHeldOut{Use::kHeldOut};  // the uses that no fit and no decision sees
 
 // Of each point. Those that decide are drawn without replacement from what was heard and is not
 // held out: 15 in 100, three at least, unless that were more than a quarter.

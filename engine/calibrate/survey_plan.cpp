@@ -32,7 +32,7 @@ struct Candidate {
 };
 
 bool is_clear(const Scene& scene, const Vec3d& p, double clearance) {
-  constexpr int kDirections = 16;
+  constexpr int kDirections = 16;  // a count, chosen: 22.5 degrees apart
   for (int i = 0; i < kDirections; ++i) {
     const double phi = 2.0 * std::numbers::pi * i / kDirections;
     if (scene.is_blocked({p, p + clearance * Vec3d{std::cos(phi), std::sin(phi), 0.0}})) {

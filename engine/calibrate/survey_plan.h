@@ -30,6 +30,7 @@ struct SurveyPlanOptions {
   std::function<bool(const Vec3d&)> is_free = [](const Vec3d&) { return true; };
 };
 
+// A count of places, chosen: bounds the time of a plan.
 inline constexpr std::size_t kMostCandidates = 2000;
 inline constexpr std::size_t kIncidenceBands = 3;  // 0 to 30, 30 to 60, 60 to 90 degrees
 

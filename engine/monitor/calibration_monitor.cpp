@@ -20,9 +20,10 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kFramesOfBurst = 6;
-constexpr std::size_t kScannedRays = 16;  // the strongest; the scan is about the large part
-constexpr double kShiftStep = 0.01;       // [m], a sixth of a wavelength
+constexpr std::size_t kFramesOfBurst = 6;  // a count, chosen: bounds the memory of a window
+constexpr std::size_t kScannedRays = 16;   // the strongest; the scan is about the large part
+constexpr double kShiftStep = 0.01;        // [m], a sixth of a wavelength
+// [rad], chosen: at 6 degrees the scan has three to either side.
 constexpr double kYawStep = 2.0 * kDegree;
 constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
 constexpr int kRescan = 10;  // windows from one scan to the next: it takes as long as ten fixes

@@ -56,12 +56,13 @@ struct CalibrationWarning {
 
 class CalibrationMonitor {
  public:
+  // A count, chosen: several, as people who walk by spoil one.
   static constexpr std::size_t kBursts = 5;
-  static constexpr int kSteady = 2;
-  static constexpr double kJump = 0.785;       // [rad]
-  static constexpr double kMostShift = 0.05;   // [m], along x and y of the room
-  static constexpr double kMostYaw = 0.105;    // [rad], 6 degrees
-  static constexpr double kDriftRatio = 3.0;   // people and doors move the share by less
+  static constexpr int kSteady = 2;           // a count of windows, chosen: one alone may be spoilt
+  static constexpr double kJump = 0.785;      // [rad]
+  static constexpr double kMostShift = 0.05;  // [m], along x and y of the room
+  static constexpr double kMostYaw = 0.105;   // [rad], 6 degrees
+  static constexpr double kDriftRatio = 3.0;  // people and doors move the share by less
   static constexpr double kLeastDrift = 0.05;  // what noise leaves unexplained moves by less
   static constexpr double kPlaceSigma = 0.01;  // [m], of stated places
 

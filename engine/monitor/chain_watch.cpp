@@ -13,17 +13,20 @@ namespace rayloc {
 namespace {
 
 constexpr double kPrior = 1e-3;         // that chains have turned when nothing was heard yet
-constexpr double kFloor = -9.0;         // of log odds: a turn that comes later is found as soon
-constexpr double kMost = 20.0;          // of log odds
-constexpr double kMostOfABurst = 4;     // of one burst: of a device that moves it is of no place
+constexpr double kLeastLogOdds = -9.0;  // of log odds: a turn that comes later is found as soon
+constexpr double kMostLogOdds = 20.0;   // of log odds
+constexpr double kMostOfBurst = 4;      // of one burst: of a device that moves it is of no place
 constexpr double kLeastEvidence = 3.0;  // of a burst that the room explains, in one state at least
-constexpr double kSame = 0.9;           // correlation of bursts that say the same
+constexpr double kSameCorrelation = 0.9;  // correlation of bursts that say the same
+// A count of bursts, chosen: a burst like one of them tells nothing new.
 constexpr std::size_t kRemembered = 24;
 constexpr std::size_t kLeastBursts = 5;  // before it is settled
 constexpr std::size_t kMostCores = 3;    // whose states are tried together
-constexpr auto kSoon = std::chrono::seconds(1);
-constexpr auto kLater = std::chrono::seconds(10);
-constexpr int kQuarters = 4;
+// [s], chosen: between looks while it is open.
+constexpr auto kUnsettledPeriod = std::chrono::seconds(1);
+// [s], chosen: between looks once it is known.
+constexpr auto kSettledPeriod = std::chrono::seconds(10);
+constexpr int kQuarters = 4;  // a count: quarters of a turn, the states a chain can start in
 
 // Quarters by which each chain but the first is turned, for every state but that of the
 // calibration: all of three cores, of more each core alone.
@@ -89,12 +92,12 @@ bool ChainWatch::is_due(std::size_t access_point, Timestamp time) const {
   const auto found = aps_.find(access_point);
   return found == aps_.end() ||
          time - found->second.last >=
-             (found->second.is_settled() ? Duration(kLater) : Duration(kSoon));
+             (found->second.is_settled() ? Duration(kSettledPeriod) : Duration(kUnsettledPeriod));
 }
 
 bool ChainWatch::is_new(const AccessPoint& ap, const Array& h) const {
   return std::none_of(ap.heard.begin(), ap.heard.end(), [&](const Array& before) {
-    return before.size() == h.size() && aligner_.align(before, h).correlation > kSame;
+    return before.size() == h.size() && aligner_.align(before, h).correlation > kSameCorrelation;
   });
 }
 
@@ -121,8 +124,8 @@ void ChainWatch::weigh(const HeardArray& heard, AccessPoint& ap) const {
     ap.log_odds.assign(states.size(), std::log(kPrior / static_cast<double>(states.size())));
   }
   for (std::size_t v = 0; v < states.size(); ++v) {
-    const double gain = std::clamp(of_state[v] - as_calibrated, -kMostOfABurst, kMostOfABurst);
-    ap.log_odds[v] = std::clamp(ap.log_odds[v] + gain, kFloor, kMost);
+    const double gain = std::clamp(of_state[v] - as_calibrated, -kMostOfBurst, kMostOfBurst);
+    ap.log_odds[v] = std::clamp(ap.log_odds[v] + gain, kLeastLogOdds, kMostLogOdds);
   }
   ++ap.bursts;
   if (ap.heard.size() < kRemembered) {

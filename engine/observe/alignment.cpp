@@ -13,6 +13,7 @@ using Value = std::complex<double>;
 
 // Delays tried before the refinement: this many per resolution cell 1 / bandwidth.
 constexpr int kOversampling = 4;
+// A count, chosen: Newton's steps double the digits of a coarse delay.
 constexpr int kNewtonSteps = 4;
 
 // In place, radix 2; twiddle[i] = exp(+j 2 pi i / n).

@@ -13,6 +13,7 @@ namespace {
 
 std::string text_of(double value) {
   std::array<char, 32> text{};
+  // A count of significant digits: micrometres, and degrees as rounded below.
   constexpr int kDigits = 6;
   const auto end = std::to_chars(
       text.data(), text.data() + text.size(), value, std::chars_format::general, kDigits);

@@ -222,7 +222,7 @@ std::vector<Candidate> try_recordings(const StatedSurvey& survey) {
 }
 
 bool same(const Correlations& a, const Correlations& b) {
-  constexpr double kRounding = 1e-6;
+  constexpr double kRounding = 1e-6;  // of a correlation, chosen: below what any mistake changes
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].has_value() != b[i].has_value() || (a[i] && std::abs(*a[i] - *b[i]) > kRounding)) {
       return false;
@@ -371,7 +371,7 @@ std::vector<TriedMistake> try_carriers(const RoomModel& room,
   // Of the whole channel, null tones at its edges and all.
   const double used = room.grid.spacing_hz *
                       static_cast<double>(room.grid.tone_index.back() - room.grid.tone_index[0]);
-  constexpr double kNarrowest = 20e6;
+  constexpr double kNarrowest = 20e6;  // [Hz], IEEE 802.11-2020: channels are 20 MHz or a multiple
   const double width = kNarrowest * std::ceil(used / kNarrowest);
   std::vector<TriedMistake> all;
   for (const double widths : {-2.0, -1.0, 1.0, 2.0}) {

@@ -67,7 +67,7 @@ struct InputCheck {
 // REQUIRES: every h of a point is empty or has as many values as its access point has cores x
 // tones.
 constexpr double kClearly = 3.0;
-constexpr double kSubstantial = 0.1;
+constexpr double kSubstantial = 0.1;  // a ratio, chosen: of what is left unexplained as stated
 bool is_clear(const TriedMistake& mistake);
 InputCheck check_calibration_inputs(const RoomModel& room,
                                     std::span<const CalibrationPoint> points);

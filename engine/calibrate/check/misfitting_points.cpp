@@ -27,6 +27,7 @@ std::optional<Usual> usual_fit(const std::vector<double>& shares) {
   }
   // Shares that agree to the last digit are no reason to refuse the next one.
   constexpr double kLeastDeviation = 0.3;
+  // A ratio: sigma of a normal distribution over its median deviation.
   constexpr double kOfNormal = 1.4826;
   // How far the deviation of n values may be off itself: twice its relative error, 1.17 / sqrt(n).
   const double allowance = 1.0 + 2.0 * 1.17 / std::sqrt(static_cast<double>(shares.size()));

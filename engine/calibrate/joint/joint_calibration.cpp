@@ -25,9 +25,9 @@ constexpr double kTolerance = 0.01;  // by which a round may lessen the correlat
 constexpr double kLeastStep = 0.2;   // of what the least squares say
 constexpr int kPasses = 3;           // of a round whose steps had to be shortened
 // Of the surfaces whose other half-wave cycles are tried.
-constexpr double kTriedShare = 0.05;  // of the strongest's power, at least
-constexpr std::size_t kMostTried = 8;
-constexpr int kTrialIterations = 5;
+constexpr double kTriedShare = 0.05;   // of the strongest's power, at least
+constexpr std::size_t kMostTried = 8;  // a count, chosen: bounds the time of the trials
+constexpr int kTrialIterations = 5;    // a count, chosen: what is better is then fitted to the end
 // Of a part of the work, beside the iterations: the scan, and what Ceres tells before the first.
 constexpr int kStepsBesides = 2;
 

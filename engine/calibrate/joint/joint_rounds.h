@@ -10,6 +10,7 @@
 
 namespace rayloc {
 
+// A count: gains, materials, survey errors with cycles, and once more.
 inline constexpr int kJointRounds = 4;
 
 struct JointRound {

@@ -11,14 +11,15 @@
 namespace rayloc {
 
 int usual_draws(std::span<const CalibrationPoint> points) {
-  constexpr std::size_t kFew = 100;
-  constexpr std::size_t kMostHeard = 200;
+  // Arrays heard, chosen: up to here three draws, each takes little time.
+  constexpr std::size_t kFewHeard = 100;
+  constexpr std::size_t kMostHeard = 200;  // arrays heard, chosen: up to here two draws, then one
   std::size_t heard = 0;
   for (const CalibrationPoint& point : points) {
     heard += static_cast<std::size_t>(std::count_if(
         point.h.begin(), point.h.end(), [](const auto& one) { return !one.empty(); }));
   }
-  return heard <= kFew ? 3 : heard <= kMostHeard ? 2 : 1;
+  return heard <= kFewHeard ? 3 : heard <= kMostHeard ? 2 : 1;
 }
 
 double left_unexplained(std::span<const CalibrationPoint> points,

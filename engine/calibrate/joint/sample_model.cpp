@@ -15,9 +15,9 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kLeastLeftOver = 0.03;  // of the coordinate that is explained worst
-constexpr int kAlignmentSteps = 3;
+constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], a whole one
+constexpr double kLeastLeftOver = 0.03;           // of the coordinate that is explained worst
+constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the delay that is left
 constexpr double kLeastShare = 0.02;  // left of a sample, below which it counts no more
 
 // A ray's delay and amplitude where the model is asked for.

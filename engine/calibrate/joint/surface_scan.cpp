@@ -123,7 +123,7 @@ void widen_by_other_cycles(const JointContext& context,
                            const JointState& state,
                            std::vector<double>& sigma) {
   constexpr double kRange = 0.06;  // [m]: two half waves at 5 GHz
-  constexpr double kStep = 0.001;
+  constexpr double kStep = 0.001;  // [m], chosen: a thirtieth of a half wave at 5 GHz
   for (std::uint32_t i = 0; i < context.unknowns.size(); ++i) {
     if (context.unknowns[i].kind != Unknown::Kind::kSurfaceOffset || sigma[i] <= 0.0) {
       continue;
