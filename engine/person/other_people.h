@@ -21,6 +21,7 @@
 namespace rayloc {
 
 struct OtherPeople {
+  // A count, chosen: the strongest ways in which others may be wrong.
   static constexpr std::size_t kMostColumns = 6;
   std::vector<std::complex<double>> added;                // [coordinate]; empty: nobody
   std::vector<std::vector<std::complex<double>>> spread;  // S, [column][coordinate]

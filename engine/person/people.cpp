@@ -6,13 +6,14 @@
 namespace rayloc {
 namespace {
 
+// A count, chosen: one array does not tell a pair from one person.
 constexpr std::size_t kLeastArrays = 2;
 // Who is explained as well as this (PersonMap::misfit) is alone: 37 of 38 pairs were not.
 constexpr double kExplained = 1.2;
 // Places of one from which a pair is looked for: four find the same pairs as two, in twice the
 // time.
 constexpr std::size_t kStarts = 2;
-constexpr int kTurns = 2;
+constexpr int kTurnsOfEach = 2;  // a count, chosen: each of a pair is moved so often
 
 struct Settled {
   std::array<PersonSample, 2> places;
@@ -24,7 +25,7 @@ Settled settle(const PersonLocalizer& localizer,
                const PersonObservation& observation,
                double likelihood_exponent,
                Settled pair) {
-  for (int turn = 0; turn < 2 * kTurns; ++turn) {
+  for (int turn = 0; turn < 2 * kTurnsOfEach; ++turn) {
     PersonSample& one = pair.places[static_cast<std::size_t>(turn) % 2];
     const std::array others = {pair.places[static_cast<std::size_t>(turn + 1) % 2]};
     const PersonMap map = localizer.map(observation, likelihood_exponent, {others, one});

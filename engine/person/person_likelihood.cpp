@@ -40,7 +40,7 @@ void add_outer(double weight,
   }
 }
 
-constexpr double kLeastPower = 1e-12;
+constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
 // Of one value, by second differences along the tones, where noise has six times its variance. The
 // array is aligned to the empty room: echoes of a room turn by a tenth of a radian from one tone to

@@ -70,6 +70,7 @@ struct PersonStand {
 
 class PersonLikelihood {
  public:
+  // A count, chosen: 2 ns apart about the empty room's, 4 ns to either side.
   static constexpr std::size_t kDelays = 5;
   static_assert(kDelays <= kLaneCount);
 

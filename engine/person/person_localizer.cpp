@@ -19,8 +19,8 @@ namespace {
 // Of the squares that are looked at closely: within this of the best as a whole, in units of the
 // tempered log-likelihood, and no more than this.
 constexpr double kCloseMargin = 25.0;
-constexpr std::size_t kMostClose = 600;
-constexpr double kNowhere = -1e4;
+constexpr std::size_t kMostClose = 600;  // a count of squares, chosen: bounds the time of a fix
+constexpr double kNowhere = -1e4;        // [nat], chosen: no mass at all
 // What is about a place [m].
 constexpr double kAbout = 0.3;
 // Probability that what an access point hears has changed as no person changes it.

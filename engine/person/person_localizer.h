@@ -72,7 +72,7 @@ struct PersonMap {
   // that is, over all arrays, up to a constant of the measurement; and what it leaves unexplained,
   // in units of what the model expects to: about 1.
   static constexpr double kApart = 0.3;      // [m]
-  static constexpr std::size_t kPlaces = 4;  // at most
+  static constexpr std::size_t kPlaces = 4;  // a count of places, at most
   std::vector<PersonSample> places;
   double best_log_likelihood = 0.0;
   double misfit = 1.0;

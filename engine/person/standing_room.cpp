@@ -18,7 +18,7 @@ constexpr double kMovableWidth = 0.7;   // [m], the longer side
 constexpr double kFeet = 0.1;           // [m]: carpets and thresholds are stepped over
 // A person comes nearer to things than the body's radius: plans are centimetres off, people soft.
 constexpr double kElbowRoom = 0.5;  // of the radius
-constexpr int kDirections = 8;
+constexpr int kDirections = 8;      // a count, chosen: 45 degrees apart, on the rim of a body
 
 struct Box {
   Vec3d min{std::numeric_limits<double>::max(),

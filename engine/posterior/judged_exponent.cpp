@@ -82,11 +82,12 @@ JudgedExponent judge_exponent(double exponent,
       best = {exponent, sigma, std::move(scores), score, 0.0};
     }
   }
-  constexpr double kLast = 0.999;
+  // A probability, chosen: no region is asked for a larger one.
+  constexpr double kWidestRegion = 0.999;
   std::vector<double> reaching;
   for (std::size_t i = 0; i < estimates.size(); ++i) {
     const auto one = region_reaching(with(i, best.least_sigma), spots.places[i]);
-    reaching.push_back(std::clamp(one.value_or(kLast), 1.0 - kLast, kLast));
+    reaching.push_back(std::clamp(one.value_or(kWidestRegion), 1.0 - kWidestRegion, kWidestRegion));
   }
   best.dishonesty = dishonesty(std::move(reaching));
   return best;

@@ -21,7 +21,7 @@ constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothes
 // Pieces of one broad hill: no farther apart than this [m], and than so many of their spreads.
 // Neighbouring pieces are 1.5 to 2 apart, peaks with a valley between 3 and more.
 constexpr double kTouch = 0.65;
-constexpr double kSpreads = 2.3;
+constexpr double kSpreads = 2.3;            // a ratio to the sum of both spreads
 constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
 constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
@@ -250,14 +250,15 @@ CellMoments without(const CellMoments& all, const CellMoments& best, double shar
 
 // Adds the mass of a cell, in two parts where its best place is known.
 void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
-  constexpr double kAll = 1.0 - 1e-9;
+  // A ratio, chosen: a cell whose best place has this much is one part.
+  constexpr double kOnePartShare = 1.0 - 1e-9;
   const Vec3d centre = masses.grid.centre(cell);
   const double least = masses.least_sigma * masses.least_sigma;
   const auto add = [&](double mass, const CellMoments& m) {
     parts.push_back({mass, centre.x + m.x, centre.y + m.y, m.xx + least, m.xy, m.yy + least});
   };
   const double mass = masses.mass[cell];
-  if (masses.within.empty() || masses.within[cell].best_share > kAll) {
+  if (masses.within.empty() || masses.within[cell].best_share > kOnePartShare) {
     add(mass, masses.moments(cell));
     return;
   }

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kGrowth = 1.2;
+constexpr double kGrowth = 1.2;  // a ratio, chosen: from one radius that is tried to the next
 // Middles are a radius over this apart, and a cell at least.
 constexpr double kMiddles = 8.0;
 

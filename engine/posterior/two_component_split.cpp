@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kIterations = 30;
+constexpr int kIterations = 30;      // a count, chosen: of expectation and maximization
 constexpr double kLeastGain = 0.1;   // [nat]
 constexpr double kLeastMass = 1e-4;  // of the hill, of a component
 constexpr double kStartShare = 0.5;  // of the hill's mass, the densest, that the core begins with

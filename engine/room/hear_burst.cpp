@@ -11,10 +11,11 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMotionWarning = 0.1;
+constexpr double kMotionWarning = 0.1;  // a ratio, as Burst::motion_residual; chosen
 // [dB], of the mean power of the others. With all chains alive, 250 bursts of two rooms had none
 // below -18.3; without an antenna, noise and coupling leave -23 or less.
 constexpr double kDeadChain = -20.0;
+// A ratio, chosen: a silent chain is -120 dB and not infinite.
 constexpr double kLeastShare = 1e-12;
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kDirections = 8;
+constexpr int kDirections = 8;  // a count, METHODS B6: 45 degrees apart
 // Probability below which a cell is empty; keeps the arithmetic out of the subnormal numbers.
 constexpr float kEmpty = 1e-30F;
 

@@ -11,7 +11,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kLeastWeight = 0.02;  // of a moment that is worth working out the map for
-constexpr double kLeastMass = 1e-300;
+constexpr double kLeastMass = 1e-300;  // a probability, chosen: keeps its logarithm finite
 // Height at which walls are in the way of a walk and chairs are not, share of the body's.
 constexpr double kWalkHeight = 0.8;
 // Share of the power by which two frames of a room at rest differ beyond noise: the phases of

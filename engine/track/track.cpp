@@ -7,9 +7,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastWeight = 0.02;  // of a burst that is worth working out the map for
-constexpr double kLeastMass = 1e-300;
+constexpr double kLeastWeight = 0.02;   // of a burst that is worth working out the map for
+constexpr double kLeastMass = 1e-300;   // a probability, chosen: keeps its logarithm finite
 constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
+// [s], chosen: a step or two of a walk.
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
 std::vector<double> logarithm(std::vector<double> mass) {

@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-constexpr int kRounds = 5;
-constexpr std::size_t kTaken = 2;  // one frame of so many
+constexpr int kRounds = 5;  // a count, chosen: the background and the frames nearest to it, in turn
+constexpr std::size_t kFramesPerQuiet = 2;  // a count: the quietest frame of so many is kept
 
 struct Heard {
   const CsiFrame* frame;
@@ -37,7 +37,7 @@ std::optional<BurstObservation> hear_background(const RoomModel& room,
     }
   }
   const Aligner aligner(room.grid);
-  for (int round = 0; round < kRounds && background && heard.size() > kTaken; ++round) {
+  for (int round = 0; round < kRounds && background && heard.size() > kFramesPerQuiet; ++round) {
     for (Heard& one : heard) {
       one.correlation = aligner.align(background->h, one.h).correlation;
     }
@@ -45,7 +45,7 @@ std::optional<BurstObservation> hear_background(const RoomModel& room,
       return a.correlation > b.correlation;
     });
     std::vector<CsiFrame> quiet;
-    for (std::size_t i = 0; i < heard.size() / kTaken; ++i) {
+    for (std::size_t i = 0; i < heard.size() / kFramesPerQuiet; ++i) {
       quiet.push_back(*heard[i].frame);
     }
     background = hear(room, access_point, quiet, options, warnings);

@@ -12,11 +12,11 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kParts = 3;
+constexpr std::size_t kFolds = 3;  // a count, chosen: each third is judged by what the others say
 // Spots from which the most that a second person explains is known, and the least that it is said
 // to be.
 constexpr std::size_t kLeastSpots = 20;
-constexpr double kLeastGain = 20.0;
+constexpr double kLeastGain = 20.0;  // [nat], chosen: a second person is said to explain no less
 
 // What the best second person explains; 0 where none is looked for.
 double second_gain(const PersonLocalizer& localizer, const PersonObservation& observation) {
@@ -43,10 +43,10 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
   std::array<std::vector<LocationEstimate>, kExponents.size()> estimates;  // by spot
   KnownSpots known{{}, options.place_sigma, room.area()};
   double gain = kLeastGain;
-  for (std::size_t part = 0; part < kParts; ++part) {
+  for (std::size_t part = 0; part < kFolds; ++part) {
     std::vector<PersonSpot> others;
     for (std::size_t s = 0; s < spots.size(); ++s) {
-      if (s % kParts != part) {
+      if (s % kFolds != part) {
         others.push_back(spots[s]);
       }
     }
@@ -58,7 +58,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
     if (!localizer) {
       return tl::make_unexpected(localizer.error());
     }
-    for (std::size_t s = part; s < spots.size(); s += kParts) {
+    for (std::size_t s = part; s < spots.size(); s += kFolds) {
       const PersonObservation observation = localizer->hear(frames[s]);
       if (observation.arrays.empty()) {
         continue;

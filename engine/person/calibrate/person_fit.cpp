@@ -16,12 +16,16 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kSquare = 0.06;  // [m], about a known place
-constexpr std::size_t kSamples = 11;
-constexpr int kPhases = 24;
+constexpr double kSquare = 0.06;      // [m], about a known place
+constexpr std::size_t kSamples = 11;  // a count along a side, chosen: 6 mm apart over kSquare
+constexpr int kPhases = 24;           // a count, chosen: 15 degrees apart
+// Ratios to a body's wave, chosen: 2 to 4 dB apart.
 constexpr std::array<double, 6> kLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
+// Ratios of a ray's power, chosen: 3 dB apart.
 constexpr std::array<double, 6> kVariances = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+// Ratios of the traced power, chosen: 3 dB apart.
 constexpr std::array<double, 6> kDiffuse = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+// Ratios of all the power, chosen: 3 to 4 dB apart.
 constexpr std::array<double, 6> kNoise = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
 constexpr double kLevelSigma = 0.3;  // of the logarithm of |a|
 

@@ -17,7 +17,8 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr PatchPlan kPlan{0.0, 0.0, 0.042, 7};  // about a known place
-constexpr int kPhases = 24;
+constexpr int kPhases = 24;                     // a count, chosen: 15 degrees apart
+// Ratios to a body's wave, chosen: 2 to 3 dB apart.
 constexpr std::array<double, 5> kLevels = {0.5, 0.7, 0.9, 1.1, 1.4};
 constexpr double kLevelSigma = 0.3;  // of the logarithm of the level
 constexpr double kCoarse = 0.005;    // [m], step of the scan of the transmitter's place
@@ -25,8 +26,8 @@ constexpr int kCoarseSteps = 3;      // on each side
 constexpr double kFine = 0.001;      // [m], last step of the search
 // What is wrong with a person's rays while the geometry is unknown.
 constexpr double kVariance = 0.3;
-constexpr double kDiffuse = 0.3;
-constexpr double kNoise = 1e-3;
+constexpr double kDiffuse = 0.3;  // a ratio, as PersonModel::diffuse
+constexpr double kNoise = 1e-3;   // a ratio, as PersonModel::noise
 
 // A spot as one link heard it.
 struct Spot {
