@@ -42,7 +42,7 @@ void count_phases(const std::vector<double>& sigma, CalibratedAccessPoint& acces
   }
   // A phase that all have in common says nothing.
   variance *= 1.0 - 1.0 / static_cast<double>(sigma.size());
-  CalibratedValue& noise = access_point.noise;
+  Fitted<double>& noise = access_point.noise;
   const double calibrated = noise.sigma > 0.0 ? noise.value : noise.prior;
   noise = {std::max(calibrated, std::min(variance, 1.0)), calibrated, 0.0};
 }

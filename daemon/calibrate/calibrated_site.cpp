@@ -15,14 +15,12 @@
 namespace rayloc {
 namespace {
 
-CalibratedValue stated(const FittedValue& value) { return {value.value, value.prior, value.sigma}; }
-
-// A change of the pose; as sure as the parameter of that name, where there is one.
-CalibratedValue stated(double change,
-                       const std::string& name,
-                       std::span<const RoomParameter> parameters) {
+// A change of the pose; as sure as that parameter, where there is one.
+Fitted<double> stated(double change,
+                      const ParameterId& id,
+                      std::span<const RoomParameter> parameters) {
   const auto found = std::find_if(
-      parameters.begin(), parameters.end(), [&](const auto& one) { return one.name == name; });
+      parameters.begin(), parameters.end(), [&](const auto& one) { return one.id == id; });
   return {change, 0.0, found == parameters.end() ? 0.0 : found->sigma};
 }
 
@@ -34,9 +32,9 @@ std::string chain_name(const CalibratedAccessPoint& ap, std::size_t core) {
 // Where the method fitted the chains with the room, they are as sure as it says.
 void state_chains(std::span<const RoomParameter> parameters, CalibratedAccessPoint& ap) {
   for (std::size_t core = 1; core < ap.gains.cores.size(); ++core) {
-    const std::string phase = chain_name(ap, core) + ".phase";
+    const ParameterId phase{chain_name(ap, core), Quantity::kPhase};
     for (const RoomParameter& parameter : parameters) {
-      if (parameter.name == phase && parameter.sigma > 0.0) {
+      if (parameter.id == phase && parameter.sigma > 0.0) {
         ap.gain_sigma[core] = kDegree * parameter.sigma;
         ap.gain_sigma[0] = 0.0;  // the others are against it
       }
@@ -59,23 +57,23 @@ std::vector<CalibratedAccessPoint> calibrated_access_points(
     CalibratedAccessPoint ap;
     ap.id = after.id;
     ap.points = result.fit.samples_used;
-    const auto changed = [&](double change, const char* name) {
-      return stated(change, after.id + "." + name, calibrated.parameters);
+    const auto changed = [&](double change, Quantity quantity) {
+      return stated(change, {after.id, quantity}, calibrated.parameters);
     };
-    ap.position_x = changed(stands.position.x - stood.position.x, "position.x");
-    ap.position_y = changed(stands.position.y - stood.position.y, "position.y");
-    ap.position_z = changed(stands.position.z - stood.position.z, "position.z");
-    ap.yaw_offset = changed(stands.orientation.yaw - stood.orientation.yaw, "yaw");
+    ap.position_x = changed(stands.position.x - stood.position.x, Quantity::kPositionX);
+    ap.position_y = changed(stands.position.y - stood.position.y, Quantity::kPositionY);
+    ap.position_z = changed(stands.position.z - stood.position.z, Quantity::kPositionZ);
+    ap.yaw_offset = changed(stands.orientation.yaw - stood.orientation.yaw, Quantity::kYaw);
     ap.yaw_offset.value += result.fit.yaw_offset.value;
     // Where the yaw was held here, the calibration before has found it.
     ap.yaw_offset.sigma = std::max(ap.yaw_offset.sigma, result.fit.yaw_offset.sigma);
-    ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, "pitch");
-    ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, "roll");
-    ap.plan_tolerance = stated(result.fit.error.plan_tolerance);
-    ap.diffuse = stated(result.fit.error.diffuse);
-    ap.diffuse_exponent = stated(result.fit.error.diffuse_exponent);
-    ap.diffuse_decay = stated(result.fit.error.diffuse_decay);
-    ap.noise = stated(result.fit.error.noise);
+    ap.pitch_offset = changed(stands.orientation.pitch - stood.orientation.pitch, Quantity::kPitch);
+    ap.roll_offset = changed(stands.orientation.roll - stood.orientation.roll, Quantity::kRoll);
+    ap.plan_tolerance = result.fit.error.plan_tolerance;
+    ap.diffuse = result.fit.error.diffuse;
+    ap.diffuse_exponent = result.fit.error.diffuse_exponent;
+    ap.diffuse_decay = result.fit.error.diffuse_decay;
+    ap.noise = result.fit.error.noise;
     ap.gains = result.fit.gains;
     ap.gain_sigma = result.fit.gain_sigma;
     state_chains(calibrated.parameters, ap);
@@ -93,7 +91,7 @@ void count_yaw_from_survey(const RoomModel& surveyed,
                            std::vector<RoomParameter>& parameters) {
   for (RoomParameter& parameter : parameters) {
     for (std::size_t a = 0; a < surveyed.access_points.size(); ++a) {
-      if (parameter.name == surveyed.access_points[a].id + ".yaw") {
+      if (parameter.id == ParameterId{surveyed.access_points[a].id, Quantity::kYaw}) {
         parameter.value += start.access_points[a].array.pose.orientation.yaw -
                            surveyed.access_points[a].array.pose.orientation.yaw;
       }
@@ -108,14 +106,12 @@ std::vector<RoomParameter> chain_parameters(const CalibratedAccessPoint& ap) {
     const std::complex<double> ratio = chain_ratio(ap.gains, core);
     const std::string name = chain_name(ap, core);
     const double sigma = std::hypot(ap.gain_sigma[core], ap.gain_sigma[0]);
-    parameters.push_back(
-        {name + ".gain", "dB", kDecibels * std::log(std::abs(ratio)), 0.0, 0.0, kDecibels * sigma});
-    parameters.push_back({name + ".phase",
-                          "deg",
-                          kDegreesPerRadian * std::arg(ratio),
-                          0.0,
-                          0.0,
-                          kDegreesPerRadian * sigma});
+    parameters.push_back({{kDecibels * std::log(std::abs(ratio)), 0.0, kDecibels * sigma},
+                          {name, Quantity::kGain},
+                          "dB"});
+    parameters.push_back({{kDegreesPerRadian * std::arg(ratio), 0.0, kDegreesPerRadian * sigma},
+                          {name, Quantity::kPhase},
+                          "deg"});
   }
   return parameters;
 }
@@ -127,24 +123,23 @@ std::vector<RoomParameter> model_parameters(const CalibratedAccessPoint& access_
     if (name.rfind("position", 0) == 0 || name == "pitch_offset" || name == "roll_offset") {
       continue;  // a method that moves the access point states them itself
     }
-    const CalibratedValue& value = access_point.*named.value;
     parameters.push_back(
-        {access_point.id + "." + name, named.unit, value.value, value.prior, 0.0, value.sigma});
+        {access_point.*named.value, parse_parameter_id(access_point.id + "." + name), named.unit});
   }
   return parameters;
 }
 
 void add_common_parameters(const CalibratedAccessPoint& ap,
                            std::vector<RoomParameter>& parameters) {
-  const auto states = [&, stated = parameters.size()](const std::string& name) {
+  const auto states = [&, stated = parameters.size()](const ParameterId& id) {
     const auto end = parameters.begin() + static_cast<std::ptrdiff_t>(stated);
-    return std::find_if(
-               parameters.begin(), end, [&](const auto& one) { return one.name == name; }) != end;
+    return std::find_if(parameters.begin(), end, [&](const auto& one) { return one.id == id; }) !=
+           end;
   };
   for (const auto& more : {model_parameters(ap), chain_parameters(ap)}) {
     for (const RoomParameter& parameter : more) {
-      const bool yaw = parameter.name == ap.id + ".yaw_offset";
-      if (!states(yaw ? ap.id + ".yaw" : parameter.name)) {
+      const bool yaw = parameter.id.quantity == Quantity::kYawOffset;
+      if (!states(yaw ? ParameterId{ap.id, Quantity::kYaw} : parameter.id)) {
         parameters.push_back(parameter);
       }
     }

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::int64_t kFormat = 2;
 
-std::string value_text(const CalibratedValue& value, const char* unit) {
+std::string value_text(const Fitted<double>& value, const char* unit) {
   return "{ value = " + to_text(value.value) + ", unit = \"" + unit +
          "\", prior = " + to_text(value.prior) + ", sigma = " + to_text(value.sigma) + " }";
 }
@@ -56,8 +56,8 @@ std::string level_text(const TransmitterLevel& level) {
          "\n";
 }
 
-CalibratedValue read_value(const TomlTable& table, std::string_view key, NumberRange range) {
-  CalibratedValue result;
+Fitted<double> read_value(const TomlTable& table, std::string_view key, NumberRange range) {
+  Fitted<double> result;
   const auto child = table.table(key);
   if (!child) {
     table.error_at(key, "'" + std::string(key) + "' is missing; calibrate again");
@@ -181,12 +181,12 @@ CalibratedSurface read_surface(const TomlTable& table) {
 
 RoomParameter read_parameter(const TomlTable& table) {
   table.require({{"name", "name = \"wall.offset\""}, {"value", "value = 0.0"}});
-  return {table.string("name").value_or(""),
+  return {{table.number("value", {}).value_or(0.0),
+           table.number("prior", {}).value_or(0.0),
+           table.number("sigma", {}).value_or(0.0)},
+          parse_parameter_id(table.string("name").value_or("")),
           table.string("unit").value_or(""),
-          table.number("value", {}).value_or(0.0),
-          table.number("prior", {}).value_or(0.0),
-          table.number("prior_sigma", {}).value_or(0.0),
-          table.number("sigma", {}).value_or(0.0)};
+          table.number("prior_sigma", {}).value_or(0.0)};
 }
 
 std::string surface_text(const CalibratedSurface& surface) {
@@ -207,7 +207,7 @@ std::string quoted(const std::string& text) {
 }
 
 std::string parameter_text(const RoomParameter& parameter) {
-  return "\n[[parameter]]\nname = " + quoted(parameter.name) +
+  return "\n[[parameter]]\nname = " + quoted(to_string(parameter.id)) +
          "\nunit = " + quoted(parameter.unit) + "\nvalue = " + to_text(parameter.value) +
          "\nprior = " + to_text(parameter.prior) +
          "\nprior_sigma = " + to_text(parameter.prior_sigma) +

@@ -24,27 +24,20 @@
 
 namespace rayloc {
 
-// A fitted number. sigma 0: the data did not bound it.
-struct CalibratedValue {
-  double value = 0.0;
-  double prior = 0.0;
-  double sigma = 0.0;
-};
-
 struct CalibratedAccessPoint {
   std::string id;
-  std::size_t points = 0;      // surveyed points that it rests on
-  CalibratedValue position_x;  // [m], added to the surveyed place
-  CalibratedValue position_y;
-  CalibratedValue position_z;
-  CalibratedValue yaw_offset;  // [rad], added to the surveyed angles
-  CalibratedValue pitch_offset;
-  CalibratedValue roll_offset;
-  CalibratedValue plan_tolerance;  // [m]
-  CalibratedValue diffuse;
-  CalibratedValue diffuse_exponent;
-  CalibratedValue diffuse_decay{kDiffuseDecay, kDiffuseDecay, 0.0};  // [s]
-  CalibratedValue noise;
+  std::size_t points = 0;     // surveyed points that it rests on
+  Fitted<double> position_x;  // [m], added to the surveyed place
+  Fitted<double> position_y;
+  Fitted<double> position_z;
+  Fitted<double> yaw_offset;  // [rad], added to the surveyed angles
+  Fitted<double> pitch_offset;
+  Fitted<double> roll_offset;
+  Fitted<double> plan_tolerance;  // [m]
+  Fitted<double> diffuse;
+  Fitted<double> diffuse_exponent;
+  Fitted<double> diffuse_decay{kDiffuseDecay, kDiffuseDecay, 0.0};  // [s]
+  Fitted<double> noise;
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core [rad]
   std::vector<double> element_y;   // [m], of each core's antenna, added to its y in the array
@@ -62,9 +55,9 @@ struct CalibrationFile {
   std::string scene_hash;
   std::string points_hash;            // of the surveyed points
   std::string method = "gains-only";  // or "joint", "paper"
-  CalibratedValue likelihood_exponent;
-  CalibratedValue least_sigma{0.01, 0.01, 0.0};  // [m]
-  int ray_depth = kRayDepth;                     // RoomModel::trace
+  Fitted<double> likelihood_exponent;
+  Fitted<double> least_sigma{0.01, 0.01, 0.0};  // [m]
+  int ray_depth = kRayDepth;                    // RoomModel::trace
   bool transmission = false;
   std::vector<CalibratedAccessPoint> access_points;
   std::vector<CalibratedSurface> surfaces;  // those whose correction is not 1
@@ -82,7 +75,7 @@ Expected<CalibrationFile> parse_calibration_file(std::string_view text,
 struct NamedValue {
   const char* name;
   const char* unit;
-  CalibratedValue CalibratedAccessPoint::*value;
+  Fitted<double> CalibratedAccessPoint::*value;
   NumberRange range = {};  // of what a file may say
 };
 const std::vector<NamedValue>& calibrated_values();

@@ -29,7 +29,7 @@ constexpr double kEvidence = 0.1;
 // The maximum of a function on a list of values: scans it, and takes the parabola through the best
 // and its neighbours for the maximum and its width.
 template <typename Function>
-FittedValue maximise(const std::vector<double>& values, double prior, const Function& function) {
+Fitted<double> maximise(const std::vector<double>& values, double prior, const Function& function) {
   std::vector<double> height;
   height.reserve(values.size());
   for (const double value : values) {
@@ -37,7 +37,7 @@ FittedValue maximise(const std::vector<double>& values, double prior, const Func
   }
   const auto best =
       static_cast<std::size_t>(std::max_element(height.begin(), height.end()) - height.begin());
-  FittedValue result{values[best], prior, 0.0};
+  Fitted<double> result{values[best], prior, 0.0};
   if (best == 0 || best + 1 == values.size()) {
     return result;
   }

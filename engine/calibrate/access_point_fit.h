@@ -35,7 +35,7 @@ struct CalibrationSample {
 struct AccessPointFit {
   ChainGains gains;
   std::vector<double> gain_sigma;  // of each core, relative to the gain's magnitude
-  FittedValue yaw_offset;          // [rad], to be added to the surveyed yaw
+  Fitted<double> yaw_offset;       // [rad], to be added to the surveyed yaw
   FittedModelError error;
   std::size_t samples_used = 0;
 };

@@ -17,7 +17,7 @@ namespace {
 // nothing can be told or is wanted: no plan and survey is better than half a millimetre, and the
 // more the noise of a weak burst exceeds the model's, the worse a map tells it (burst_noise.h).
 struct Unknown {
-  FittedValue FittedModelError::*value;
+  Fitted<double> FittedModelError::*value;
   bool is_scale;
   double width;  // standard deviation of the prior, octaves if it is a scale
   double floor;
@@ -50,7 +50,7 @@ double value_at(const Unknown& unknown, double coordinate) {
   return unknown.is_scale ? unknown.floor + std::exp2(coordinate) : coordinate;
 }
 
-Point point_of(const FittedModelError& fit, double FittedValue::*what) {
+Point point_of(const FittedModelError& fit, double Fitted<double>::*what) {
   Point point;
   for (int i = 0; i < kCount; ++i) {
     const Unknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
@@ -63,7 +63,7 @@ FittedModelError fit_at(const Point& point, const Point& sigma) {
   FittedModelError fit = assumed_model_error();
   for (int i = 0; i < kCount; ++i) {
     const Unknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
-    FittedValue& found = fit.*unknown.value;
+    Fitted<double>& found = fit.*unknown.value;
     found.value = value_at(unknown, point(i));
     found.sigma =
         sigma(i) * (unknown.is_scale ? std::numbers::ln2 * (found.value - unknown.floor) : 1.0);
@@ -75,7 +75,8 @@ FittedModelError fit_at(const Point& point, const Point& sigma) {
 class Cost final : public ceres::FirstOrderFunction {
  public:
   explicit Cost(const std::function<double(const ModelError&)>& log_evidence)
-      : log_evidence_(log_evidence), prior_(point_of(assumed_model_error(), &FittedValue::prior)) {}
+      : log_evidence_(log_evidence),
+        prior_(point_of(assumed_model_error(), &Fitted<double>::prior)) {}
 
   double at(const Point& point) const {
     Point within = point;
@@ -133,7 +134,7 @@ class Cost final : public ceres::FirstOrderFunction {
 
 FittedModelError assumed_model_error() {
   const ModelError assumed;
-  const auto at = [](double value) { return FittedValue{value, value, 0.0}; };
+  const auto at = [](double value) { return Fitted<double>{value, value, 0.0}; };
   return {at(assumed.plan_tolerance),
           at(assumed.diffuse),
           at(assumed.diffuse_exponent),
@@ -152,7 +153,7 @@ FittedModelError fit_model_error(const std::function<double(const ModelError&)>&
   options.function_tolerance = kConverged;
   options.logging_type = ceres::SILENT;
   ceres::GradientProblemSolver::Summary summary;
-  Point point = point_of(start, &FittedValue::value);
+  Point point = point_of(start, &Fitted<double>::value);
   ceres::Solve(options, problem, point.data(), &summary);
   return fit_at(point, cost.sigma(point));
 }

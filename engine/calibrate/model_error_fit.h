@@ -7,23 +7,17 @@
 
 #include <functional>
 
+#include "engine/room/fitted.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
 
-// A fitted number, with what was assumed before and how sure the fit is.
-struct FittedValue {
-  double value = 0.0;
-  double prior = 0.0;
-  double sigma = 0.0;  // standard deviation; 0 when the data do not bound it
-};
-
 struct FittedModelError {
-  FittedValue plan_tolerance;  // [m]
-  FittedValue diffuse;
-  FittedValue diffuse_exponent;
-  FittedValue diffuse_decay;  // [s]
-  FittedValue noise;
+  Fitted<double> plan_tolerance;  // [m]
+  Fitted<double> diffuse;
+  Fitted<double> diffuse_exponent;
+  Fitted<double> diffuse_decay;  // [s]
+  Fitted<double> noise;
 
   ModelError value() const {
     return {plan_tolerance.value,

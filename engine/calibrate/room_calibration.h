@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "engine/base/vec3.h"
+#include "engine/room/fitted.h"
+#include "engine/room/parameter_id.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
@@ -23,14 +25,10 @@ struct CalibrationPoint {
 };
 
 // A number of the model that was fitted.
-struct RoomParameter {
-  std::string
-      name;  // "wall_west.+x.offset", "ap1.position.x", "plasterboard.relative_permittivity"
-  std::string unit;  // "m", "rad", "S/m", "1"; of chains "dB" and "deg"
-  double value = 0.0;
-  double prior = 0.0;        // what the floor plan, the survey or the table said
-  double prior_sigma = 0.0;  // how far that may be off; 0: nothing was assumed
-  double sigma = 0.0;        // posterior standard deviation; 0: the data do not bound it
+struct RoomParameter : Fitted<double> {
+  ParameterId id;
+  std::string unit;          // "m", "rad", "S/m", "1"; of chains "dB" and "deg"
+  double prior_sigma = 0.0;  // how far the prior may be off; 0: nothing was assumed
 };
 
 // How well a point is explained: the squared normalised correlation |<h, h'>|^2 / (|h|^2 |h'|^2) of

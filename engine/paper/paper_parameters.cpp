@@ -77,23 +77,22 @@ Expected<std::shared_ptr<const Scene>> PaperParameters::scene_with(const Values&
 }
 
 std::vector<RoomParameter> PaperParameters::describe(const Values& values) const {
-  // [m], world axes: the ends of the names of an object's translations.
-  static constexpr std::array<const char*, 3> kAxes = {".x", ".y", ".z"};
+  // An object's translations, along the world's axes.
+  static constexpr std::array kAxes = {
+      Quantity::kTranslationX, Quantity::kTranslationY, Quantity::kTranslationZ};
   std::vector<RoomParameter> result;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const std::string& object = scene_->objects()[objects_[i].index].name;
-    result.push_back({object + kAxes[i % 3], "m", values.translation[i], 0.0, 0.0, 0.0});
+    result.push_back({{values.translation[i], 0.0, 0.0}, {object, kAxes[i % 3]}, "m"});
   }
   const Values before = initial();
   for (std::size_t i = 0; i < materials_.size(); ++i) {
     const std::string& material = scene_->materials()[materials_[i].index].name;
     const bool conductivity = materials_[i].kind == Kind::kConductivity;
-    result.push_back({material + (conductivity ? ".conductivity" : ".relative_permittivity"),
-                      conductivity ? "S/m" : "1",
-                      values.material[i],
-                      before.material[i],
-                      0.0,
-                      0.0});
+    result.push_back(
+        {{values.material[i], before.material[i], 0.0},
+         {material, conductivity ? Quantity::kConductivity : Quantity::kRelativePermittivity},
+         conductivity ? "S/m" : "1"});
   }
   return result;
 }

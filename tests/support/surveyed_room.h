@@ -34,7 +34,7 @@ struct SurveyedRoom {
   RoomModel built;  // with the chain gains that the measured arrays have
   std::vector<CalibrationPoint> points;
   std::vector<Vec3d> survey_error;  // [m], of each point: where it was less where it is stated
-  // By the names of unknown_name(): the truth of what differs, in the unit of RoomParameter; what
+  // By the names of parameter_id(): the truth of what differs, in the unit of RoomParameter; what
   // is not named is as planned.
   std::map<std::string, double> truth;
 };

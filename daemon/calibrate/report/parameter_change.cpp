@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 namespace rayloc {
 namespace {
@@ -11,17 +10,13 @@ namespace {
 constexpr double kNoBetter = 0.9;
 constexpr double kFar = 3.0;  // prior sigmas
 
-bool is_offset(const RoomParameter& parameter) {
-  return parameter.unit == "m" && std::string_view(parameter.name).ends_with(".offset");
-}
-
 std::string caution_of(const ParameterChange& change, double wavelength) {
   const RoomParameter& parameter = change.parameter;
   if (!(parameter.sigma > 0.0)) {
     return "not bounded by the data";
   }
   const double cycle_sigma = 0.5 * wavelength / std::sqrt(12.0);
-  if (is_offset(parameter) && parameter.sigma > cycle_sigma) {
+  if (parameter.id.quantity == Quantity::kSurfaceOffset && parameter.sigma > cycle_sigma) {
     return "several half-wave cycles possible";
   }
   if (parameter.prior_sigma > 0.0 && parameter.sigma >= kNoBetter * parameter.prior_sigma) {

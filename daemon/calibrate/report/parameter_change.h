@@ -21,7 +21,7 @@ struct ParameterChange {
 
 // Those that moved most of their prior's sigmas first, then those without a prior.
 //
-// A reflection repeats when its surface moves by half a wavelength, so an ".offset" whose posterior
+// A reflection repeats when its surface moves by half a wavelength, so an offset whose posterior
 // is wider than a uniform one over half a wavelength is not known to its cycle. `wavelength` [m].
 std::vector<ParameterChange> parameter_changes(const std::vector<RoomParameter>& parameters,
                                                double wavelength);

@@ -219,7 +219,7 @@ std::vector<std::string> change_row(const ParameterChange& change) {
       parameter.prior_sigma > 0.0
           ? fmt::format(" \u00b1 {:.2g}", unit.scale * parameter.prior_sigma)
           : "";
-  return {parameter.name,
+  return {to_string(parameter.id),
           fmt::format("{:+.4g} {}", unit.scale * change.by, unit.name),
           change.prior_sigmas ? fmt::format("{:.2f}", *change.prior_sigmas) : kNone,
           fmt::format("{:.5g}{} {}", unit.scale * parameter.value, sigma, unit.name),

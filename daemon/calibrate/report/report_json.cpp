@@ -54,7 +54,7 @@ Json rays_json(const TraceOptions& rays) {
 Json parameters_json(const std::vector<RoomParameter>& parameters) {
   Json all = Json::array();
   for (const RoomParameter& one : parameters) {
-    all.push_back({{"name", one.name},
+    all.push_back({{"name", to_string(one.id)},
                    {"value", one.value},
                    {"unit", one.unit},
                    {"prior", one.prior},
@@ -67,7 +67,7 @@ Json parameters_json(const std::vector<RoomParameter>& parameters) {
 Json moved_json(const std::vector<RoomParameter>& parameters, double wavelength) {
   Json all = Json::array();
   for (const ParameterChange& change : parameter_changes(parameters, wavelength)) {
-    Json one = {{"name", change.parameter.name},
+    Json one = {{"name", to_string(change.parameter.id)},
                 {"by", change.by},
                 {"unit", change.parameter.unit},
                 {"prior_sigmas", change.prior_sigmas ? Json(*change.prior_sigmas) : Json()}};

@@ -68,13 +68,13 @@ std::string surface_name(const Scene& scene, std::uint32_t s) {
 }
 
 // "ap1.core2/core0.coupling.re": what the antenna of core 2 takes from that of core 0.
-std::string coupling_name(const Unknown& unknown, const RoomAccessPoint& ap) {
+ParameterId coupling_id(const Unknown& unknown, const RoomAccessPoint& ap) {
   const std::size_t others = ap.cores.size() - 1;
   const std::size_t to = unknown.part / 2 / others;
   const std::size_t from = unknown.part / 2 % others;
-  return ap.id + ".core" + std::to_string(ap.cores[to]) + "/core" +
-         std::to_string(ap.cores[from < to ? from : from + 1]) + ".coupling" +
-         (unknown.part % 2 == 0 ? ".re" : ".im");
+  return {ap.id + ".core" + std::to_string(ap.cores[to]) + "/core" +
+              std::to_string(ap.cores[from < to ? from : from + 1]),
+          unknown.part % 2 == 0 ? Quantity::kCouplingReal : Quantity::kCouplingImaginary};
 }
 
 // Adds a coupling (RoomUnknowns::coupling()) between the antennas and that of the gains.
@@ -206,43 +206,46 @@ Expected<RoomModel> changed_room(const RoomModel& original,
   return room;
 }
 
-std::string unknown_name(const Unknown& unknown, const RoomModel& room) {
-  const std::array<const char*, 3> axes{"x", "y", "z"};
-  const std::array<const char*, 3> angles{"yaw", "pitch", "roll"};
-  const auto access_point = [&] { return room.access_points[unknown.index].id + "."; };
+ParameterId parameter_id(const Unknown& unknown, const RoomModel& room) {
+  constexpr std::array kAxes{Quantity::kPositionX, Quantity::kPositionY, Quantity::kPositionZ};
+  constexpr std::array kAngles{Quantity::kYaw, Quantity::kPitch, Quantity::kRoll};
+  const auto access_point = [&] { return room.access_points[unknown.index].id; };
+  const auto material = [&] { return room.scene->materials()[unknown.index].name; };
+  const auto surface = [&] { return surface_name(*room.scene, unknown.index); };
   const auto chain = [&] {
     const auto& cores = room.access_points[unknown.index].cores;
-    return access_point() + "core" + std::to_string(cores[unknown.part]);
+    return access_point() + ".core" + std::to_string(cores[unknown.part]);
+  };
+  const auto against_the_first = [&] {
+    return chain() + "/core" + std::to_string(room.access_points[unknown.index].cores.front());
   };
   switch (unknown.kind) {
     case Kind::kSurfaceOffset:
-      return surface_name(*room.scene, unknown.index) + ".offset";
+      return {surface(), Quantity::kSurfaceOffset};
     case Kind::kSurfaceGain:
-      return surface_name(*room.scene, unknown.index) + ".gain";
+      return {surface(), Quantity::kGain};
     case Kind::kSurfacePhase:
-      return surface_name(*room.scene, unknown.index) + ".phase";
+      return {surface(), Quantity::kPhase};
     case Kind::kPermittivity:
-      return room.scene->materials()[unknown.index].name + ".relative_permittivity";
+      return {material(), Quantity::kRelativePermittivity};
     case Kind::kConductivity:
-      return room.scene->materials()[unknown.index].name + ".conductivity";
+      return {material(), Quantity::kConductivity};
     case Kind::kThickness:
-      return room.scene->materials()[unknown.index].name + ".thickness";
+      return {material(), Quantity::kThickness};
     case Kind::kArrayPosition:
-      return access_point() + "position." + axes.at(unknown.part);
+      return {access_point(), kAxes.at(unknown.part)};
     case Kind::kArrayAngle:
-      return access_point() + angles.at(unknown.part);
+      return {access_point(), kAngles.at(unknown.part)};
     case Kind::kElementPosition:
-      return chain() + ".element_y";
+      return {chain(), Quantity::kElementY};
     case Kind::kChainGain:
-      return chain() + "/core" + std::to_string(room.access_points[unknown.index].cores.front()) +
-             ".gain";
+      return {against_the_first(), Quantity::kGain};
     case Kind::kCoupling:
-      return coupling_name(unknown, room.access_points[unknown.index]);
+      return coupling_id(unknown, room.access_points[unknown.index]);
     case Kind::kChainPhase:
       break;
   }
-  return chain() + "/core" + std::to_string(room.access_points[unknown.index].cores.front()) +
-         ".phase";
+  return {against_the_first(), Quantity::kPhase};
 }
 
 }  // namespace rayloc

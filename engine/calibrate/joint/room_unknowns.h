@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/room/parameter_id.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
@@ -93,7 +94,6 @@ Expected<RoomModel> changed_room(const RoomModel& original,
                                  const RoomUnknowns& unknowns,
                                  const std::vector<double>& values);
 
-// "wall_west.-x.offset", "ap1.position.x".
-std::string unknown_name(const Unknown& unknown, const RoomModel& room);
+ParameterId parameter_id(const Unknown& unknown, const RoomModel& room);
 
 }  // namespace rayloc

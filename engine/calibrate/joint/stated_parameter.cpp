@@ -14,7 +14,7 @@ RoomParameter stated_parameter(const Unknown& unknown,
                                const RoomModel& room,
                                double value,
                                double sigma) {
-  RoomParameter parameter{unknown_name(unknown, room), "m", value, 0.0, unknown.sigma, sigma};
+  RoomParameter parameter{{value, 0.0, sigma}, parameter_id(unknown, room), "m", unknown.sigma};
   const auto factor_of = [&](double prior, const char* unit) {
     parameter.unit = unit;
     parameter.prior = prior;
@@ -77,12 +77,10 @@ RoomParameter stated_chain(const Unknown& unknown,
   const auto part = [&](const std::complex<double>& ratio) {
     return unit * (phase ? std::arg(ratio) : std::log(std::abs(ratio)));
   };
-  return {unknown_name(unknown, room),
+  return {{part(before) + part(turned), part(before), unit * sigma},
+          parameter_id(unknown, room),
           phase ? "deg" : "dB",
-          part(before) + part(turned),
-          part(before),
-          unit * unknown.sigma,
-          unit * sigma};
+          unit * unknown.sigma};
 }
 
 }  // namespace rayloc

@@ -87,7 +87,7 @@ class CalibrateClosedLoop : public ::testing::Test {
     std::vector<double> offset(room.scene->surfaces().size());
     std::size_t moved = 0;
     for (std::size_t i = 0; i < offset.size(); ++i) {
-      const auto wall = moved_walls().find(unknown_name(unknowns[i], room));
+      const auto wall = moved_walls().find(to_string(parameter_id(unknowns[i], room)));
       if (wall != moved_walls().end()) {
         offset[i] = wall->second;
         ++moved;

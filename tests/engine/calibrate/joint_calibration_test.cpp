@@ -52,10 +52,10 @@ std::optional<double> chain_truth(const test::SurveyedRoom& room, const RoomPara
       const std::string name =
           ap.id + ".core" + std::to_string(ap.cores[core]) + "/core" + std::to_string(ap.cores[0]);
       const std::complex<double> ratio = chain_ratio(ap.gains, core);
-      if (parameter.name == name + ".gain") {
+      if (to_string(parameter.id) == name + ".gain") {
         return 20.0 * std::log10(std::abs(ratio));
       }
-      if (parameter.name == name + ".phase") {
+      if (to_string(parameter.id) == name + ".phase") {
         return parameter.prior + std::remainder(std::arg(ratio) / kDegree - parameter.prior, 360.0);
       }
     }
@@ -67,7 +67,7 @@ double truth_of(const test::SurveyedRoom& room, const RoomParameter& parameter) 
   if (const auto chain = chain_truth(room, parameter)) {
     return *chain;
   }
-  const auto known = room.truth.find(parameter.name);
+  const auto known = room.truth.find(to_string(parameter.id));
   return known == room.truth.end() ? parameter.prior : known->second;
 }
 
@@ -75,7 +75,7 @@ double error_of(const test::SurveyedRoom& room,
                 const RoomCalibration& calibration,
                 const std::string& name) {
   for (const RoomParameter& parameter : calibration.parameters) {
-    if (parameter.name == name) {
+    if (to_string(parameter.id) == name) {
       return parameter.value - truth_of(room, parameter);
     }
   }
@@ -93,11 +93,11 @@ void expect_honest(const test::SurveyedRoom& room, const RoomCalibration& calibr
   int count = 0;
   for (const RoomParameter& parameter : calibration.parameters) {
     if (parameter.sigma == 0.0) {
-      EXPECT_EQ(parameter.value, parameter.prior) << parameter.name;  // nothing is known
+      EXPECT_EQ(parameter.value, parameter.prior) << to_string(parameter.id);  // nothing is known
       continue;
     }
     const double z = (parameter.value - truth_of(room, parameter)) / parameter.sigma;
-    EXPECT_LT(std::abs(z), 4.0) << parameter.name << " " << parameter.value << ", truth "
+    EXPECT_LT(std::abs(z), 4.0) << to_string(parameter.id) << " " << parameter.value << ", truth "
                                 << truth_of(room, parameter) << ", sigma " << parameter.sigma;
     sum += z * z;
     ++count;
@@ -148,11 +148,12 @@ TEST(JointCalibration, RecoversTheChains) {
   int stated = 0;
   for (const RoomParameter& parameter : found.parameters) {
     if (parameter.unit == "deg") {
-      const std::size_t core = parameter.name.find("core0/") != std::string::npos ? 1U : 2U;
+      const std::size_t core = parameter.id.of.find("core0/") != std::string::npos ? 1U : 2U;
       const double written = chain_phase(found.room.access_points[0], core) / kDegree;
-      EXPECT_NEAR(std::remainder(parameter.value - written, 360.0), 0.0, 1e-9) << parameter.name;
-      EXPECT_GT(parameter.prior_sigma, 0.0) << parameter.name;
-      EXPECT_GT(parameter.sigma, 0.0) << parameter.name;
+      EXPECT_NEAR(std::remainder(parameter.value - written, 360.0), 0.0, 1e-9)
+          << to_string(parameter.id);
+      EXPECT_GT(parameter.prior_sigma, 0.0) << to_string(parameter.id);
+      EXPECT_GT(parameter.sigma, 0.0) << to_string(parameter.id);
       ++stated;
     }
   }
@@ -302,8 +303,8 @@ TEST(JointCalibration, LeavesTheLastGoodStateWhenItIsStopped) {
               held_out_fit(small_survey(), stopped, &PointFit::before) - 1e-6)
         << stop_at;
     for (const RoomParameter& parameter : stopped.parameters) {
-      if (good->rounds == 0 && parameter.unit == "m" && parameter.name.ends_with("offset")) {
-        EXPECT_EQ(parameter.value, 0.0) << parameter.name;  // as planned
+      if (good->rounds == 0 && parameter.id.quantity == Quantity::kSurfaceOffset) {
+        EXPECT_EQ(parameter.value, 0.0) << to_string(parameter.id);  // as planned
       }
     }
     if (stop_at > steps / 4) {

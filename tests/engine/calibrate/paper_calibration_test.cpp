@@ -63,7 +63,7 @@ const std::vector<CalibrationPoint>& survey_as_built() {
 const RoomParameter& parameter(const RoomCalibration& calibration, const std::string& name) {
   const auto found = std::find_if(calibration.parameters.begin(),
                                   calibration.parameters.end(),
-                                  [&](const RoomParameter& p) { return p.name == name; });
+                                  [&](const RoomParameter& p) { return to_string(p.id) == name; });
   EXPECT_NE(found, calibration.parameters.end()) << name;
   return *found;
 }

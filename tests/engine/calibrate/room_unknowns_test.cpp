@@ -20,7 +20,7 @@ struct Planned {
 
   std::size_t index(const std::string& name) const {
     for (std::size_t i = 0; i < unknowns.size(); ++i) {
-      if (unknown_name(unknowns[i], room) == name) {
+      if (to_string(parameter_id(unknowns[i], room)) == name) {
         return i;
       }
     }
@@ -190,16 +190,17 @@ TEST(RoomUnknowns, ExpectsMoreOfFurnitureThanOfTheShell) {
   for (const char* name : {"west", "floor", "ceiling"}) {
     for (const Unknown& unknown : unknowns.all()) {
       if (unknown.kind == Unknown::Kind::kSurfaceOffset &&
-          unknown_name(unknown, room).starts_with(name)) {
-        EXPECT_EQ(unknown.sigma, priors.room_surface) << unknown_name(unknown, room);
+          to_string(parameter_id(unknown, room)).starts_with(name)) {
+        EXPECT_EQ(unknown.sigma, priors.room_surface) << to_string(parameter_id(unknown, room));
       }
     }
   }
   for (const char* name : {"table", "cabinet", "shelf"}) {
     for (const Unknown& unknown : unknowns.all()) {
       if (unknown.kind == Unknown::Kind::kSurfaceOffset &&
-          unknown_name(unknown, room).starts_with(name)) {
-        EXPECT_EQ(unknown.sigma, priors.furniture_surface) << unknown_name(unknown, room);
+          to_string(parameter_id(unknown, room)).starts_with(name)) {
+        EXPECT_EQ(unknown.sigma, priors.furniture_surface)
+            << to_string(parameter_id(unknown, room));
       }
     }
   }
@@ -208,7 +209,9 @@ TEST(RoomUnknowns, ExpectsMoreOfFurnitureThanOfTheShell) {
 TEST(RoomUnknowns, AreWhereTheirPlaceIsSaid) {
   const Planned planned;
   const RoomUnknowns& unknowns = planned.unknowns;
-  const auto name = [&](std::size_t i) { return unknown_name(unknowns[i], planned.room); };
+  const auto name = [&](std::size_t i) {
+    return to_string(parameter_id(unknowns[i], planned.room));
+  };
   EXPECT_EQ(name(unknowns.array_position(1)), "b.position.x");
   EXPECT_EQ(name(unknowns.array_angle(2) + 1), "c.pitch");
   EXPECT_EQ(name(unknowns.element_position(0, 2)), "a.core3.element_y");

@@ -92,7 +92,7 @@ TEST(SampleModel, ResidualDescribesTheSlopeOfWhatIsUnexplained) {
     ASSERT_GT(steepest, 1e-3) << sample;
     for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
       EXPECT_NEAR(stated[i], differences[i], kTolerance * steepest)
-          << unknown_name(in.unknowns[i], in.room.plan) << " of sample " << sample;
+          << to_string(parameter_id(in.unknowns[i], in.room.plan)) << " of sample " << sample;
     }
   }
 }
@@ -243,7 +243,7 @@ TEST(SampleModel, ScanGivesWhatIsUnexplainedAtEachValue) {
       std::vector<double> change = in.change;
       change[unknown] = values[j];
       EXPECT_NEAR(scan[j], in.model.unexplained(in.traced[3], measured, {change, in.survey}), 1e-9)
-          << unknown_name(in.unknowns[unknown], in.room.plan) << " at " << values[j];
+          << to_string(parameter_id(in.unknowns[unknown], in.room.plan)) << " at " << values[j];
     }
   }
   EXPECT_GT(scanned, 20);

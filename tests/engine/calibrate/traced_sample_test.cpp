@@ -111,7 +111,7 @@ TEST(TracedSample, FollowsTheRoomTracedAnew) {
       continue;  // in no scene
     }
     const Worst worst = worst_difference(link, unknown, here);
-    const std::string name = unknown_name(link.unknowns[unknown], link.plan);
+    const std::string name = to_string(parameter_id(link.unknowns[unknown], link.plan));
     // 1e-6 of a metre per metre, and rounding of delays of 40 ns by a step of 1e-5.
     EXPECT_LT(worst.delay * kSpeedOfLight, 1e-6) << name;
     EXPECT_LT(worst.log_amplitude, 1e-5) << name;

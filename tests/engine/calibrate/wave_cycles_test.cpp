@@ -24,7 +24,7 @@ class WaveCyclesTest : public ::testing::Test {
     truth_.values.resize(unknowns_.size());
     truth_.survey.resize(room_.points.size());
     for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-      const auto known = room_.truth.find(unknown_name(unknowns_[i], room_.plan));
+      const auto known = room_.truth.find(to_string(parameter_id(unknowns_[i], room_.plan)));
       if (known != room_.truth.end() && !is_material(unknowns_[i].kind)) {
         truth_.values[i] = known->second;
       }
@@ -48,7 +48,7 @@ class WaveCyclesTest : public ::testing::Test {
 
   std::uint32_t offset_of(const std::string& wall) const {
     for (std::uint32_t i = 0; i < unknowns_.size(); ++i) {
-      if (unknown_name(unknowns_[i], room_.plan) == wall + ".offset") {
+      if (to_string(parameter_id(unknowns_[i], room_.plan)) == wall + ".offset") {
         return i;
       }
     }
