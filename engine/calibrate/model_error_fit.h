@@ -2,7 +2,8 @@
 // from surveyed points.
 //
 // All of it at once: what surfaces, diffuse power and the rest explain is exchanged between them,
-// and one after the other ends far from the best (engine/README.md, *Considered and rejected*).
+// and one after the other ends far from the best (engine/calibrate/README.md, *Considered and
+// rejected*).
 #pragma once
 
 #include <functional>

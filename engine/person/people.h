@@ -6,8 +6,8 @@
 // (PersonModel::second_person, learned from people at known places). Each is then stated with the
 // other where it most probably is.
 //
-// A single link hears too little of two to say where they are (engine/README.md has the figures):
-// it takes two access points. A third person is not looked for.
+// A single link hears too little of two to say where they are (engine/studies/2026-11-people.md has
+// the figures): it takes two access points. A third person is not looked for.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@ namespace rayloc {
 namespace {
 
 // Of what is left unexplained, the share that one echo has: chosen on a furnished meeting room with
-// four access points, held against a corridor with four (engine/README.md).
+// four access points, held against a corridor with four (engine/studies/2026-11-stated-widths.md).
 constexpr double kUnmodelledEcho = 0.15;
 
 // Of an offset whose half-wave cycle nothing but its prior tells.

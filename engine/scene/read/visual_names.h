@@ -1,5 +1,5 @@
 // What only the eye needs of a Mitsuba scene: it is left out without a word. Everything else that
-// is not read is an error. README.md of this folder has the same list for people.
+// is not read is an error. engine/scene/FILES.md has the same list for people.
 #pragma once
 
 #include <span>

@@ -7,7 +7,7 @@
 //
 // What may be missed: a sequence whose beam passes between the rays. It narrows with every mirror
 // and with the mirror's size seen from the root, so what is missed are mostly late and small
-// mirrors (engine/README.md has measured shares); with soft edges also
+// mirrors (engine/studies/2026-11-ray-tracer.md has the shares); with soft edges also
 // what only the soft part of an edge reaches; with transmission, of two faces of different objects
 // nearer to each other than rays can tell, what is reflected at the one behind. Everything that one
 // ray meets is found.

@@ -382,9 +382,9 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
 }
 
 // What is left out knowingly is documented, name by name.
-TEST(Field, SceneReadmeListsWhatIsLeftOut) {
+TEST(Field, ScenePageListsWhatIsLeftOut) {
   std::ostringstream text;
-  text << std::ifstream(std::string(RAYLOC_TEST_DATA) + "/../../engine/scene/README.md").rdbuf();
+  text << std::ifstream(std::string(RAYLOC_TEST_DATA) + "/../../engine/scene/FILES.md").rdbuf();
   const std::string readme = text.str();
   for (const auto names : {visual_tags(),
                            visual_bsdf_tags(),

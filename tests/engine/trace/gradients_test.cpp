@@ -1,8 +1,8 @@
 // Derivatives of a loss of the channel by everything that has one, against central differences of
 // the whole tracer, run anew in the scene so changed, and against reference values.
 //
-// Prints the table of engine/README.md (its last row is that of target_gradients_test.cpp):
-// RAYLOC_PRINT_GRADIENTS=1 engine_gradients_test
+// Prints the table of engine/studies/2026-11-derivatives.md (its last row is that of
+// target_gradients_test.cpp): RAYLOC_PRINT_GRADIENTS=1 engine_gradients_test
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -205,7 +205,7 @@ TEST(Shooting, MissesNoPathOfFurnishedRooms) {
   }
 }
 
-// Prints the table of engine/README.md.
+// Prints the table of engine/studies/2026-11-ray-tracer.md.
 TEST(Shooting, MissesLittleWithFewRays) {
   for (const Place& place : places()) {
     for (const unsigned bits : {10U, 12U, 14U, 16U}) {

@@ -1,7 +1,8 @@
 // Derivatives of a loss of the channel by the place of a body, against central differences of all
 // pairs past it, found anew at the body's new place.
 //
-// Prints a row of the table of engine/README.md: RAYLOC_PRINT_GRADIENTS=1 engine_gradients_test
+// Prints a row of the table of engine/studies/2026-11-derivatives.md: RAYLOC_PRINT_GRADIENTS=1
+// engine_gradients_test
 #include <gtest/gtest.h>
 
 #include <algorithm>
