@@ -2,7 +2,7 @@
 //
 // A radio tuned to 80 MHz writes 256 tones for every frame, also for one of 20 MHz; and the
 // bandwidth in its rate word is not reliable. The energy is: between filled and empty 20 MHz parts
-// there are 25 dB and more, within a filled channel 8 dB at most (README.md, figures of the
+// there are 25 dB and more, within a filled channel 8 dB at most (WIRE_FORMATS 2: the
 // recordings). Of all aligned parts of 20, 40, 80, 160 MHz the one is chosen whose weakest 20 MHz
 // stand out most from the strongest outside it and from the guard tones; evenness counts as well,
 // because some chips filter the guard tones to far below their noise.

@@ -1,5 +1,5 @@
 // Writes datagrams as the extractors do, for what no public recording covers: HE, HT, 160 MHz,
-// several datagrams a core, several streams. Written from the tables of capture/README.md alone;
+// several datagrams a core, several streams. Written from the tables of WIRE_FORMATS 1 alone;
 // shares no code with the decoders.
 #pragma once
 
