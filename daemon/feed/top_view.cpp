@@ -159,7 +159,7 @@ void add_zones(const TopModel& model, std::size_t width, Lines& lines) {
 }
 
 // Datagrams and frames that came, or were on their way, and are in no estimate, as on the live map
-// (daemon/http/README.md). Rejected datagrams and partial frames count by themselves.
+// (daemon/http/ROUTES.md). Rejected datagrams and partial frames count by themselves.
 std::uint64_t lost_of(const v1::SourceCounters& counters) {
   return counters.kernel_drops() + counters.ring_dropped() + counters.late() +
          counters.frames_dropped();

@@ -1,5 +1,5 @@
 // MapChannel: how well the channel of a located device agrees with the one that the tracer expects
-// at its position, as JSON for the map (daemon/http/README.md, "/api/v1/channel").
+// at its position, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/channel").
 //
 // Thread safety: one thread.
 #pragma once

@@ -1,4 +1,4 @@
-// What the map draws that does not move, as JSON (the keys: daemon/http/README.md, "/api/v1/map").
+// What the map draws that does not move, as JSON (the keys: daemon/http/ROUTES.md, "/api/v1/map").
 #pragma once
 
 #include <string>

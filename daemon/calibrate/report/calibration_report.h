@@ -64,7 +64,7 @@ struct CalibrationReport {
   std::uint64_t peak_memory_bytes = 0;  // of the process; 0: not known
 };
 
-// Keys as in INTERFACE 3.3 and daemon/calibrate/README.md. REQUIRES: at least one method;
+// Keys as in INTERFACE 3.3 and daemon/calibrate/REPORT.md. REQUIRES: at least one method;
 // `positions` and `held_out` of one length, which the indices of PointFit respect, as they do that
 // of `access_points`.
 nlohmann::ordered_json to_json(const CalibrationReport& report);

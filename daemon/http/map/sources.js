@@ -15,7 +15,7 @@ function rowOf(id) {
 }
 
 // Datagrams and frames that came, or were on their way, and are in no estimate, as in `rayloc top`
-// (daemon/http/README.md). What was refused as no CSI and frames of which a part is missing count by themselves.
+// (daemon/http/ROUTES.md). What was refused as no CSI and frames of which a part is missing count by themselves.
 const LOSSES = {kernel_drops: 'dropped by the kernel', ring_dropped: 'dropped here', late: 'late', frames_dropped: 'frames dropped'};
 
 // "0", or "3 (late 2, frames dropped 1)".
