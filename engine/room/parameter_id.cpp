@@ -29,7 +29,7 @@ constexpr std::array kEndings = {
     Ending{Quantity::kPlanTolerance, ".plan_tolerance"},
     Ending{Quantity::kDiffuse, ".diffuse"},
     Ending{Quantity::kDiffuseExponent, ".diffuse_exponent"},
-    Ending{Quantity::kDiffuseDecay, ".diffuse_decay"},
+    Ending{Quantity::kDiffuseDecayTime, ".diffuse_decay"},
     Ending{Quantity::kNoise, ".noise"},
     Ending{Quantity::kTranslationX, ".x"},
     Ending{Quantity::kTranslationY, ".y"},
