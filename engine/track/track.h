@@ -21,12 +21,11 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/localizer.h"
 #include "engine/observe/alignment.h"
+#include "engine/track/filtered_estimate.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
 
 namespace rayloc {
-
-enum class TrackState { kTentative, kConfirmed, kCoasting, kLost };
 
 struct TrackOptions {
   MotionModel motion;
@@ -47,27 +46,11 @@ struct TrackOptions {
   Duration lose_after = std::chrono::seconds(5);          // unheard, any track is lost
 };
 
-struct TrackTransition {
-  Timestamp time;
-  std::optional<TrackState> before;  // nothing: the track begins
-  TrackState after = TrackState::kTentative;
-  std::string reason;
-};
-
 // Why a moment gave no estimate.
 enum class MomentRefusal {
   kOutOfOrder,   // not later than what the track has seen
   kUnusable,     // no access point heard anything that can be used
   kUnexplained,  // no place of the room explains it
-};
-
-struct FilteredEstimate {
-  LocationEstimate location;
-  TrackState state = TrackState::kTentative;
-  bool predicted = false;         // from earlier bursts only
-  std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when that was not heard
-  double standing = 0.0;          // probability
-  std::optional<TrackTransition> transition;
 };
 
 class Track {

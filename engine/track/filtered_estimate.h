@@ -1,0 +1,31 @@
+// FilteredEstimate: where a track has its target, and where in its life the track is (track.h).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/base/timestamp.h"
+#include "engine/base/vec3.h"
+#include "engine/room/location_estimate.h"
+
+namespace rayloc {
+
+enum class TrackState { kTentative, kConfirmed, kCoasting, kLost };
+
+struct TrackTransition {
+  Timestamp time;
+  std::optional<TrackState> before;  // nothing: the track begins
+  TrackState after = TrackState::kTentative;
+  std::string reason;
+};
+
+struct FilteredEstimate {
+  LocationEstimate location;
+  TrackState state = TrackState::kTentative;
+  bool predicted = false;         // from earlier bursts only
+  std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when that was not heard
+  double standing = 0.0;          // probability
+  std::optional<TrackTransition> transition;
+};
+
+}  // namespace rayloc
