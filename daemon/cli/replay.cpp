@@ -26,6 +26,7 @@
 #include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/pipeline/zone_estimator.h"
 #include "daemon/publish/json.h"
+#include "daemon/publish/location_message.h"
 #include "daemon/publish/target_names.h"
 #include "daemon/recordings/replay_report.h"
 #include "daemon/scene/scene_notes.h"
@@ -299,13 +300,13 @@ Expected<void> write_all(const Options& options,
   }
   NoFixReasons reasons;
   OrderedSink sink(
-      [&](const v1::Location& location) {
+      [&](const Location& location) {
         reasons.count(location);
-        write(location, options.format, *out);
+        write(location_message(location), options.format, *out);
       },
-      [&](const v1::ZoneEvent& event) {
+      [&](const ZoneEvent& event) {
         if (events) {
-          write(event, options.format, *events);
+          write(event_message(event), options.format, *events);
         }
       });
   Pipeline pipeline(pipeline_options, std::move(recordings.inputs), estimator, sink);

@@ -6,11 +6,11 @@
 
 namespace rayloc::cli {
 
-void NoFixReasons::count(const v1::Location& location) {
-  if (location.kind() == v1::LOCATION_KIND_FILTERED || location.mode() != v1::FIX_MODE_NO_FIX) {
+void NoFixReasons::count(const Location& location) {
+  if (location.is_filtered() || location.estimate.position) {
     return;
   }
-  const std::string& reason = location.quality().no_fix_reason();
+  const std::string& reason = location.estimate.reason;
   ++all_;
   if (counts_.size() < kReasons || counts_.count(reason) > 0) {
     ++counts_[reason];

@@ -6,14 +6,14 @@
 #include <map>
 #include <string>
 
-#include "rayloc/v1/location.pb.h"
+#include "daemon/publish/location.h"
 
 namespace rayloc::cli {
 
 class NoFixReasons {
  public:
   // Of any location; what is filtered, or has a position, counts for nothing.
-  void count(const v1::Location& location);
+  void count(const Location& location);
 
   // "30 without a fix: no chain gains, calibrate the site (30)", the most frequent reason first;
   // empty when none is without.

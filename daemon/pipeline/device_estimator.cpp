@@ -5,8 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "daemon/publish/location_message.h"
-#include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
@@ -245,9 +243,9 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::size_t first = out.locations.size();
   std::vector<CsiFrame> kept;
   const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  const LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
-  out.locations.push_back(
-      location_message(snapshot, context_of(burst.transmitter, snapshot.time, *room)));
+  LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
+  Target target = target_of(burst.transmitter, snapshot.time);
+  out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
   show_channel(frames, *room, out.locations.back());
   if (room->tracker && !frames.empty()) {
     std::vector<DeviceUpdate> updates;
@@ -257,7 +255,7 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   }
   for (const CalibrationWarning& warning : calibration_warnings()) {
     for (std::size_t i = first; i < out.locations.size(); ++i) {
-      out.locations[i].mutable_quality()->add_warnings(warning.text);
+      out.locations[i].estimate.warnings.push_back(warning.text);
     }
   }
 }
@@ -266,15 +264,15 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
 // are of another place than the burst.
 void DeviceEstimator::show_channel(std::span<const CsiFrame> frames,
                                    const Room& room,
-                                   const v1::Location& location) {
+                                   const Location& location) {
   const auto* localizer = std::get_if<std::shared_ptr<const Localizer>>(&room.localizer);
-  if (localizer == nullptr || !location.has_position() || !channels_.is_wanted()) {
+  if (localizer == nullptr || !location.estimate.position || !channels_.is_wanted()) {
     return;
   }
-  channels_.add({target_component(location.target()),
-                 location.target().name(),
-                 from_proto(location.time()),
-                 {location.position().x(), location.position().y(), location.position().z()},
+  channels_.add({target_component(location.target),
+                 location.target.name,
+                 location.estimate.time,
+                 *location.estimate.position,
                  {frames.begin(), frames.end()},
                  *localizer});
 }
@@ -320,29 +318,30 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
   publish_counters();
 }
 
-LocationContext DeviceEstimator::context_of(const MacAddress& device,
-                                            Timestamp time,
-                                            const Room& room) const {
-  const RoomModel& model = room.room();
-  LocationContext context;
-  context.target.set_kind(v1::TARGET_KIND_DEVICE);
-  options_.names->set(device, time, context.target);
+Target DeviceEstimator::target_of(const MacAddress& device, Timestamp time) const {
+  Target target;
+  target.address = options_.names->text(device, time);
+  target.is_hashed = options_.names->hashed();
   // A name would tell for ever what the hash is to hide.
   const SiteTransmitter* stated = find_transmitter(site_, device);
-  if (stated != nullptr && !options_.names->hashed()) {
-    context.target.set_name(stated->name);
+  if (stated != nullptr && !target.is_hashed) {
+    target.name = stated->name;
   }
-  context.frame.set_crs("local");
-  context.frame.set_site(site_.name);
-  context.frame.set_scene_hash(model.scene_hash);
-  context.frame.set_calibration_id(model.calibration_id);
+  return target;
+}
+
+LocationContext DeviceEstimator::context_of(const Room& room) const {
+  LocationContext context;
+  context.site = site_.name;
+  context.scene_hash = room.room().scene_hash;
+  context.calibration_id = room.room().calibration_id;
   context.method = method_name(options_.method);
   context.valid_for = options_.valid_for;
   return context;
 }
 
 // A device that is called anew is a new track to everyone outside: its number would tell.
-std::uint64_t DeviceEstimator::track_number(const MacAddress& device, const v1::Target& target) {
+std::uint64_t DeviceEstimator::track_number(const MacAddress& device, const Target& target) {
   NumberedTrack& track = track_of_[device];
   const std::string called = target_component(target);
   if (track.target != called) {
@@ -355,13 +354,14 @@ void DeviceEstimator::append(const std::vector<DeviceUpdate>& updates,
                              const Room& room,
                              Estimates& out) {
   for (const DeviceUpdate& update : updates) {
-    LocationContext context = context_of(update.device, update.estimate.location.time, room);
-    context.target.set_track(track_number(update.device, context.target));
-    out.locations.push_back(filtered_message(update.estimate, context));
-    if (update.estimate.transition) {
-      out.events.push_back(track_event(update.estimate, context.target));
+    const FilteredEstimate& estimate = update.estimate;
+    Target target = target_of(update.device, estimate.location.time);
+    target.track = track_number(update.device, target);
+    if (estimate.transition) {
+      out.events.push_back({target, *estimate.transition, estimate.location.position});
     }
-    if (update.estimate.state == TrackState::kLost) {
+    out.locations.push_back(filtered_location(estimate, std::move(target), context_of(room)));
+    if (estimate.state == TrackState::kLost) {
       track_of_.erase(update.device);
     }
   }

@@ -22,7 +22,7 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/location_method.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/location_message.h"
+#include "daemon/publish/location.h"
 #include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
@@ -85,11 +85,10 @@ class DeviceEstimator : public Estimator {
   std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
   void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;
-  void show_channel(std::span<const CsiFrame> frames,
-                    const Room& room,
-                    const v1::Location& location);
-  LocationContext context_of(const MacAddress& device, Timestamp time, const Room& room) const;
-  std::uint64_t track_number(const MacAddress& device, const v1::Target& target);
+  void show_channel(std::span<const CsiFrame> frames, const Room& room, const Location& location);
+  Target target_of(const MacAddress& device, Timestamp time) const;
+  LocationContext context_of(const Room& room) const;
+  std::uint64_t track_number(const MacAddress& device, const Target& target);
   void append(const std::vector<DeviceUpdate>& updates, const Room& room, Estimates& out);
   void publish_counters();
 

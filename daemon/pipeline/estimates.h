@@ -3,15 +3,15 @@
 
 #include <vector>
 
-#include "rayloc/v1/event.pb.h"
-#include "rayloc/v1/location.pb.h"
+#include "daemon/publish/location.h"
+#include "daemon/publish/target_event.h"
 
 namespace rayloc {
 
 struct Estimates {
-  std::vector<v1::Location> locations;
-  std::vector<v1::TrackEvent> events;
-  std::vector<v1::ZoneEvent> zone_events;
+  std::vector<Location> locations;
+  std::vector<TrackEvent> events;
+  std::vector<ZoneEvent> zone_events;
 
   void clear() {
     locations.clear();

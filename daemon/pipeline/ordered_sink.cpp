@@ -2,17 +2,16 @@
 
 #include <utility>
 
-#include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 
 namespace rayloc {
 
-void OrderedSink::location(v1::Location&& location) {
-  Key key{from_proto(location.time()), target_component(location.target()), location.kind()};
+void OrderedSink::location(Location&& location) {
+  Key key{location.estimate.time, target_component(location.target), location.is_filtered()};
   held_.emplace(std::move(key), std::move(location));
 }
 
-void OrderedSink::event(v1::ZoneEvent&& event) {
+void OrderedSink::event(ZoneEvent&& event) {
   if (write_event_) {
     write_event_(event);
   }

@@ -12,31 +12,31 @@
 #include <utility>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/publish/location.h"
+#include "daemon/publish/target_event.h"
 #include "engine/base/timestamp.h"
-#include "rayloc/v1/event.pb.h"
-#include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
 class OrderedSink : public LocationSink {
  public:
   // `write_event` may be empty.
-  explicit OrderedSink(std::function<void(const v1::Location&)> write,
-                       std::function<void(const v1::ZoneEvent&)> write_event = {})
+  explicit OrderedSink(std::function<void(const Location&)> write,
+                       std::function<void(const ZoneEvent&)> write_event = {})
       : write_(std::move(write)), write_event_(std::move(write_event)) {}
 
-  void location(v1::Location&& location) override;
-  void event(v1::ZoneEvent&& event) override;
+  void location(Location&& location) override;
+  void event(ZoneEvent&& event) override;
   void advance(Timestamp time) override;
   // Passes on everything that is left.
   void finish() { advance(Timestamp::max()); }
 
  private:
-  using Key = std::tuple<Timestamp, std::string, int>;
+  using Key = std::tuple<Timestamp, std::string, bool>;
 
-  std::function<void(const v1::Location&)> write_;
-  std::function<void(const v1::ZoneEvent&)> write_event_;
-  std::multimap<Key, v1::Location> held_;
+  std::function<void(const Location&)> write_;
+  std::function<void(const ZoneEvent&)> write_event_;
+  std::multimap<Key, Location> held_;
 };
 
 }  // namespace rayloc

@@ -27,6 +27,8 @@ std::uint64_t number_of(const SiteTransmitter& fixed, const Site& site) {
   return number;
 }
 
+Target person(std::uint64_t track) { return {TargetKind::kPerson, {}, false, track, {}}; }
+
 // Of a burst that cannot be judged.
 LocationEstimate without_reference(const Burst& burst) {
   LocationEstimate estimate;
@@ -98,14 +100,11 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
   return estimator;
 }
 
-LocationContext PersonEstimator::context_of(std::uint64_t track) const {
+LocationContext PersonEstimator::context() const {
   LocationContext context;
-  context.target.set_kind(v1::TARGET_KIND_PERSON);
-  context.target.set_track(track);
-  context.frame.set_crs("local");
-  context.frame.set_site(site_.name);
-  context.frame.set_scene_hash(room_->scene_hash);
-  context.frame.set_calibration_id(room_->calibration_id);
+  context.site = site_.name;
+  context.scene_hash = room_->scene_hash;
+  context.calibration_id = room_->calibration_id;
   context.method = method_name(options_.method);
   context.valid_for = options_.valid_for;
   return context;
@@ -135,11 +134,11 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::uint64_t number = number_of(*fixed, site_);
   const auto found = links_.find(burst.transmitter);
   if (found == links_.end()) {
-    out.locations.push_back(location_message(without_reference(burst), context_of(number)));
+    out.locations.push_back({without_reference(burst), person(number), context()});
     return;
   }
   Link& link = found->second;
-  const std::vector<LocationEstimate> people = link.locate(burst.frames);
+  std::vector<LocationEstimate> people = link.locate(burst.frames);
   std::vector<PersonUpdate> updates;
   PersonNumbers numbers{number, link.number_step, std::nullopt};
   if (link.tracker) {
@@ -149,7 +148,7 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   }
   const std::vector<std::uint64_t> each = numbers_of(people, numbers);
   for (std::size_t i = 0; i < people.size(); ++i) {
-    out.locations.push_back(location_message(people[i], context_of(each[i])));
+    out.locations.push_back({std::move(people[i]), person(each[i]), context()});
   }
   append(updates, out);
   publish_counters();
@@ -157,10 +156,11 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
 
 void PersonEstimator::append(const std::vector<PersonUpdate>& updates, Estimates& out) const {
   for (const PersonUpdate& update : updates) {
-    const LocationContext context = context_of(update.track);
-    out.locations.push_back(filtered_message(update.estimate, context));
-    if (update.estimate.transition) {
-      out.events.push_back(track_event(update.estimate, context.target));
+    const FilteredEstimate& estimate = update.estimate;
+    const Target target = person(update.track);
+    out.locations.push_back(filtered_location(estimate, target, context()));
+    if (estimate.transition) {
+      out.events.push_back({target, *estimate.transition, estimate.location.position});
     }
   }
 }

@@ -27,14 +27,13 @@
 
 #include "daemon/pipeline/location_method.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/location_message.h"
+#include "daemon/publish/location.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/paper/paper_options.h"
 #include "engine/paper/paper_person_localizer.h"
 #include "engine/person/person_localizer.h"
 #include "engine/track/person_tracker.h"
-#include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
@@ -77,7 +76,7 @@ class PersonEstimator : public Estimator {
 
   Expected<Link> prepare(PersonReference reference, const PersonTrackerOptions& tracker) const;
 
-  LocationContext context_of(std::uint64_t track) const;
+  LocationContext context() const;
   void append(const std::vector<PersonUpdate>& updates, Estimates& out) const;
   void publish_counters();
 

@@ -150,23 +150,23 @@ void Pipeline::explain(const Burst& burst) {
 void Pipeline::publish(Estimates& estimates) {
   {
     const std::lock_guard lock(mutex_);
-    for (const v1::Location& location : estimates.locations) {
-      if (location.kind() == v1::LOCATION_KIND_FILTERED) {
+    for (const Location& location : estimates.locations) {
+      if (location.is_filtered()) {
         ++counters_.filtered;
       } else {
         ++counters_.snapshots;
-        counters_.no_fix += location.mode() == v1::FIX_MODE_NO_FIX ? 1U : 0U;
+        counters_.no_fix += location.estimate.position ? 0U : 1U;
       }
     }
     counters_.events += estimates.events.size() + estimates.zone_events.size();
   }
-  for (v1::Location& location : estimates.locations) {
+  for (Location& location : estimates.locations) {
     sink_.location(std::move(location));
   }
-  for (v1::TrackEvent& event : estimates.events) {
+  for (TrackEvent& event : estimates.events) {
     sink_.event(std::move(event));
   }
-  for (v1::ZoneEvent& event : estimates.zone_events) {
+  for (ZoneEvent& event : estimates.zone_events) {
     sink_.event(std::move(event));
   }
 }

@@ -28,13 +28,10 @@
 
 namespace rayloc {
 
-namespace v1 {
-class Location;
-class TrackEvent;
-class ZoneEvent;
-}  // namespace v1
-
 struct Estimates;
+struct Location;
+struct TrackEvent;
+struct ZoneEvent;
 
 // Explains a burst. Called by the estimation thread alone.
 class Estimator {
@@ -55,9 +52,9 @@ class Estimator {
 class LocationSink {
  public:
   virtual ~LocationSink() = default;
-  virtual void location(v1::Location&& location) = 0;
-  virtual void event(v1::TrackEvent&& /*event*/) {}
-  virtual void event(v1::ZoneEvent&& /*event*/) {}
+  virtual void location(Location&& location) = 0;
+  virtual void event(TrackEvent&& /*event*/) {}
+  virtual void event(ZoneEvent&& /*event*/) {}
   // No location that comes later refers to an instant before `time`, unless the sources are
   // recordings that people move (Playback).
   virtual void advance(Timestamp /*time*/) {}

@@ -4,31 +4,10 @@
 #include <utility>
 
 #include "daemon/publish/csi_message.h"
-#include "daemon/publish/proto_time.h"
+#include "daemon/publish/location_message.h"
 #include "daemon/publish/topic.h"
 
 namespace rayloc {
-namespace {
-
-void move(Duration by, google::protobuf::Timestamp* time) {
-  if (by != Duration::zero()) {
-    *time = to_proto(from_proto(*time) + by);
-  }
-}
-
-// From event time to the time of day.
-void tell_by_the_clock(Duration ahead, v1::Location& location) {
-  move(ahead, location.mutable_time());
-  for (auto* const time :
-       {location.has_capture_start() ? location.mutable_capture_start() : nullptr,
-        location.has_capture_end() ? location.mutable_capture_end() : nullptr}) {
-    if (time != nullptr) {
-      move(ahead, time);
-    }
-  }
-}
-
-}  // namespace
 
 PublisherStage::PublisherStage(Publisher publisher, Options options)
     : publisher_(std::move(publisher)),
@@ -52,14 +31,14 @@ void PublisherStage::start() {
   thread_ = std::thread([this] { run(); });
 }
 
-void PublisherStage::location(v1::Location&& location) {
+void PublisherStage::location(Location&& location) {
   {
     const std::lock_guard lock(mutex_);
     std::uint32_t coalesced = 0;
     if (waiting_.size() >= options_.max_waiting) {
       const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& waiting) {
-        return waiting.location.kind() == location.kind() &&
-               target_component(waiting.location.target()) == target_component(location.target());
+        return waiting.location.is_filtered() == location.is_filtered() &&
+               target_component(waiting.location.target) == target_component(location.target);
       });
       // With more targets than places the oldest of another one has to go: it counts as well.
       const auto replaced = same == waiting_.end() ? waiting_.begin() : same;
@@ -128,17 +107,14 @@ void PublisherStage::run() {
       finishing = finishing_;
     }
     const Duration ahead = options_.clock_ahead ? options_.clock_ahead() : Duration::zero();
-    for (Waiting& waiting : publishing) {
-      tell_by_the_clock(ahead, waiting.location);
-      publisher_.publish(waiting.location, options_.now(), waiting.coalesced);
+    for (const Waiting& waiting : publishing) {
+      publisher_.publish(
+          location_message(waiting.location, ahead), options_.now(), waiting.coalesced);
     }
     publishing.clear();
-    for (Event& event : events) {
+    for (const Event& event : events) {
       std::visit(
-          [&](auto& one) {
-            move(ahead, one.mutable_time());
-            publisher_.publish(one, options_.now());
-          },
+          [&](const auto& one) { publisher_.publish(event_message(one, ahead), options_.now()); },
           event);
     }
     events.clear();

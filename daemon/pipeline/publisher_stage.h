@@ -22,10 +22,10 @@
 #include <vector>
 
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/publish/location.h"
 #include "daemon/publish/publisher.h"
-#include "rayloc/v1/event.pb.h"
+#include "daemon/publish/target_event.h"
 #include "rayloc/v1/heartbeat.pb.h"
-#include "rayloc/v1/location.pb.h"
 #include "rayloc/v1/source.pb.h"
 
 namespace rayloc {
@@ -64,9 +64,9 @@ class PublisherStage : public LocationSink, public FrameTap {
 
   // `options.status` is first called after this.
   void start();
-  void location(v1::Location&& location) override;
-  void event(v1::TrackEvent&& event) override { keep(std::move(event)); }
-  void event(v1::ZoneEvent&& event) override { keep(std::move(event)); }
+  void location(Location&& location) override;
+  void event(TrackEvent&& event) override { keep(std::move(event)); }
+  void event(ZoneEvent&& event) override { keep(std::move(event)); }
   // Of frames that are to be published as they are; from any thread.
   void tap(const std::string& access_point, std::span<const CsiFrame> frames) override;
 
@@ -84,7 +84,7 @@ class PublisherStage : public LocationSink, public FrameTap {
 
  private:
   struct Waiting {
-    v1::Location location;
+    Location location;
     std::uint32_t coalesced = 0;
   };
 
@@ -93,7 +93,7 @@ class PublisherStage : public LocationSink, public FrameTap {
     CsiFrame frame;
   };
 
-  using Event = std::variant<v1::TrackEvent, v1::ZoneEvent>;
+  using Event = std::variant<TrackEvent, ZoneEvent>;
 
   void keep(Event&& event);
   void run();

@@ -1,12 +1,10 @@
 #include "daemon/pipeline/zone_watch.h"
 
 #include <algorithm>
-#include <array>
 #include <iterator>
 
 #include <spdlog/fmt/fmt.h>
 
-#include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 #include "engine/base/check.h"
 #include "engine/base/gaussian_in_polygon.h"
@@ -14,60 +12,45 @@
 namespace rayloc {
 namespace {
 
-PlanarGaussian planar(const v1::Hypothesis& hypothesis) {
-  const auto& covariance = hypothesis.position_covariance();
-  PlanarGaussian gaussian{{hypothesis.position().x(), hypothesis.position().y()}};
-  if (covariance.size() == 9) {
-    gaussian.variance_x = covariance[0];
-    gaussian.covariance_xy = covariance[1];
-    gaussian.variance_y = covariance[4];
-  }
-  return gaussian;
-}
-
-const char* word(v1::ZoneEventKind kind) {
-  switch (kind) {
-    case v1::ZONE_EVENT_KIND_ENTERED:
-      return "entered";
-    case v1::ZONE_EVENT_KIND_LEFT:
-      return "left";
-    default:
-      return "dwelled";
-  }
+PlanarGaussian planar(const Hypothesis& hypothesis) {
+  const auto& covariance = hypothesis.covariance;
+  return {
+      {hypothesis.position.x, hypothesis.position.y}, covariance[0], covariance[1], covariance[4]};
 }
 
 }  // namespace
 
-void fill_zones(const std::vector<SiteZone>& zones, v1::Location& location) {
-  location.clear_zones();
-  if (location.hypotheses().empty()) {
+void fill_zones(const std::vector<SiteZone>& zones, Location& location) {
+  location.zones.clear();
+  const LocationEstimate& estimate = location.estimate;
+  if (!estimate.position || estimate.hypotheses.empty()) {
     return;
   }
   for (const SiteZone& zone : zones) {
     double probability = 0.0;
-    for (const v1::Hypothesis& hypothesis : location.hypotheses()) {
-      probability += hypothesis.weight() * gaussian_in_polygon(planar(hypothesis), zone.polygon);
+    for (const Hypothesis& hypothesis : estimate.hypotheses) {
+      probability += hypothesis.weight * gaussian_in_polygon(planar(hypothesis), zone.polygon);
     }
-    v1::ZoneProbability* out = location.add_zones();
-    out->set_zone(zone.name);
-    out->set_probability(std::clamp(probability, 0.0, 1.0));
+    location.zones.push_back({zone.name, std::clamp(probability, 0.0, 1.0)});
   }
 }
 
-void ZoneWatch::see(const v1::Location& location) {
-  const bool is_lost = location.track_state() == v1::TRACK_STATE_LOST;
-  const bool is_believed = location.track_state() == v1::TRACK_STATE_CONFIRMED ||
-                           location.track_state() == v1::TRACK_STATE_COASTING;
-  if (zones_.empty() || location.kind() != v1::LOCATION_KIND_FILTERED ||
-      !(is_lost || (is_believed && !location.zones().empty()))) {
+void ZoneWatch::see(const Location& location) {
+  if (zones_.empty() || !location.is_filtered()) {
     return;
   }
-  Sighting sighting{location.target(), {}, is_lost};
-  for (const v1::ZoneProbability& zone : location.zones()) {
-    sighting.probability.push_back(zone.probability());
+  const TrackState state = location.tracked->state;
+  const bool is_lost = state == TrackState::kLost;
+  const bool is_believed = state == TrackState::kConfirmed || state == TrackState::kCoasting;
+  if (!is_lost && !(is_believed && !location.zones.empty())) {
+    return;
+  }
+  Sighting sighting{location.target, {}, is_lost};
+  for (const ZoneProbability& zone : location.zones) {
+    sighting.probability.push_back(zone.probability);
   }
   RAYLOC_CHECK(sighting.probability.empty() || sighting.probability.size() == zones_.size());
-  held_.emplace(std::pair(from_proto(location.time()), target_component(location.target())),
+  held_.emplace(std::pair(location.estimate.time, target_component(location.target)),
                 std::move(sighting));
 }
 
@@ -79,13 +62,13 @@ void ZoneWatch::take_before(Timestamp time) {
   }
 }
 
-void ZoneWatch::advance(Timestamp time, std::vector<v1::ZoneEvent>& events) {
+void ZoneWatch::advance(Timestamp time, std::vector<ZoneEvent>& events) {
   take_before(time);
   forget_silent(time);
   give_out(events);
 }
 
-void ZoneWatch::restart(const std::string& reason, std::vector<v1::ZoneEvent>& events) {
+void ZoneWatch::restart(const std::string& reason, std::vector<ZoneEvent>& events) {
   take_before(Timestamp::max());
   Timestamp last = Timestamp::min();
   for (const auto& [key, watched] : targets_) {
@@ -97,7 +80,7 @@ void ZoneWatch::restart(const std::string& reason, std::vector<v1::ZoneEvent>& e
   give_out(events);
 }
 
-void ZoneWatch::give_out(std::vector<v1::ZoneEvent>& events) {
+void ZoneWatch::give_out(std::vector<ZoneEvent>& events) {
   std::move(said_.begin(), said_.end(), std::back_inserter(events));
   said_.clear();
 }
@@ -139,12 +122,12 @@ void ZoneWatch::judge(std::size_t zone, Targets::value_type& target, Timestamp t
     } else if (!stay.is_inside && time - *stay.crossing >= rules.enter_after) {
       stay = {true, false, std::nullopt, time, stay.probability};
       inside_[zone].push_back(target.first);
-      say(v1::ZONE_EVENT_KIND_ENTERED, zone, target, time);
+      say(ZoneEventKind::kEntered, zone, target, time);
     }
   }
   if (stay.is_inside && !stay.has_dwelled && time - stay.entered >= rules.dwell_after) {
     stay.has_dwelled = true;
-    say(v1::ZONE_EVENT_KIND_DWELLED, zone, target, time);
+    say(ZoneEventKind::kDwelled, zone, target, time);
   }
 }
 
@@ -153,7 +136,7 @@ void ZoneWatch::leave(std::size_t zone,
                       Timestamp time,
                       const std::string& reason) {
   std::erase(inside_[zone], target.first);
-  say(v1::ZONE_EVENT_KIND_LEFT, zone, target, time).set_reason(reason);
+  say(ZoneEventKind::kLeft, zone, target, time).reason = reason;
   Stay& stay = target.second.stays[zone];
   stay.is_inside = false;
   stay.crossing.reset();
@@ -184,26 +167,21 @@ void ZoneWatch::forget_silent(Timestamp before) {
   }
 }
 
-v1::ZoneEvent& ZoneWatch::say(v1::ZoneEventKind kind,
-                              std::size_t zone,
-                              const Targets::value_type& target,
-                              Timestamp time) {
-  v1::ZoneEvent& event = said_.emplace_back();
+ZoneEvent& ZoneWatch::say(ZoneEventKind kind,
+                          std::size_t zone,
+                          const Targets::value_type& target,
+                          Timestamp time) {
   const Stay& stay = target.second.stays[zone];
-  event.set_event_id(target.first + "-" + std::to_string(time.time_since_epoch().count()) +
-                     "-zone-" + zones_[zone].name + "-" + word(kind));
-  event.set_kind(kind);
-  *event.mutable_time() = to_proto(time);
-  event.set_zone(zones_[zone].name);
-  *event.mutable_target() = target.second.target;
-  event.set_probability(stay.probability);
-  if (kind != v1::ZONE_EVENT_KIND_ENTERED) {
-    *event.mutable_dwell() = to_proto(time - stay.entered);
-  }
+  ZoneEvent& event = said_.emplace_back();
+  event.kind = kind;
+  event.time = time;
+  event.zone = zones_[zone].name;
+  event.target = target.second.target;
+  event.probability = stay.probability;
+  event.dwell = kind == ZoneEventKind::kEntered ? Duration::zero() : time - stay.entered;
   for (const std::string& key : inside_[zone]) {
-    *event.add_inside() = targets_.at(key).target;
+    event.inside.push_back(targets_.at(key).target);
   }
-  event.set_occupancy(static_cast<std::uint32_t>(inside_[zone].size()));
   return event;
 }
 

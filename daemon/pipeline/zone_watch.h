@@ -18,16 +18,16 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/publish/location.h"
+#include "daemon/publish/target_event.h"
 #include "daemon/site/site.h"
 #include "engine/base/timestamp.h"
-#include "rayloc/v1/event.pb.h"
-#include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
 // Fills `location.zones`: the integral of its hypotheses over each zone. The residual probability
-// counts as outside. Nothing without hypotheses.
-void fill_zones(const std::vector<SiteZone>& zones, v1::Location& location);
+// counts as outside. Nothing without a position or hypotheses.
+void fill_zones(const std::vector<SiteZone>& zones, Location& location);
 
 class ZoneWatch {
  public:
@@ -40,17 +40,17 @@ class ZoneWatch {
 
   // Keeps what a filtered estimate says until advance(); a snapshot says nothing.
   // REQUIRES: `location.zones` is empty or as fill_zones() has it.
-  void see(const v1::Location& location);
+  void see(const Location& location);
 
   // Appends what is decided by the estimates before `time`.
-  void advance(Timestamp time, std::vector<v1::ZoneEvent>& events);
+  void advance(Timestamp time, std::vector<ZoneEvent>& events);
 
   // Time may go back: decides by what it has, and then everybody leaves.
-  void restart(const std::string& reason, std::vector<v1::ZoneEvent>& events);
+  void restart(const std::string& reason, std::vector<ZoneEvent>& events);
 
  private:
   struct Sighting {
-    v1::Target target;
+    Target target;
     std::vector<double> probability;  // by zone; empty when unknown
     bool is_lost = false;
   };
@@ -62,14 +62,14 @@ class ZoneWatch {
     double probability = 0.0;
   };
   struct Watched {
-    v1::Target target;
+    Target target;
     Timestamp heard;
     std::vector<Stay> stays;  // by zone
   };
   using Targets = std::map<std::string, Watched>;
 
   void take_before(Timestamp time);
-  void give_out(std::vector<v1::ZoneEvent>& events);
+  void give_out(std::vector<ZoneEvent>& events);
   void take(Timestamp time, const std::string& key, const Sighting& sighting);
   void judge(std::size_t zone, Targets::value_type& target, Timestamp time);
   void leave(std::size_t zone,
@@ -78,16 +78,16 @@ class ZoneWatch {
              const std::string& reason);
   void leave_all(Targets::iterator target, Timestamp time, const std::string& reason);
   void forget_silent(Timestamp before);
-  v1::ZoneEvent& say(v1::ZoneEventKind kind,
-                     std::size_t zone,
-                     const Targets::value_type& target,
-                     Timestamp time);
+  ZoneEvent& say(ZoneEventKind kind,
+                 std::size_t zone,
+                 const Targets::value_type& target,
+                 Timestamp time);
 
   const std::vector<SiteZone> zones_;
   std::multimap<std::pair<Timestamp, std::string>, Sighting> held_;
   Targets targets_;                               // by target_component()
   std::vector<std::vector<std::string>> inside_;  // of each zone, in the order they came
-  std::vector<v1::ZoneEvent> said_;               // since the last advance()
+  std::vector<ZoneEvent> said_;                   // since the last advance()
 };
 
 }  // namespace rayloc

@@ -1,5 +1,7 @@
 #include "daemon/publish/location_message.h"
 
+#include <string>
+
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/topic.h"
 #include "engine/base/check.h"
@@ -13,11 +15,34 @@ void set_point(const Vec3d& from, v1::Point* to) {
   to->set_z(from.z);
 }
 
-// The same target, instant and kind give the same id, live and in every replay.
-std::string event_id(const LocationEstimate& estimate, const LocationContext& context) {
-  const char* kind = context.kind == v1::LOCATION_KIND_FILTERED ? "filtered" : "snapshot";
-  return target_component(context.target) + "-" +
-         std::to_string(estimate.time.time_since_epoch().count()) + "-" + kind;
+v1::Target to_proto(const Target& target) {
+  v1::Target message;
+  message.set_kind(target.kind == TargetKind::kPerson ? v1::TARGET_KIND_PERSON
+                                                      : v1::TARGET_KIND_DEVICE);
+  if (target.is_hashed) {
+    message.set_hashed_mac(target.address);
+  } else if (!target.address.empty()) {
+    message.set_mac(target.address);
+  }
+  if (target.track) {
+    message.set_track(*target.track);
+  }
+  message.set_name(target.name);
+  return message;
+}
+
+v1::Frame frame_of(const LocationContext& context) {
+  v1::Frame frame;
+  frame.set_crs("local");
+  frame.set_site(context.site);
+  frame.set_scene_hash(context.scene_hash);
+  frame.set_calibration_id(context.calibration_id);
+  return frame;
+}
+
+// What every id begins with: the same target and instant give the same, live and in every replay.
+std::string id_of(const Target& target, Timestamp time) {
+  return target_component(target) + "-" + std::to_string(time.time_since_epoch().count());
 }
 
 void set_position(const LocationEstimate& estimate, v1::Location* message) {
@@ -39,10 +64,7 @@ void set_position(const LocationEstimate& estimate, v1::Location* message) {
   message->set_residual_probability(estimate.residual_probability);
 }
 
-void set_quality(const LocationEstimate& estimate,
-                 const LocationContext& context,
-                 v1::Quality* quality) {
-  quality->set_method(context.method);
+void set_quality(const LocationEstimate& estimate, v1::Quality* quality) {
   quality->set_frames(static_cast<std::uint32_t>(estimate.frames_used));
   quality->set_access_points(static_cast<std::uint32_t>(estimate.access_points_used));
   quality->set_antennas(static_cast<std::uint32_t>(estimate.antennas_used));
@@ -79,61 +101,108 @@ v1::TrackState to_proto(TrackState state) {
   return v1::TRACK_STATE_UNSPECIFIED;
 }
 
+void set_tracked(const Location& location, v1::Location* message) {
+  const Tracked& tracked = *location.tracked;
+  if (tracked.is_predicted && location.estimate.position) {
+    message->set_mode(v1::FIX_MODE_PREDICTED);
+  }
+  message->set_track_state(to_proto(tracked.state));
+  if (tracked.velocity) {
+    message->mutable_velocity()->set_x(tracked.velocity->x);
+    message->mutable_velocity()->set_y(tracked.velocity->y);
+  }
+}
+
+struct ZoneEventName {
+  v1::ZoneEventKind kind;
+  const char* word;  // of ids
+};
+
+ZoneEventName name_of(ZoneEventKind kind) {
+  switch (kind) {
+    case ZoneEventKind::kEntered:
+      return {v1::ZONE_EVENT_KIND_ENTERED, "entered"};
+    case ZoneEventKind::kLeft:
+      return {v1::ZONE_EVENT_KIND_LEFT, "left"};
+    case ZoneEventKind::kDwelled:
+      return {v1::ZONE_EVENT_KIND_DWELLED, "dwelled"};
+  }
+  return {v1::ZONE_EVENT_KIND_UNSPECIFIED, ""};
+}
+
 }  // namespace
 
-v1::Location location_message(const LocationEstimate& estimate, const LocationContext& context) {
+v1::Location location_message(const Location& location, Duration clock_ahead) {
+  const LocationEstimate& estimate = location.estimate;
   v1::Location message;
-  message.set_event_id(event_id(estimate, context));
-  message.set_kind(context.kind);
-  *message.mutable_time() = to_proto(estimate.time);
-  *message.mutable_capture_start() = to_proto(estimate.capture_start);
-  *message.mutable_capture_end() = to_proto(estimate.capture_end);
-  *message.mutable_target() = context.target;
-  *message.mutable_frame() = context.frame;
+  message.set_event_id(id_of(location.target, estimate.time) +
+                       (location.is_filtered() ? "-filtered" : "-snapshot"));
+  message.set_kind(location.is_filtered() ? v1::LOCATION_KIND_FILTERED
+                                          : v1::LOCATION_KIND_SNAPSHOT);
+  *message.mutable_time() = to_proto(estimate.time + clock_ahead);
+  *message.mutable_capture_start() = to_proto(estimate.capture_start + clock_ahead);
+  *message.mutable_capture_end() = to_proto(estimate.capture_end + clock_ahead);
+  *message.mutable_target() = to_proto(location.target);
+  *message.mutable_frame() = frame_of(location.context);
   if (estimate.position) {
     set_position(estimate, &message);
   } else {
     message.set_mode(v1::FIX_MODE_NO_FIX);
     message.set_residual_probability(1.0);
   }
-  *message.mutable_valid_for() = to_proto(context.valid_for);
-  set_quality(estimate, context, message.mutable_quality());
+  if (location.tracked) {
+    set_tracked(location, &message);
+  }
+  for (const ZoneProbability& zone : location.zones) {
+    v1::ZoneProbability* to = message.add_zones();
+    to->set_zone(zone.zone);
+    to->set_probability(zone.probability);
+  }
+  *message.mutable_valid_for() = to_proto(location.context.valid_for);
+  message.mutable_quality()->set_method(location.context.method);
+  set_quality(estimate, message.mutable_quality());
   return message;
 }
 
-v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext context) {
-  context.kind = v1::LOCATION_KIND_FILTERED;
-  v1::Location message = location_message(estimate.location, context);
-  if (estimate.predicted && estimate.location.position) {
-    message.set_mode(v1::FIX_MODE_PREDICTED);
-  }
-  message.set_track_state(to_proto(estimate.state));
-  if (estimate.velocity) {
-    message.mutable_velocity()->set_x(estimate.velocity->x);
-    message.mutable_velocity()->set_y(estimate.velocity->y);
-  }
-  return message;
-}
-
-v1::TrackEvent track_event(const FilteredEstimate& estimate, const v1::Target& target) {
-  RAYLOC_CHECK(estimate.transition && target.has_track());
-  const TrackTransition& transition = *estimate.transition;
-  v1::TrackEvent event;
+v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead) {
+  RAYLOC_CHECK(event.target.track);
+  const TrackTransition& transition = event.transition;
+  v1::TrackEvent message;
   if (transition.before) {
-    event.set_previous_state(to_proto(*transition.before));
+    message.set_previous_state(to_proto(*transition.before));
   }
-  event.set_state(to_proto(transition.after));
+  message.set_state(to_proto(transition.after));
   // Numbers of tracks are those of one run, and would differ in a replay that begins later.
-  event.set_event_id(target_component(target) + "-" +
-                     std::to_string(transition.time.time_since_epoch().count()) + "-track-" +
-                     std::to_string(event.previous_state()) + "-" + std::to_string(event.state()));
-  *event.mutable_time() = to_proto(transition.time);
-  *event.mutable_target() = target;
-  if (estimate.location.position) {
-    set_point(*estimate.location.position, event.mutable_position());
+  message.set_event_id(id_of(event.target, transition.time) + "-track-" +
+                       std::to_string(message.previous_state()) + "-" +
+                       std::to_string(message.state()));
+  *message.mutable_time() = to_proto(transition.time + clock_ahead);
+  *message.mutable_target() = to_proto(event.target);
+  if (event.position) {
+    set_point(*event.position, message.mutable_position());
   }
-  event.set_reason(transition.reason);
-  return event;
+  message.set_reason(transition.reason);
+  return message;
+}
+
+v1::ZoneEvent event_message(const ZoneEvent& event, Duration clock_ahead) {
+  const ZoneEventName name = name_of(event.kind);
+  v1::ZoneEvent message;
+  message.set_event_id(id_of(event.target, event.time) + "-zone-" + event.zone + "-" + name.word);
+  message.set_kind(name.kind);
+  *message.mutable_time() = to_proto(event.time + clock_ahead);
+  message.set_zone(event.zone);
+  *message.mutable_target() = to_proto(event.target);
+  message.set_probability(event.probability);
+  if (event.kind != ZoneEventKind::kEntered) {
+    *message.mutable_dwell() = to_proto(event.dwell);
+  }
+  message.set_reason(event.reason);
+  for (const Target& target : event.inside) {
+    *message.add_inside() = to_proto(target);
+  }
+  message.set_occupancy(static_cast<std::uint32_t>(event.inside.size()));
+  return message;
 }
 
 }  // namespace rayloc

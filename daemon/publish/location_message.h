@@ -1,33 +1,24 @@
-// The engine's LocationEstimate as the public message Location (proto/README.md).
+// Location, TrackEvent and ZoneEvent as the public messages (proto/README.md).
+//
+// They are functions of their arguments: a replay gives the same bytes. `clock_ahead` is what the
+// clock of the outside is later than event time: times are told by that clock, ids are made of
+// event time.
 #pragma once
 
-#include <string>
-
+#include "daemon/publish/location.h"
+#include "daemon/publish/target_event.h"
 #include "engine/base/timestamp.h"
-#include "engine/room/location_estimate.h"
-#include "engine/track/track.h"
 #include "rayloc/v1/event.pb.h"
 #include "rayloc/v1/location.pb.h"
 
 namespace rayloc {
 
-// What is said of a location besides the estimate itself.
-struct LocationContext {
-  v1::Target target;
-  v1::Frame frame;
-  v1::LocationKind kind = v1::LOCATION_KIND_SNAPSHOT;
-  std::string method;
-  Duration valid_for{};
-};
+// With NO_FIX there is neither a position nor an accuracy, and `quality.no_fix_reason` says why.
+v1::Location location_message(const Location& location, Duration clock_ahead = {});
 
-// A function of its arguments: a replay gives the same bytes. With NO_FIX there is neither a
-// position nor an accuracy, and `quality.no_fix_reason` says why.
-v1::Location location_message(const LocationEstimate& estimate, const LocationContext& context);
+// REQUIRES: event.target.track.
+v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead = {});
 
-// The same of the tracker: `context.kind` is LOCATION_KIND_FILTERED whatever it was.
-v1::Location filtered_message(const FilteredEstimate& estimate, LocationContext context);
-
-// The transition of the estimate's track. REQUIRES: estimate.transition; target.track is set.
-v1::TrackEvent track_event(const FilteredEstimate& estimate, const v1::Target& target);
+v1::ZoneEvent event_message(const ZoneEvent& event, Duration clock_ahead = {});
 
 }  // namespace rayloc

@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "daemon/publish/socket/secret_file.h"
-#include "rayloc/v1/target.pb.h"
 
 namespace rayloc {
 namespace {
@@ -65,14 +64,6 @@ std::string TargetNames::text(const MacAddress& transmitter, Timestamp time) {
   std::array<char, 2 * kHashBytes + 1> hex{};
   sodium_bin2hex(hex.data(), hex.size(), digest.data(), kHashBytes);
   return hex.data();
-}
-
-void TargetNames::set(const MacAddress& transmitter, Timestamp time, v1::Target& target) {
-  if (options_.hashed) {
-    target.set_hashed_mac(text(transmitter, time));
-  } else {
-    target.set_mac(text(transmitter, time));
-  }
 }
 
 Expected<std::string> TargetNames::read_key(const std::filesystem::path& file) {

@@ -24,10 +24,6 @@
 #include "engine/base/timestamp.h"
 #include "engine/channel/mac_address.h"
 
-namespace rayloc::v1 {
-class Target;
-}  // namespace rayloc::v1
-
 namespace rayloc {
 
 class TargetNames {
@@ -43,8 +39,6 @@ class TargetNames {
   bool hashed() const { return options_.hashed; }
   // "02:52:4c:00:00:01", or 32 hexadecimal digits. `time`: of the event.
   std::string text(const MacAddress& transmitter, Timestamp time);
-  // The same as the address of a message's target.
-  void set(const MacAddress& transmitter, Timestamp time, v1::Target& target);
 
   // The first line of the file. kConfiguration when that has less than 32 characters, or when
   // everyone on the machine may read it.

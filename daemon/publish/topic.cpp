@@ -1,5 +1,8 @@
 #include "daemon/publish/topic.h"
 
+#include <cstdint>
+
+#include "daemon/publish/location.h"
 #include "engine/base/check.h"
 #include "rayloc/v1/target.pb.h"
 
@@ -26,6 +29,8 @@ void append_component(std::string& topic, std::string_view component) {
   }
   topic += '/';
 }
+
+std::string person_component(std::uint64_t track) { return "person-" + std::to_string(track); }
 
 }  // namespace
 
@@ -61,10 +66,14 @@ std::string target_component(const v1::Target& target) {
   if (target.has_hashed_mac()) {
     return target.hashed_mac();
   }
-  if (target.has_track()) {
-    return "person-" + std::to_string(target.track());
+  return target.has_track() ? person_component(target.track()) : std::string();
+}
+
+std::string target_component(const Target& target) {
+  if (!target.address.empty()) {
+    return target.address;
   }
-  return {};
+  return target.track ? person_component(*target.track) : std::string();
 }
 
 }  // namespace rayloc

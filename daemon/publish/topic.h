@@ -14,6 +14,8 @@ class Target;
 
 namespace rayloc {
 
+struct Target;
+
 // "v1/CLASS/SITE/" or "v1/CLASS/SITE/LEAF/". REQUIRES: site is not empty.
 std::string make_topic(std::string_view topic_class, std::string_view site);
 std::string make_topic(std::string_view topic_class, std::string_view site, std::string_view leaf);
@@ -23,5 +25,6 @@ std::string_view topic_prefix(std::string_view topic);
 
 // The <target> of a topic: mac, else hashed mac, else "person-N"; empty when the target has none.
 std::string target_component(const v1::Target& target);
+std::string target_component(const Target& target);
 
 }  // namespace rayloc

@@ -39,6 +39,9 @@ caught capture/source/a.cpp '#include "daemon/site/site.h"' 'capture/source may 
 caught daemon/site/a.cpp '#include "daemon/pipeline/pipeline.h"' 'daemon/site may include'
 caught daemon/publish/a.cpp '#include "capture/transport/datagram.h"' 'daemon/publish may include'
 caught daemon/pipeline/a.cpp '#include "daemon/command/verb.h"' 'daemon/pipeline may include'
+caught daemon/pipeline/a.cpp '#include "rayloc/v1/location.pb.h"' 'publisher_stage'
+caught daemon/pipeline/a.h '#include "daemon/publish/location_message.h"' 'publisher_stage'
+caught daemon/pipeline/publisher_stage.cpp '#include "rayloc/v1/location.pb.h"' 'location.h travels'
 caught engine/em/a.cpp '#include "../scene/scene.h"' 'quoted includes'
 caught engine/scene/a.cpp '#include <embree3/rtcore.h>' 'Embree'
 caught engine/localize/a.cpp '#include <hwy/highway.h>' 'Highway'
@@ -60,6 +63,8 @@ passes engine/scene/bvh.cpp '#include <embree3/rtcore.h>' \
   capture/source/udp_source.cpp '#include <sys/socket.h>' \
   daemon/publish/publisher.cpp '#include <zmq.hpp>' \
   daemon/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
+  daemon/pipeline/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
+  daemon/pipeline/publisher_stage.cpp '#include "daemon/publish/location_message.h"' \
   daemon/cli/sub.cpp '#include "daemon/publish/subscriber.h"'
 
 # A new folder must get its row.

@@ -202,7 +202,7 @@ TEST_F(RechainVerb, FindsTheNewPhasesFromOneSpotThreeSpotsAndTheFixedTransmitter
 
 class Forget : public LocationSink {
  public:
-  void location(v1::Location&& /*location*/) override {}
+  void location(Location&& /*location*/) override {}
 };
 
 // What the estimator of the daemon says after each of the recordings, and when they are moved then.

@@ -5,22 +5,19 @@
 namespace rayloc::cli {
 namespace {
 
-v1::Location without_fix(const std::string& reason) {
-  v1::Location location;
-  location.set_kind(v1::LOCATION_KIND_SNAPSHOT);
-  location.set_mode(v1::FIX_MODE_NO_FIX);
-  location.mutable_quality()->set_no_fix_reason(reason);
+Location without_fix(const std::string& reason) {
+  Location location;
+  location.estimate.reason = reason;
   return location;
 }
 
 TEST(Field, ReasonsWithoutAFixAreCountedTheMostFrequentFirst) {
   NoFixReasons reasons;
   EXPECT_EQ(reasons.text(), "");
-  v1::Location located;
-  located.set_kind(v1::LOCATION_KIND_SNAPSHOT);
-  located.set_mode(v1::FIX_MODE_2D);
-  v1::Location filtered = without_fix("of a tracker");
-  filtered.set_kind(v1::LOCATION_KIND_FILTERED);
+  Location located;
+  located.estimate.position = Vec3d{1.0, 2.0, 1.2};
+  Location filtered = without_fix("of a tracker");
+  filtered.tracked = Tracked{};
   reasons.count(located);
   reasons.count(filtered);
   EXPECT_EQ(reasons.text(), "") << "no snapshot is without a fix";

@@ -9,7 +9,6 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/pipeline.h"
-#include "daemon/publish/proto_time.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc {
@@ -112,9 +111,8 @@ class BusyEstimator : public Estimator {
     if (!clock_.over) {  // then there is time for all
       oldest_ = std::max(oldest_, clock_.now() - burst.last);
     }
-    v1::Location location;
-    location.set_mode(v1::FIX_MODE_NO_FIX);
-    *location.mutable_time() = to_proto(burst.first);
+    Location location;
+    location.estimate.time = burst.first;
     out.locations.push_back(std::move(location));
     clock_.explaining = false;
   }
@@ -144,7 +142,7 @@ struct Outcome {
 Outcome run(int more, Rank device, Overflow overflow = Overflow::kDropOldest) {
   Clock clock;
   BusyEstimator estimator(clock, device);
-  OrderedSink sink([](const v1::Location&) {});
+  OrderedSink sink([](const Location&) {});
   std::vector<SourceWorker::Input> inputs(1);
   inputs[0].access_point = "ap1";
   inputs[0].source = std::make_unique<Air>(crowd(more), clock);

@@ -2,24 +2,23 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/publish/proto_time.h"
-
 namespace rayloc {
 namespace {
 
 Timestamp at(int ms) { return Timestamp(std::chrono::milliseconds(ms)); }
 
-v1::Location location_of(int ms, const std::string& mac) {
-  v1::Location location;
-  *location.mutable_time() = to_proto(at(ms));
-  location.mutable_target()->set_mac(mac);
+Location location_of(int ms, const std::string& mac) {
+  Location location;
+  location.estimate.time = at(ms);
+  location.target.address = mac;
   return location;
 }
 
 TEST(OrderedSink, WritesByTimeThenTarget) {
   std::string written;
-  OrderedSink sink([&](const v1::Location& location) {
-    written += std::to_string(location.time().nanos() / 1'000'000) + location.target().mac() + " ";
+  OrderedSink sink([&](const Location& location) {
+    const auto since = location.estimate.time.time_since_epoch();
+    written += std::to_string(since / std::chrono::milliseconds(1)) + location.target.address + " ";
   });
   sink.location(location_of(20, "b"));
   sink.location(location_of(10, "c"));
@@ -32,6 +31,19 @@ TEST(OrderedSink, WritesByTimeThenTarget) {
   sink.location(location_of(30, "a"));
   sink.finish();
   EXPECT_EQ(written, "10c 200 20a 20b 30a ");
+}
+
+TEST(OrderedSink, WritesASnapshotBeforeTheTrackersEstimate) {
+  std::string written;
+  OrderedSink sink([&](const Location& location) {
+    written += location.is_filtered() ? "filtered " : "snapshot ";
+  });
+  Location filtered = location_of(10, "a");
+  filtered.tracked = Tracked{};
+  sink.location(std::move(filtered));
+  sink.location(location_of(10, "a"));
+  sink.finish();
+  EXPECT_EQ(written, "snapshot filtered ");
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "capture/source/pcap_source.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
+#include "daemon/publish/location_message.h"
 #include "daemon/publish/proto_time.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
@@ -77,11 +78,11 @@ struct Outcome {
 class Recorder : public LocationSink {
  public:
   explicit Recorder(Outcome& outcome)
-      : outcome_(outcome), ordered_([&outcome](const v1::Location& location) {
-          outcome.locations.push_back(location);
+      : outcome_(outcome), ordered_([&outcome](const Location& location) {
+          outcome.locations.push_back(location_message(location));
         }) {}
-  void location(v1::Location&& location) override { ordered_.location(std::move(location)); }
-  void event(v1::TrackEvent&& event) override { outcome_.events.push_back(std::move(event)); }
+  void location(Location&& location) override { ordered_.location(std::move(location)); }
+  void event(TrackEvent&& event) override { outcome_.events.push_back(event_message(event)); }
   void advance(Timestamp time) override { ordered_.advance(time); }
   void finish() {
     ordered_.finish();

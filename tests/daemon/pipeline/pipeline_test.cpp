@@ -12,7 +12,7 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
-#include "daemon/publish/proto_time.h"
+#include "daemon/publish/location_message.h"
 
 namespace rayloc {
 namespace {
@@ -23,10 +23,9 @@ constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room/";
 class DescribingEstimator : public Estimator {
  public:
   void estimate(const Burst& burst, Estimates& out) override {
-    v1::Location location;
-    location.set_mode(v1::FIX_MODE_NO_FIX);
-    location.mutable_target()->set_mac(to_string(burst.transmitter));
-    *location.mutable_time() = to_proto(burst.first + (burst.last - burst.first) / 2);
+    Location location;
+    location.target.address = to_string(burst.transmitter);
+    location.estimate.time = burst.first + (burst.last - burst.first) / 2;
     std::string text;
     for (const CsiFrame& frame : burst.frames) {
       double sum = 0.0;
@@ -36,8 +35,8 @@ class DescribingEstimator : public Estimator {
       text += std::to_string(frame.access_point) + ":" + std::to_string(frame.sequence) + ":" +
               std::to_string(frame.cores.size()) + ":" + std::to_string(sum) + " ";
     }
-    location.set_event_id(text);
-    out.locations.push_back(location);
+    location.estimate.reason = text;
+    out.locations.push_back(std::move(location));
   }
 };
 
@@ -63,8 +62,8 @@ Outcome replay(std::size_t ring_frames, std::shared_ptr<Pace> pace, int sources 
   }
   Outcome outcome;
   DescribingEstimator estimator;
-  OrderedSink sink([&](const v1::Location& location) {
-    outcome.locations += location.SerializeAsString() + "\n";
+  OrderedSink sink([&](const Location& location) {
+    outcome.locations += location_message(location).SerializeAsString() + "\n";
   });
   PipelineOptions options;
   options.ring_frames = ring_frames;
@@ -133,7 +132,7 @@ class SlowEstimator : public DescribingEstimator {
 
 TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
   SlowEstimator estimator;
-  OrderedSink sink([](const v1::Location&) {});
+  OrderedSink sink([](const Location&) {});
   std::vector<SourceWorker::Input> inputs(1);
   inputs[0].access_point = "ap1";
   // Half a second for all of it: at once, it might have ended before the estimator has begun.
@@ -172,7 +171,7 @@ TEST(Pipeline, LiveTakesTheNewestBurstAndCountsWhatItMerged) {
 
 TEST(Pipeline, StopsWhileARecordingIsPlayed) {
   DescribingEstimator estimator;
-  OrderedSink sink([](const v1::Location&) {});
+  OrderedSink sink([](const Location&) {});
   std::vector<SourceWorker::Input> inputs(1);
   inputs[0].access_point = "ap1";
   inputs[0].source = std::make_unique<PacedSource>(

@@ -62,7 +62,7 @@ class NotingEstimator : public Estimator {
 
 class IgnoringSink : public LocationSink {
  public:
-  void location(v1::Location&& /*location*/) override {}
+  void location(Location&& /*location*/) override {}
 };
 
 class PlayedRecordings : public ::testing::Test {

@@ -80,8 +80,8 @@ class TurnedChains : public ::testing::Test {
   }
 };
 
-bool is_named(const v1::Location& location) {
-  for (const std::string& warning : location.quality().warnings()) {
+bool is_named(const Location& location) {
+  for (const std::string& warning : location.estimate.warnings) {
     if (warning.find("chain_phase_jump: access point ap1, core 3 by 90 degrees") !=
         std::string::npos) {
       return true;
@@ -111,16 +111,16 @@ TEST_F(TurnedChains, AreNamedAndNotBelieved) {
     Estimates out;
     estimator->estimate(burst, out);
     ASSERT_FALSE(out.locations.empty());
-    const v1::Location& snapshot = out.locations.front();
-    ASSERT_EQ(snapshot.kind(), v1::LOCATION_KIND_SNAPSHOT);
+    const Location& snapshot = out.locations.front();
+    ASSERT_FALSE(snapshot.is_filtered());
     if (i < kJumpAt) {
-      located += snapshot.has_position() ? 1 : 0;
+      located += snapshot.estimate.position ? 1 : 0;
       EXPECT_FALSE(is_named(snapshot)) << i;
     } else if (is_named(snapshot)) {
       ++named;
-      EXPECT_FALSE(snapshot.has_position()) << i;
-      EXPECT_EQ(snapshot.mode(), v1::FIX_MODE_NO_FIX);
-      EXPECT_TRUE(snapshot.has_time());
+      EXPECT_FALSE(snapshot.estimate.position) << i;
+      EXPECT_NE(snapshot.estimate.reason, "");
+      EXPECT_GT(snapshot.estimate.time, burst.first);
     }
   }
   EXPECT_EQ(located, kJumpAt);

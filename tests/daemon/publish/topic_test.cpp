@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/publish/location.h"
 #include "rayloc/v1/target.pb.h"
 
 namespace rayloc {
@@ -33,6 +34,15 @@ TEST(Topic, NamesTargetsByAddressThenHashThenTrack) {
   EXPECT_EQ(target_component(target), "c0ffee");
   target.set_mac("02:52:4c:00:00:01");
   EXPECT_EQ(target_component(target), "02:52:4c:00:00:01");
+}
+
+TEST(Topic, NamesATargetAsItsMessage) {
+  Target target;
+  EXPECT_EQ(target_component(target), "");
+  target.track = 7;
+  EXPECT_EQ(target_component(target), "person-7");
+  target.address = "c0ffee";
+  EXPECT_EQ(target_component(target), "c0ffee");
 }
 
 }  // namespace

@@ -130,7 +130,7 @@ class FieldChannel {
 
   const RoomModel& room() const { return estimator_->room(); }
   DeviceEstimator& estimator() { return *estimator_; }
-  v1::Location locate(const Burst& burst) {
+  Location locate(const Burst& burst) {
     Estimates out;
     estimator_->estimate(burst, out);
     return out.locations.front();
@@ -150,16 +150,19 @@ TEST(Field, TheChannelOfAWalkerIsOfTheBurstAndThePlaceThatItWasLocatedAt) {
   for (const int second : {100, 101}) {  // and not of the one before
     const Burst burst =
         walk(channel.room(), 0.5 * (second - 100) - 0.6, Timestamp(std::chrono::seconds(second)));
-    const v1::Location location = channel.locate(burst);
-    ASSERT_TRUE(location.has_position()) << location.quality().no_fix_reason();
+    const Location location = channel.locate(burst);
+    ASSERT_TRUE(location.estimate.position) << location.estimate.reason;
     const json all = channel.shown();
     ASSERT_EQ(all.size(), 1U);
     const json& shown = all.at(0);
     EXPECT_EQ(shown.at("target"), kDevice);
     EXPECT_EQ(shown.at("name"), "phone");
-    EXPECT_EQ(shown.at("time"), google::protobuf::util::TimeUtil::ToString(location.time()));
+    EXPECT_EQ(shown.at("time"),
+              google::protobuf::util::TimeUtil::ToString(to_proto(location.estimate.time)));
     EXPECT_EQ(shown.at("position"),
-              json({location.position().x(), location.position().y(), location.position().z()}));
+              json({location.estimate.position->x,
+                    location.estimate.position->y,
+                    location.estimate.position->z}));
     ASSERT_EQ(shown.at("access_points").size(), channel.room().access_points.size());
     for (std::size_t i = 0; i < 2; ++i) {
       const std::vector<double> expected = amplitudes(channel.room(), i, burst);
