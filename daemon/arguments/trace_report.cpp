@@ -7,26 +7,15 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/base/constants.h"
+#include "engine/trace/interactions/interaction.h"
 
 namespace rayloc::cli {
 namespace {
 
-char letter(InteractionKind kind) {
-  switch (kind) {
-    case InteractionKind::kReflection:
-      return 'R';
-    case InteractionKind::kTransmission:
-      return 'T';
-    case InteractionKind::kShadowing:
-      break;
-  }
-  return 'S';
-}
-
 std::string kinds_of(const Path& path) {
   std::string kinds;
   for (const Interaction& interaction : path.interactions) {
-    kinds += letter(interaction.kind);
+    kinds += letter_of(interaction.kind);
   }
   return kinds;
 }

@@ -22,7 +22,7 @@ struct SlabCoefficients {
   Complex<T> t_te, t_tm;  // transmission
   // By what the parallel field differs from the perpendicular one, over sin^2(theta):
   // (r_te + r_tm) / sin^2 and (t_tm - t_te) / sin^2. Both are regular at normal incidence, where
-  // the plane of incidence and with it te and tm lose their meaning (field_calculator.h).
+  // the plane of incidence and with it te and tm lose their meaning (trace/interactions/wave.h).
   Complex<T> r_excess, t_excess;
 };
 

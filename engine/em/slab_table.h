@@ -20,7 +20,7 @@ namespace rayloc {
 
 class SlabTable {
  public:
-  // An interaction as field_calculator.h needs it: r_te and r_excess, or t_te and t_excess.
+  // An interaction as trace/interactions need it: r_te and r_excess, or t_te and t_excess.
   template <typename T>
   struct Pair {
     Complex<T> te;

@@ -7,14 +7,9 @@
 #include "engine/base/complex.h"
 #include "engine/base/vec3.h"
 #include "engine/em/spherical.h"
+#include "engine/trace/interactions/interaction_kind.h"
 
 namespace rayloc {
-
-enum class InteractionKind : std::uint8_t {
-  kReflection,
-  kTransmission,  // straight through one face; a wall has two
-  kShadowing,     // past the edge of an opaque surface, under soft visibility
-};
 
 struct Interaction {
   InteractionKind kind = InteractionKind::kReflection;

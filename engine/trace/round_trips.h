@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/trace/interactions/interaction.h"
 #include "engine/trace/path.h"
 #include "engine/trace/trace_context.h"
 
@@ -34,8 +35,7 @@ void visit_round_trips(const TraceContext& context,
     // The wave enters the gap through one face; at the other it leaves or turns back.
     const Interaction& entered = interactions[i];
     const Interaction& other = interactions[i + 1];
-    if (entered.kind != InteractionKind::kTransmission ||
-        !are_coplanar(context, entered.surface, other.surface)) {
+    if (!goes_through(entered.kind) || !are_coplanar(context, entered.surface, other.surface)) {
       continue;
     }
     std::vector<Interaction> bounces{other, entered};
@@ -43,7 +43,7 @@ void visit_round_trips(const TraceContext& context,
       bounce.kind = InteractionKind::kReflection;
       bounce.at_mirror = false;
     }
-    const bool turns_back = other.kind == InteractionKind::kReflection;
+    const bool turns_back = is_mirror(other.kind);
     if (turns_back) {
       std::swap(bounces[0], bounces[1]);
     }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "engine/trace/field_calculator.h"
+#include "engine/trace/interactions/interaction.h"
 #include "engine/trace/trace_context.h"
 #include "engine/trace/trace_options.h"
 #include "engine/trace/visibility.h"
@@ -42,7 +43,7 @@ SoftInteraction<T> soft_interaction(const TraceContext& context,
                                     const FacetOf& facet_of) {
   const auto& surfaces = context.scene->surfaces();
   SoftInteraction<T> interaction{kind, &surfaces[surface], facet_of(surface)};
-  if (kind == InteractionKind::kReflection) {
+  if (is_mirror(kind)) {
     for (const std::uint32_t cover : context.covers[surface]) {
       interaction.covers.push_back({&surfaces[cover], facet_of(cover)});
     }
@@ -66,7 +67,7 @@ class SoftPath {
         options_(options) {
     std::vector<Plane<T>> planes;
     for (const SoftInteraction<T>& interaction : interactions) {
-      if (interaction.kind == InteractionKind::kReflection) {
+      if (is_mirror(interaction.kind)) {
         planes.push_back(interaction.facet.plane);
         mirrors_.push_back(&interaction);
       }
@@ -118,20 +119,13 @@ class SoftPath {
       path.length = path.length + norm(vertices_[i + 1] - vertices_[i]);
     }
     path.departure = normalized(vertices_[1] - vertices_[0]);
-    // By number of interactions so far.
-    std::vector<Wave<T>> waves{radiated(transmitter_, path.departure)};
-    std::size_t reflections = 0;
+    Passage passage{{radiated(transmitter_, path.departure)}};
     for (const SoftInteraction<T>& interaction : interactions_) {
-      if (interaction.kind == InteractionKind::kReflection) {
-        reflect_all(waves, interaction.facet);
-        ++reflections;
-      } else {
-        cross_all(waves, interaction, segment(reflections));
-      }
+      visit_interaction(interaction.kind, [&](auto met) { pass(met, interaction, passage); });
     }
     const T weight = mirror_weight();
-    path.arrival = waves.front().direction;
-    for (const Wave<T>& wave : waves) {
+    path.arrival = passage.waves.front().direction;
+    for (const Wave<T>& wave : passage.waves) {
       path.a = path.a + received(receiver_, wave, path.length, wavelength_);
     }
     path.a = {weight * path.a.re, weight * path.a.im};
@@ -139,32 +133,50 @@ class SoftPath {
   }
 
  private:
+  // The wave on its way.
+  struct Passage {
+    std::vector<Wave<T>> waves;  // by the number of faces gone through so far
+    std::size_t mirrors = 0;     // passed so far
+  };
+
   T end_weight(const SoftInteraction<T>& mirror,
                const Vec3<T>& device,
                const Vec3<T>& point) const {
     return foot_weight(*mirror.surface, mirror.facet, device, point, options_.softness);
   }
 
-  void reflect_all(std::vector<Wave<T>>& waves, const Facet<T>& facet) const {
-    for (Wave<T>& wave : waves) {
-      wave = reflect(wave, facet, wavelength_);
-    }
-  }
-
-  void cross_all(std::vector<Wave<T>>& waves,
-                 const SoftInteraction<T>& interaction,
-                 const SoftSegment<T>& along) const {
+  // The share of the wave that the surface is in the way of.
+  T share_in_the_way(const SoftInteraction<T>& interaction, const SoftSegment<T>& along) const {
     const Facet<T>& facet = interaction.facet;
     const Vec3<T> point = meet(facet.plane, along.from, along.to);
-    const T weight =
-        interaction.at_mirror
-            ? edge_weight(*interaction.surface, facet, point, options_.softness)
-            : crossing_weight(*interaction.surface, facet, along, point, options_.softness);
-    const Complex<T> past{T(1) - weight, T(0)};
-    if (!options_.transmission) {
-      waves.front().field = past * waves.front().field;
-      return;
+    return interaction.at_mirror
+               ? edge_weight(*interaction.surface, facet, point, options_.softness)
+               : crossing_weight(*interaction.surface, facet, along, point, options_.softness);
+  }
+
+  void pass(interactions::Reflection /*met*/,
+            const SoftInteraction<T>& interaction,
+            Passage& passage) const {
+    for (Wave<T>& wave : passage.waves) {
+      wave = interactions::Reflection::apply(wave, interaction.facet, wavelength_);
     }
+    ++passage.mirrors;
+  }
+
+  void pass(interactions::Shadowing /*met*/,
+            const SoftInteraction<T>& interaction,
+            Passage& passage) const {
+    const T weight = share_in_the_way(interaction, segment(passage.mirrors));
+    Wave<T>& wave = passage.waves.front();
+    wave.field = Complex<T>{T(1) - weight, T(0)} * wave.field;
+  }
+
+  void pass(interactions::Transmission /*met*/,
+            const SoftInteraction<T>& interaction,
+            Passage& passage) const {
+    std::vector<Wave<T>>& waves = passage.waves;
+    const T weight = share_in_the_way(interaction, segment(passage.mirrors));
+    const Complex<T> past{T(1) - weight, T(0)};
     const std::size_t most = static_cast<std::size_t>(options_.max_depth) - mirrors_.size();
     if (waves.size() <= most) {
       waves.push_back({{}, waves.front().direction});
@@ -173,7 +185,8 @@ class SoftPath {
       Wave<T>& wave = waves[i - 1];
       wave.field = past * wave.field;
       if (i > 1) {
-        const Wave<T> through = transmit(waves[i - 2], facet, wavelength_);
+        const Wave<T> through =
+            interactions::Transmission::apply(waves[i - 2], interaction.facet, wavelength_);
         wave.field = wave.field + Complex<T>{weight, T(0)} * through.field;
       }
     }

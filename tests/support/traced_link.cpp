@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/scene/read/load_scene.h"
+#include "engine/trace/interactions/interaction.h"
 #include "tests/support/scenes.h"
 
 namespace rayloc::test {
@@ -201,8 +202,7 @@ std::vector<std::uint32_t> TracedLink::path_keys() const {
   for_each_pair([&](const Transmitter& transmitter, const ReceiverTracer& at_receiver) {
     for (const Path& path : at_receiver.trace(transmitter)) {
       for (const Interaction& interaction : path.interactions) {
-        keys.push_back(2 * interaction.surface +
-                       (interaction.kind == InteractionKind::kReflection ? 1U : 0U));
+        keys.push_back(2 * interaction.surface + (is_mirror(interaction.kind) ? 1U : 0U));
       }
       keys.push_back(kNoSurface);
     }

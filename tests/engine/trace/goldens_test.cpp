@@ -14,6 +14,7 @@
 
 #include "engine/base/constants.h"
 #include "engine/scene/read/load_scene.h"
+#include "engine/trace/interactions/interaction.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/golden.h"
 #include "tests/support/scenes.h"
@@ -213,7 +214,7 @@ TEST(Goldens, ShoeboxHasAsManyPathsAsImages) {
 std::string kinds_of(const Path& path) {
   std::string kinds;
   for (const Interaction& interaction : path.interactions) {
-    kinds += interaction.kind == InteractionKind::kReflection ? 'R' : 'T';
+    kinds += letter_of(interaction.kind);
   }
   return kinds;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/trace/field_calculator.h"
+#include "engine/trace/interactions/reflection.h"
 #include "tests/support/gradient_check.h"
 
 namespace rayloc {
@@ -132,7 +133,8 @@ TEST(FieldCalculator, LosslessMirrorKeepsTheField) {
   const Vec3d out{in.x, in.y, -in.z};
   const Vec3d across = normalized(cross(in, {0, 0, 1}));
   const ComplexVec3<double> field{0.3 * across + 0.8 * cross(across, in), {}};
-  const auto reflected = reflect(Wave<double>{field, in}, metal, 0.0578).field;
+  const auto reflected =
+      interactions::Reflection::apply(Wave<double>{field, in}, metal, 0.0578).field;
   EXPECT_NEAR(norm(reflected.re), norm(field.re), 1e-4);
   EXPECT_NEAR(dot(reflected.re, out), 0.0, 1e-15);
   // A perfect conductor has no tangential field: incident and reflected cancel in the plane.

@@ -13,6 +13,7 @@
 #include "engine/base/mat3.h"
 #include "engine/trace/image_method.h"
 #include "engine/trace/interaction_finder.h"
+#include "engine/trace/interactions/interaction.h"
 #include "engine/trace/path_tracer.h"
 #include "engine/trace/radio_device.h"
 #include "engine/trace/trace_context.h"
@@ -366,7 +367,7 @@ std::size_t reflections_past_a_screen(double edge, double softness) {
   const Paths paths = tracer.trace(Transmitter{{{0, 0.6, 0}, {}}}, Receiver{{{0, -0.6, 0}, {}}});
   return static_cast<std::size_t>(std::count_if(paths.begin(), paths.end(), [](const Path& path) {
     return std::any_of(path.interactions.begin(), path.interactions.end(), [](const auto& met) {
-      return met.kind == InteractionKind::kReflection;
+      return is_mirror(met.kind);
     });
   }));
 }

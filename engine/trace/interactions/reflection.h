@@ -1,0 +1,54 @@
+// Reflection: the wave turns back at a face.
+//
+// With q = (d x n) x d, q_out the same of the direction that it leaves in and M the mirror, the
+// field is
+//   r_te M(E) + (r_te + r_tm) / sin^2 (E . q) q_out.
+//
+// Found by the images of the receiver (images/image_tree.h), which lead to its place as well.
+#pragma once
+
+#include "engine/trace/interactions/wave.h"
+
+namespace rayloc::interactions {
+
+struct Reflection {
+  static constexpr char kLetter = 'R';
+  static constexpr bool kIsMirror = true;
+  static constexpr bool kGoesThrough = false;
+
+  // The wave that leaves the face.
+  template <typename T>
+  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
+
+ private:
+  template <typename T>
+  static Vec3<T> mirrored(const Vec3<T>& v, const Vec3<T>& normal) {
+    return v - (T(2) * dot(v, normal)) * normal;
+  }
+
+  template <typename T>
+  static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
+                                         const Facet<T>& facet,
+                                         const T& wavelength) {
+    if (has_table_at(cos_theta_i, facet)) {
+      return facet.table->reflection(cos_theta_i);
+    }
+    const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
+    return {slab.r_te, slab.r_excess};
+  }
+};
+
+template <typename T>
+Wave<T> Reflection::apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength) {
+  const Vec3<T>& normal = facet.plane.normal;
+  const SlabTable::Pair<T> slab =
+      coefficients(cosine_of_incidence(in.direction, facet), facet, wavelength);
+  const Vec3<T> out = mirrored(in.direction, normal);
+  const Vec3<T> across = cross(in.direction, normal);
+  const ComplexVec3<T> image{mirrored(in.field.re, normal), mirrored(in.field.im, normal)};
+  return {slab.te * image +
+              turned(in.field, cross(across, in.direction), cross(across, out), slab.excess),
+          out};
+}
+
+}  // namespace rayloc::interactions

@@ -1,0 +1,43 @@
+// Transmission: the wave goes straight on to the other side of a face.
+//
+// With q = (d x n) x d the field is
+//   t_te E + (t_tm - t_te) / sin^2 (E . q) q.
+//
+// Found where a segment between two mirrors meets a face (TraceContext::crossings).
+#pragma once
+
+#include "engine/trace/interactions/wave.h"
+
+namespace rayloc::interactions {
+
+struct Transmission {
+  static constexpr char kLetter = 'T';
+  static constexpr bool kIsMirror = false;
+  static constexpr bool kGoesThrough = true;
+
+  // The wave on the other side.
+  template <typename T>
+  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
+
+ private:
+  template <typename T>
+  static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
+                                         const Facet<T>& facet,
+                                         const T& wavelength) {
+    if (has_table_at(cos_theta_i, facet)) {
+      return facet.table->transmission(cos_theta_i);
+    }
+    const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
+    return {slab.t_te, slab.t_excess};
+  }
+};
+
+template <typename T>
+Wave<T> Transmission::apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength) {
+  const SlabTable::Pair<T> slab =
+      coefficients(cosine_of_incidence(in.direction, facet), facet, wavelength);
+  const Vec3<T> q = cross(cross(in.direction, facet.plane.normal), in.direction);
+  return {slab.te * in.field + turned(in.field, q, q, slab.excess), in.direction};
+}
+
+}  // namespace rayloc::interactions
