@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "engine/base/parallel.h"
+#include "engine/trace/interactions/interaction.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
@@ -90,6 +91,9 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
     }
     Vec3d last = from;
     for (const Interaction& interaction : path.interactions) {
+      if (!is_mirror(interaction.kind)) {
+        continue;
+      }
       const Vec3d way = interaction.position - last;
       const Vec3d& normal = scene.surfaces()[interaction.surface].plane().normal;
       met.emplace_back(interaction.surface, band_of(normal, (1.0 / norm(way)) * way));

@@ -73,16 +73,11 @@ std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) c
       if (std::norm(a) <= 0.0) {
         continue;
       }
-      ScatteredRay ray{a,
-                       path.tau * kSpeedOfLight,
-                       log_slope(found->by_position.at(i, 0), a, angular_carrier_),
-                       log_slope(found->by_position.at(i, 1), a, angular_carrier_),
-                       path.departure};
-      for (const Interaction& interaction : path.interactions) {
-        if (interaction.kind == InteractionKind::kReflection && !correction_.empty()) {
-          ray.amplitude *= correction_[interaction.surface];
-        }
-      }
+      const ScatteredRay ray{apply_surface_correction(correction_, path, a),
+                             path.tau * kSpeedOfLight,
+                             log_slope(found->by_position.at(i, 0), a, angular_carrier_),
+                             log_slope(found->by_position.at(i, 1), a, angular_carrier_),
+                             path.departure};
       rays[element].push_back(ray);
     }
   }

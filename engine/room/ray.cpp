@@ -3,21 +3,47 @@
 #include <algorithm>
 
 #include "engine/base/constants.h"
+#include "engine/room/surface_correction.h"
 #include "engine/scene/scene.h"
+#include "engine/trace/interactions/interaction.h"
 
 namespace rayloc {
 namespace {
 
-// rows (I - 2 n n^T), the reflection that comes next on the way from the device
-void reflect(Mat3<double>& mirror, const Vec3d& n) {
-  for (Vec3d* row : {&mirror.row0, &mirror.row1, &mirror.row2}) {
-    *row = *row - 2.0 * dot(*row, n) * n;
-  }
-}
-
 Vec3<float> single(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
+
+// Follows a path from the device on and notes in its ray what the mirrors on it do.
+class RayFollower {
+ public:
+  RayFollower(const Scene& scene, const Vec3d& device) : scene_(scene), from_(device) {}
+
+  void meet(interactions::Reflection /*met*/, const Interaction& interaction, Ray& ray) {
+    const Vec3d leg = interaction.position - from_;
+    const Vec3d normal = scene_.surfaces()[interaction.surface].plane().normal;
+    const double along = dot(leg, normal);
+    // rows (I - 2 n n^T), the reflection that comes next on the way from the device
+    for (Vec3d* row : {&mirror_.row0, &mirror_.row1, &mirror_.row2}) {
+      *row = *row - 2.0 * dot(*row, normal) * normal;
+    }
+    ++ray.reflections;
+    ray.cos2_incidence += along * along / dot(leg, leg);
+    from_ = interaction.position;
+  }
+  // Straight on.
+  void meet(interactions::Transmission /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
+  void meet(interactions::Shadowing /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
+
+  Mat3<float> mirror() const {
+    return {single(mirror_.row0), single(mirror_.row1), single(mirror_.row2)};
+  }
+
+ private:
+  const Scene& scene_;
+  Vec3d from_;  // [m], the last mirror's point
+  Mat3d mirror_;
+};
 
 }  // namespace
 
@@ -29,28 +55,15 @@ std::vector<Ray> rays_of(const Paths& paths,
   rays.reserve(paths.size());
   for (const Path& path : paths) {
     Ray ray;
-    ray.amplitude = {path.a.re, path.a.im};
+    ray.amplitude = apply_surface_correction(room.surface_correction, path, {path.a.re, path.a.im});
     ray.length = path.tau * kSpeedOfLight;
     ray.at_array = path.arrival;
     ray.at_device = path.departure;
-    Vec3d from = device;
-    Mat3d mirror;
+    RayFollower follower(*room.scene, device);
     for (const Interaction& interaction : path.interactions) {
-      if (interaction.kind != InteractionKind::kReflection) {
-        continue;
-      }
-      ++ray.reflections;
-      if (!room.surface_correction.empty()) {
-        ray.amplitude *= room.surface_correction[interaction.surface];
-      }
-      const Vec3d leg = interaction.position - from;
-      const Vec3d normal = room.scene->surfaces()[interaction.surface].plane().normal;
-      const double along = dot(leg, normal);
-      reflect(mirror, normal);
-      ray.cos2_incidence += along * along / dot(leg, leg);
-      from = interaction.position;
+      visit_interaction(interaction.kind, [&](auto met) { follower.meet(met, interaction, ray); });
     }
-    ray.mirror = {single(mirror.row0), single(mirror.row1), single(mirror.row2)};
+    ray.mirror = follower.mirror();
     rays.push_back(ray);
   }
   // Stable, so that rays of equal strength keep the canonical order of the paths.

@@ -4,20 +4,41 @@
 #include <utility>
 #include <vector>
 
+#include "engine/trace/interactions/interaction.h"
+
 namespace rayloc {
 namespace {
 
+// The correction stands for how a surface reflects; what goes through it or past it keeps what the
+// material gives it.
+struct IsCorrected {
+  constexpr bool operator()(interactions::Reflection /*met*/) const { return true; }
+  constexpr bool operator()(interactions::Transmission /*met*/) const { return false; }
+  constexpr bool operator()(interactions::Shadowing /*met*/) const { return false; }
+};
+
 Complex<double> factor_of(const Path& path, std::span<const std::complex<double>> correction) {
-  std::complex<double> factor = 1.0;
-  for (const Interaction& interaction : path.interactions) {
-    if (interaction.kind == InteractionKind::kReflection) {
-      factor *= correction[interaction.surface];
-    }
-  }
+  const std::complex<double> factor = apply_surface_correction(correction, path, 1.0);
   return {factor.real(), factor.imag()};
 }
 
 }  // namespace
+
+bool is_corrected(InteractionKind kind) { return visit_interaction(kind, IsCorrected{}); }
+
+std::complex<double> apply_surface_correction(std::span<const std::complex<double>> correction,
+                                              const Path& path,
+                                              std::complex<double> amplitude) {
+  if (correction.empty()) {
+    return amplitude;
+  }
+  for (const Interaction& interaction : path.interactions) {
+    if (is_corrected(interaction.kind)) {
+      amplitude *= correction[interaction.surface];
+    }
+  }
+  return amplitude;
+}
 
 void correct_paths(std::span<const std::complex<double>> correction, Paths& paths) {
   if (correction.empty()) {

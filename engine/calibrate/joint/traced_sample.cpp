@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/parallel.h"
+#include "engine/room/surface_correction.h"
 #include "engine/trace/array_tracer.h"
 
 namespace rayloc {
@@ -104,7 +105,7 @@ class SampleBuilder {
       }
     }
     for (const Interaction& interaction : path.interactions) {
-      if (interaction.kind == InteractionKind::kReflection) {
+      if (is_corrected(interaction.kind)) {
         add_log(ray, unknowns_.surface_gain(interaction.surface), 1.0);
         add_log(ray, unknowns_.surface_phase(interaction.surface), Value(0.0, 1.0));
       }
