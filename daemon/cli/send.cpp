@@ -17,7 +17,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/recorded_source.h"
-#include "capture/transport/datagram_sender.h"
+#include "capture/transport/udp_sender.h"
 #include "capture/transport/udp_address.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"

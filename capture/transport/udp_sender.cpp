@@ -1,4 +1,4 @@
-#include "capture/transport/datagram_sender.h"
+#include "capture/transport/udp_sender.h"
 
 #include <sys/socket.h>
 #include <unistd.h>
