@@ -126,8 +126,12 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
     result = append_records();
   }
   counters_.given += batch.size();
-  (result ? counters_.written : counters_.lost) += batch.size();
-  counters_.errors += result ? 0U : 1U;
+  if (result) {
+    counters_.delivered += batch.size();
+  } else {
+    counters_.lost_by["not_written"] += batch.size();
+    ++counters_.errors;
+  }
   return result;
 }
 

@@ -15,25 +15,16 @@
 #include <vector>
 
 #include "capture/record/append_process.h"
-#include "capture/transport/datagram.h"
+#include "capture/transport/datagram_sink.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
 
-// given = written + lost.
-struct PcapRecorderCounters {
-  std::uint64_t given = 0;
-  std::uint64_t written = 0;
-  std::uint64_t lost = 0;    // in batches that could not be written
-  std::uint64_t errors = 0;  // such batches
-  std::uint64_t bytes = 0;   // length of the file it writes now
-};
-
-class PcapRecorder {
+class PcapRecorder final : public DatagramSink {
  public:
   // The file must not exist yet: a recording is never overwritten. kUnavailable otherwise.
   static Expected<PcapRecorder> create(const std::string& path);
-  ~PcapRecorder();
+  ~PcapRecorder() override;
   PcapRecorder(PcapRecorder&& other) noexcept;
   PcapRecorder& operator=(PcapRecorder&& other) = delete;
 
@@ -41,15 +32,17 @@ class PcapRecorder {
   // is still whole, and the next batch may be tried (there may be room again).
   // Times are truncated to microseconds. Call it some ten times a second with what has come since.
   Expected<void> write(std::span<const Datagram> batch);
+  Expected<void> write(const DatagramBatch& batch) override { return write(batch.datagrams); }
 
   // Brings the file to the disk, closes it, and goes on in a new one, by the same process. After an
   // Error nothing has changed. Counters but `bytes` go on.
   Expected<void> continue_in(const std::string& path);
 
   // Brings the file to the disk. write() does so every few seconds: what a power failure may cost.
-  Expected<void> sync();
+  Expected<void> sync() override;
 
-  const PcapRecorderCounters& counters() const { return counters_; }
+  const SinkCounters& counters() const override { return counters_; }
+  std::string description() const override { return path_; }
   const std::string& path() const { return path_; }
   // Of the file, for locks; it stays the recorder's.
   int descriptor() const { return fd_; }
@@ -68,7 +61,7 @@ class PcapRecorder {
   std::vector<std::byte> records_;
   std::vector<std::size_t> record_ends_;
   std::chrono::steady_clock::time_point synced_;
-  PcapRecorderCounters counters_;
+  SinkCounters counters_;
 };
 
 }  // namespace rayloc

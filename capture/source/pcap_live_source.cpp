@@ -11,6 +11,7 @@
 
 #include "capture/record/pcap_packet.h"
 #include "capture/source/event_clock.h"
+#include "capture/source/transport_schemes.h"
 #include "capture/transport/poll_timeout.h"
 
 namespace rayloc {
@@ -211,5 +212,19 @@ Expected<void> PcapLiveSource::read(DatagramBatch& batch, Duration timeout) {
 }
 SourceCounters PcapLiveSource::counters() const { return impl_->counters(); }
 std::string PcapLiveSource::description() const { return "interface " + impl_->interface(); }
+
+const TransportScheme kLiveScheme{
+    .name = "live",
+    .address = "INTERFACE",
+    .example = "live:eth0",
+    .summary = "what passes a network interface (libpcap, needs CAP_NET_RAW)",
+    .open_source =
+        [](const std::string& address, const SourceOptions& options) {
+          PcapLiveOptions live;
+          live.interface = address;
+          live.filter = options.filter.empty() ? live.filter : options.filter;
+          return as_transport<DatagramSource>(PcapLiveSource::open(live));
+        },
+};
 
 }  // namespace rayloc

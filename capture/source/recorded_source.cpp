@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "capture/record/pcap_recorder.h"
+#include "capture/source/transport_schemes.h"
+
 namespace rayloc {
 namespace {
 
@@ -192,5 +195,26 @@ SourceCounters RecordedSource::counters() const {
   const std::lock_guard lock(mutex_);
   return published_;
 }
+
+const TransportScheme kPcapScheme{
+    .name = "pcap",
+    .address = "FILE",
+    .example = "pcap:recording.pcap",
+    .summary = "a recording: pcap or pcapng, gzip'd or not; written as pcap",
+    .live = false,
+    .open_source =
+        [](const std::string& address, const SourceOptions& options) {
+          PcapFileOptions recorded;
+          recorded.max_gap = options.max_gap.value_or(recorded.max_gap);
+          return as_transport<DatagramSource>(RecordedSource::open({address}, recorded));
+        },
+    .open_sink = [](const std::string& address) -> Expected<std::unique_ptr<DatagramSink>> {
+      auto recorder = PcapRecorder::create(address);
+      if (!recorder) {
+        return tl::make_unexpected(std::move(recorder.error()));
+      }
+      return std::make_unique<PcapRecorder>(*std::move(recorder));
+    },
+};
 
 }  // namespace rayloc

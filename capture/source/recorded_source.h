@@ -25,8 +25,9 @@ class RecordedSource final : public DatagramSource {
   std::string description() const override { return name_of(plan_); }
 
   const RecordingPlan& plan() const { return plan_; }
-  // What was torn, where, and what only shows when a pipe is read; for the thread that reads.
-  std::vector<std::string> warnings() const;
+  std::vector<std::string> notices() const override { return words_of(plan_); }
+  // What was torn, where, and what only shows when a pipe is read.
+  std::vector<std::string> warnings() const override;
 
  private:
   struct Reader {

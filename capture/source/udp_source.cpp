@@ -17,10 +17,12 @@
 #include <vector>
 
 #include "capture/source/event_clock.h"
+#include "capture/source/transport_schemes.h"
 #include "capture/transport/file_descriptor.h"
 #include "capture/transport/interface_filter.h"
 #include "capture/transport/poll_timeout.h"
 #include "capture/transport/udp_address.h"
+#include "capture/transport/udp_sender.h"
 
 namespace rayloc {
 namespace {
@@ -147,8 +149,7 @@ class UdpSource::Impl {
   const std::string& description() const { return description_; }
   void wake() const { eventfd_write(wake_fd_.get(), 1); }
   std::uint16_t port() const { return port_; }
-  int receive_buffer_bytes() const { return receive_buffer_bytes_; }
-  std::uint32_t dropped_before() const { return dropped_before_; }
+  const ReceiveBuffer& receive_buffer() const { return buffer_granted_; }
 
  private:
   Expected<std::size_t> receive();
@@ -164,8 +165,7 @@ class UdpSource::Impl {
   InterfaceFilter interface_;
   const std::vector<AddressRange> senders_;
   std::uint16_t port_ = 0;
-  int receive_buffer_bytes_ = 0;
-  std::uint32_t dropped_before_ = 0;
+  ReceiveBuffer buffer_granted_;
 
   EventClock clock_;
   std::vector<std::byte> buffer_ = std::vector<std::byte>(kBatchDatagrams * kMaxDatagramBytes);
@@ -209,10 +209,11 @@ Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
   }
   const bool adopted = options.adopted_fd >= 0;
   set_receive_buffer(fd_.get(), options.receive_buffer_bytes, adopted);
-  receive_buffer_bytes_ = receive_buffer(fd_.get());
+  buffer_granted_.wanted_bytes = options.receive_buffer_bytes;
+  buffer_granted_.granted_bytes = ::rayloc::receive_buffer(fd_.get());
   if (adopted) {
-    dropped_before_ = dropped_datagrams(fd_.get()).value_or(0);
-    last_drops_ = dropped_before_;
+    buffer_granted_.dropped_before = dropped_datagrams(fd_.get()).value_or(0);
+    last_drops_ = buffer_granted_.dropped_before;
   }
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;
@@ -393,7 +394,26 @@ SourceCounters UdpSource::counters() const { return impl_->counters(); }
 std::string UdpSource::description() const { return impl_->description(); }
 void UdpSource::wake() { impl_->wake(); }
 std::uint16_t UdpSource::port() const { return impl_->port(); }
-int UdpSource::receive_buffer_bytes() const { return impl_->receive_buffer_bytes(); }
-std::uint32_t UdpSource::dropped_before() const { return impl_->dropped_before(); }
+ReceiveBuffer UdpSource::receive_buffer() const { return impl_->receive_buffer(); }
+
+const TransportScheme kUdpScheme{
+    .name = "udp",
+    .address = "HOST:PORT",
+    .example = "udp:0.0.0.0:5500",
+    .summary = "a UDP port, where access points send to",
+    .open_source =
+        [](const std::string& address, const SourceOptions& options) {
+          UdpSourceOptions udp;
+          udp.address = address;
+          udp.interface = options.only_interface;
+          udp.senders = options.senders;
+          udp.adopted_fd = options.adopted_fd;
+          return as_transport<DatagramSource>(UdpSource::open(udp));
+        },
+    .open_sink =
+        [](const std::string& address) {
+          return as_transport<DatagramSink>(UdpSender::open(address));
+        },
+};
 
 }  // namespace rayloc

@@ -45,11 +45,7 @@ class UdpSource final : public DatagramSource {
   void wake();
 
   std::uint16_t port() const;  // the one that was bound
-  // What the kernel granted of receive_buffer_bytes; it counts its own bookkeeping in it.
-  int receive_buffer_bytes() const;
-  // What an adopted socket had lost before it was taken over, since it was opened. Not part of
-  // kernel_drops: most of it was counted by the process that read it then.
-  std::uint32_t dropped_before() const;
+  ReceiveBuffer receive_buffer() const override;
 
  private:
   class Impl;

@@ -15,9 +15,11 @@
 #include <vector>
 
 #include "capture/source/event_clock.h"
+#include "capture/source/transport_schemes.h"
 #include "capture/source/udp_source.h"
 #include "capture/transport/file_descriptor.h"
 #include "capture/transport/poll_timeout.h"
+#include "capture/transport/relay_sender.h"
 #include "capture/transport/relayed_datagram.h"
 
 namespace rayloc {
@@ -266,5 +268,23 @@ Expected<void> UnixSource::read(DatagramBatch& batch, Duration timeout) {
 }
 SourceCounters UnixSource::counters() const { return impl_->counters(); }
 std::string UnixSource::description() const { return impl_->description(); }
+
+const TransportScheme kUnixScheme{
+    .name = "unix",
+    .address = "PATH",
+    .example = "unix:/run/raylocd/eth0",
+    .summary = "a socket of this machine, where rayloc-capture sends to",
+    .open_source =
+        [](const std::string& address, const SourceOptions& options) {
+          UnixSourceOptions socket;
+          socket.path = address;
+          socket.adopted_fd = options.adopted_fd;
+          return as_transport<DatagramSource>(UnixSource::open(socket));
+        },
+    .open_sink =
+        [](const std::string& address) {
+          return as_transport<DatagramSink>(RelaySender::open(address));
+        },
+};
 
 }  // namespace rayloc

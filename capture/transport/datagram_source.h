@@ -62,6 +62,15 @@ struct DatagramBatch {
   std::optional<std::uint64_t> moved = {};
 };
 
+// The kernel's room for what waits to be read, where a source has such a thing.
+struct ReceiveBuffer {
+  int wanted_bytes = 0;
+  int granted_bytes = 0;  // it counts its own bookkeeping in it
+  // What an adopted socket had lost before it was taken over, since it was opened. Not part of
+  // kernel_drops: most of it was counted by the process that read it then.
+  std::uint32_t dropped_before = 0;
+};
+
 class DatagramSource {
  public:
   virtual ~DatagramSource() = default;
@@ -76,6 +85,13 @@ class DatagramSource {
 
   // For messages and logs: "udp 0.0.0.0:5500", "recording.pcap", "interface eth7".
   virtual std::string description() const = 0;
+
+  virtual ReceiveBuffer receive_buffer() const { return {}; }
+
+  // What people should know of it, a line each: before it is read, and of what was read so far; for
+  // the thread that reads.
+  virtual std::vector<std::string> notices() const { return {}; }
+  virtual std::vector<std::string> warnings() const { return {}; }
 
   // Why it cannot be read now, although it has not ended; empty while it can. For the thread that
   // reads.

@@ -24,25 +24,16 @@ std::uint64_t draw_epoch() {
 
 }  // namespace
 
-Expected<RelaySender> RelaySender::create(const std::string& path) {
+Expected<std::unique_ptr<RelaySender>> RelaySender::open(const std::string& path) {
   if (path.empty() || path.size() >= sizeof(sockaddr_un::sun_path)) {
     return make_error(ErrorKind::kUsage,
                       "'" + path + "': write the path of a socket, at most " +
                           std::to_string(sizeof(sockaddr_un::sun_path) - 1) + " characters");
   }
-  return RelaySender(path);
+  return std::unique_ptr<RelaySender>(new RelaySender(path));
 }
 
 RelaySender::RelaySender(std::string path) : path_(std::move(path)), epoch_(draw_epoch()) {}
-
-RelaySender::RelaySender(RelaySender&& other) noexcept
-    : path_(std::move(other.path_)),
-      fd_(std::exchange(other.fd_, -1)),
-      stalled_(other.stalled_),
-      epoch_(other.epoch_),
-      sequence_(other.sequence_),
-      watermark_(other.watermark_),
-      counters_(other.counters_) {}
 
 RelaySender::~RelaySender() { disconnect(); }
 
@@ -71,14 +62,20 @@ bool RelaySender::connect() {
   return true;
 }
 
-void RelaySender::send(const DatagramBatch& batch, const SourceCounters& source) {
+void RelaySender::note_source(const SourceCounters& source) {
+  kernel_drops_ = source.kernel_drops;
+  rejected_ = 0;
+  for (const auto& [reason, count] : source.rejected) {
+    rejected_ += count;
+  }
+}
+
+Expected<void> RelaySender::write(const DatagramBatch& batch) {
   connect();
   RelayHeader header;
   header.epoch = epoch_;
-  header.kernel_drops = source.kernel_drops;
-  for (const auto& [reason, count] : source.rejected) {
-    header.rejected += count;
-  }
+  header.kernel_drops = kernel_drops_;
+  header.rejected = rejected_;
   for (std::size_t i = 0; i < batch.datagrams.size(); ++i) {
     const Datagram& datagram = batch.datagrams[i];
     // What the batch promises holds behind its last datagram.
@@ -95,14 +92,22 @@ void RelaySender::send(const DatagramBatch& batch, const SourceCounters& source)
     header.time = header.watermark = watermark_;
     send_one(header, {});
   }
+  return {};
+}
+
+void RelaySender::lose(bool tick, const char* reason) {
+  if (!tick) {
+    ++counters_.lost_by[reason];
+  }
 }
 
 void RelaySender::send_one(RelayHeader& header, std::span<const std::byte> payload) {
   header.sequence = sequence_;
   const bool tick = header.kind == RelayHeader::Kind::kTick;
   sequence_ += tick ? 0 : 1;
+  counters_.given += tick ? 0 : 1;
   if (fd_ < 0) {
-    counters_.lost_absent += tick ? 0 : 1;
+    lose(tick, "not_there");
     return;
   }
   auto bytes = encode_relay_header(header);
@@ -119,13 +124,14 @@ void RelaySender::send_one(RelayHeader& header, std::span<const std::byte> paylo
   } while (sent < 0 && errno == EINTR);
   if (sent >= 0) {
     stalled_ = false;
-    counters_.sent += tick ? 0 : 1;
+    counters_.delivered += tick ? 0 : 1;
+    counters_.bytes += payload.size();
   } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
     stalled_ = stalled_ || !tick;
-    counters_.lost_full += tick ? 0 : 1;
+    lose(tick, "not_taken");
   } else {
     disconnect();
-    counters_.lost_absent += tick ? 0 : 1;
+    lose(tick, "not_there");
   }
 }
 

@@ -6,41 +6,39 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 
-#include "capture/transport/datagram_source.h"
+#include "capture/transport/datagram_sink.h"
 #include "capture/transport/relayed_datagram.h"
 
 namespace rayloc {
 
-struct RelayCounters {
-  std::uint64_t sent = 0;
-  std::uint64_t lost_full = 0;    // the other end did not take it in time
-  std::uint64_t lost_absent = 0;  // nobody was there
-};
-
-class RelaySender {
+class RelaySender final : public DatagramSink {
  public:
   // `path` need not exist yet. kUsage when it is too long for a socket.
-  static Expected<RelaySender> create(const std::string& path);
-  ~RelaySender();
-  RelaySender(RelaySender&& other) noexcept;
-  RelaySender& operator=(RelaySender&& other) = delete;
+  static Expected<std::unique_ptr<RelaySender>> open(const std::string& path);
+  ~RelaySender() override;
   RelaySender(const RelaySender&) = delete;
   RelaySender& operator=(const RelaySender&) = delete;
 
   // The datagrams of a batch, in order; an empty one as a tick, which carries the watermark and
-  // what was lost so far.
-  void send(const DatagramBatch& batch, const SourceCounters& source);
+  // what was lost so far. Never an Error.
+  Expected<void> write(const DatagramBatch& batch) override;
+  void note_source(const SourceCounters& source) override;
 
-  const RelayCounters& counters() const { return counters_; }
-  // Whether the last send() found the other end.
+  // Lost are "not_taken", which the other end did not take in time, and "not_there", when nobody
+  // was there.
+  const SinkCounters& counters() const override { return counters_; }
+  std::string description() const override { return "unix socket " + path_; }
+  // Whether the last write() found the other end.
   bool connected() const { return fd_ >= 0; }
 
  private:
   explicit RelaySender(std::string path);
   bool connect();
   void disconnect();
+  void lose(bool tick, const char* reason);
   void send_one(RelayHeader& header, std::span<const std::byte> payload);
 
   std::string path_;
@@ -49,7 +47,9 @@ class RelaySender {
   std::uint64_t epoch_;
   std::uint64_t sequence_ = 0;
   Timestamp watermark_{};
-  RelayCounters counters_;
+  std::uint64_t kernel_drops_ = 0;  // of the source
+  std::uint64_t rejected_ = 0;
+  SinkCounters counters_;
 };
 
 }  // namespace rayloc

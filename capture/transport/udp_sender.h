@@ -1,48 +1,33 @@
-// DatagramSender: sends UDP datagrams to several destinations, many by one system call.
+// UdpSender: datagrams to one UDP endpoint, many by one system call.
 #pragma once
 
 #include <netinet/in.h>
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
+#include <memory>
+#include <string>
 
-#include "engine/base/expected.h"
+#include "capture/transport/datagram_sink.h"
+#include "capture/transport/file_descriptor.h"
 
-namespace rayloc::cli {
+namespace rayloc {
 
-class DatagramSender {
+class UdpSender final : public DatagramSink {
  public:
-  static constexpr std::size_t kBatch = 64;
+  // `address` is HOST:PORT; kUsage when it is none.
+  static Expected<std::unique_ptr<UdpSender>> open(const std::string& address);
 
-  static Expected<DatagramSender> create(std::vector<sockaddr_in> destinations);
-  ~DatagramSender();
-  DatagramSender(DatagramSender&& other) noexcept;
-  DatagramSender& operator=(DatagramSender&&) = delete;
-
-  // Copies the payload; what is queued leaves with flush() or when a batch is full. Whether anybody
-  // listens at the destination is not known, as it is not to the access point.
-  Expected<void> queue(std::size_t destination, std::span<const std::byte> payload);
-  Expected<void> flush();
-
-  std::uint64_t sent() const { return sent_; }
-  std::uint64_t bytes() const { return bytes_; }
+  // Whether anybody listens at the destination is not known, as it is not to the access point.
+  Expected<void> write(const DatagramBatch& batch) override;
+  const SinkCounters& counters() const override { return counters_; }
+  std::string description() const override;
 
  private:
-  DatagramSender(int fd, std::vector<sockaddr_in> destinations);
+  UdpSender(int fd, const sockaddr_in& destination) : fd_(fd), destination_(destination) {}
+  Expected<void> send(std::span<const Datagram> datagrams);
 
-  struct Queued {
-    std::size_t destination;
-    std::size_t size;
-  };
-
-  int fd_;
-  std::vector<sockaddr_in> destinations_;
-  std::vector<Queued> queued_;
-  std::vector<std::byte> payloads_;
-  std::uint64_t sent_ = 0;
-  std::uint64_t bytes_ = 0;
+  FileDescriptor fd_;
+  sockaddr_in destination_;
+  SinkCounters counters_;
 };
 
-}  // namespace rayloc::cli
+}  // namespace rayloc

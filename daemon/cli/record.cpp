@@ -1,4 +1,5 @@
-// rayloc record: what arrives at a UDP port or passes an interface, into a pcap file.
+// rayloc record: what arrives at a UDP port, passes an interface or comes another way, into a pcap
+// file.
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -9,10 +10,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "capture/record/pcap_recorder.h"
-#include "capture/source/pcap_live_source.h"
 #include "capture/source/recording_plan.h"
-#include "capture/source/udp_source.h"
+#include "capture/source/transport_schemes.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
 #include "daemon/terminal/stop_signal.h"
@@ -24,42 +23,42 @@ using Clock = std::chrono::steady_clock;
 
 struct RecordArguments {
   std::string udp;
-  PcapLiveOptions live;
-  std::string only_interface;
+  std::string interface;
+  std::string from;
+  SourceOptions options{.filter = "udp port 5500"};
   std::string out;
   std::optional<double> duration;      // seconds
   std::optional<std::uint64_t> count;  // datagrams
 };
 
-template <typename Source>
-Expected<std::unique_ptr<DatagramSource>> as_source(Expected<std::unique_ptr<Source>> opened) {
-  if (!opened) {
-    return tl::make_unexpected(std::move(opened.error()));
-  }
-  return std::unique_ptr<DatagramSource>(std::move(*opened));
-}
-
 Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arguments) {
-  if (arguments.udp.empty() == arguments.live.interface.empty()) {
+  const int stated = int{!arguments.udp.empty()} + int{!arguments.interface.empty()} +
+                     int{!arguments.from.empty()};
+  if (stated != 1) {
     return make_error(ErrorKind::kUsage,
-                      "say where from: --udp HOST:PORT, or --interface IF (one of the two)");
+                      "say where from: --udp HOST:PORT, or --interface IF, or --from URL (one of "
+                      "them)");
   }
-  if (!arguments.live.interface.empty()) {
-    return as_source(PcapLiveSource::open(arguments.live));
+  const std::string url = !arguments.udp.empty()         ? "udp:" + arguments.udp
+                          : !arguments.interface.empty() ? "live:" + arguments.interface
+                                                         : arguments.from;
+  auto source = open_datagram_source(transport_schemes(), url, {}, arguments.options);
+  if (!source) {
+    return source;
   }
-  UdpSourceOptions options;
-  options.address = arguments.udp;
-  options.interface = arguments.only_interface;
-  auto source = UdpSource::open(options);
-  if (source && (*source)->receive_buffer_bytes() < options.receive_buffer_bytes) {
+  for (const std::string& line : (*source)->notices()) {
+    std::fprintf(stderr, "rayloc record: %s\n", line.c_str());
+  }
+  const ReceiveBuffer buffer = (*source)->receive_buffer();
+  if (buffer.granted_bytes < buffer.wanted_bytes) {
     std::fprintf(stderr,
                  "rayloc record: the receive buffer is %d KiB instead of %d; to lose nothing at "
                  "high rates: sysctl net.core.rmem_max=%d\n",
-                 (*source)->receive_buffer_bytes() / 1024,
-                 options.receive_buffer_bytes / 1024,
-                 options.receive_buffer_bytes);
+                 buffer.granted_bytes / 1024,
+                 buffer.wanted_bytes / 1024,
+                 buffer.wanted_bytes);
   }
-  return as_source(std::move(source));
+  return source;
 }
 
 // Says that datagrams could not be written: at once, then every ten seconds while it lasts.
@@ -79,14 +78,14 @@ class WriteErrors {
 
 // An Error of the source ends the recording; one of the file does not: there may be room again.
 Expected<void> record(DatagramSource& source,
-                      PcapRecorder& recorder,
+                      DatagramSink& recorder,
                       const RecordArguments& arguments) {
   constexpr Duration kTick = std::chrono::milliseconds(100);
   const auto begin = Clock::now();
   const std::uint64_t limit = arguments.count.value_or(UINT64_MAX);
   DatagramBatch batch;
   WriteErrors errors;
-  while (!StopSignal::requested() && recorder.counters().given < limit) {
+  while (!StopSignal::requested() && !batch.ended && recorder.counters().given < limit) {
     Duration wait = kTick;
     if (arguments.duration) {
       const Duration left = from_seconds(*arguments.duration) - (Clock::now() - begin);
@@ -100,22 +99,24 @@ Expected<void> record(DatagramSource& source,
     }
     const std::uint64_t room = limit - recorder.counters().given;
     const auto taken = std::min<std::uint64_t>(room, batch.datagrams.size());
-    if (auto written = recorder.write(std::span(batch.datagrams).first(taken)); !written) {
+    batch.datagrams.resize(taken);
+    recorder.note_source(source.counters());
+    if (auto written = recorder.write(batch); !written) {
       errors.report(written.error());
     }
   }
   return {};
 }
 
-void report(const DatagramSource& source, const PcapRecorder& recorder) {
+void report(const DatagramSource& source, const DatagramSink& recorder) {
   const SourceCounters from = source.counters();
-  const PcapRecorderCounters& to = recorder.counters();
+  const SinkCounters& to = recorder.counters();
   nlohmann::ordered_json summary;
   summary["received"] = from.received;
   summary["rejected"] = from.rejected;
   summary["kernel_drops"] = from.kernel_drops;
-  summary["recorded"] = to.written;
-  summary["lost"] = to.lost;
+  summary["recorded"] = to.delivered;
+  summary["lost"] = to.lost();
   // Came in one batch with the last one that --count asked for.
   summary["surplus"] = from.delivered - to.given;
   summary["file_bytes"] = to.bytes;
@@ -136,7 +137,7 @@ Expected<void> run(const RecordArguments& arguments) {
   if (!source) {
     return tl::make_unexpected(std::move(source.error()));
   }
-  auto recorder = PcapRecorder::create(arguments.out);
+  auto recorder = open_datagram_sink(transport_schemes(), arguments.out, "pcap");
   if (!recorder) {
     return tl::make_unexpected(std::move(recorder.error()));
   }
@@ -146,14 +147,17 @@ Expected<void> run(const RecordArguments& arguments) {
                (*source)->description().c_str(),
                arguments.out.c_str(),
                arguments.duration || arguments.count ? "" : "; Ctrl-C ends it");
-  auto result = record(**source, *recorder, arguments);
-  if (auto synced = recorder->sync(); result && !synced) {
+  auto result = record(**source, **recorder, arguments);
+  if (auto synced = (*recorder)->sync(); result && !synced) {
     result = synced;
   }
-  report(**source, *recorder);
-  if (result && recorder->counters().lost > 0) {
+  for (const std::string& line : (*source)->warnings()) {
+    std::fprintf(stderr, "rayloc record: %s\n", line.c_str());
+  }
+  report(**source, **recorder);
+  if (result && (*recorder)->counters().lost() > 0) {
     return make_error(ErrorKind::kUnavailable,
-                      arguments.out + ": " + std::to_string(recorder->counters().lost) +
+                      arguments.out + ": " + std::to_string((*recorder)->counters().lost()) +
                           " datagrams could not be written and are lost");
   }
   return result;
@@ -163,17 +167,26 @@ RunVerb declare(OptionParser& app) {
   auto arguments = std::make_shared<RecordArguments>();
   auto* udp = app.add_option("--udp", arguments->udp, "HOST:PORT to receive at");
   app.add_option("--only-interface",
-                 arguments->only_interface,
+                 arguments->options.only_interface,
                  "With --udp: only what arrives on this interface")
       ->needs(udp);
   auto* interface = app.add_option("--interface",
-                                   arguments->live.interface,
+                                   arguments->interface,
                                    "Capture what passes an interface (needs CAP_NET_RAW)")
                         ->excludes(udp);
-  app.add_option("--filter", arguments->live.filter, "With --interface: a pcap-filter(7)")
+  app.add_option("--filter", arguments->options.filter, "With --interface: a pcap-filter(7)")
       ->needs(interface)
       ->capture_default_str();
-  app.add_option("--out", arguments->out, "The pcap file to make; it must not exist yet")
+  app.add_option(
+         "--from",
+         arguments->from,
+         "Where from, as a URL: " + transport_syntax(transport_schemes(), TransportUse::kSource))
+      ->excludes(udp)
+      ->excludes(interface);
+  app.add_option("--out",
+                 arguments->out,
+                 "The pcap file to make; it must not exist yet. Or where to send it on: " +
+                     transport_syntax(transport_schemes(), TransportUse::kSink))
       ->required();
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
       ->check(positive());

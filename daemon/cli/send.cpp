@@ -1,4 +1,5 @@
-// rayloc send: a recording's datagrams, to a UDP port, as the access point would send them.
+// rayloc send: a recording's datagrams, to a UDP port or another sink, as the access point would
+// send them.
 #include <sys/prctl.h>
 
 #include <algorithm>
@@ -17,8 +18,8 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/recorded_source.h"
-#include "capture/transport/udp_sender.h"
-#include "capture/transport/udp_address.h"
+#include "capture/source/transport_schemes.h"
+#include "capture/transport/sink_queue.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
@@ -52,18 +53,51 @@ void sleep_until(Duration monotonic) {
   }
 }
 
+// A sequence of files is one recording; so is what else a transport keeps.
+Expected<std::unique_ptr<DatagramSource>> open_recording(const std::vector<std::string>& texts,
+                                                         const SourceOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& text : texts) {
+    const auto where = parse_transport(transport_schemes(), text, "pcap");
+    if (!where) {
+      return tl::make_unexpected(where.error());
+    }
+    if (where->scheme->live) {
+      return make_error(
+          ErrorKind::kUsage,
+          text + ": is no recording; rayloc record --from " + text + " passes on what arrives");
+    }
+    if (where->scheme->name != "pcap" && texts.size() > 1) {
+      return make_error(ErrorKind::kUsage,
+                        text + ": only files can be a sequence; give each its own --to");
+    }
+    files.push_back(where->address);
+  }
+  if (files.size() == 1) {
+    return open_datagram_source(transport_schemes(), texts.front(), "pcap", options);
+  }
+  PcapFileOptions pcap;
+  pcap.max_gap = options.max_gap.value_or(pcap.max_gap);
+  return as_transport<DatagramSource>(RecordedSource::open(files, pcap));
+}
+
+// As the access point would send it: now.
+Datagram sent_now(const DatagramAddress& address, std::span<const std::byte> payload) {
+  return {std::chrono::system_clock::now(), address, payload};
+}
+
 // Several recordings as one, in order of time.
 class Recordings {
  public:
   static Expected<Recordings> open(const std::vector<RecordingArgument>& recordings,
-                                   const PcapFileOptions& options) {
+                                   const SourceOptions& options) {
     Recordings all;
     for (const RecordingArgument& recording : recordings) {
-      auto source = RecordedSource::open(recording.files, options);
+      auto source = open_recording(recording.files, options);
       if (!source) {
         return tl::make_unexpected(std::move(source.error()));
       }
-      for (const std::string& line : words_of((*source)->plan())) {
+      for (const std::string& line : (*source)->notices()) {
         std::fprintf(stderr, "rayloc send: %s\n", line.c_str());
       }
       all.files_.push_back({std::move(*source), {}, 0});
@@ -116,7 +150,7 @@ class Recordings {
 
  private:
   struct File {
-    std::unique_ptr<RecordedSource> source;
+    std::unique_ptr<DatagramSource> source;
     DatagramBatch batch;
     std::size_t next = 0;
 
@@ -185,7 +219,7 @@ void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> ti
 // Each datagram at the recording's time, divided by the speed (infinite: at once), without what is
 // skipped of gaps.
 Expected<Outcome> send_paced(Recordings& recordings,
-                             DatagramSender& sender,
+                             SinkQueue& sender,
                              const SendArguments& arguments,
                              double speed) {
   // Time to get going, so that the first datagram is not late.
@@ -222,7 +256,8 @@ Expected<Outcome> send_paced(Recordings& recordings,
     if (std::isfinite(speed)) {
       outcome.latest = std::max(outcome.latest, monotonic_now() - due);
     }
-    if (auto queued = sender.queue(next->file, datagram.payload); !queued) {
+    if (auto queued = sender.queue(next->file, sent_now(datagram.address, datagram.payload));
+        !queued) {
       return tl::make_unexpected(std::move(queued.error()));
     }
     next = recordings.next();
@@ -236,6 +271,7 @@ Expected<Outcome> send_paced(Recordings& recordings,
 
 struct Kept {
   std::size_t file;
+  DatagramAddress address;
   std::vector<std::byte> payload;
 };
 
@@ -254,7 +290,7 @@ Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
       return make_error(ErrorKind::kUsage,
                         "--rate keeps the recording in memory, at most 1 GiB; send a part of it");
     }
-    all.push_back({next->file, {payload.begin(), payload.end()}});
+    all.push_back({next->file, next->datagram->address, {payload.begin(), payload.end()}});
   }
   return all;
 }
@@ -262,7 +298,7 @@ Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
 // So many datagrams a second, the recording over and over until the duration is over (once when
 // there is none). Counts what is due since the beginning: no error adds up.
 Expected<Outcome> send_at_rate(Recordings& recordings,
-                               DatagramSender& sender,
+                               SinkQueue& sender,
                                const SendArguments& arguments) {
   // How long datagrams may wait to leave together.
   constexpr Duration kTick = std::chrono::milliseconds(1);
@@ -294,9 +330,9 @@ Expected<Outcome> send_at_rate(Recordings& recordings,
       outcome.latest = std::max(outcome.latest, elapsed - time_of(sent));
     }
     // In batches, so that a signal or the end of the time is seen when far behind.
-    for (std::size_t i = 0; i < DatagramSender::kBatch && sent < due; ++i, ++sent) {
+    for (std::size_t i = 0; i < SinkQueue::kBatch && sent < due; ++i, ++sent) {
       const Kept& one = (*kept)[sent % kept->size()];
-      if (auto queued = sender.queue(one.file, one.payload); !queued) {
+      if (auto queued = sender.queue(one.file, sent_now(one.address, one.payload)); !queued) {
         return tl::make_unexpected(std::move(queued.error()));
       }
     }
@@ -323,26 +359,32 @@ Expected<double> parse_speed(const std::string& text) {
   return speed;
 }
 
-void report(const DatagramSender& sender, const Outcome& outcome, const Recordings& recordings) {
+void report(const SinkCounters& sent, const Outcome& outcome, const Recordings& recordings) {
   const double elapsed = to_seconds(outcome.elapsed);
-  const double rate = elapsed > 0 ? static_cast<double>(sender.sent()) / elapsed : 0;
+  const double rate = elapsed > 0 ? static_cast<double>(sent.delivered) / elapsed : 0;
   nlohmann::ordered_json line;
   line["event"] = "end";
-  line["datagrams"] = sender.sent();
-  line["bytes"] = sender.bytes();
+  line["datagrams"] = sent.delivered;
+  line["bytes"] = sent.bytes;
   line["elapsed_s"] = elapsed;
   line["rate_hz"] = rate;
   line["late_max_s"] = to_seconds(outcome.latest);
   line["rejected"] = recordings.rejected();
+  if (sent.lost() > 0) {
+    line["lost"] = sent.lost_by;
+  }
   print_line(line);
   std::fprintf(stderr,
                "rayloc send: sent %llu datagrams in %.3f s (%.1f/s, at most %.1f ms late)\n",
-               static_cast<unsigned long long>(sender.sent()),  // NOLINT(google-runtime-int)
+               static_cast<unsigned long long>(sent.delivered),  // NOLINT(google-runtime-int)
                elapsed,
                rate,
                to_seconds(outcome.latest) * 1e3);
   if (const std::string reasons = rejections_text(recordings.rejected()); !reasons.empty()) {
     std::fprintf(stderr, "rayloc send: packets rejected: %s\n", reasons.c_str());
+  }
+  if (const std::string reasons = rejections_text(sent.lost_by); !reasons.empty()) {
+    std::fprintf(stderr, "rayloc send: not delivered: %s\n", reasons.c_str());
   }
 }
 
@@ -359,34 +401,32 @@ Expected<void> run(const SendArguments& arguments) {
                           " destinations; give one --to for each, in the same order (files of one "
                           "access point are one recording: AP=FILE AP=FILE)");
   }
-  std::vector<sockaddr_in> destinations;
+  std::vector<std::unique_ptr<DatagramSink>> sinks;
   for (const std::string& text : arguments.destinations) {
-    const auto address = parse_udp_address(text);
-    if (!address) {
-      return tl::make_unexpected(address.error());
+    auto sink = open_datagram_sink(transport_schemes(), text, "udp");
+    if (!sink) {
+      return tl::make_unexpected(std::move(sink.error()));
     }
-    destinations.push_back(*address);
+    sinks.push_back(*std::move(sink));
   }
-  PcapFileOptions options;
+  SourceOptions options;
   options.max_gap = from_seconds(arguments.max_gap);
   auto recordings = Recordings::open(captures, options);
   if (!recordings) {
     return tl::make_unexpected(std::move(recordings.error()));
   }
-  auto sender = DatagramSender::create(std::move(destinations));
-  if (!sender) {
-    return tl::make_unexpected(std::move(sender.error()));
-  }
+  SinkQueue sender(std::move(sinks));
   StopSignal::install();
   prctl(PR_SET_TIMERSLACK, 1);  // wake up when asked, not 50 us later
-  auto outcome = arguments.rate ? send_at_rate(*recordings, *sender, arguments)
-                                : send_paced(*recordings, *sender, arguments, *speed);
+  auto outcome = arguments.rate ? send_at_rate(*recordings, sender, arguments)
+                                : send_paced(*recordings, sender, arguments, *speed);
   if (!outcome) {
     return tl::make_unexpected(std::move(outcome.error()));
   }
+  const auto synced = sender.sync();
   recordings->print_warnings();
-  report(*sender, *outcome, *recordings);
-  return {};
+  report(sender.counters(), *outcome, *recordings);
+  return synced;
 }
 
 RunVerb declare(OptionParser& app) {
@@ -398,7 +438,8 @@ RunVerb declare(OptionParser& app) {
       ->required();
   app.add_option("--to",
                  arguments->destinations,
-                 "HOST:PORT; one for each recording (or AP), in the order of the first files")
+                 "HOST:PORT, or " + transport_syntax(transport_schemes(), TransportUse::kSink) +
+                     "; one for each recording (or AP), in the order of the first files")
       ->required()
       ->allow_extra_args(false);
   auto* speed = app.add_option("--speed",

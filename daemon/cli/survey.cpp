@@ -14,10 +14,12 @@
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
 
+#include "capture/source/transport_schemes.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
 #include "daemon/config/config.h"
+#include "daemon/config/source_url.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/scene/solid_around.h"
 #include "daemon/site/room_model.h"
@@ -47,7 +49,7 @@ struct Arguments {
 
 Timestamp now() { return std::chrono::system_clock::now(); }
 
-// The UDP sources of raylocd's configuration as they would be written after --listen.
+// The live sources of raylocd's configuration as they would be written after --listen.
 Expected<std::vector<std::string>> configured_ports(const std::string& file) {
   const auto setup = load_daemon_setup(file);
   if (!setup) {
@@ -55,13 +57,12 @@ Expected<std::vector<std::string>> configured_ports(const std::string& file) {
   }
   std::vector<std::string> listen;
   for (const SourceConfig& source : setup->config.sources) {
-    if (source.kind != SourceKind::kUdp) {
+    if (!is_live(source)) {
       return make_error(
           ErrorKind::kUsage,
-          source.place + "no UDP source; write --listen AP=HOST:PORT instead of --config");
+          source.place + "no live source; write --listen AP=HOST:PORT instead of --config");
     }
-    listen.push_back(source.access_point + "=" + source.listen_host + ":" +
-                     std::to_string(source.listen_port));
+    listen.push_back(source.access_point + "=" + source_url(source));
   }
   return listen;
 }
@@ -319,8 +320,11 @@ RunVerb declare(OptionParser& app) {
                  arguments->out,
                  "The points file; one that exists is continued, with recordings of its own")
       ->required();
-  app.add_option("--listen", arguments->listen, "Where access points send to: [AP=]HOST:PORT");
-  app.add_option("--config", arguments->config, "Take the UDP sources of raylocd's configuration");
+  app.add_option("--listen",
+                 arguments->listen,
+                 "Where access points send to: [AP=]HOST:PORT, or [AP=] and " +
+                     transport_syntax(transport_schemes(), TransportUse::kLiveSource));
+  app.add_option("--config", arguments->config, "Take the live sources of raylocd's configuration");
   app.add_option("--record", arguments->record, "Also record what arrives: [AP=]FILE.pcap");
   app.add_option("--plan",
                  arguments->plan,

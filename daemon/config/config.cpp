@@ -8,6 +8,7 @@
 #include "daemon/config/config_reader.h"
 #include "daemon/config/endpoint.h"
 #include "daemon/config/secrets.h"
+#include "daemon/config/source_transport.h"
 #include "daemon/publish/socket/curve_keys.h"
 #include "engine/base/check.h"
 #include "engine/base/suggestion.h"
@@ -66,6 +67,7 @@ std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption
     case ConfigType::kNumber:
       return as_value(table.number(option.key, option.range));
     case ConfigType::kText:
+    case ConfigType::kUrl:
       return as_value(table.string(option.key));
     case ConfigType::kChoice:
       return as_value(table.choice(option.key, option.choices));
@@ -123,27 +125,59 @@ void read_section(const TomlTable& table, std::string_view section, ConfigReadin
   }
 }
 
+// The key `kind`; empty where it is absent or wrong.
+std::string stated_kind(const TomlTable& table) {
+  const std::span<const ConfigOption> options = config_options();
+  const auto kinds = std::find_if(options.begin(), options.end(), [](const ConfigOption& option) {
+    return option.section == "source" && option.key == "kind";
+  });
+  RAYLOC_CHECK(kinds != options.end());
+  table.require({{"kind", "kind = \"udp\""}});
+  return table.choice("kind", kinds->choices).value_or("");
+}
+
+// Why a source of that kind has no such key; empty where it has.
+std::string misplaced(const ConfigOption& option, const std::string& kind, bool by_url) {
+  const std::string key = "'" + std::string(option.key) + "'";
+  if (by_url && option.in_url) {
+    return key + " is part of 'url'; leave one of them out";
+  }
+  if (applies_to_kind(option, kind) || (by_url && option.type == ConfigType::kUrl)) {
+    return "";
+  }
+  return key + " belongs to kind " + std::string(option.only_kinds) + "; this source is of kind " +
+         kind;
+}
+
+void require_address(const TomlTable& table, const std::string& kind) {
+  if (kind == "pcap") {
+    table.require({{"file", "file = \"recording.pcap\""}});
+  }
+  if (kind == "interface") {
+    table.require({{"interface", "interface = \"eth0\""}});
+  }
+  if (kind == "unix") {
+    table.require({{"path", "path = \"/run/raylocd/eth0\""}});
+  }
+}
+
 void read_source(const TomlTable& table, ConfigReading& reading) {
   SourceConfig source;
   source.place = table.place();
   ConfigSection entries{"source", {}};
-  const ConfigOption* kinds = nullptr;
-  for (const ConfigOption& option : config_options()) {
-    kinds = option.section == "source" && option.key == "kind" ? &option : kinds;
-  }
-  RAYLOC_CHECK(kinds != nullptr);
-  table.require({{"kind", "kind = \"udp\""}});
-  const std::string kind = table.choice("kind", kinds->choices).value_or("");
+  const bool by_url = table.has("url");
+  const std::optional<TransportAddress> url = read_source_url(table);
+  const std::string kind = url      ? std::string(kind_of(*url->scheme))
+                           : by_url ? ""
+                                    : stated_kind(table);
   for (const ConfigOption& option : config_options()) {
     if (option.section != "source") {
       continue;
     }
-    if (!applies_to_kind(option, kind)) {
+    if (const std::string why = misplaced(option, kind, by_url); !why.empty()) {
       table.ask_for(option.key);
       if (!kind.empty() && table.has(option.key)) {
-        table.error_at(option.key,
-                       "'" + std::string(option.key) + "' belongs to kind " +
-                           std::string(option.only_kinds) + "; this source is of kind " + kind);
+        table.error_at(option.key, why);
       }
       continue;
     }
@@ -155,14 +189,10 @@ void read_source(const TomlTable& table, ConfigReading& reading) {
       entries.entries.push_back(*entry);
     }
   }
-  if (kind == "pcap") {
-    table.require({{"file", "file = \"recording.pcap\""}});
-  }
-  if (kind == "interface") {
-    table.require({{"interface", "interface = \"eth0\""}});
-  }
-  if (kind == "unix") {
-    table.require({{"path", "path = \"/run/raylocd/eth0\""}});
+  if (url) {
+    store_source_url(table, *url, source);
+  } else {
+    require_address(table, kind);
   }
   reading.config.sources.push_back(std::move(source));
   reading.sections.push_back(std::move(entries));
@@ -231,6 +261,8 @@ std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
       return a.interface == b.interface && a.filter == b.filter
                  ? "interface " + a.interface + " with the same filter"
                  : "";
+    case SourceKind::kOther:
+      return a.url == b.url ? a.url : "";
   }
   return {};
 }
@@ -293,9 +325,10 @@ void check_sources(const ConfigReading& reading) {
     for (std::size_t j = 0; j < i; ++j) {
       const SourceConfig& other = reading.config.sources[j];
       const std::string shared = shared_input(source, other);
-      if (!shared.empty() && table.has("kind")) {
-        constexpr std::array<std::string_view, 4> kInputs = {"listen", "file", "interface", "path"};
-        table.error_at(kInputs.at(static_cast<std::size_t>(source.kind)),
+      if (!shared.empty() && (table.has("kind") || table.has("url"))) {
+        constexpr std::array<std::string_view, 5> kInputs = {
+            "listen", "file", "interface", "path", "url"};
+        table.error_at(table.has("url") ? "url" : kInputs.at(static_cast<std::size_t>(source.kind)),
                        "a second source on " + shared + " (the first: " + line_of(other) +
                            "); every access point sends from the same address, only the port, "
                            "file, interface or socket tells them apart");

@@ -22,7 +22,8 @@
 
 namespace rayloc {
 
-enum class SourceKind { kUdp, kPcap, kInterface, kUnix };
+// kOther: a transport that has no keys of its own; `url` says which.
+enum class SourceKind { kUdp, kPcap, kInterface, kUnix, kOther };
 
 // [[source]]: where the datagrams of one access point come from.
 struct SourceConfig {
@@ -44,6 +45,7 @@ struct SourceConfig {
   std::string interface;        // interface: "eth0"
   std::string filter;           // interface: BPF expression
   std::filesystem::path path;   // unix: of the socket
+  std::string url;              // as stated, where it was instead of kind and address
   Duration stall_after{};       // all but pcap: a longer silence is reported
   std::string place;            // of [[source]]: "raylocd.toml:4:1: ", for messages
 };

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "capture/source/transport_schemes.h"
 #include "daemon/config/config_schema.h"
 #include "engine/base/check.h"
 
@@ -13,6 +14,16 @@ Json literal(std::string_view toml) { return Json::parse(toml); }
 
 Json bounds(const ConfigOption& option, const char* type) {
   return {{"type", type}, {"minimum", option.range.min}, {"maximum", option.range.max}};
+}
+
+std::string url_pattern() {
+  std::string schemes;
+  for (const TransportScheme& row : transport_schemes()) {
+    if (row.open_source != nullptr) {
+      schemes += (schemes.empty() ? "" : "|") + std::string(row.name);
+    }
+  }
+  return "^(" + schemes + "):.";
 }
 
 Json type_of(const ConfigOption& option) {
@@ -41,6 +52,8 @@ Json type_of(const ConfigOption& option) {
       return {
           {"anyOf", Json::array({text, {{"type", "array"}, {"items", text}, {"minItems", 1}}})}};
     }
+    case ConfigType::kUrl:
+      return {{"type", "string"}, {"pattern", url_pattern()}};
     case ConfigType::kTexts:
       return {{"type", "array"}, {"items", {{"type", "string"}, {"minLength", 1}}}};
   }
@@ -62,7 +75,9 @@ void add_option(const ConfigOption& option, Json& object) {
   }
   const std::string key(option.key);
   object["properties"][key] = std::move(property);
-  if (option.required) {
+  if (option.required && option.in_url) {
+    object["oneOf"] = {{{"required", Json::array({key})}}, {{"required", Json::array({"url"})}}};
+  } else if (option.required) {
     object["required"].push_back(key);
   }
 }

@@ -1,3 +1,4 @@
+#include "capture/source/transport_schemes.h"
 #include "daemon/command/roff.h"
 #include "daemon/config/config_schema.h"
 
@@ -66,8 +67,21 @@ std::string_view type_text(const ConfigOption& option) {
       return "\"max\" or a number";
     case ConfigType::kTexts:
       return "an array of texts";
+    case ConfigType::kUrl:
+      return "a URL";
   }
   return "";
+}
+
+// What each transport is, one below the other.
+std::string transports() {
+  std::string text = ".RS\n";
+  for (const TransportScheme& row : transport_schemes()) {
+    if (row.open_source != nullptr) {
+      text += ".TP\n.B " + roff(row.example) + "\n" + roff(row.summary) + "\n";
+    }
+  }
+  return text + ".RE\n";
 }
 
 std::string entry(const ConfigOption& option) {
@@ -77,11 +91,13 @@ std::string entry(const ConfigOption& option) {
   }
   std::string text = ".TP\n.B " + roff(option.key) + "\n" + roff(option.description) + ".\n" +
                      "Value: " + roff(values) + ".\n";
-  if (!option.only_kinds.empty()) {
+  if (option.type == ConfigType::kUrl) {
+    text += transports();
+  } else if (!option.only_kinds.empty()) {
     text += "Only of kind " + roff(option.only_kinds) + ".\n";
   }
   if (option.required) {
-    text += "Must be stated.\n";
+    text += option.in_url ? "Must be stated where there is no url.\n" : "Must be stated.\n";
   }
   if (!option.preset.empty()) {
     text += "Default: " + roff(option.preset) + ".\n";

@@ -38,7 +38,8 @@ constexpr std::string_view kUdp = "udp";
 constexpr std::string_view kPcap = "pcap";
 constexpr std::string_view kInterface = "interface";
 constexpr std::string_view kUnix = "unix";
-constexpr std::string_view kLive = "udp, interface or unix";
+constexpr std::string_view kUrl = "url";  // a transport without keys of its own
+constexpr std::string_view kLive = "udp, interface, unix or url";
 
 // Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
 void store_listen(SourceConfig& source, const ConfigValue& value) {
@@ -98,13 +99,23 @@ const std::array kOptions = {
         .required = true,
         .choices = kKinds,
         .description = "A UDP port, a recording, a network interface (libpcap), or rayloc-capture",
+        .in_url = true,
         .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
+    ConfigOption{.section = "source",
+                 .key = "url",
+                 .type = T::kUrl,
+                 .example = "\"udp:0.0.0.0:5500\"",
+                 .description = "Kind and address in one, instead of kind, listen, file, interface "
+                                "and path",
+                 .only_kinds = kUrl,
+                 .store_source = [](S& s, const V& v) { s.url = text(v); }},
     ConfigOption{.section = "source",
                  .key = "listen",
                  .type = T::kText,
                  .preset = "\"0.0.0.0:5500\"",
                  .description = "ADDRESS:PORT that the access point sends to",
                  .only_kinds = kUdp,
+                 .in_url = true,
                  .store_source = store_listen},
     ConfigOption{.section = "source",
                  .key = "only_interface",
@@ -127,6 +138,7 @@ const std::array kOptions = {
                  .example = "\"eth0\"",
                  .description = "Interface to capture from",
                  .only_kinds = kInterface,
+                 .in_url = true,
                  .store_source = [](S& s, const V& v) { s.interface = text(v); }},
     ConfigOption{.section = "source",
                  .key = "filter",
@@ -141,6 +153,7 @@ const std::array kOptions = {
                  .example = "\"/run/raylocd/eth0\"",
                  .description = "Socket to make, where rayloc-capture sends to",
                  .only_kinds = kUnix,
+                 .in_url = true,
                  .store_source = [](S& s, const V& v) { s.path = text(v); }},
     ConfigOption{.section = "source",
                  .key = "file",
@@ -150,6 +163,7 @@ const std::array kOptions = {
                      "pcap or pcapng, gzip'd or not; \"-\" is standard input; several, as "
                      "an array or by wildcards, are a sequence in order of time",
                  .only_kinds = kPcap,
+                 .in_url = true,
                  .store_source =
                      [](S& s, const V& v) {
                        const auto& texts = std::get<std::vector<std::string>>(v);

@@ -28,6 +28,7 @@ enum class ConfigType {
   kFiles,   // an array of paths and patterns of them, or one; or "-"
   kSpeed,   // a number, or "max"
   kTexts,   // an array of texts, or one
+  kUrl,     // of a transport (capture/source/transport_schemes.h)
 };
 
 // Paths as text, joined with the folder of the file.
@@ -44,6 +45,7 @@ struct ConfigOption {
   std::span<const std::string_view> choices = {};
   std::string_view description = {};  // one line
   std::string_view only_kinds = {};   // of [[source]]: kinds that have the key, empty: all
+  bool in_url = false;                // of [[source]]: `url` says it, where that is stated
   bool reload = false;                // SIGHUP applies a change; else it takes a restart
   void (*store)(DaemonConfig&, const ConfigValue&) = nullptr;
   void (*store_source)(SourceConfig&, const ConfigValue&) = nullptr;

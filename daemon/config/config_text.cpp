@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "capture/source/transport_schemes.h"
 #include "daemon/config/config_reader.h"
 
 namespace rayloc {
@@ -28,7 +29,7 @@ std::string header(std::string_view section) {
 
 std::string described_line(const ConfigOption& option) {
   std::string lines = "# " + std::string(option.description);
-  if (!option.only_kinds.empty()) {
+  if (!option.only_kinds.empty() && option.type != ConfigType::kUrl) {
     lines += " (kind " + std::string(option.only_kinds) + ")";
   }
   if (const std::string range = config_limits(option); !range.empty()) {
@@ -49,6 +50,9 @@ std::string config_limits(const ConfigOption& option) {
       names += text_in_toml(option.choices[i]);
     }
     return names;
+  }
+  if (option.type == ConfigType::kUrl) {
+    return transport_syntax(transport_schemes(), TransportUse::kSource);
   }
   if (option.type == ConfigType::kInteger || option.type == ConfigType::kNumber ||
       option.type == ConfigType::kSpeed) {

@@ -179,6 +179,8 @@ Finding check_source(const SourceConfig& source, bool running) {
       return check_interface(source);
     case SourceKind::kUnix:
       return check_folder_of(source);
+    case SourceKind::kOther:
+      return {Kind::kOk, "source " + source.access_point + ": " + source.url, ""};
     case SourceKind::kPcap:
       break;
   }

@@ -11,8 +11,7 @@
 #include <exception>
 #include <string>
 
-#include "capture/source/pcap_live_source.h"
-#include "capture/transport/relay_sender.h"
+#include "capture/source/transport_schemes.h"
 #include "daemon/command/option_parser.h"
 #include "daemon/terminal/exit_status.h"
 #include "engine/base/printable.h"
@@ -26,7 +25,8 @@ constexpr auto kTick = std::chrono::milliseconds(100);
 constexpr auto kLogPeriod = std::chrono::seconds(30);
 
 struct Arguments {
-  PcapLiveOptions live;
+  std::string interface;
+  std::string filter = "udp dst port 5500";
   std::string to;
 };
 
@@ -59,28 +59,34 @@ class StopSignals {
   sigset_t signals_{};
 };
 
-void print(const char* when, const SourceCounters& source, const RelayCounters& relay) {
+std::uint64_t lost_as(const SinkCounters& sink, const char* reason) {
+  const auto found = sink.lost_by.find(reason);
+  return found == sink.lost_by.end() ? 0 : found->second;
+}
+
+void print(const char* when, const SourceCounters& source, const SinkCounters& sink) {
+  const std::uint64_t absent = lost_as(sink, "not_there");
   std::fprintf(stderr,
                "rayloc-capture: %s: %llu captured, %llu sent, %llu lost because raylocd did not "
                "take them, %llu because it was not there, %llu dropped by the kernel\n",
                when,
                static_cast<unsigned long long>(source.delivered),
-               static_cast<unsigned long long>(relay.sent),
-               static_cast<unsigned long long>(relay.lost_full),
-               static_cast<unsigned long long>(relay.lost_absent),
+               static_cast<unsigned long long>(sink.delivered),
+               static_cast<unsigned long long>(sink.lost() - absent),
+               static_cast<unsigned long long>(absent),
                static_cast<unsigned long long>(source.kernel_drops));
 }
 
 // Says that something is being lost: at once, then every half minute while it goes on.
 class LossLog {
  public:
-  void look(const SourceCounters& source, const RelayCounters& relay) {
-    const std::uint64_t lost = relay.lost_full + relay.lost_absent + source.kernel_drops;
+  void look(const SourceCounters& source, const SinkCounters& sink) {
+    const std::uint64_t lost = sink.lost() + source.kernel_drops;
     const auto now = Clock::now();
     if (lost > said_ && (said_ == 0 || now - when_ > kLogPeriod)) {
       said_ = lost;
       when_ = now;
-      print("losing", source, relay);
+      print("losing", source, sink);
     }
   }
 
@@ -89,41 +95,48 @@ class LossLog {
   Clock::time_point when_;
 };
 
-Expected<void> forward(DatagramSource& source, RelaySender& sender, const StopSignals& stop) {
+Expected<void> forward(DatagramSource& source, DatagramSink& sink, const StopSignals& stop) {
   DatagramBatch batch;
   LossLog losses;
   while (!stop.requested()) {
     if (auto read = source.read(batch, kTick); !read) {
       return read;
     }
-    sender.send(batch, source.counters());
-    losses.look(source.counters(), sender.counters());
+    sink.note_source(source.counters());
+    if (auto written = sink.write(batch); !written) {
+      return written;
+    }
+    losses.look(source.counters(), sink.counters());
   }
   return {};
 }
 
 Expected<void> capture(const Arguments& arguments) {
   const StopSignals stop;
-  auto sender = RelaySender::create(arguments.to);
-  if (!sender) {
-    return tl::make_unexpected(sender.error());
-  }
-  auto source = PcapLiveSource::open(arguments.live);
+  SourceOptions options;
+  options.filter = arguments.filter;
+  auto source =
+      open_datagram_source(transport_schemes(), "live:" + arguments.interface, {}, options);
   if (!source) {
     return tl::make_unexpected(source.error());
   }
   if (auto dropped = drop_capabilities(); !dropped) {
     return dropped;
   }
+  // Without privileges: what it opens, or a process that it starts, has none.
+  auto sink = open_datagram_sink(transport_schemes(), arguments.to, "unix");
+  if (!sink) {
+    return tl::make_unexpected(std::move(sink.error()));
+  }
   std::fprintf(stderr,
                "rayloc-capture: %s (%s) to %s\n",
-               arguments.live.interface.c_str(),
-               arguments.live.filter.c_str(),
+               arguments.interface.c_str(),
+               arguments.filter.c_str(),
                arguments.to.c_str());
   sd_notify(0, "READY=1");
-  Expected<void> done = forward(**source, *sender, stop);
+  Expected<void> done = forward(**source, **sink, stop);
   sd_notify(0, "STOPPING=1");
-  print("ended", (*source)->counters(), sender->counters());
+  print("ended", (*source)->counters(), (*sink)->counters());
   return done;
 }
 
@@ -134,11 +147,13 @@ int run(int argc, const char* const* argv) {
       "rayloc-capture " RAYLOC_VERSION);
   app.footer("Example:\n  rayloc-capture --interface eth0 --to /run/raylocd/eth0");
   Arguments arguments;
-  arguments.live.filter = "udp dst port 5500";
-  app.add_option("--interface", arguments.live.interface, "Interface to capture from")->required();
-  app.add_option("--filter", arguments.live.filter, "What to capture: a pcap-filter(7)")
+  app.add_option("--interface", arguments.interface, "Interface to capture from")->required();
+  app.add_option("--filter", arguments.filter, "What to capture: a pcap-filter(7)")
       ->capture_default_str();
-  app.add_option("--to", arguments.to, "Socket of raylocd: path of a source of kind \"unix\"")
+  app.add_option("--to",
+                 arguments.to,
+                 "Socket of raylocd: path of a source of kind \"unix\"; or " +
+                     transport_syntax(transport_schemes(), TransportUse::kSink))
       ->required();
   if (const std::optional<int> status = app.parse(argc, argv)) {
     return *status;

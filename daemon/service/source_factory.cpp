@@ -6,11 +6,9 @@
 #include <cstring>
 #include <utility>
 
-#include "capture/source/pcap_live_source.h"
 #include "capture/source/recorded_source.h"
 #include "capture/source/reopening_source.h"
-#include "capture/source/udp_source.h"
-#include "capture/source/unix_source.h"
+#include "capture/source/transport_schemes.h"
 #include "capture/transport/file_descriptor.h"
 #include "daemon/config/recording_files.h"
 #include "daemon/log/log.h"
@@ -20,31 +18,16 @@
 namespace rayloc {
 namespace {
 
-template <typename Source>
-Expected<std::unique_ptr<DatagramSource>> as_datagram_source(
-    Expected<std::unique_ptr<Source>> opened) {
-  if (!opened) {
-    return tl::make_unexpected(opened.error());
-  }
-  return std::unique_ptr<DatagramSource>(std::move(*opened));
-}
-
-std::string listen_address(const SourceConfig& source) {
-  const bool ipv6 = source.listen_host.find(':') != std::string::npos;
-  return (ipv6 ? "[" + source.listen_host + "]" : source.listen_host) + ":" +
-         std::to_string(source.listen_port);
-}
-
 // Each time anew, at the beginning.
 Expected<std::unique_ptr<DatagramSource>> open_planned(const RecordingPlan& plan) {
-  return as_datagram_source(RecordedSource::open(plan));
+  return as_transport<DatagramSource>(RecordedSource::open(plan));
 }
 
 Expected<std::unique_ptr<DatagramSource>> open_recording(const SourceConfig& source,
                                                          const RecordingClock& clock) {
   const RecordingPlan& plan = clock.plans.at(source.access_point);
   if (clock.playback) {
-    return as_datagram_source(
+    return as_transport<DatagramSource>(
         PlaybackSource::open([plan] { return open_planned(plan); }, clock.playback));
   }
   auto recording = open_planned(plan);
@@ -67,73 +50,42 @@ Error placed(const SourceConfig& source, Error error) {
 }
 
 // What may be lost there, and what was lost before.
-void log_buffer(const UdpSource& opened, const UdpSourceOptions& options, const std::string& name) {
+void log_buffer(const ReceiveBuffer& buffer, const std::string& name) {
   const std::vector<LogField> fields = {{"source", name}};
-  if (const int granted = opened.receive_buffer_bytes(); granted < options.receive_buffer_bytes) {
-    const std::string wanted = std::to_string(options.receive_buffer_bytes);
+  if (buffer.granted_bytes < buffer.wanted_bytes) {
+    const std::string wanted = std::to_string(buffer.wanted_bytes);
     log_event({LogLevel::kWarning,
                "source " + name + ": the kernel grants a receive buffer of " +
-                   std::to_string(granted) + " bytes instead of " + wanted +
+                   std::to_string(buffer.granted_bytes) + " bytes instead of " + wanted +
                    ", and bursts of datagrams may be lost; sysctl -w net.core.rmem_max=" + wanted +
                    ", then restart",
                fields});
   }
-  if (const std::uint32_t before = opened.dropped_before(); before > 0) {
+  if (buffer.dropped_before > 0) {
     log_event({LogLevel::kInfo,
-               "source " + name + ": its socket lost " + std::to_string(before) +
+               "source " + name + ": its socket lost " + std::to_string(buffer.dropped_before) +
                    " datagrams before it was taken over; they are not counted here",
                fields});
   }
 }
 
-using SeeUdp = void (*)(const UdpSource& opened,
-                        const UdpSourceOptions& options,
-                        const std::string& name);
-
-Expected<std::unique_ptr<DatagramSource>> open_udp(const SourceConfig& source,
-                                                   int passed_socket,
-                                                   SeeUdp see) {
-  UdpSourceOptions options;
-  options.address = listen_address(source);
-  options.adopted_fd = passed_socket;
-  options.interface = source.only_interface;
-  for (const std::string& text : source.allow) {
-    const auto range = AddressRange::parse(text);
-    if (!range) {
-      return tl::make_unexpected(range.error());
-    }
-    options.senders.push_back(*range);
+// `passed_socket`: to be taken over; -1 for none.
+Expected<std::unique_ptr<DatagramSource>> open_transport(const SourceConfig& source,
+                                                         int passed_socket) {
+  auto options = source_options(source);
+  if (!options) {
+    return tl::make_unexpected(std::move(options.error()));
   }
-  auto opened = UdpSource::open(options);
-  if (opened && see != nullptr) {
-    see(**opened, options, source.access_point);
-  }
-  return as_datagram_source(std::move(opened));
+  options->adopted_fd = passed_socket;
+  return open_datagram_source(transport_schemes(), source_url(source), {}, *options);
 }
 
-// `passed_socket`: to be taken over; -1 for none. `see`: a UDP source that was opened; may be null.
-Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source,
-                                                    int passed_socket,
-                                                    SeeUdp see = log_buffer) {
-  switch (source.kind) {
-    case SourceKind::kUdp:
-      return open_udp(source, passed_socket, see);
-    case SourceKind::kInterface: {
-      PcapLiveOptions options;
-      options.interface = source.interface;
-      options.filter = source.filter;
-      return as_datagram_source(PcapLiveSource::open(options));
-    }
-    case SourceKind::kUnix: {
-      UnixSourceOptions options;
-      options.path = source.path.string();
-      options.adopted_fd = passed_socket;
-      return as_datagram_source(UnixSource::open(options));
-    }
-    case SourceKind::kPcap:
-      break;
+Expected<std::unique_ptr<DatagramSource>> open_live(const SourceConfig& source, int passed_socket) {
+  auto opened = open_transport(source, passed_socket);
+  if (opened) {
+    log_buffer((*opened)->receive_buffer(), source.access_point);
   }
-  return make_error(ErrorKind::kInternal, "a kind of source that does not exist");
+  return opened;
 }
 
 Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& source,
@@ -143,11 +95,12 @@ Expected<std::unique_ptr<DatagramSource>> open_datagrams(const SourceConfig& sou
     return open_recording(source, clock);
   }
   if (!passed_socket) {
-    return as_datagram_source(ReopeningSource::open([source] { return open_live(source, -1); }));
+    return as_transport<DatagramSource>(
+        ReopeningSource::open([source] { return open_live(source, -1); }));
   }
   // systemd passes a socket once: what a source closes is a copy.
   const auto passed = std::make_shared<const FileDescriptor>(*passed_socket);
-  return as_datagram_source(
+  return as_transport<DatagramSource>(
       ReopeningSource::open([source, passed]() -> Expected<std::unique_ptr<DatagramSource>> {
         const int copy = fcntl(passed->get(), F_DUPFD_CLOEXEC, 0);
         if (copy < 0) {
@@ -205,7 +158,7 @@ Expected<RecordingClock> recording_clock(const DaemonConfig& config) {
 }
 
 Expected<void> check_source(const SourceConfig& source) {
-  const auto opened = is_live(source) ? open_live(source, -1, nullptr) : nullptr;
+  const auto opened = is_live(source) ? open_transport(source, -1) : nullptr;
   return opened ? Expected<void>() : tl::make_unexpected(placed(source, opened.error()));
 }
 

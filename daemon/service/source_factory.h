@@ -8,6 +8,7 @@
 
 #include "capture/source/recording_plan.h"
 #include "daemon/config/config.h"
+#include "daemon/config/source_url.h"
 #include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/pipeline/playback/playback.h"
 #include "daemon/pipeline/source_worker.h"
@@ -38,8 +39,5 @@ Expected<SourceWorker::Input> open_source(const SourceConfig& source,
 
 // Whether the socket or the interface of a live source can be had, by having it for an instant.
 Expected<void> check_source(const SourceConfig& source);
-
-// Arrival stamps of such a source are of this machine's clock.
-inline bool is_live(const SourceConfig& source) { return source.kind != SourceKind::kPcap; }
 
 }  // namespace rayloc

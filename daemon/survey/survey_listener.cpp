@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "capture/source/udp_source.h"
+#include "capture/source/transport_schemes.h"
 #include "daemon/site/receiver_options.h"
 
 namespace rayloc::cli {
@@ -13,9 +13,13 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
   SurveyListener listener(&site);
   for (const SurveyPort& wanted : ports) {
     const SiteAccessPoint& ap = site.access_points[wanted.access_point];
-    UdpSourceOptions options;
-    options.address = wanted.address;
-    auto source = UdpSource::open(options);
+    const auto where = parse_transport(transport_schemes(), wanted.address, "udp");
+    if (where && !where->scheme->live) {
+      return make_error(ErrorKind::kUsage,
+                        wanted.address + ": is over already; listen at " +
+                            transport_syntax(transport_schemes(), TransportUse::kLiveSource));
+    }
+    auto source = open_datagram_source(transport_schemes(), wanted.address, "udp");
     if (!source) {
       return tl::make_unexpected(std::move(source.error()));
     }
@@ -23,14 +27,14 @@ Expected<SurveyListener> SurveyListener::open(const Site& site,
               ap.cores,
               std::move(*source),
               CsiReceiver(receiver_options(site, static_cast<int>(wanted.access_point))),
-              std::nullopt,
+              nullptr,
               0};
     if (!wanted.recording.empty()) {
-      auto recorder = PcapRecorder::create(wanted.recording);
+      auto recorder = open_datagram_sink(transport_schemes(), wanted.recording, "pcap");
       if (!recorder) {
         return tl::make_unexpected(std::move(recorder.error()));
       }
-      port.recorder.emplace(std::move(*recorder));
+      port.recorder = *std::move(recorder);
     }
     listener.ports_.push_back(std::move(port));
   }
@@ -70,7 +74,7 @@ Expected<void> SurveyListener::listen(Duration timeout) {
     }
     port.receiver.advance(batch.watermark, frames);
     if (port.recorder && !batch.datagrams.empty()) {
-      if (auto written = port.recorder->write(batch.datagrams); !written) {
+      if (auto written = port.recorder->write(batch); !written) {
         return written;
       }
     }

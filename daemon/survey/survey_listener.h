@@ -6,12 +6,11 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "capture/assemble/csi_receiver.h"
-#include "capture/record/pcap_recorder.h"
+#include "capture/transport/datagram_sink.h"
 #include "capture/transport/datagram_source.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
@@ -20,8 +19,8 @@ namespace rayloc::cli {
 
 struct SurveyPort {
   std::size_t access_point = 0;  // position in the site's list
-  std::string address;           // HOST:PORT
-  std::string recording;         // a file to make; empty: none
+  std::string address;           // HOST:PORT, or a URL (transport_schemes.h) of what is live
+  std::string recording;         // a file to make, or a URL; empty: none
 };
 
 class SurveyListener {
@@ -48,7 +47,7 @@ class SurveyListener {
     std::vector<std::uint8_t> cores;
     std::unique_ptr<DatagramSource> source;
     CsiReceiver receiver;
-    std::optional<PcapRecorder> recorder;
+    std::unique_ptr<DatagramSink> recorder;  // null: nothing is recorded
     std::size_t count = 0;
   };
 

@@ -104,7 +104,7 @@ TEST(PcapRecorder, ReadsBackWhatWasWritten) {
     ASSERT_TRUE(write(*recorder, std::span(all).first(1)));
     ASSERT_TRUE(write(*recorder, std::span(all).subspan(1)));
     EXPECT_EQ(recorder->counters().given, all.size());
-    EXPECT_EQ(recorder->counters().written, all.size());
+    EXPECT_EQ(recorder->counters().delivered, all.size());
     EXPECT_EQ(recorder->counters().bytes, test::read_file(file.path()).size());
   }
   EXPECT_EQ(read_back(file.path()), all);
@@ -167,8 +167,8 @@ TEST(PcapRecorder, RefusesABatchWithATimeThatThePcapCannotHold) {
   EXPECT_FALSE(write(*recorder, all));
   EXPECT_TRUE(write(*recorder, std::span(all).first(1)));
   EXPECT_EQ(recorder->counters().given, 4U);
-  EXPECT_EQ(recorder->counters().lost, 3U);
-  EXPECT_EQ(recorder->counters().written, 1U);
+  EXPECT_EQ(recorder->counters().lost(), 3U);
+  EXPECT_EQ(recorder->counters().delivered, 1U);
   EXPECT_EQ(read_back(file.path()).size(), 1U);
 }
 
@@ -206,12 +206,12 @@ TEST(PcapRecorder, CutsOffThePartOfABatchThatAFullDiskTook) {
     const auto failed = write(*recorder, std::span(all).subspan(50, lost));
     ASSERT_FALSE(failed);
     EXPECT_THAT(failed.error().message, HasSubstr(file.path()));
-    EXPECT_EQ(recorder->counters().lost, lost);
+    EXPECT_EQ(recorder->counters().lost(), lost);
     EXPECT_EQ(recorder->counters().errors, 1U);
     EXPECT_EQ(test::read_file(file.path()).size(), whole);
     // What fits is still recorded.
     ASSERT_TRUE(write(*recorder, std::span(all).first(1)));
-    EXPECT_EQ(recorder->counters().given, recorder->counters().written + lost);
+    EXPECT_EQ(recorder->counters().given, recorder->counters().delivered + lost);
     EXPECT_EQ(read_back(file.path(), kAnyDisorder).size(), 51U);
   }
 }

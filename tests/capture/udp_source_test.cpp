@@ -250,10 +250,10 @@ TEST(UdpSource, DoesNotCountWhatAnAdoptedSocketLostBefore) {
   }
   auto source = UdpSource::open({.adopted_fd = fd, .receive_buffer_bytes = smallest});
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_GT((*source)->dropped_before(), 0U);
+  EXPECT_GT((*source)->receive_buffer().dropped_before, 0U);
   DatagramBatch batch;
   ASSERT_TRUE((*source)->read(batch, kLong));
-  EXPECT_EQ(batch.datagrams.size() + (*source)->dropped_before(), kBefore);
+  EXPECT_EQ(batch.datagrams.size() + (*source)->receive_buffer().dropped_before, kBefore);
   EXPECT_EQ((*source)->counters().kernel_drops, 0U);
   constexpr std::uint64_t kAfter = 70;
   for (std::uint64_t i = 0; i < kAfter; ++i) {
@@ -276,7 +276,7 @@ TEST(UdpSource, LeavesAnAdoptedSocketItsLargerBuffer) {
   ASSERT_EQ(setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes), 0);
   const auto source = UdpSource::open({.adopted_fd = fd, .receive_buffer_bytes = 5000});
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->receive_buffer_bytes(), bytes);
+  EXPECT_EQ((*source)->receive_buffer().granted_bytes, bytes);
 }
 
 TEST(UdpSource, IsWokenFromAnotherThread) {

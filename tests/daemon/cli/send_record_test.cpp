@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/udp_source.h"
+#include "capture/source/unix_source.h"
 #include "tests/support/eventually.h"
 #include "tests/support/pcap_files.h"
 
@@ -266,6 +267,69 @@ TEST(Record, WritesWhatSendSends) {
       << "an existing recording is not overwritten";
   unlink(sent.c_str());
   unlink(out.c_str());
+}
+
+TEST(Send, AFileIsASinkAndASourceLikeAnyOther) {
+  const std::string file = recording("transport_in.pcap", {{0, "one"}, {1, "two"}});
+  const std::string sent = test::temporary_path("transport_sent.pcap");
+  const std::string copied = test::temporary_path("transport_copied.pcap");
+  unlink(sent.c_str());
+  unlink(copied.c_str());
+  EXPECT_EQ(rayloc("send pcap:" + file + " --to pcap:" + sent + " 2>/dev/null >&2").status, 0);
+  const Outcome outcome =
+      rayloc("record --from pcap:" + sent + " --out pcap:" + copied + " 2>/dev/null");
+  ASSERT_EQ(outcome.status, 0);
+  const auto summary = json_lines(outcome.output).at(0).at("summary");
+  EXPECT_EQ(summary.at("recorded"), 2);
+  EXPECT_EQ(summary.at("file_bytes"), test::read_file(copied).size());
+  EXPECT_EQ(test::read_file(copied), test::read_file(sent));
+  Port port;
+  EXPECT_EQ(rayloc("send " + copied + " --to udp:" + port.address() + " 2>/dev/null >&2").status,
+            0);
+  const auto all = port.receive();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0].payload + all[1].payload, "onetwo");
+  for (const std::string& one : {file, sent, copied}) {
+    unlink(one.c_str());
+  }
+}
+
+TEST(Send, ReachesTheSocketOfADaemon) {
+  const std::string path = test::temporary_path("send_unix.socket");
+  const std::string file = recording("send_unix.pcap", {{0, "a"}, {1, "b"}});
+  const std::string command = "send " + file + " --to unix:" + path + " 2>/dev/null";
+  const Outcome absent = rayloc(command);
+  EXPECT_EQ(absent.status, 0);
+  EXPECT_EQ(json_lines(absent.output).back().at("lost"), nlohmann::json({{"not_there", 2}}));
+  auto source = UnixSource::open({.path = path});
+  ASSERT_TRUE(source) << source.error().message;
+  const Outcome outcome = rayloc(command);
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(json_lines(outcome.output).back().at("datagrams"), 2);
+  EXPECT_FALSE(json_lines(outcome.output).back().contains("lost"));
+  std::size_t received = 0;
+  EXPECT_TRUE(eventually(std::chrono::seconds(60), [&] {
+    DatagramBatch batch;
+    EXPECT_TRUE((*source)->read(batch, std::chrono::milliseconds(100)));
+    received += batch.datagrams.size();
+    return received == 2;
+  }));
+  unlink(file.c_str());
+}
+
+TEST(Send, AnUnknownTransportListsThoseThereAre) {
+  const Outcome to = rayloc("send x.pcap --to nats:lab 2>&1");
+  EXPECT_EQ(to.status, 64);
+  EXPECT_THAT(to.output, HasSubstr("'nats' is no transport either; there are: udp, pcap, unix"));
+  const Outcome from = rayloc("record --from nats:lab --out x.pcap 2>&1");
+  EXPECT_EQ(from.status, 64);
+  EXPECT_THAT(from.output, HasSubstr("there is no transport 'nats'; there are: udp, pcap, unix"));
+  const Outcome live = rayloc("send udp:127.0.0.1:0 --to 127.0.0.1:1 2>&1");
+  EXPECT_EQ(live.status, 64);
+  EXPECT_THAT(live.output, HasSubstr("rayloc record --from udp:127.0.0.1:0 passes on"));
+  for (const char* verb : {"send", "record", "survey"}) {
+    EXPECT_THAT(rayloc(std::string(verb) + " --help").output, HasSubstr("udp:HOST:PORT")) << verb;
+  }
 }
 
 TEST(Record, SaysWhatIsWrong) {

@@ -270,6 +270,8 @@ TEST_F(SurveyVerb, IsToldWhereToListen) {
   EXPECT_EQ(survey("q\n", ""), 64);
   EXPECT_EQ(survey("q\n", "--listen ap9=127.0.0.1:1"), 64);
   EXPECT_THAT(read("err"), HasSubstr("ap1, ap2, ap3"));
+  EXPECT_EQ(survey("q\n", "--listen ap1=pcap:a.pcap"), 64);
+  EXPECT_THAT(read("err"), HasSubstr("pcap:a.pcap: is over already; listen at udp:HOST:PORT, "));
 }
 
 }  // namespace

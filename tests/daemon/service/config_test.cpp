@@ -9,8 +9,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "capture/source/transport_schemes.h"
 #include "daemon/config/config_schema.h"
 #include "daemon/config/recording_files.h"
+#include "daemon/config/roff.h"
+#include "daemon/config/source_url.h"
 #include "tests/daemon/service/config_text.h"
 
 namespace rayloc {
@@ -22,6 +25,7 @@ using ::testing::HasSubstr;
 using testing::kConfigFile;
 using testing::kOtherText;
 using testing::kUnixSource;
+using testing::kUrlSource;
 using testing::without_folders;
 
 constexpr std::string_view kSmallest = "[site]\ndirectory = \"/s\"\n[[source]]\nkind = \"udp\"\n";
@@ -265,7 +269,8 @@ TEST(ConfigSchema, EveryKeyIsStoredOnceAndStatedInTheTest) {
     EXPECT_EQ(option.section != "source", option.store != nullptr) << path;
     EXPECT_EQ(option.section == "source", option.store_source != nullptr) << path;
     // ReadsEveryKey, ReadsTheOtherKeys and the test of unix sources check each value of these.
-    EXPECT_THAT("\n" + config_text() + std::string(kUnixSource) + std::string(kOtherText),
+    EXPECT_THAT("\n" + config_text() + std::string(kUnixSource) + std::string(kUrlSource) +
+                    std::string(kOtherText),
                 HasSubstr("\n" + std::string(option.key) + " = "));
   }
 }
@@ -276,6 +281,77 @@ TEST(ParseConfig, ReadsTheSocketOfRaylocCapture) {
   ASSERT_TRUE(config) << config.error().message;
   EXPECT_EQ(config->sources.at(3).kind, SourceKind::kUnix);
   EXPECT_EQ(config->sources.at(3).path, "/run/raylocd/eth0");
+}
+
+// The sources of a file with these keys.
+Expected<std::vector<SourceConfig>> sources_of(const std::string& keys) {
+  auto config = parse_config("[site]\ndirectory = \"/s\"\n[[source]]\n" + keys + "\n", kConfigFile);
+  return config ? Expected<std::vector<SourceConfig>>(config->sources)
+                : tl::make_unexpected(config.error());
+}
+
+TEST(ParseConfig, AUrlGivesWhatKindAndAddressGive) {
+  struct Case {
+    const char* url;
+    const char* keys;
+  };
+  for (const Case& c : {Case{"udp:10.0.0.7:5501", "kind = \"udp\"\nlisten = \"10.0.0.7:5501\""},
+                        Case{"pcap:sub/one.pcap", "kind = \"pcap\"\nfile = \"sub/one.pcap\""},
+                        Case{"pcap:/one.pcap", "kind = \"pcap\"\nfile = \"/one.pcap\""},
+                        Case{"pcap:-", "kind = \"pcap\"\nfile = \"-\""},
+                        Case{"live:eth0", "kind = \"interface\"\ninterface = \"eth0\""},
+                        Case{"unix:run/eth0", "kind = \"unix\"\npath = \"run/eth0\""}}) {
+    const auto by_url = sources_of("url = \"" + std::string(c.url) + "\"");
+    const auto by_keys = sources_of(c.keys);
+    ASSERT_TRUE(by_url) << by_url.error().message;
+    ASSERT_TRUE(by_keys) << by_keys.error().message;
+    const SourceConfig& one = by_url->at(0);
+    const SourceConfig& other = by_keys->at(0);
+    EXPECT_EQ(one.kind, other.kind) << c.url;
+    EXPECT_EQ(source_url(one), source_url(other));
+    EXPECT_EQ(one.files, other.files);
+    EXPECT_EQ(one.path, other.path);
+    EXPECT_EQ(one.filter, other.filter);
+    EXPECT_EQ(one.stall_after, other.stall_after);
+    EXPECT_EQ(one.max_gap, other.max_gap);
+    EXPECT_EQ(one.speed, other.speed);
+  }
+}
+
+TEST(ParseConfig, SaysWhatIsWrongWithAUrl) {
+  const std::vector<std::pair<const char*, const char*>> cases = {
+      {"url = \"nats:lab\"",
+       "raylocd.toml:4:7: 'url': 'nats:lab': there is no transport 'nats'; there are: udp, pcap, "
+       "unix, live"},
+      {"url = \"udq:0.0.0.0:5500\"", "did you mean 'udp'?"},
+      {"url = \"0.0.0.0:5500\"", "no transport is named; write SCHEME:ADDRESS"},
+      {"url = \"live:\"", "nothing follows the colon"},
+      {"url = \"udp:lab:5500\"", "no ADDRESS:PORT of this machine follows the colon"},
+      {"url = \"live:eth0\"\nkind = \"udp\"", ":5:8: 'kind' is part of 'url'"},
+      {"url = \"udp:0.0.0.0:5500\"\nlisten = \"0.0.0.0:5500\"", "'listen' is part of 'url'"},
+      {"url = \"live:eth0\"\nallow = [\"10.0.0.1\"]", "'allow' belongs to kind udp"},
+      {"url = \"live:eth0\"\n[[source]]\nkind = \"interface\"\ninterface = \"eth0\"",
+       ":7:13: a second source on interface eth0"},
+  };
+  for (const auto& [keys, message] : cases) {
+    const auto sources = sources_of(keys);
+    ASSERT_FALSE(sources) << keys;
+    EXPECT_THAT(sources.error().message, HasSubstr(message));
+  }
+}
+
+TEST(ConfigSchema, ListsTheTransportsThereAre) {
+  const std::string page = config_manual_page();
+  const auto schema = nlohmann::json::parse(config_json_schema());
+  const auto& source = schema.at("properties").at("source").at("items");
+  const std::regex urls(source.at("properties").at("url").at("pattern").get<std::string>());
+  for (const TransportScheme& row : transport_schemes()) {
+    EXPECT_TRUE(std::regex_search(std::string(row.example), urls)) << row.example;
+    EXPECT_THAT(config_example(),
+                HasSubstr(std::string(row.name) + ":" + std::string(row.address)));
+    EXPECT_THAT(page, HasSubstr(roff(row.summary)));
+  }
+  EXPECT_FALSE(std::regex_search("nats:lab", urls));
 }
 
 TEST(ConfigSchema, JsonSchemaHasEveryKeyAndRequiresWhatWeRequire) {

@@ -75,6 +75,12 @@ kind = "unix"
 path = "/run/raylocd/eth0"
 )";
 
+// Kind and address in one.
+inline constexpr std::string_view kUrlSource = R"([[source]]
+access_point = "ap4"
+url = "unix:/run/raylocd/eth0"
+)";
+
 // A second configuration, with the keys that kConfigText has not: its lines stay where they are
 // named by tests of errors.
 inline constexpr std::string_view kOtherText = R"([site]

@@ -1,0 +1,16 @@
+// The transports there are: one row each, which stands beside its implementation.
+#pragma once
+
+#include "capture/transport/transport_scheme.h"
+
+namespace rayloc {
+
+extern const TransportScheme kUdpScheme;   // udp_source.cpp
+extern const TransportScheme kPcapScheme;  // recorded_source.cpp
+extern const TransportScheme kUnixScheme;  // unix_source.cpp
+extern const TransportScheme kLiveScheme;  // pcap_live_source.cpp
+
+// What configuration, survey, record, send and rayloc-capture read.
+TransportTable transport_schemes();
+
+}  // namespace rayloc
