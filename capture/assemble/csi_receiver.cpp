@@ -1,5 +1,6 @@
 #include "capture/assemble/csi_receiver.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -11,8 +12,10 @@ namespace rayloc {
 
 class CsiReceiver::Impl {
  public:
-  explicit Impl(CsiReceiverOptions options)
-      : registry_(options.format),
+  Impl(CsiReceiverOptions options, std::span<const DecoderRow> formats)
+      : access_point_(options.access_point),
+        expected_cores_(options.expected_cores),
+        registry_(options.format, formats),
         assembler_(
             {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
         normalizer_(options.access_point, options.raw) {}
@@ -22,6 +25,10 @@ class CsiReceiver::Impl {
     assembler_.went_back_to(datagram.time);
     advance(datagram.time, out);
     ++counters_.received;
+    if (const FrameDecoder* whole = registry_.frame_decoder(datagram.payload)) {
+      push_frame(whole->decode(datagram.payload), datagram.time, out);
+      return;
+    }
     const DecodeResult fragment = registry_.decode(datagram.payload);
     if (!fragment) {
       reject(fragment.error());
@@ -67,6 +74,28 @@ class CsiReceiver::Impl {
   }
 
  private:
+  // What one datagram carried whole.
+  void push_frame(FrameResult frame, Timestamp time, std::vector<CsiFrame>& out) {
+    if (!frame) {
+      reject(frame.error());
+      return;
+    }
+    frame->time = frame->time_last = time;
+    frame->access_point = access_point_;
+    const bool all_cores =
+        std::all_of(expected_cores_.begin(), expected_cores_.end(), [&](std::uint8_t core) {
+          return std::find(frame->cores.begin(), frame->cores.end(), core) != frame->cores.end();
+        });
+    if (!all_cores) {
+      frame->complete = false;
+      frame->flags.push_back("missing_core");
+    }
+    ++counters_.in_frames;
+    ++counters_.frames;
+    counters_.partial += frame->complete ? 0U : 1U;
+    out.push_back(*std::move(frame));
+  }
+
   void reject(RejectReason reason) { ++rejected_[static_cast<std::size_t>(reason)]; }
 
   void emit(std::vector<CsiFrame>& out) {
@@ -80,6 +109,8 @@ class CsiReceiver::Impl {
     }
   }
 
+  const int access_point_;
+  const std::vector<std::uint8_t> expected_cores_;
   DecoderRegistry registry_;
   FrameAssembler assembler_;
   FrameNormalizer normalizer_;
@@ -88,7 +119,9 @@ class CsiReceiver::Impl {
 };
 
 CsiReceiver::CsiReceiver(CsiReceiverOptions options)
-    : impl_(std::make_unique<Impl>(std::move(options))) {}
+    : CsiReceiver(std::move(options), decoder_rows()) {}
+CsiReceiver::CsiReceiver(CsiReceiverOptions options, std::span<const DecoderRow> formats)
+    : impl_(std::make_unique<Impl>(std::move(options), formats)) {}
 CsiReceiver::~CsiReceiver() = default;
 CsiReceiver::CsiReceiver(CsiReceiver&&) noexcept = default;
 CsiReceiver& CsiReceiver::operator=(CsiReceiver&&) noexcept = default;

@@ -1,5 +1,6 @@
 // CsiReceiver: datagrams of one access point in, CsiFrames out: recognise, decode, assemble,
-// normalise, and count every datagram exactly once.
+// normalise, and count every datagram exactly once. A datagram that carries a whole frame
+// (capture/decode/frame_decoder.h) is neither assembled nor normalised.
 //
 //   CsiReceiver receiver(options);
 //   receiver.push(datagram, frames);        // appends the frames that became complete
@@ -14,6 +15,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +23,8 @@
 #include "engine/channel/csi_frame.h"
 
 namespace rayloc {
+
+struct DecoderRow;
 
 struct CsiReceiverOptions {
   int access_point = 0;
@@ -51,6 +55,8 @@ struct CsiReceiverCounters {
 class CsiReceiver {
  public:
   explicit CsiReceiver(CsiReceiverOptions options);
+  // With these wire formats instead of decoder_rows().
+  CsiReceiver(CsiReceiverOptions options, std::span<const DecoderRow> formats);
   ~CsiReceiver();
   CsiReceiver(CsiReceiver&&) noexcept;
   CsiReceiver& operator=(CsiReceiver&&) noexcept;

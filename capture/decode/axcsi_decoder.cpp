@@ -23,12 +23,13 @@
 
 #include <algorithm>
 
+#include "capture/decode/decoder_row.h"
 #include "capture/transport/byte_reader.h"
 
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 54;
+constexpr std::size_t kHeaderBytes = kAxcsiHeaderBytes;
 constexpr unsigned kEncodingLegacy = 0;
 constexpr unsigned kEncodingHt = 1;
 constexpr unsigned kEncodingHe = 3;
@@ -177,5 +178,9 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
          channel_bandwidth_mhz(header.encoding(), header.total_tones) != 0 &&
          header.sequence_control == header.receive_sequence;
 }
+
+const DecoderRow kAxcsiRow{.name = "axcsi-v4",
+                           .resembles = resembles_axcsi,
+                           .make = []() -> AnyDecoder { return std::make_unique<AxcsiDecoder>(); }};
 
 }  // namespace rayloc

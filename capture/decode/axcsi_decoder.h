@@ -9,6 +9,8 @@
 
 namespace rayloc {
 
+inline constexpr std::size_t kAxcsiHeaderBytes = 54;
+
 // Every field of the header, as it stands there.
 struct AxcsiHeader {
   MacAddress transmitter;

@@ -2,61 +2,80 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
+#include <utility>
 
+#include "capture/decode/axcsi_decoder.h"
 #include "capture/decode/broadcom_header.h"
 #include "engine/base/check.h"
 
 namespace rayloc {
 namespace {
 
-constexpr std::array<std::string_view, 4> kWireFormats = {
-    "axcsi-v4", "nexmon-v1", "nexmon-v2", "ubilocate"};
-
-// Below this no format has a header.
-constexpr std::size_t kShortestHeader = kNexmonHeaderBytes;
+// Why a datagram that resembles no format is refused.
+RejectReason unknown(std::span<const std::byte> payload) {
+  if (payload.size() < kAxcsiHeaderBytes) {
+    return RejectReason::kTooShort;
+  }
+  return has_nexmon_magic(payload) ? RejectReason::kLengthMismatch : RejectReason::kUnknownFormat;
+}
 
 }  // namespace
 
-std::span<const std::string_view> wire_formats() { return kWireFormats; }
-
-bool is_wire_format(std::string_view name) {
-  return std::find(kWireFormats.begin(), kWireFormats.end(), name) != kWireFormats.end();
+// AX-CSI has no magic number, and an address may begin with that of nexmon: it is asked last.
+std::span<const DecoderRow> decoder_rows() {
+  static const std::array kRows{kNexmonV1Row, kNexmonV2Row, kUbilocateRow, kAxcsiRow};
+  return kRows;
 }
 
-DecoderRegistry::DecoderRegistry(std::string_view format) {
-  RAYLOC_CHECK(format.empty() || is_wire_format(format));
-  for (const CsiDecoder* decoder :
-       std::initializer_list<const CsiDecoder*>{&axcsi_, &nexmon_v1_, &nexmon_v2_, &ubilocate_}) {
-    if (decoder->format() == format) {
-      fixed_ = decoder;
+std::span<const std::string_view> wire_formats() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names;
+    for (const DecoderRow& row : decoder_rows()) {
+      names.push_back(row.name);
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  }();
+  return kNames;
+}
+
+bool is_wire_format(std::string_view name) {
+  const std::span<const std::string_view> names = wire_formats();
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+DecoderRegistry::DecoderRegistry(std::string_view format, std::span<const DecoderRow> rows)
+    : fixed_(!format.empty()) {
+  for (const DecoderRow& row : rows) {
+    if (fixed_ && row.name != format) {
+      continue;
+    }
+    AnyDecoder made = row.make();
+    if (auto* whole = std::get_if<std::unique_ptr<FrameDecoder>>(&made)) {
+      frames_.push_back({row.resembles, std::move(*whole)});
+    } else {
+      fragments_.push_back({row.resembles, std::get<std::unique_ptr<CsiDecoder>>(std::move(made))});
     }
   }
+  RAYLOC_CHECK(!fixed_ || frames_.size() + fragments_.size() == 1);
+}
+
+const FrameDecoder* DecoderRegistry::frame_decoder(std::span<const std::byte> payload) const {
+  for (const auto& known : frames_) {
+    if (fixed_ || known.resembles(payload)) {
+      return known.decoder.get();
+    }
+  }
+  return nullptr;
 }
 
 DecodeResult DecoderRegistry::decode(std::span<const std::byte> payload) const {
-  if (fixed_ != nullptr) {
-    return fixed_->decode(payload);
+  for (const auto& known : fragments_) {
+    if (fixed_ || known.resembles(payload)) {
+      return known.decoder->decode(payload);
+    }
   }
-  if (payload.size() < kShortestHeader) {
-    return tl::make_unexpected(RejectReason::kTooShort);
-  }
-  if (resembles_nexmon(payload)) {
-    return nexmon_version(payload) == NexmonVersion::kV1 ? nexmon_v1_.decode(payload)
-                                                         : nexmon_v2_.decode(payload);
-  }
-  if (resembles_ubilocate(payload)) {
-    return ubilocate_.decode(payload);
-  }
-  // No magic number of its own; an address may begin with that of nexmon.
-  DecodeResult result = axcsi_.decode(payload);
-  if (result || result.error() == RejectReason::kTooShort || resembles_axcsi(payload)) {
-    return result;
-  }
-  if (has_nexmon_magic(payload)) {
-    return tl::make_unexpected(RejectReason::kLengthMismatch);
-  }
-  return tl::make_unexpected(RejectReason::kUnknownFormat);
+  return tl::make_unexpected(unknown(payload));
 }
 
 }  // namespace rayloc

@@ -4,33 +4,44 @@
 // ranges of its fields (WIRE_FORMATS 1.8), so formats may be mixed in one recording.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
+#include <vector>
 
-#include "capture/decode/axcsi_decoder.h"
-#include "capture/decode/csi_decoder.h"
-#include "capture/decode/nexmon_decoder.h"
-#include "capture/decode/ubilocate_decoder.h"
+#include "capture/decode/decoder_row.h"
 
 namespace rayloc {
 
-// "axcsi-v4", "nexmon-v1", "nexmon-v2", "ubilocate": what a site file may name.
+// The formats there are.
+std::span<const DecoderRow> decoder_rows();
+
+// Their names, in alphabetical order: "axcsi-v4", "nexmon-v1", "nexmon-v2", "ubilocate". What a
+// site file may name.
 std::span<const std::string_view> wire_formats();
 bool is_wire_format(std::string_view name);
 
 class DecoderRegistry {
  public:
-  // `format` is one of wire_formats(), or empty: recognised. REQUIRES one of these.
-  explicit DecoderRegistry(std::string_view format);
+  // `format` is the name of one of the rows, or empty: recognised. REQUIRES one of these.
+  explicit DecoderRegistry(std::string_view format,
+                           std::span<const DecoderRow> rows = decoder_rows());
+
+  // Of a datagram that carries a whole frame; null for one that decode() takes.
+  const FrameDecoder* frame_decoder(std::span<const std::byte> payload) const;
 
   DecodeResult decode(std::span<const std::byte> payload) const;
 
  private:
-  AxcsiDecoder axcsi_;
-  NexmonDecoder nexmon_v1_{NexmonVersion::kV1};
-  NexmonDecoder nexmon_v2_{NexmonVersion::kV2};
-  UbilocateDecoder ubilocate_;
-  const CsiDecoder* fixed_ = nullptr;  // one of the four, or none
+  template <typename Decoder>
+  struct Known {
+    bool (*resembles)(std::span<const std::byte> payload);
+    std::unique_ptr<Decoder> decoder;
+  };
+
+  bool fixed_;  // what is listed below is one decoder, whatever a datagram resembles
+  std::vector<Known<FrameDecoder>> frames_;
+  std::vector<Known<CsiDecoder>> fragments_;
 };
 
 }  // namespace rayloc

@@ -17,6 +17,7 @@
 #include <cstring>
 
 #include "capture/decode/broadcom_header.h"
+#include "capture/decode/decoder_row.h"
 
 namespace rayloc {
 namespace {
@@ -138,5 +139,21 @@ DecodeResult NexmonDecoder::decode(std::span<const std::byte> payload) const {
   }
   return fragment;
 }
+
+const DecoderRow kNexmonV1Row{
+    .name = "nexmon-v1",
+    .resembles =
+        [](std::span<const std::byte> payload) {
+          return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV1;
+        },
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV1); }};
+
+const DecoderRow kNexmonV2Row{
+    .name = "nexmon-v2",
+    .resembles =
+        [](std::span<const std::byte> payload) {
+          return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV2;
+        },
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV2); }};
 
 }  // namespace rayloc

@@ -16,6 +16,7 @@
 #include "capture/decode/ubilocate_decoder.h"
 
 #include "capture/decode/broadcom_header.h"
+#include "capture/decode/decoder_row.h"
 
 namespace rayloc {
 namespace {
@@ -99,5 +100,10 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
   }
   return fragment;
 }
+
+const DecoderRow kUbilocateRow{
+    .name = "ubilocate", .resembles = resembles_ubilocate, .make = []() -> AnyDecoder {
+      return std::make_unique<UbilocateDecoder>();
+    }};
 
 }  // namespace rayloc
