@@ -18,6 +18,7 @@
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/command/verb.h"
 #include "daemon/feed/no_fix_reasons.h"
+#include "daemon/methods/method_registry.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/ordered_sink.h"
@@ -44,7 +45,7 @@ namespace {
 struct Options {
   std::string site;
   std::vector<std::string> captures;
-  std::string method = "rayloc";
+  std::string method{default_method().name};
   std::string likelihood{likelihood_names().front().name};
   std::string kind = "all";
   std::string burst = "0.2s";
@@ -100,6 +101,10 @@ std::vector<std::string> names_of_likelihoods() {
     names.emplace_back(one.name);
   }
   return names;
+}
+
+std::vector<std::string> names_of_methods() {
+  return {method_names().begin(), method_names().end()};
 }
 
 std::string help_of_likelihoods() {
@@ -176,30 +181,47 @@ void write(const google::protobuf::Message& message, const std::string& format, 
   }
 }
 
-// What method paper is told of the targets of each kind; each has defaults of its own.
-struct PaperOptions {
-  PaperLocalizerOptions devices;
-  PaperLocalizerOptions people = paper_person_options();
-};
+Expected<void> check_targets(const Method& method, const std::string& kind) {
+  const std::string name(method.name);
+  if (kind == "device" && method.create_device == nullptr) {
+    return make_error(ErrorKind::kUsage, "--method " + name + " locates people; use --kind person");
+  }
+  if (kind == "person" && method.create_person == nullptr) {
+    return make_error(ErrorKind::kUsage,
+                      "--method " + name + " locates devices; use --kind device");
+  }
+  return {};
+}
 
-Expected<PaperOptions> paper_options(const Options& options) {
-  if (options.method != "paper" && (options.starts > 1 || !options.paper.empty())) {
-    const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
-    return make_error(
-        ErrorKind::kUsage,
-        option + " is of method paper, not of " + options.method + "; use --method paper");
-  }
-  PaperOptions all;
-  for (PaperLocalizerOptions* paper : {&all.devices, &all.people}) {
-    paper->seed = options.seed;
-    paper->starts = options.starts;
-    for (const std::string& assignment : options.paper) {
-      if (auto set = set_paper(assignment, *paper); !set) {
-        return make_error(ErrorKind::kUsage, "--paper " + set.error().message);
-      }
+// What the options say to the method: those of another one are refused.
+Expected<MethodOptions> method_options(const Options& options, const Method& method) {
+  MethodOptions told;
+  told.seed = options.seed;
+  if (options.starts > 1 || !options.paper.empty()) {
+    if (!method.has_setting("multi_start")) {
+      const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
+      return make_error(
+          ErrorKind::kUsage,
+          option + " is of method paper, not of " + options.method + "; use --method paper");
     }
+    told.values.insert_or_assign("multi_start", static_cast<double>(options.starts));
   }
-  return all;
+  for (const std::string& text : options.paper) {
+    const auto assignment = read_paper_assignment(text);
+    if (!assignment) {
+      return make_error(ErrorKind::kUsage, "--paper " + assignment.error().message);
+    }
+    told.values.insert_or_assign(std::string(assignment->setting->key), assignment->value);
+  }
+  if (options.likelihood != likelihood_names().front().name) {
+    if (!method.has_setting("likelihood")) {
+      return make_error(ErrorKind::kUsage,
+                        "--likelihood: method " + options.method +
+                            " has a loss of its own; leave --likelihood out");
+    }
+    told.values.insert_or_assign("likelihood", options.likelihood);
+  }
+  return told;
 }
 
 // Nothing where they are not to be kept, or nobody knows where.
@@ -241,21 +263,19 @@ struct Estimators {
 
 Expected<Estimators> make_estimators(const Options& options,
                                      const Site& site,
-                                     const PaperOptions& paper) {
+                                     const Method& method,
+                                     const MethodOptions& told) {
   Estimators estimators;
-  const LocationMethod method =
-      options.method == "paper" ? LocationMethod::kPaper : LocationMethod::kRayloc;
-  if (options.kind != "person") {
+  if (options.kind != "person" && method.create_device != nullptr) {
     DeviceEstimator::Options estimation;
     auto names = target_names(options);
     if (!names) {
       return tl::make_unexpected(names.error());
     }
     estimation.names = *std::move(names);
-    estimation.method = method;
-    estimation.localizer.path_grids = path_grids(options);
-    estimation.paper = paper.devices;
-    estimation.localizer.likelihood = likelihood_of(options.likelihood);
+    estimation.method = &method;
+    estimation.settings = told;
+    estimation.settings.path_grids = path_grids(options);
     auto devices = DeviceEstimator::create(site, estimation);
     if (!devices) {
       return tl::make_unexpected(devices.error());
@@ -264,10 +284,11 @@ Expected<Estimators> make_estimators(const Options& options,
     estimators.all.add(*estimators.devices);
   }
   // Without a reference nobody can be seen; who asks for people alone is told so.
-  if (options.kind == "person" || (options.kind == "all" && site.reference_file)) {
+  if (options.kind == "person" || estimators.devices == nullptr ||
+      (options.kind == "all" && method.create_person != nullptr && site.reference_file)) {
     PersonEstimator::Options estimation;
-    estimation.method = method;
-    estimation.paper = paper.people;
+    estimation.method = &method;
+    estimation.settings = told;
     auto people = PersonEstimator::create(site, estimation);
     if (!people) {
       return tl::make_unexpected(people.error());
@@ -343,13 +364,13 @@ void report_lacks(const Options& options,
 }
 
 Expected<void> run(const Options& options) {
-  auto paper = paper_options(options);
-  if (!paper) {
-    return tl::make_unexpected(std::move(paper.error()));
+  const Method& method = *find_method(options.method);
+  if (auto checked = check_targets(method, options.kind); !checked) {
+    return checked;
   }
-  if (options.method == "paper" && options.likelihood != likelihood_names().front().name) {
-    return make_error(ErrorKind::kUsage,
-                      "--likelihood: method paper has a loss of its own; leave --likelihood out");
+  auto told = method_options(options, method);
+  if (!told) {
+    return tl::make_unexpected(std::move(told.error()));
   }
   const Expected<Duration> burst = parse_burst(options.burst);
   if (!burst) {
@@ -368,7 +389,7 @@ Expected<void> run(const Options& options) {
   if (!recordings) {
     return tl::make_unexpected(recordings.error());
   }
-  auto estimators = make_estimators(options, *site, *paper);
+  auto estimators = make_estimators(options, *site, method, *told);
   if (!estimators) {
     return tl::make_unexpected(estimators.error());
   }
@@ -406,8 +427,8 @@ RunVerb declare(OptionParser& app) {
          "[AP=]FILE: pcap, pcapng, .gz, or - for stdin; several of one AP are a sequence in "
          "order of time")
       ->required();
-  app.add_option("--method", options->method, "rayloc, or paper: the published one, as it is")
-      ->check(one_of({"rayloc", "paper"}))
+  app.add_option("--method", options->method, methods_help())
+      ->check(one_of(names_of_methods()))
       ->capture_default_str();
   app.add_option("--likelihood", options->likelihood, help_of_likelihoods())
       ->check(one_of(names_of_likelihoods()))

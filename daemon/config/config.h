@@ -50,10 +50,10 @@ struct SourceConfig {
   std::string place;            // of [[source]]: "raylocd.toml:4:1: ", for messages
 };
 
-enum class EngineMethod { kRayloc, kNone };
+struct Method;
 
 struct EngineConfig {
-  EngineMethod method = EngineMethod::kRayloc;
+  const Method* method = nullptr;    // null: nothing is located
   Duration burst{};                  // length of a burst
   double accuracy_confidence = 0.0;  // of Location.accuracy_m
 };

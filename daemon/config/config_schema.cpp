@@ -4,14 +4,29 @@
 
 #include "capture/decode/decoder_registry.h"
 #include "daemon/config/endpoint.h"
+#include "daemon/methods/method_registry.h"
 
 namespace rayloc {
 namespace {
 
 constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
-constexpr std::array<std::string_view, 2> kMethods = {"rayloc", "none"};
 constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
 constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
+
+// Those for a daemon, and that which does nothing.
+std::span<const std::string_view> engine_methods() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names;
+    for (const Method* method : methods()) {
+      if (method->is_live) {
+        names.push_back(method->name);
+      }
+    }
+    names.push_back("none");
+    return names;
+  }();
+  return kNames;
+}
 
 const std::string& text(const ConfigValue& value) { return std::get<std::string>(value); }
 const std::vector<std::string>& texts(const ConfigValue& value) {
@@ -208,15 +223,14 @@ const std::array kOptions = {
                  .description = "Wire format; recognised by datagram when left out",
                  .store_source = [](S& s, const V& v) { s.format = text(v); }},
 
-    ConfigOption{
-        .section = "engine",
-        .key = "method",
-        .type = T::kChoice,
-        .preset = "\"rayloc\"",
-        .choices = kMethods,
-        .description = "How targets are located; \"none\" receives, records and publishes "
-                       "CSI only",
-        .store = [](C& c, const V& v) { c.engine.method = chosen<EngineMethod>(v, kMethods); }},
+    ConfigOption{.section = "engine",
+                 .key = "method",
+                 .type = T::kChoice,
+                 .preset = "\"rayloc\"",
+                 .choices = engine_methods(),
+                 .description = "How targets are located; \"none\" receives, records and publishes "
+                                "CSI only",
+                 .store = [](C& c, const V& v) { c.engine.method = find_method(text(v)); }},
     ConfigOption{.section = "engine",
                  .key = "burst_s",
                  .type = T::kNumber,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/methods/method_registry.h"
 #include "daemon/site/toml_reader.h"
 #include "engine/base/check.h"
 #include "engine/likelihood/likelihood.h"
@@ -16,7 +17,6 @@ namespace {
 
 using C = Condition;
 
-constexpr std::array<std::string_view, 2> kMethods = {"rayloc", "paper"};
 constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
 constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
 
@@ -29,6 +29,17 @@ std::span<const std::string_view> likelihoods() {
     return names;
   }();
   return kNames;
+}
+
+std::string_view method_meaning() {
+  static const std::string kText = [] {
+    std::string names;
+    for (const std::string_view name : method_names()) {
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    return "of localization: " + names;
+  }();
+  return kText;
 }
 
 constexpr std::span<const std::string_view> kAny;
@@ -107,7 +118,14 @@ const std::array kKeys = std::to_array<ConditionKey>({
      kAny,
      true,
      "of the radio, as of rayloc simulate: default, none or a file"},
-    {"method", &C::method, "rayloc", {}, false, kMethods, false, "of localization"},
+    {"method",
+     &C::method,
+     default_method().name,
+     {},
+     false,
+     method_names(),
+     false,
+     method_meaning()},
     {"likelihood",
      &C::likelihood,
      "partial",
@@ -165,6 +183,15 @@ void set_preset(const ConditionKey& key, Condition& condition) {
 }  // namespace
 
 std::span<const ConditionKey> condition_keys() { return kKeys; }
+
+PaperLocalizerOptions Condition::paper_options() const {
+  PaperLocalizerOptions options =
+      kind == "person" ? paper_person_options() : PaperLocalizerOptions{};
+  for (const auto& [key, value] : paper) {
+    find_paper_setting(key)->set(options, value);
+  }
+  return options;
+}
 
 Condition default_condition() {
   Condition condition;

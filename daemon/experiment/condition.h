@@ -6,6 +6,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,13 +42,10 @@ struct Condition {
   double model_depth = 0;  // reflections that the model knows
   double repeats = 0;      // locations of each spot, with other random numbers; of method paper
   double multi_start = 0;  // random starts of one location, the least loss wins; of method paper
-  PaperLocalizerOptions paper;  // of devices
-  PaperLocalizerOptions paper_of_people = paper_person_options();
+  std::map<std::string, double, std::less<>> paper;  // by key of paper_settings(): what is stated
 
-  // Those of the kind that is located.
-  const PaperLocalizerOptions& paper_options() const {
-    return kind == "person" ? paper_of_people : paper;
-  }
+  // With the defaults of the kind that is located.
+  PaperLocalizerOptions paper_options() const;
 };
 
 struct ConditionKey {

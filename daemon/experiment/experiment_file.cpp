@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "daemon/methods/method_registry.h"
 #include "daemon/site/toml_reader.h"
 #include "engine/base/suggestion.h"
 #include "engine/paper/paper_settings.h"
@@ -78,10 +79,8 @@ std::vector<Value> read_values(const TomlTable& table, const PaperSetting& setti
   }
   values.reserve(numbers.size());
   for (const double x : numbers) {
-    values.emplace_back([set = setting.set, x](Condition& c) {
-      set(c.paper, x);
-      set(c.paper_of_people, x);
-    });
+    values.emplace_back(
+        [key = std::string(setting.key), x](Condition& c) { c.paper.insert_or_assign(key, x); });
   }
   return values;
 }
@@ -193,8 +192,15 @@ class ExperimentReader {
                   "\"rooms/office.toml\"");
       return false;
     }
-    for (const auto& valid :
-         {validate(condition.paper.descent), validate(condition.paper.csi.smoothing)}) {
+    const Method& method = *find_method(condition.method);
+    if (condition.kind == "person" ? method.create_person == nullptr
+                                   : method.create_device == nullptr) {
+      table.error(table.name() + ": method " + condition.method + " does not locate kind '" +
+                  condition.kind + "'; choose another method or kind");
+      return false;
+    }
+    const PaperLocalizerOptions paper = condition.paper_options();
+    for (const auto& valid : {validate(paper.descent), validate(paper.csi.smoothing)}) {
       if (!valid) {
         table.error_at("paper", valid.error().message);
         return false;

@@ -1,17 +1,16 @@
 #include "daemon/experiment/run_experiment.h"
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "daemon/experiment/study_world.h"
-#include "engine/likelihood/likelihood.h"
-#include "engine/localize/localizer.h"
-#include "engine/paper/paper_localizer.h"
-#include "engine/paper/paper_person_localizer.h"
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method_registry.h"
+#include "daemon/methods/person_method.h"
 #include "engine/person/calibrate/empty_room.h"
-#include "engine/person/person_localizer.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc {
@@ -20,9 +19,16 @@ namespace {
 // One method in one room: an estimate for frames and the number of the repeat.
 using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
 
-PaperLocalizerOptions options_of(const Condition& condition) {
-  PaperLocalizerOptions options = condition.paper_options();
-  options.starts = static_cast<std::size_t>(condition.multi_start);
+// What the condition says to its method.
+MethodOptions options_of(const Condition& condition, const Method& method, std::uint64_t seed) {
+  MethodValues all = {{"likelihood", condition.likelihood}, {"multi_start", condition.multi_start}};
+  for (const auto& [key, value] : condition.paper) {
+    all.emplace(key, value);
+  }
+  std::erase_if(all, [&](const auto& entry) { return !method.has_setting(entry.first); });
+  MethodOptions options;
+  options.seed = seed;
+  options.values = std::move(all);
   return options;
 }
 
@@ -47,59 +53,43 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
   return reference;
 }
 
-Expected<Locate> make_person_method(std::shared_ptr<const RoomModel> room,
-                                    const Condition& condition,
-                                    const StudyLayout& layout,
-                                    std::uint64_t seed) {
+Expected<Locate> locate_people_by(const Method& method,
+                                  std::shared_ptr<const RoomModel> room,
+                                  MethodOptions options,
+                                  const StudyLayout& layout) {
   auto reference = refer(*room, layout);
   if (!reference) {
     return tl::make_unexpected(std::move(reference.error()));
   }
-  if (condition.method == "paper") {
-    auto made = PaperPersonLocalizer::create(std::move(room), *reference, options_of(condition));
-    if (!made) {
-      return tl::make_unexpected(std::move(made.error()));
-    }
-    const auto localizer = std::make_shared<const PaperPersonLocalizer>(*std::move(made));
-    return [localizer, seed](const StudySpot& spot, std::size_t repeat) {
-      return localizer->locate(spot.frames, seed + repeat);
-    };
-  }
-  auto made = PersonLocalizer::create(std::move(room), *std::move(reference), {});
+  auto made = method.create_person({std::move(room), *std::move(reference), std::move(options)});
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
-  const auto localizer = std::make_shared<const PersonLocalizer>(*std::move(made));
-  return [localizer](const StudySpot& spot, std::size_t) { return localizer->locate(spot.frames); };
+  const std::shared_ptr<const PersonMethod> people = *std::move(made);
+  return [people](const StudySpot& spot, std::size_t repeat) {
+    return people->locate(spot.frames, repeat).front();
+  };
 }
 
 Expected<Locate> make_method(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed) {
+  const Method& method = *find_method(condition.method);
   RoomModel told = layout.model;
   told.trace.max_depth = static_cast<int>(condition.model_depth);
   auto room = std::make_shared<const RoomModel>(std::move(told));
+  MethodOptions options = options_of(condition, method, seed);
   if (layout.transmitter) {
-    return make_person_method(std::move(room), condition, layout, seed);
+    return locate_people_by(method, std::move(room), std::move(options), layout);
   }
-  if (condition.method == "paper") {
-    auto made = PaperLocalizer::create(std::move(room), options_of(condition));
-    if (!made) {
-      return tl::make_unexpected(std::move(made.error()));
-    }
-    const auto localizer = std::make_shared<const PaperLocalizer>(*std::move(made));
-    return [localizer, seed](const StudySpot& spot, std::size_t repeat) {
-      return localizer->locate(spot.frames, seed + repeat);
-    };
-  }
-  LocalizerOptions options;
-  options.likelihood = likelihood_of(condition.likelihood);
-  auto made = Localizer::create(std::move(room), options);
+  auto made = method.create_device({std::move(room), std::move(options)});
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
-  const auto localizer = std::make_shared<const Localizer>(*std::move(made));
-  return [localizer](const StudySpot& spot, std::size_t) { return localizer->locate(spot.frames); };
+  const std::shared_ptr<const DeviceMethod> devices = *std::move(made);
+  return [devices](const StudySpot& spot, std::size_t repeat) {
+    return devices->locate(spot.frames, repeat);
+  };
 }
 
 Expected<ConditionResult> run_condition(const Condition& condition,

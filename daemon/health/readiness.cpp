@@ -55,7 +55,7 @@ std::optional<bool> synchronized_by_kernel() {
 }  // namespace
 
 SiteLacks lacks_of(const DaemonSetup& setup, const RoomModel& room) {
-  if (setup.config.engine.method == EngineMethod::kNone) {
+  if (setup.config.engine.method == nullptr) {
     return {};
   }
   std::vector<int> heard;

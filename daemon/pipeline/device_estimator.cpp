@@ -59,35 +59,18 @@ DeviceEstimator::DeviceEstimator(Site site, Options options)
         return std::move(options);
       }()) {}
 
-const RoomModel& DeviceEstimator::Room::room() const {
-  return std::visit([](const auto& of) -> const RoomModel& { return of->room(); }, localizer);
-}
-
-LocationEstimate DeviceEstimator::Room::locate(std::span<const CsiFrame> frames) const {
-  return std::visit([&](const auto& of) { return of->locate(frames); }, localizer);
-}
-
 Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     std::shared_ptr<const RoomModel> room) const {
   const DeviceModel device = room->device;
-  if (options_.method == LocationMethod::kPaper) {
-    auto made = PaperLocalizer::create(std::move(room), options_.paper);
-    if (!made) {
-      return tl::make_unexpected(made.error());
-    }
-    return Room{device, std::make_shared<const PaperLocalizer>(*std::move(made)), std::nullopt, {}};
-  }
-  auto made = Localizer::create(std::move(room), options_.localizer);
-  if (!made) {
-    return tl::make_unexpected(made.error());
-  }
-  const auto localizer = std::make_shared<const Localizer>(*std::move(made));
-  DeviceTrackerOptions tracker = options_.tracker;
+  DeviceMethodInput input{std::move(room), options_.settings};
   for (const SiteTransmitter& transmitter : site_.transmitters) {
-    tracker.always.insert(transmitter.mac);
+    input.listed.insert(transmitter.mac);
   }
-  return Room{
-      device, localizer, DeviceTracker(localizer, std::move(tracker)), ChainWatch(localizer)};
+  auto made = options_.method->create_device(std::move(input));
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  return Room{device, *std::move(made)};
 }
 
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
@@ -170,10 +153,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
 void DeviceEstimator::state_warnings() {
   std::vector<CalibrationWarning> warnings = monitor_->warnings();
   for (const Room& room : rooms_) {
-    if (!room.chains) {
-      continue;
-    }
-    for (const ChainWatch::Turn& turn : room.chains->turned()) {
+    for (const ChainWatch::Turn& turn : room.method->turned_chains()) {
       const CalibrationWarning warning =
           chains_turned(room.room().access_points[turn.access_point], turn);
       if (std::none_of(warnings.begin(), warnings.end(), [&](const CalibrationWarning& one) {
@@ -192,12 +172,9 @@ void DeviceEstimator::state_warnings() {
 std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
                                                     Room& room,
                                                     std::vector<CsiFrame>& kept) {
-  if (!room.chains) {
-    return burst.frames;
-  }
-  room.chains->hear(burst.frames);
+  room.method->watch_chains(burst.frames);
   state_warnings();
-  const auto turned = room.chains->turned();
+  const auto turned = room.method->turned_chains();
   if (turned.empty()) {
     return burst.frames;
   }
@@ -218,9 +195,7 @@ TrackerCounters DeviceEstimator::tracker_counters() const {
 void DeviceEstimator::publish_counters() {
   TrackerCounters sum;
   for (const Room& room : rooms_) {
-    if (room.tracker) {
-      sum += room.tracker->counters();
-    }
+    sum += room.method->tracker_counters();
   }
   const std::lock_guard lock(mutex_);
   tracker_counters_ = sum;
@@ -243,13 +218,14 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::size_t first = out.locations.size();
   std::vector<CsiFrame> kept;
   const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->locate(frames);
+  LocationEstimate snapshot =
+      frames.empty() ? unbelieved(burst) : room->method->locate(frames, 0);
   Target target = target_of(burst.transmitter, snapshot.time);
   out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
   show_channel(frames, *room, out.locations.back());
-  if (room->tracker && !frames.empty()) {
+  if (!frames.empty()) {
     std::vector<DeviceUpdate> updates;
-    room->tracker->hear(burst.transmitter, frames, updates, burst.heard_since);
+    room->method->track(burst.transmitter, frames, burst.heard_since, updates);
     append(updates, *room, out);
     publish_counters();
   }
@@ -265,7 +241,7 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
 void DeviceEstimator::show_channel(std::span<const CsiFrame> frames,
                                    const Room& room,
                                    const Location& location) {
-  const auto* localizer = std::get_if<std::shared_ptr<const Localizer>>(&room.localizer);
+  const std::shared_ptr<const Localizer> localizer = room.method->localizer();
   if (localizer == nullptr || !location.estimate.position || !channels_.is_wanted()) {
     return;
   }
@@ -274,16 +250,14 @@ void DeviceEstimator::show_channel(std::span<const CsiFrame> frames,
                  location.estimate.time,
                  *location.estimate.position,
                  {frames.begin(), frames.end()},
-                 *localizer});
+                 localizer});
 }
 
 void DeviceEstimator::advance(Timestamp time, Estimates& out) {
   for (Room& room : rooms_) {
-    if (room.tracker) {
-      std::vector<DeviceUpdate> updates;
-      room.tracker->advance(time, updates);
-      append(updates, room, out);
-    }
+    std::vector<DeviceUpdate> updates;
+    room.method->advance(time, updates);
+    append(updates, room, out);
   }
   publish_counters();
 }
@@ -293,7 +267,7 @@ Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
     return Rank::kListed;
   }
   const bool tracked = std::any_of(rooms_.begin(), rooms_.end(), [&](const Room& room) {
-    return room.tracker && room.tracker->follows(transmitter);
+    return room.method->follows(transmitter);
   });
   return tracked ? Rank::kTracked : Rank::kOther;
 }
@@ -306,14 +280,9 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
     warnings_.clear();
   }
   for (Room& room : rooms_) {
-    if (room.chains) {
-      room.chains->restart();
-    }
-    if (room.tracker) {
-      std::vector<DeviceUpdate> updates;
-      room.tracker->restart(reason, updates);
-      append(updates, room, out);
-    }
+    std::vector<DeviceUpdate> updates;
+    room.method->restart(reason, updates);
+    append(updates, room, out);
   }
   publish_counters();
 }
@@ -335,7 +304,7 @@ LocationContext DeviceEstimator::context_of(const Room& room) const {
   context.site = site_.name;
   context.scene_hash = room.room().scene_hash;
   context.calibration_id = room.room().calibration_id;
-  context.method = method_name(options_.method);
+  context.method = options_.method->name;
   context.valid_for = options_.valid_for;
   return context;
 }

@@ -11,36 +11,28 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method_registry.h"
 #include "daemon/pipeline/channel_watch.h"
 #include "daemon/pipeline/estimates.h"
-#include "daemon/pipeline/location_method.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/location.h"
 #include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/localize/localizer.h"
 #include "engine/monitor/calibration_monitor.h"
-#include "engine/monitor/chain_watch.h"
-#include "engine/paper/paper_localizer.h"
-#include "engine/track/device_tracker.h"
 
 namespace rayloc {
 
 class DeviceEstimator : public Estimator {
  public:
   struct Options {
-    LocationMethod method = LocationMethod::kRayloc;
-    LocalizerOptions localizer;                           // of kRayloc
-    DeviceTrackerOptions tracker;                         // of kRayloc
-    PaperLocalizerOptions paper;                          // of kPaper
+    const Method* method = &default_method();  // that locates devices
+    MethodOptions settings;
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
     // What devices are called; null: by their addresses.
     std::shared_ptr<TargetNames> names;
@@ -63,19 +55,16 @@ class DeviceEstimator : public Estimator {
   std::vector<CalibrationWarning> calibration_warnings() const;
   TrackerCounters tracker_counters() const;  // of all trackers
 
-  ChannelWatch& channels() { return channels_; }  // of devices, by kRayloc alone
+  ChannelWatch& channels() { return channels_; }  // of devices, by a method with a Localizer
 
   const RoomModel& room() const { return rooms_.front().room(); }
 
  private:
   struct Room {
     DeviceModel device;
-    std::variant<std::shared_ptr<const Localizer>, std::shared_ptr<const PaperLocalizer>> localizer;
-    std::optional<DeviceTracker> tracker;  // the paper's method has none
-    std::optional<ChainWatch> chains;      // nor this
+    std::unique_ptr<DeviceMethod> method;
 
-    const RoomModel& room() const;
-    LocationEstimate locate(std::span<const CsiFrame> frames) const;
+    const RoomModel& room() const { return method->room(); }
   };
 
   DeviceEstimator(Site site, Options options);

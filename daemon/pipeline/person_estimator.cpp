@@ -6,7 +6,6 @@
 #include "daemon/pipeline/person_numbers.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
-#include "engine/person/people.h"
 
 namespace rayloc {
 namespace {
@@ -42,33 +41,6 @@ LocationEstimate without_reference(const Burst& burst) {
 
 }  // namespace
 
-std::vector<LocationEstimate> PersonEstimator::Link::locate(
-    std::span<const CsiFrame> frames) const {
-  if (const auto* ours = std::get_if<std::shared_ptr<const PersonLocalizer>>(&localizer)) {
-    return locate_people(**ours, frames);
-  }
-  return {std::get<std::shared_ptr<const PaperPersonLocalizer>>(localizer)->locate(frames)};
-}
-
-Expected<PersonEstimator::Link> PersonEstimator::prepare(
-    PersonReference reference, const PersonTrackerOptions& tracker) const {
-  if (options_.method == LocationMethod::kPaper) {
-    auto made = PaperPersonLocalizer::create(room_, reference, options_.paper);
-    if (!made) {
-      return tl::make_unexpected(std::move(made.error()));
-    }
-    return Link{std::make_shared<const PaperPersonLocalizer>(*std::move(made)),
-                std::nullopt,
-                tracker.number_step};
-  }
-  auto made = PersonLocalizer::create(room_, std::move(reference), options_.localizer);
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
-  const auto shared = std::make_shared<const PersonLocalizer>(*std::move(made));
-  return Link{shared, PersonTracker(shared, tracker), tracker.number_step};
-}
-
 Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& site,
                                                                    const Options& options) {
   std::unique_ptr<PersonEstimator> estimator(new PersonEstimator(site, options));
@@ -81,8 +53,7 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
   if (!references) {
     return tl::make_unexpected(std::move(references.error()));
   }
-  PersonTrackerOptions tracker = options.tracker;
-  tracker.number_step = static_cast<std::uint64_t>(
+  const auto number_step = static_cast<std::uint64_t>(
       std::count_if(site.transmitters.begin(), site.transmitters.end(), is_fixed));
   for (PersonReference& reference : *references) {
     const MacAddress mac = reference.mac;
@@ -90,12 +61,15 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
     if (fixed == nullptr) {  // no longer: nobody listens to it
       continue;
     }
-    tracker.first_number = number_of(*fixed, site);
-    auto link = estimator->prepare(std::move(reference), tracker);
-    if (!link) {
-      return tl::make_unexpected(std::move(link.error()));
+    auto method = options.method->create_person({estimator->room_,
+                                                 std::move(reference),
+                                                 options.settings,
+                                                 number_of(*fixed, site),
+                                                 number_step});
+    if (!method) {
+      return tl::make_unexpected(std::move(method.error()));
     }
-    estimator->links_.emplace(mac, *std::move(link));
+    estimator->links_.emplace(mac, Link{*std::move(method), number_step});
   }
   return estimator;
 }
@@ -105,7 +79,7 @@ LocationContext PersonEstimator::context() const {
   context.site = site_.name;
   context.scene_hash = room_->scene_hash;
   context.calibration_id = room_->calibration_id;
-  context.method = method_name(options_.method);
+  context.method = options_.method->name;
   context.valid_for = options_.valid_for;
   return context;
 }
@@ -118,9 +92,7 @@ PersonTrackerCounters PersonEstimator::tracker_counters() const {
 void PersonEstimator::publish_counters() {
   PersonTrackerCounters sum;
   for (const auto& [mac, link] : links_) {
-    if (link.tracker) {
-      sum += link.tracker->counters();
-    }
+    sum += link.method->tracker_counters();
   }
   const std::lock_guard lock(mutex_);
   tracker_counters_ = sum;
@@ -138,12 +110,12 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
     return;
   }
   Link& link = found->second;
-  std::vector<LocationEstimate> people = link.locate(burst.frames);
+  std::vector<LocationEstimate> people = link.method->locate(burst.frames, 0);
   std::vector<PersonUpdate> updates;
   PersonNumbers numbers{number, link.number_step, std::nullopt};
-  if (link.tracker) {
-    link.tracker->hear(burst.frames, updates, burst.heard_since);
-    numbers.first = link.tracker->number();
+  link.method->track(burst.frames, burst.heard_since, updates);
+  if (const auto track = link.method->track_number()) {
+    numbers.first = *track;
     numbers.tracked = updates.empty() ? std::nullopt : updates.back().estimate.location.position;
   }
   const std::vector<std::uint64_t> each = numbers_of(people, numbers);
@@ -167,11 +139,8 @@ void PersonEstimator::append(const std::vector<PersonUpdate>& updates, Estimates
 
 void PersonEstimator::advance(Timestamp time, Estimates& out) {
   for (auto& [mac, link] : links_) {
-    if (!link.tracker) {
-      continue;
-    }
     std::vector<PersonUpdate> updates;
-    link.tracker->advance(time, updates);
+    link.method->advance(time, updates);
     append(updates, out);
   }
   publish_counters();
@@ -179,11 +148,8 @@ void PersonEstimator::advance(Timestamp time, Estimates& out) {
 
 void PersonEstimator::restart(const std::string& reason, Estimates& out) {
   for (auto& [mac, link] : links_) {
-    if (!link.tracker) {
-      continue;
-    }
     std::vector<PersonUpdate> updates;
-    link.tracker->restart(reason, updates);
+    link.method->restart(reason, updates);
     append(updates, out);
   }
   publish_counters();

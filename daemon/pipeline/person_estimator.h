@@ -9,7 +9,7 @@
 // target, and no number depends on which of them saw somebody first. A person whom two transmitters
 // see is two targets.
 //
-// The paper's method always sees somebody and has no tracks.
+// Method paper always sees somebody and has no tracks.
 //
 // A site without a reference of the empty room (`rayloc reference`) gives NO_FIX, with the reason.
 #pragma once
@@ -18,33 +18,25 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <span>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
-#include "daemon/pipeline/location_method.h"
+#include "daemon/methods/method_registry.h"
+#include "daemon/methods/person_method.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/location.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
-#include "engine/paper/paper_options.h"
-#include "engine/paper/paper_person_localizer.h"
-#include "engine/person/person_localizer.h"
-#include "engine/track/person_tracker.h"
 
 namespace rayloc {
 
 class PersonEstimator : public Estimator {
  public:
   struct Options {
-    LocationMethod method = LocationMethod::kRayloc;
-    PersonLocalizerOptions localizer;                      // of kRayloc
-    PersonTrackerOptions tracker;                          // of kRayloc
-    PaperLocalizerOptions paper = paper_person_options();  // of kPaper
-    Duration valid_for = std::chrono::milliseconds(450);   // until a next burst is overdue
+    const Method* method = &default_method();  // that locates people
+    MethodOptions settings;
+    Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
   };
 
   // Reads the scene and prepares the room: up to a minute.
@@ -65,16 +57,9 @@ class PersonEstimator : public Estimator {
       : site_(std::move(site)), options_(std::move(options)) {}
   // Of one fixed transmitter.
   struct Link {
-    std::variant<std::shared_ptr<const PersonLocalizer>,
-                 std::shared_ptr<const PaperPersonLocalizer>>
-        localizer;
-    std::optional<PersonTracker> tracker;  // the paper's method has none
-    std::uint64_t number_step = 1;         // between the numbers of two of its people
-
-    std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames) const;
+    std::unique_ptr<PersonMethod> method;
+    std::uint64_t number_step = 1;  // between the numbers of two of its people
   };
-
-  Expected<Link> prepare(PersonReference reference, const PersonTrackerOptions& tracker) const;
 
   LocationContext context() const;
   void append(const std::vector<PersonUpdate>& updates, Estimates& out) const;

@@ -217,22 +217,29 @@ Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grid
   }
   names_ = std::move(*names);
   zones_ = std::make_unique<ZoneEstimator>(estimators_, setup_.site.zones);
-  if (setup_.config.engine.method == EngineMethod::kNone) {
+  const Method* method = setup_.config.engine.method;
+  if (method == nullptr) {
     return {};
   }
-  DeviceEstimator::Options devices;
-  devices.names = names_;
-  devices.localizer.accuracy_confidence = setup_.config.engine.accuracy_confidence;
-  devices.localizer.path_grids = std::move(path_grids);
-  auto estimator = DeviceEstimator::create(setup_.site, devices);
-  if (!estimator) {
-    return tl::make_unexpected(estimator.error());
+  MethodOptions settings;
+  settings.accuracy_confidence = setup_.config.engine.accuracy_confidence;
+  settings.path_grids = std::move(path_grids);
+  if (method->create_device != nullptr) {
+    DeviceEstimator::Options devices;
+    devices.method = method;
+    devices.settings = settings;
+    devices.names = names_;
+    auto estimator = DeviceEstimator::create(setup_.site, devices);
+    if (!estimator) {
+      return tl::make_unexpected(estimator.error());
+    }
+    estimator_ = std::move(*estimator);
+    estimators_.add(*estimator_);
   }
-  estimator_ = std::move(*estimator);
-  estimators_.add(*estimator_);
-  if (setup_.site.reference_file) {
+  if (method->create_person != nullptr && setup_.site.reference_file) {
     PersonEstimator::Options options;
-    options.localizer.accuracy_confidence = setup_.config.engine.accuracy_confidence;
+    options.method = method;
+    options.settings = settings;
     auto people = PersonEstimator::create(setup_.site, options);
     if (!people) {
       return tl::make_unexpected(people.error());

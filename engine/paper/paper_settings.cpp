@@ -171,7 +171,7 @@ const PaperSetting* find_paper_setting(std::string_view key) {
   return found == kSettings.end() ? nullptr : found;
 }
 
-Expected<void> set_paper(std::string_view assignment, PaperLocalizerOptions& options) {
+Expected<PaperAssignment> read_paper_assignment(std::string_view assignment) {
   const auto refuse = [&](const std::string& what) {
     return make_error(ErrorKind::kUsage, std::string(assignment) + ": " + what);
   };
@@ -193,8 +193,7 @@ Expected<void> set_paper(std::string_view assignment, PaperLocalizerOptions& opt
   if (!value) {
     return refuse("'" + std::string(key) + "' is " + limits_text(*setting));
   }
-  setting->set(options, *value);
-  return {};
+  return PaperAssignment{setting, *value};
 }
 
 std::string paper_text(const PaperSetting& setting, double value) {

@@ -31,9 +31,14 @@ std::span<const PaperSetting> paper_settings();
 // nullptr: there is none of that name.
 const PaperSetting* find_paper_setting(std::string_view key);
 
+struct PaperAssignment {
+  const PaperSetting* setting = nullptr;
+  double value = 0.0;
+};
+
 // "KEY=VALUE" of the command line: "alpha=0.5", "smoothing=false". Errors (kUsage) name the nearest
 // key, or what the value may be.
-Expected<void> set_paper(std::string_view assignment, PaperLocalizerOptions& options);
+Expected<PaperAssignment> read_paper_assignment(std::string_view assignment);
 
 // "0.2", "100", "true".
 std::string paper_text(const PaperSetting& setting, double value);

@@ -39,7 +39,7 @@ TEST(Condition, WorldsDifferByWhatIsSimulatedOnly) {
   other.method = "paper";
   other.repeats = 7;
   other.model_depth = 1;
-  other.paper.descent.alpha = 9.0;
+  other.paper["alpha"] = 9.0;
   EXPECT_EQ(world_text(one), world_text(other));
   other.boxes = 3;
   EXPECT_NE(world_text(one), world_text(other));

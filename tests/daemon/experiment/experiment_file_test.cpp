@@ -37,8 +37,8 @@ TEST(ExperimentFile, ValuesAreHeldAndListsAreAxes) {
   ASSERT_EQ(study.conditions.size(), 6U);
   const Condition& fifth = study.conditions[4];
   EXPECT_EQ(fifth.boxes, 4.0);
-  EXPECT_EQ(fifth.paper.descent.alpha, 1.0);
-  EXPECT_FALSE(fifth.paper.descent.is_smoothed);
+  EXPECT_EQ(fifth.paper_options().descent.alpha, 1.0);
+  EXPECT_FALSE(fifth.paper_options().descent.is_smoothed);
   EXPECT_EQ(fifth.spots, 3.0);
   EXPECT_EQ(fifth.room, "folder/rooms/a.toml");
   EXPECT_EQ(experiment.seed, 1U);

@@ -185,7 +185,7 @@ class PeopleOfTwoTransmitters : public ::testing::Test {
   }
   static Outcome replay(std::size_t ring_frames, const std::shared_ptr<Pace>& pace) {
     PersonEstimator::Options options;
-    options.localizer.cell = 0.1;  // enough to see somebody, and soon done
+    options.settings.values["person_cell_m"] = 0.1;  // enough to see somebody, and soon done
     return replay(ring_frames, pace, options);
   }
   static Outcome replay(std::size_t ring_frames,
@@ -302,8 +302,8 @@ TEST_F(PeopleOfTwoTransmitters, AreNeverOneTarget) {
 // The same targets and bursts as of our method; each burst is a place, without accuracy or tracks.
 TEST_F(PeopleOfTwoTransmitters, AreLocatedByThePapersMethodToo) {
   PersonEstimator::Options options;
-  options.method = LocationMethod::kPaper;
-  options.paper.descent.iterations = 2;
+  options.method = find_method("paper");
+  options.settings.values["iterations"] = 2.0;
   const Outcome papers = replay(8192, nullptr, options);
   const auto snapshots = [](const Outcome& of) {
     std::vector<std::pair<std::uint64_t, Timestamp>> bursts;

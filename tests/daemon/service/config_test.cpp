@@ -12,8 +12,9 @@
 #include "capture/source/transport_schemes.h"
 #include "daemon/config/config_schema.h"
 #include "daemon/config/recording_files.h"
-#include "daemon/config/roff.h"
+#include "daemon/command/roff.h"
 #include "daemon/config/source_url.h"
+#include "daemon/methods/method_registry.h"
 #include "tests/daemon/service/config_text.h"
 
 namespace rayloc {
@@ -106,7 +107,7 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_EQ(config->sources[0].allow, (std::vector<std::string>{"10.10.10.10", "192.168.1.0/24"}));
   EXPECT_EQ(config->sources[0].stall_after, std::chrono::milliseconds(7500));
   EXPECT_EQ(config->sources[1].max_gap, std::chrono::seconds(20));
-  EXPECT_EQ(config->engine.method, EngineMethod::kNone);
+  EXPECT_EQ(config->engine.method, nullptr);
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
   EXPECT_EQ(config->record.rotate_bytes, 3 * kMebibyte);
@@ -147,7 +148,7 @@ TEST(Config, DefaultsAreThoseOfTheDocumentation) {
   EXPECT_EQ(config->log.level, LogLevel::kInfo);
   EXPECT_FALSE(config->curve.enabled);
   EXPECT_FALSE(config->publish.csi);
-  EXPECT_EQ(config->engine.method, EngineMethod::kRayloc);
+  EXPECT_EQ(config->engine.method, find_method("rayloc"));
   EXPECT_EQ(config->privacy.target_id, TargetId::kMac);
   EXPECT_EQ(config->privacy.rotate, std::chrono::hours(24));
 }

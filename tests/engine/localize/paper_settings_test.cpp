@@ -11,10 +11,9 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string refusal(std::string_view assignment) {
-  PaperLocalizerOptions options;
-  const auto set = set_paper(assignment, options);
-  EXPECT_FALSE(set) << assignment;
-  return set ? "" : set.error().message;
+  const auto read = read_paper_assignment(assignment);
+  EXPECT_FALSE(read) << assignment;
+  return read ? "" : read.error().message;
 }
 
 TEST(PaperSettings, DefaultsAreThoseOfTheDeviceBasedMethod) {
@@ -70,9 +69,11 @@ TEST(PaperSettings, EachSetsWhatItGetsAndNothingElse) {
 
 TEST(PaperSettings, ReadsAssignments) {
   PaperLocalizerOptions options;
-  ASSERT_TRUE(set_paper("alpha=0.5", options));
-  ASSERT_TRUE(set_paper("smoothing=false", options));
-  ASSERT_TRUE(set_paper("iterations=7", options));
+  for (const char* text : {"alpha=0.5", "smoothing=false", "iterations=7"}) {
+    const auto read = read_paper_assignment(text);
+    ASSERT_TRUE(read) << text;
+    read->setting->set(options, read->value);
+  }
   EXPECT_EQ(options.descent.alpha, 0.5);
   EXPECT_FALSE(options.descent.is_smoothed);
   EXPECT_EQ(options.descent.iterations, 7);

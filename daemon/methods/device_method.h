@@ -1,0 +1,66 @@
+// DeviceMethod: a method at work in one room, on devices of one height and antenna.
+//
+// locate() is all that a method must have. Tracks, a watch on the chains and a model of the channel
+// are of methods that have them; the others leave these members as they are.
+//
+// Thread safety: for one thread.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/methods/method_options.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/channel/mac_address.h"
+#include "engine/monitor/chain_watch.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
+#include "engine/track/device_tracker.h"
+
+namespace rayloc {
+
+struct DeviceMethodInput {
+  std::shared_ptr<const RoomModel> room;
+  MethodOptions options;
+  std::set<MacAddress> listed = {};  // devices that the site names: never refused a track
+};
+
+class DeviceMethod {
+ public:
+  virtual ~DeviceMethod() = default;
+
+  virtual const RoomModel& room() const = 0;
+
+  // `frames`: of one device, any access points, in order of time. `repeat`: another number, other
+  // random draws, for studies; a method that draws nothing leaves it alone.
+  virtual LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t repeat) const = 0;
+
+  // Tracks, as DeviceTracker has them.
+  virtual void track(const MacAddress& /*device*/,
+                     std::span<const CsiFrame> /*frames*/,
+                     std::optional<Timestamp> /*heard_since*/,
+                     std::vector<DeviceUpdate>& /*updates*/) {}
+  virtual void advance(Timestamp /*now*/, std::vector<DeviceUpdate>& /*updates*/) {}
+  virtual void restart(const std::string& /*reason*/, std::vector<DeviceUpdate>& /*updates*/) {}
+  virtual bool follows(const MacAddress& /*device*/) const { return false; }
+  virtual TrackerCounters tracker_counters() const { return {}; }
+
+  // The access points whose chains have turned, as ChainWatch has them.
+  virtual void watch_chains(std::span<const CsiFrame> /*frames*/) {}
+  virtual std::vector<ChainWatch::Turn> turned_chains() const { return {}; }
+
+  // What explains the channel behind a position to those who look at it; null: nothing does.
+  virtual std::shared_ptr<const Localizer> localizer() const { return nullptr; }
+
+ protected:
+  DeviceMethod() = default;
+  DeviceMethod(const DeviceMethod&) = default;
+  DeviceMethod& operator=(const DeviceMethod&) = default;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,43 @@
+// Method: a way to locate targets, as one row of the registry (method_registry.h). The row is all
+// that `rayloc` and `raylocd` know of a method: names, help, checks and construction come from it.
+// daemon/methods/README.md says how to add one.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+class DeviceMethod;
+struct DeviceMethodInput;
+class PersonMethod;
+struct PersonMethodInput;
+class Training;  // what a method has learned; the first one that learns defines it
+struct TrainingInput;
+
+// What a method can be told beyond what all can (MethodOptions).
+struct MethodSetting {
+  std::string_view key;
+  std::string_view meaning;
+};
+
+struct Method {
+  std::string_view name;            // as people write it, and in quality.method of what it states
+  std::string_view summary;         // for --help, without a full stop
+  std::string_view reference = {};  // who published it; empty: nobody
+  std::string_view domain;          // what it needs, as "a calibrated room"
+  bool is_live = true;              // raylocd offers it; without, only recordings and studies do
+  std::span<const MethodSetting> settings = {};
+  // How it locates devices and people; null: it does not.
+  Expected<std::unique_ptr<DeviceMethod>> (*create_device)(DeviceMethodInput) = nullptr;
+  Expected<std::unique_ptr<PersonMethod>> (*create_person)(PersonMethodInput) = nullptr;
+  // Learns what it needs before it can locate; null: it needs nothing.
+  Expected<std::shared_ptr<const Training>> (*train)(const TrainingInput&) = nullptr;
+
+  bool has_setting(std::string_view key) const;
+};
+
+}  // namespace rayloc

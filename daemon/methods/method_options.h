@@ -1,0 +1,33 @@
+// MethodOptions: what a method is told when it is made. All methods are told the same; of `values`
+// each takes those that its row lists.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace rayloc {
+
+class PathGridStore;
+
+// By MethodSetting::key. A key that is not there has the method's default.
+using MethodValues = std::map<std::string, std::variant<double, std::string>, std::less<>>;
+
+struct MethodOptions {
+  double accuracy_confidence = 0.95;          // of what is stated as accuracy
+  std::uint64_t seed = 1;                     // of what the method draws
+  std::shared_ptr<PathGridStore> path_grids;  // keeps traced rooms; null: nothing is kept
+  MethodValues values;
+};
+
+// Null where the key has no value of that type.
+template <typename T>
+const T* find_value(const MethodValues& values, std::string_view key) {
+  const auto found = values.find(key);
+  return found == values.end() ? nullptr : std::get_if<T>(&found->second);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,104 @@
+// The row `paper`: the published method as it is (METHODS A4). It has no tracks.
+#include <utility>
+#include <vector>
+
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method.h"
+#include "daemon/methods/person_method.h"
+#include "engine/paper/paper_localizer.h"
+#include "engine/paper/paper_person_localizer.h"
+#include "engine/paper/paper_settings.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::string_view kMultiStart = "multi_start";
+
+std::span<const MethodSetting> settings() {
+  static const std::vector<MethodSetting> kAll = [] {
+    std::vector<MethodSetting> all = {{kMultiStart, "random starts; the least loss wins"}};
+    for (const PaperSetting& setting : paper_settings()) {
+      all.push_back({setting.key, setting.meaning});
+    }
+    return all;
+  }();
+  return kAll;
+}
+
+// `defaults`: of the kind of target.
+PaperLocalizerOptions apply(const MethodOptions& told, PaperLocalizerOptions defaults) {
+  defaults.seed = told.seed;
+  if (const double* starts = find_value<double>(told.values, kMultiStart)) {
+    defaults.starts = static_cast<std::size_t>(*starts);
+  }
+  for (const PaperSetting& setting : paper_settings()) {
+    if (const double* value = find_value<double>(told.values, setting.key)) {
+      setting.set(defaults, *value);
+    }
+  }
+  return defaults;
+}
+
+class PaperDevices : public DeviceMethod {
+ public:
+  PaperDevices(PaperLocalizer localizer, std::uint64_t seed)
+      : localizer_(std::move(localizer)), seed_(seed) {}
+
+  const RoomModel& room() const override { return localizer_.room(); }
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t repeat) const override {
+    return localizer_.locate(frames, seed_ + repeat);
+  }
+
+ private:
+  PaperLocalizer localizer_;
+  std::uint64_t seed_;
+};
+
+class PaperPeople : public PersonMethod {
+ public:
+  PaperPeople(PaperPersonLocalizer localizer, std::uint64_t seed)
+      : localizer_(std::move(localizer)), seed_(seed) {}
+
+  std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
+                                       std::uint64_t repeat) const override {
+    return {localizer_.locate(frames, seed_ + repeat)};
+  }
+
+ private:
+  PaperPersonLocalizer localizer_;
+  std::uint64_t seed_;
+};
+
+Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
+  auto made = PaperLocalizer::create(std::move(input.room), apply(input.options, {}));
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  return std::make_unique<PaperDevices>(*std::move(made), input.options.seed);
+}
+
+Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
+  auto made = PaperPersonLocalizer::create(
+      std::move(input.room), input.reference, apply(input.options, paper_person_options()));
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  return std::make_unique<PaperPeople>(*std::move(made), input.options.seed);
+}
+
+}  // namespace
+
+const Method& paper_method() {
+  static const Method kRow = {
+      .name = "paper",
+      .summary = "the published method as it is: one place by descent of a loss, no tracks",
+      .reference = "arXiv 2501.17881",
+      .domain = "a calibrated room",
+      .is_live = false,
+      .settings = settings(),
+      .create_device = &create_device,
+      .create_person = &create_person};
+  return kRow;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,142 @@
+// The row `rayloc`: the likelihood of every place of the calibrated room, and tracks.
+#include <array>
+#include <utility>
+
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method.h"
+#include "daemon/methods/person_method.h"
+#include "engine/likelihood/likelihood.h"
+#include "engine/localize/localizer.h"
+#include "engine/person/people.h"
+#include "engine/person/person_localizer.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::string_view kLikelihood = "likelihood";
+constexpr std::string_view kPersonCell = "person_cell_m";
+
+constexpr std::array kSettings = std::to_array<MethodSetting>({
+    {kLikelihood, "what of a device's channel is compared (likelihood_names())"},
+    {kPersonCell, "of the grid on which people are looked for [m]"},
+});
+
+class RaylocDevices : public DeviceMethod {
+ public:
+  RaylocDevices(std::shared_ptr<const Localizer> localizer, std::set<MacAddress> listed)
+      : localizer_(std::move(localizer)),
+        tracker_(localizer_,
+                 [&] {
+                   DeviceTrackerOptions options;
+                   options.always = std::move(listed);
+                   return options;
+                 }()),
+        chains_(localizer_) {}
+
+  const RoomModel& room() const override { return localizer_->room(); }
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
+    return localizer_->locate(frames);
+  }
+
+  void track(const MacAddress& device,
+             std::span<const CsiFrame> frames,
+             std::optional<Timestamp> heard_since,
+             std::vector<DeviceUpdate>& updates) override {
+    tracker_.hear(device, frames, updates, heard_since);
+  }
+  void advance(Timestamp now, std::vector<DeviceUpdate>& updates) override {
+    tracker_.advance(now, updates);
+  }
+  void restart(const std::string& reason, std::vector<DeviceUpdate>& updates) override {
+    chains_.restart();
+    tracker_.restart(reason, updates);
+  }
+  bool follows(const MacAddress& device) const override { return tracker_.follows(device); }
+  TrackerCounters tracker_counters() const override { return tracker_.counters(); }
+
+  void watch_chains(std::span<const CsiFrame> frames) override { chains_.hear(frames); }
+  std::vector<ChainWatch::Turn> turned_chains() const override { return chains_.turned(); }
+
+  std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
+
+ private:
+  std::shared_ptr<const Localizer> localizer_;
+  DeviceTracker tracker_;
+  ChainWatch chains_;
+};
+
+class RaylocPeople : public PersonMethod {
+ public:
+  RaylocPeople(std::shared_ptr<const PersonLocalizer> localizer,
+               const PersonTrackerOptions& tracker)
+      : localizer_(std::move(localizer)), tracker_(localizer_, tracker) {}
+
+  std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
+                                       std::uint64_t) const override {
+    return locate_people(*localizer_, frames);
+  }
+
+  void track(std::span<const CsiFrame> frames,
+             std::optional<Timestamp> heard_since,
+             std::vector<PersonUpdate>& updates) override {
+    tracker_.hear(frames, updates, heard_since);
+  }
+  void advance(Timestamp now, std::vector<PersonUpdate>& updates) override {
+    tracker_.advance(now, updates);
+  }
+  void restart(const std::string& reason, std::vector<PersonUpdate>& updates) override {
+    tracker_.restart(reason, updates);
+  }
+  std::optional<std::uint64_t> track_number() const override { return tracker_.number(); }
+  PersonTrackerCounters tracker_counters() const override { return tracker_.counters(); }
+
+ private:
+  std::shared_ptr<const PersonLocalizer> localizer_;
+  PersonTracker tracker_;
+};
+
+Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
+  LocalizerOptions options;
+  options.accuracy_confidence = input.options.accuracy_confidence;
+  options.path_grids = std::move(input.options.path_grids);
+  if (const auto* name = find_value<std::string>(input.options.values, kLikelihood)) {
+    options.likelihood = likelihood_of(*name);
+  }
+  auto made = Localizer::create(std::move(input.room), options);
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  return std::make_unique<RaylocDevices>(std::make_shared<const Localizer>(*std::move(made)),
+                                         std::move(input.listed));
+}
+
+Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
+  PersonLocalizerOptions options;
+  options.accuracy_confidence = input.options.accuracy_confidence;
+  if (const auto* cell = find_value<double>(input.options.values, kPersonCell)) {
+    options.cell = *cell;
+  }
+  auto made = PersonLocalizer::create(std::move(input.room), std::move(input.reference), options);
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  PersonTrackerOptions tracker;
+  tracker.first_number = input.first_number;
+  tracker.number_step = input.number_step;
+  return std::make_unique<RaylocPeople>(std::make_shared<const PersonLocalizer>(*std::move(made)),
+                                        tracker);
+}
+
+}  // namespace
+
+const Method& rayloc_method() {
+  static constexpr Method kRow = {.name = "rayloc",
+                                  .summary = "how likely every place of the room is, and tracks",
+                                  .domain = "a calibrated room",
+                                  .settings = kSettings,
+                                  .create_device = &create_device,
+                                  .create_person = &create_person};
+  return kRow;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,52 @@
+#include "daemon/methods/method_registry.h"
+
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/paper/paper_settings.h"
+
+namespace rayloc {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(MethodRegistry, HasTheRowsOfTheProductAndTheFirstIsTheDefault) {
+  EXPECT_THAT(method_names(), ElementsAre("rayloc", "paper"));
+  EXPECT_EQ(default_method().name, "rayloc");
+  EXPECT_EQ(find_method("dummy"), nullptr);
+  EXPECT_EQ(find_method("none"), nullptr);
+}
+
+TEST(MethodRegistry, EveryRowSaysWhatPeopleNeedToKnow) {
+  for (const Method* method : methods()) {
+    EXPECT_EQ(find_method(method->name), method);
+    EXPECT_FALSE(method->summary.empty()) << method->name;
+    EXPECT_FALSE(method->domain.empty()) << method->name;
+    EXPECT_TRUE(method->create_device != nullptr || method->create_person != nullptr)
+        << method->name << " locates nothing";
+    std::set<std::string_view> keys;
+    for (const MethodSetting& setting : method->settings) {
+      EXPECT_TRUE(keys.insert(setting.key).second) << method->name << " " << setting.key;
+      EXPECT_TRUE(method->has_setting(setting.key)) << setting.key;
+      EXPECT_FALSE(setting.meaning.empty()) << setting.key;
+    }
+    EXPECT_FALSE(method->has_setting("no such key"));
+    EXPECT_THAT(methods_help(),
+                HasSubstr(std::string(method->name) + ": " + std::string(method->summary)));
+  }
+}
+
+TEST(MethodRegistry, PaperHasAllThatItsSettingsTell) {
+  const Method& paper = *find_method("paper");
+  for (const PaperSetting& setting : paper_settings()) {
+    EXPECT_TRUE(paper.has_setting(setting.key)) << setting.key;
+  }
+  EXPECT_FALSE(paper.has_setting("likelihood"));
+  EXPECT_TRUE(find_method("rayloc")->has_setting("likelihood"));
+}
+
+}  // namespace
+}  // namespace rayloc
