@@ -218,8 +218,7 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::size_t first = out.locations.size();
   std::vector<CsiFrame> kept;
   const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  LocationEstimate snapshot =
-      frames.empty() ? unbelieved(burst) : room->method->locate(frames, 0);
+  LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->method->locate(frames, 0);
   Target target = target_of(burst.transmitter, snapshot.time);
   out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
   show_channel(frames, *room, out.locations.back());

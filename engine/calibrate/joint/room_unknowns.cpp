@@ -207,7 +207,9 @@ Expected<RoomModel> changed_room(const RoomModel& original,
 }
 
 ParameterId parameter_id(const Unknown& unknown, const RoomModel& room) {
+  // The quantities of Unknown::part, in its order.
   constexpr std::array kAxes{Quantity::kPositionX, Quantity::kPositionY, Quantity::kPositionZ};
+  // Likewise in the order of angles.
   constexpr std::array kAngles{Quantity::kYaw, Quantity::kPitch, Quantity::kRoll};
   const auto access_point = [&] { return room.access_points[unknown.index].id; };
   const auto material = [&] { return room.scene->materials()[unknown.index].name; };

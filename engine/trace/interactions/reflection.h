@@ -12,9 +12,9 @@
 namespace rayloc::interactions {
 
 struct Reflection {
-  static constexpr char kLetter = 'R';
-  static constexpr bool kIsMirror = true;
-  static constexpr bool kGoesThrough = false;
+  static constexpr char kLetter = 'R';         // as reports write it
+  static constexpr bool kIsMirror = true;      // is_mirror() of this kind
+  static constexpr bool kGoesThrough = false;  // goes_through() of this kind
 
   // The wave that leaves the face.
   template <typename T>

@@ -11,9 +11,9 @@
 namespace rayloc::interactions {
 
 struct Transmission {
-  static constexpr char kLetter = 'T';
-  static constexpr bool kIsMirror = false;
-  static constexpr bool kGoesThrough = true;
+  static constexpr char kLetter = 'T';        // as reports write it
+  static constexpr bool kIsMirror = false;    // is_mirror() of this kind
+  static constexpr bool kGoesThrough = true;  // goes_through() of this kind
 
   // The wave on the other side.
   template <typename T>

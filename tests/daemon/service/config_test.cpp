@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/transport_schemes.h"
+#include "daemon/command/roff.h"
 #include "daemon/config/config_schema.h"
 #include "daemon/config/recording_files.h"
-#include "daemon/command/roff.h"
 #include "daemon/config/source_url.h"
 #include "daemon/methods/method_registry.h"
 #include "tests/daemon/service/config_text.h"
