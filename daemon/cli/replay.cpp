@@ -398,8 +398,7 @@ Expected<void> run(const Options& options) {
   pipeline_options.overflow = Overflow::kWait;
   ZoneEstimator zones(estimators->all, site->zones);
   const std::vector<int> heard = recordings->access_points;
-  const Expected<void> written =
-      write_all(options, pipeline_options, std::move(*recordings), zones);
+  Expected<void> written = write_all(options, pipeline_options, std::move(*recordings), zones);
   report_lacks(options, *site, *estimators, heard);
   return written;
 }

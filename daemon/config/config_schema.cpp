@@ -22,7 +22,7 @@ std::span<const std::string_view> engine_methods() {
         names.push_back(method->name);
       }
     }
-    names.push_back("none");
+    names.emplace_back("none");
     return names;
   }();
   return kNames;

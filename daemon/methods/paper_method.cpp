@@ -28,11 +28,11 @@ std::span<const MethodSetting> settings() {
 // `defaults`: of the kind of target.
 PaperLocalizerOptions apply(const MethodOptions& told, PaperLocalizerOptions defaults) {
   defaults.seed = told.seed;
-  if (const double* starts = find_value<double>(told.values, kMultiStart)) {
+  if (const auto* starts = find_value<double>(told.values, kMultiStart)) {
     defaults.starts = static_cast<std::size_t>(*starts);
   }
   for (const PaperSetting& setting : paper_settings()) {
-    if (const double* value = find_value<double>(told.values, setting.key)) {
+    if (const auto* value = find_value<double>(told.values, setting.key)) {
       setting.set(defaults, *value);
     }
   }
