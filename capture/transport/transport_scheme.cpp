@@ -15,8 +15,8 @@ const TransportScheme* find_scheme(TransportTable table, std::string_view name) 
   return found == table.end() ? nullptr : &*found;
 }
 
-// What stands before the first colon when it can be a scheme (RFC 3986 3.1, but for the dot, which
-// files and hosts have); else nothing.
+// What stands before the first colon when it can be a scheme: a letter, then letters, digits, '+'
+// and '-', but no dot, which files and hosts have; else nothing.
 std::string_view scheme_of(std::string_view text) {
   const std::string_view word = text.substr(0, std::min(text.find(':'), text.size()));
   const bool named = word.size() < text.size() && !word.empty() &&
