@@ -1,4 +1,4 @@
-"""The commands of the README, as they stand there."""
+"""The commands of the front page and of the page on running, as they stand there."""
 
 from __future__ import annotations
 
@@ -45,17 +45,18 @@ offset = [0, 0, 0]
 """
 
 
-# Every block of the README by what only it contains, and who runs it. tests/run runs them all.
+OPERATING = "deploy/OPERATING.md"
+# Every block of both pages by what only it contains, and who runs it. tests/run runs them all.
 RUN_BY = {
     "deploy/quickstart": "tests/e2e/quickstart_test.sh",
     "rayloc scene room": "test_the_readme_makes_a_room_of_a_few_lines",
     "rayloc scene check": "test_the_readme_makes_a_room_of_a_few_lines",
-    "--plan --out": "test_the_readme_goes_from_a_plan_of_points_to_their_frames",
+    "--plan --plan-points": "test_the_readme_goes_from_a_plan_of_points_to_their_frames",
     "rayloc survey": "test_the_readme_goes_from_a_plan_of_points_to_their_frames",
     "rayloc calibrate SITE --capture": "test_the_readme_goes_from_a_survey_to_locations",
     "rayloc evaluate": "test_the_readme_goes_from_a_survey_to_locations",
     "import rayloc": "tests/clients/examples_test.py",
-    "[[zone]]": "test_the_zones_of_the_readme_have_events_and_places_on_the_earth",
+    "[[zone]]": "test_zones_have_events_and_places_on_the_earth_as_the_page_says",
 }
 ACCESS_POINTS = ("ap1", "ap2", "ap3")
 
@@ -86,7 +87,7 @@ def run(script: str, folder: Path) -> str:
 
 
 def test_every_block_of_the_readme_is_run_by_some_test() -> None:
-    found = all_blocks("README.md")
+    found = all_blocks("README.md") + all_blocks(OPERATING)
     for _, block in found:
         assert len([name for name in RUN_BY if name in block]) == 1, block
     assert len(found) == len(RUN_BY)
@@ -98,11 +99,11 @@ def test_the_readmes_name_the_verbs_that_there_are() -> None:
     done = subprocess.run([str(BIN / "rayloc"), "--help"], stdout=subprocess.PIPE, text=True)
     listed = done.stdout.split("Subcommands:")[1]
     verbs = set(re.findall(r"^  ([a-z-]+)  ", listed, re.M))
-    front = (ROOT / "README.md").read_text()
-    table = [line for line in front.splitlines() if line.startswith("| `rayloc ")]
+    page = (ROOT / OPERATING).read_text()
+    table = [line for line in page.splitlines() if line.startswith("| `rayloc ")]
     of_rows = re.findall(r"`rayloc ([a-z-]+)", "\n".join(line.split("|")[1] for line in table))
     assert set(of_rows) == verbs
-    ours = [ROOT / "README.md"]
+    ours = [ROOT / "README.md", ROOT / OPERATING]
     for folder in ("capture", "daemon", "deploy", "engine", "proto", "tests"):
         found = list((ROOT / folder).glob("**/README.md"))
         assert found, folder
@@ -122,7 +123,7 @@ def test_the_readme_makes_a_room_of_a_few_lines(tmp_path: Path) -> None:
 
 def test_the_readme_goes_from_a_plan_of_points_to_their_frames(tmp_path: Path) -> None:
     (tmp_path / "SITE").symlink_to(SITE)
-    run(block_with("--plan --out"), tmp_path)
+    run(block_with("--plan --plan-points"), tmp_path)
     assert (tmp_path / "plan.svg").is_file()
     survey = block_with("rayloc survey")
     senders = []
@@ -180,14 +181,14 @@ def test_the_readme_goes_from_a_survey_to_locations(tmp_path: Path) -> None:
 
 
 def inline(beginning: str) -> str:
-    """The command within a sentence of the README."""
+    """The command within a sentence of the page on running."""
     command: str
-    (command,) = re.findall(rf"`({re.escape(beginning)}[^`]*)`", (ROOT / "README.md").read_text())
+    (command,) = re.findall(rf"`({re.escape(beginning)}[^`]*)`", (ROOT / OPERATING).read_text())
     return command
 
 
-def test_the_zones_of_the_readme_have_events_and_places_on_the_earth(tmp_path: Path) -> None:
-    (block,) = blocks("README.md", "toml")
+def test_zones_have_events_and_places_on_the_earth_as_the_page_says(tmp_path: Path) -> None:
+    (block,) = blocks(OPERATING, "toml")
     zone, georeference = block.split("[georeference]")
     site = tmp_path / "SITE"
     captures = " ".join(f"{ap}={SITE}/calibration-{ap}.pcap.gz" for ap in ACCESS_POINTS)
