@@ -47,10 +47,12 @@ std::vector<RoomParameter> all_parameters(const std::vector<CalibrationMethodRes
   for (const CalibratedAccessPoint& ap : file.access_points) {
     add_common_parameters(ap, parameters);
   }
-  parameters.push_back(
-      {"temper", "1", file.likelihood_exponent.value, file.likelihood_exponent.prior, 0.0, 0.0});
-  parameters.push_back(
-      {"least_sigma", "m", file.least_sigma.value, file.least_sigma.prior, 0.0, 0.0});
+  const auto assumed = [](Fitted<double> number) {  // no width is stated of these
+    number.sigma = 0.0;
+    return number;
+  };
+  parameters.push_back({assumed(file.likelihood_exponent), parse_parameter_id("temper"), "1"});
+  parameters.push_back({assumed(file.least_sigma), parse_parameter_id("least_sigma"), "m"});
   return parameters;
 }
 
