@@ -164,7 +164,7 @@ TEST(CalibrationReportHtml, TellsWhereEachMethodStartedAndTheLossThatItKept) {
 TEST(CalibrationReportHtml, ReadsAnglesInDegrees) {
   CalibrationReport report = test::sample_report();
   report.methods.front().calibration.parameters.push_back(
-      {"a.core3/core2.phase", "deg", 141.0, 146.0, 17.0, 4.9});
+      {{141.0, 146.0, 4.9}, parse_parameter_id("a.core3/core2.phase"), "deg", 17.0});
   const Page page(report);
   EXPECT_TRUE(page.says("141 ± 4.9 °"));
   EXPECT_FALSE(page.says("deg"));

@@ -43,7 +43,7 @@ TEST(ParameterChanges, WarnOfOffsetsKnownToNoHalfWave) {
   EXPECT_EQ(caution({{0.03, 0.0, 0.009}, parse_parameter_id("wall.+x.offset"), "m", 0.05}),
             "several half-wave cycles possible");
   EXPECT_EQ(caution({{0.03, 0.0, 0.008}, parse_parameter_id("wall.+x.offset"), "m", 0.05}), "");
-  EXPECT_EQ(caution({"ap1.position.x", "m", 0.03, 0.0, 0.05, 0.009}), "");
+  EXPECT_EQ(caution({{0.03, 0.0, 0.009}, parse_parameter_id("ap1.position.x"), "m", 0.05}), "");
 }
 
 TEST(ParameterChanges, WarnOfWhatLiesFarFromThePrior) {

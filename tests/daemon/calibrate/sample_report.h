@@ -29,9 +29,9 @@ inline CalibrationReport sample_report() {
   joint.rays = {.max_depth = 4, .transmission = true};
   joint.calibration.room = report.before;
   joint.calibration.parameters = {
-      {"table.height", "m", 0.701, 0.7, 0.02, 0.003},
-      {"west.+x.offset", "m", 0.012, 0.0, 0.01, 0.001},
-      {"a.phase", "rad", 0.5, 0.0, 0.0, 0.0},
+      {{0.701, 0.7, 0.003}, parse_parameter_id("table.height"), "m", 0.02},
+      {{0.012, 0.0, 0.001}, parse_parameter_id("west.+x.offset"), "m", 0.01},
+      {{0.5, 0.0, 0.0}, parse_parameter_id("a.phase"), "rad", 0.0},
   };
   joint.calibration.points = {{0, 0, 0.40, 0.97},
                               {1, 0, 0.50, 0.90},

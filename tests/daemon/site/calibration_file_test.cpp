@@ -41,7 +41,8 @@ CalibrationFile example() {
   file.ray_depth = 3;
   file.transmission = true;
   file.surfaces = {{7, {0.9, -0.1}}};
-  file.parameters = {{"wall \"west\".+x.offset", "m", 0.0168, 0.0, 0.015, 0.0012}};
+  file.parameters = {
+      {{0.0168, 0.0, 0.0012}, parse_parameter_id("wall \"west\".+x.offset"), "m", 0.015}};
   return file;
 }
 
@@ -92,7 +93,7 @@ TEST(CalibrationFile, ReadsBackWhatItWrote) {
   EXPECT_EQ(read->surfaces[0].index, 7U);
   EXPECT_EQ(read->surfaces[0].correction, written.surfaces[0].correction);
   ASSERT_EQ(read->parameters.size(), 1U);
-  EXPECT_EQ(read->parameters[0].name, written.parameters[0].name);
+  EXPECT_EQ(read->parameters[0].id, written.parameters[0].id);
   EXPECT_EQ(read->parameters[0].sigma, 0.0012);
 }
 
