@@ -1,4 +1,4 @@
-// One verb of `rayloc`: a file of this folder, and a row of the table in main.cpp.
+// One verb of `rayloc`: a file of daemon/cli, and a row of its verbs.cpp.
 #pragma once
 
 #include <functional>

@@ -100,10 +100,16 @@ class FrontTest:
         found = eventually("there is a frame", lambda: (one := child()) and one["url"] != "about:blank" and one)
 
         def ask(expression):
-            # Of the document that is there by now.
-            world = page.call("Page.createIsolatedWorld", frameId=found["id"])["executionContextId"]
-            answer = page.call("Runtime.evaluate", expression=expression, returnByValue=True, contextId=world)
-            return answer["result"].get("value")
+            # It is the document that is there by now; another may come between the two calls.
+            while True:
+                world = page.call("Page.createIsolatedWorld", frameId=found["id"])["executionContextId"]
+                try:
+                    answer = page.call("Runtime.evaluate", expression=expression, returnByValue=True, contextId=world)
+                except RuntimeError as error:
+                    if "Cannot find context" not in str(error):
+                        raise
+                    continue
+                return answer["result"].get("value")
         return found, ask
 
 
