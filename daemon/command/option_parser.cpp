@@ -12,8 +12,6 @@
 namespace rayloc::cli {
 namespace {
 
-CLI::Option& of(void* option) { return *static_cast<CLI::Option*>(option); }
-
 CLI::Validator validator(const ValueCheck& check) {
   return std::visit(
       [](const auto& rule) -> CLI::Validator {
@@ -87,31 +85,31 @@ Command describe_app(const CLI::App& app) {
 }  // namespace
 
 ParserOption* ParserOption::required() {
-  of(option_).required();
+  option_->required();
   return this;
 }
 ParserOption* ParserOption::check(const ValueCheck& check) {
-  of(option_).check(validator(check));
+  option_->check(validator(check));
   return this;
 }
 ParserOption* ParserOption::capture_default_str() {
-  of(option_).capture_default_str();
+  option_->capture_default_str();
   return this;
 }
 ParserOption* ParserOption::description(const std::string& text) {
-  of(option_).description(text);
+  option_->description(text);
   return this;
 }
 ParserOption* ParserOption::needs(const ParserOption* other) {
-  of(option_).needs(&of(other->option_));
+  option_->needs(other->option_);
   return this;
 }
 ParserOption* ParserOption::excludes(const ParserOption* other) {
-  of(option_).excludes(&of(other->option_));
+  option_->excludes(other->option_);
   return this;
 }
 ParserOption* ParserOption::allow_extra_args(bool allow) {
-  of(option_).allow_extra_args(allow);
+  option_->allow_extra_args(allow);
   return this;
 }
 

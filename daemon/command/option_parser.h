@@ -17,6 +17,10 @@
 
 #include "daemon/command/command_description.h"
 
+namespace CLI {
+class Option;
+}
+
 namespace rayloc::cli {
 
 // What the values of an option may be.
@@ -42,7 +46,7 @@ inline ValueCheck one_of(std::vector<std::string> values) { return values; }
 // An option while it is declared; its parser owns it.
 class ParserOption {
  public:
-  explicit ParserOption(void* option) : option_(option) {}
+  explicit ParserOption(CLI::Option* option) : option_(option) {}
 
   ParserOption* required();
   ParserOption* check(const ValueCheck& check);
@@ -55,7 +59,7 @@ class ParserOption {
   ParserOption* allow_extra_args(bool allow);
 
  private:
-  void* option_;  // a CLI::Option
+  CLI::Option* option_;
 };
 
 class OptionParser {
