@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/paper/paper_listen.h"
 #include "engine/paper/paper_position_loss.h"
 #include "engine/paper/paper_search.h"
 #include "engine/room/hear_burst.h"
@@ -46,7 +47,10 @@ class PaperLocalizer::Impl {
 
  private:
   std::vector<PaperMeasurement> listen(std::span<const CsiFrame> frames,
-                                       LocationEstimate& estimate) const;
+                                       LocationEstimate& estimate) const {
+    return rayloc::listen<PaperMeasurement>(
+        *room_, aps_, frames, options_.burst, csi_loss_, estimate);
+  }
   PaperPositionLoss loss_of(std::span<const PaperMeasurement> measured) const {
     return {*room_, csi_loss_, measured, options_.centre_weight};
   }
@@ -58,22 +62,6 @@ class PaperLocalizer::Impl {
   std::vector<PaperAccessPoint> aps_;
   std::vector<std::string> warnings_;
 };
-
-std::vector<PaperMeasurement> PaperLocalizer::Impl::listen(std::span<const CsiFrame> frames,
-                                                           LocationEstimate& estimate) const {
-  std::vector<PaperMeasurement> measured;
-  ObservationTally tally;
-  for (const PaperAccessPoint& ap : aps_) {
-    auto burst = hear(*room_, ap.access_point, frames, options_.burst, estimate.warnings);
-    if (burst) {
-      tally.add(room_->access_points[ap.access_point], *burst);
-      auto observables = csi_loss_.observe(burst->h);
-      measured.push_back({&ap, std::move(burst->h), std::move(observables)});
-    }
-  }
-  tally.fill(frames, estimate);
-  return measured;
-}
 
 LocationEstimate PaperLocalizer::Impl::locate(std::span<const CsiFrame> frames,
                                               std::uint64_t seed) const {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/paper/paper_listen.h"
 #include "engine/paper/paper_person_loss.h"
 #include "engine/paper/paper_search.h"
 #include "engine/room/hear_burst.h"
@@ -28,7 +29,10 @@ class PaperPersonLocalizer::Impl {
 
  private:
   std::vector<PaperPersonMeasurement> listen(std::span<const CsiFrame> frames,
-                                             LocationEstimate& estimate) const;
+                                             LocationEstimate& estimate) const {
+    return rayloc::listen<PaperPersonMeasurement>(
+        *room_, links_, frames, options_.burst, csi_loss_, estimate);
+  }
   PaperPersonLoss loss_of(std::span<const PaperPersonMeasurement> measured) const {
     return {*room_, csi_loss_, measured, options_.centre_weight};
   }
@@ -59,22 +63,6 @@ Expected<void> PaperPersonLocalizer::Impl::add(const PersonReference& reference,
   }
   links_.push_back({link.access_point, *std::move(scattering), link.empty, link.scale});
   return {};
-}
-
-std::vector<PaperPersonMeasurement> PaperPersonLocalizer::Impl::listen(
-    std::span<const CsiFrame> frames, LocationEstimate& estimate) const {
-  std::vector<PaperPersonMeasurement> measured;
-  ObservationTally tally;
-  for (const PaperPersonLink& link : links_) {
-    auto burst = hear(*room_, link.access_point, frames, options_.burst, estimate.warnings);
-    if (burst) {
-      tally.add(room_->access_points[link.access_point], *burst);
-      auto observables = csi_loss_.observe(burst->h);
-      measured.push_back({&link, std::move(burst->h), std::move(observables)});
-    }
-  }
-  tally.fill(frames, estimate);
-  return measured;
 }
 
 LocationEstimate PaperPersonLocalizer::Impl::locate(std::span<const CsiFrame> frames,

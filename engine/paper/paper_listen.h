@@ -1,0 +1,41 @@
+// What the published method hears of one burst: a measurement for each access point, or link, that
+// heard something usable.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "engine/channel/csi_frame.h"
+#include "engine/paper/paper_csi_loss.h"
+#include "engine/room/hear_burst.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// Source: has an `access_point` of the room. Measurement: made of a pointer to its source, the
+// burst's h and its observables. `estimate` gets counts, times and warnings.
+// REQUIRES: frames not empty.
+template <typename Measurement, typename Source>
+std::vector<Measurement> listen(const RoomModel& room,
+                                const std::vector<Source>& sources,
+                                std::span<const CsiFrame> frames,
+                                const BurstOptions& options,
+                                const PaperCsiLoss& csi_loss,
+                                LocationEstimate& estimate) {
+  std::vector<Measurement> measured;
+  ObservationTally tally;
+  for (const Source& source : sources) {
+    auto burst = hear(room, source.access_point, frames, options, estimate.warnings);
+    if (burst) {
+      tally.add(room.access_points[source.access_point], *burst);
+      auto observables = csi_loss.observe(burst->h);
+      measured.push_back({&source, std::move(burst->h), std::move(observables)});
+    }
+  }
+  tally.fill(frames, estimate);
+  return measured;
+}
+
+}  // namespace rayloc
