@@ -17,7 +17,7 @@
 
 #include "daemon/command/command_description.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's own name
 class Option;
 }
 
