@@ -107,11 +107,14 @@ Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>&
   }
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
-      heard.spots.push_back(
-          {*transmitter.position,
-           {transmitter.position->z, transmitter.pattern, transmitter.polarization},
-           std::move((*frames)[transmitter.mac]),
-           transmitter.mac});
+      DeviceModel device;
+      device.height = transmitter.position->z;
+      device.pattern = transmitter.pattern;
+      device.polarization = transmitter.polarization;
+      heard.spots.push_back({*transmitter.position,
+                             std::move(device),
+                             std::move((*frames)[transmitter.mac]),
+                             transmitter.mac});
     }
   }
   heard.recorded.resize(site.access_points.size());

@@ -60,6 +60,7 @@ struct Options {
   int threads = 0;
   std::string target_key;  // file; empty: devices are called by their addresses
   double target_rotate_h = 24.0;
+  std::optional<double> height_sigma;  // [m]; nothing: those of the site
   bool no_cache = false;
   bool quiet = false;
 };
@@ -363,6 +364,14 @@ void report_lacks(const Options& options,
   }
 }
 
+// Of all devices, also of those that state their own.
+void assume_height_sigma(double sigma, Site& site) {
+  site.targets.height_sigma = sigma;
+  for (SiteTransmitter& transmitter : site.transmitters) {
+    transmitter.height_sigma = sigma;
+  }
+}
+
 Expected<void> run(const Options& options) {
   const Method& method = *find_method(options.method);
   if (auto checked = check_targets(method, options.kind); !checked) {
@@ -376,9 +385,12 @@ Expected<void> run(const Options& options) {
   if (!burst) {
     return tl::make_unexpected(burst.error());
   }
-  const Expected<Site> site = load_site(options.site);
+  Expected<Site> site = load_site(options.site);
   if (!site) {
     return tl::make_unexpected(site.error());
+  }
+  if (options.height_sigma) {
+    assume_height_sigma(*options.height_sigma, *site);
   }
   // Of the engine's parallel loops; the results are the same for any number.
   const oneapi::tbb::global_control threads(
@@ -455,6 +467,11 @@ RunVerb declare(OptionParser& app) {
                  options->zone_events,
                  "file for who enters and leaves the zones of the site, one ZoneEvent a line");
   add_method_options(app, *options);
+  app.add_option("--height-sigma",
+                 options->height_sigma,
+                 "standard deviation of the devices' heights [m], instead of the site's "
+                 "height_sigma_m; 0: they are known")
+      ->check(in_range(kHeightSigmaRange.min, kHeightSigmaRange.max));
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(in_range(0, 1024))
       ->capture_default_str();

@@ -14,7 +14,7 @@ namespace rayloc {
 namespace {
 
 CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
-  return {*fixed.position, {fixed.position->z, fixed.pattern, fixed.polarization}};
+  return {*fixed.position, {fixed.position->z, 0.0, fixed.pattern, fixed.polarization}};
 }
 
 // In the words and numbers of CalibrationMonitor.
@@ -77,9 +77,11 @@ DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
   DeviceModel device;
   if (stated == nullptr) {
     device.height = site_.targets.height;
+    device.height_sigma = site_.targets.height_sigma;
     return device;
   }
   device.height = stated->height;
+  device.height_sigma = stated->height_sigma;
   device.pattern = stated->pattern;
   device.polarization = stated->polarization;
   return device;

@@ -46,7 +46,7 @@ std::string id_of(const Target& target, Timestamp time) {
 }
 
 void set_position(const LocationEstimate& estimate, v1::Location* message) {
-  message->set_mode(v1::FIX_MODE_2D);
+  message->set_mode(estimate.is_height_estimated ? v1::FIX_MODE_3D : v1::FIX_MODE_2D);
   set_point(*estimate.position, message->mutable_position());
   if (estimate.is_uncertainty_stated) {
     message->mutable_position_covariance()->Add(estimate.covariance.begin(),

@@ -14,9 +14,13 @@ namespace {
 DeviceModel device_of(const Site& site) {
   DeviceModel device;
   device.height = site.targets.height;
+  device.height_sigma = site.targets.height_sigma;
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (transmitter.role == TransmitterRole::kDevice) {
-      return {transmitter.height, transmitter.pattern, transmitter.polarization};
+      return {transmitter.height,
+              transmitter.height_sigma,
+              transmitter.pattern,
+              transmitter.polarization};
     }
   }
   return device;

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/site/number_range.h"
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
@@ -41,12 +42,17 @@ struct SiteAccessPoint {
 
 enum class TransmitterRole { kDevice, kFixed };
 
+// [m], of what can be stated as the standard deviation of a height.
+inline constexpr NumberRange kHeightSigmaRange = {0.0, 3.0, "m"};
+
 struct SiteTransmitter {
   TransmitterRole role = TransmitterRole::kDevice;
   MacAddress mac;
   std::string name;               // for people, may be empty
   std::optional<Vec3d> position;  // of a fixed transmitter
   double height = 1.2;            // [m], of a device
+  // [m], standard deviation of a device's height; 0: it is known.
+  double height_sigma = 0.3;
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;
   Polarization polarization = Polarization::kVertical;
   // Of a device: it never changes its power, so the level that is heard tells how far it is.
@@ -90,7 +96,8 @@ struct SiteZone {
 
 struct TargetDefaults {
   bool track_unlisted = true;
-  double height = 1.2;  // [m]
+  double height = 1.2;        // [m]
+  double height_sigma = 0.3;  // [m], standard deviation; 0: the height is known
 };
 
 struct Site {

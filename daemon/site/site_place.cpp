@@ -98,6 +98,8 @@ void read_targets(const TomlTable& targets, Site& site) {
   site.targets.track_unlisted = targets.choice("unlisted", kUnlisted).value_or("track") == "track";
   site.targets.height =
       targets.number("height_m", {-kFarthest, kFarthest, "m"}).value_or(site.targets.height);
+  site.targets.height_sigma =
+      targets.number("height_sigma_m", kHeightSigmaRange).value_or(site.targets.height_sigma);
 }
 
 }  // namespace rayloc

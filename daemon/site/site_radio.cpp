@@ -150,6 +150,8 @@ SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
   out.name = table.string("name").value_or("");
   out.position = read_position(table, site);
   out.height = table.number("height_m", {-10'000.0, 10'000.0, "m"}).value_or(site.targets.height);
+  out.height_sigma =
+      table.number("height_sigma_m", kHeightSigmaRange).value_or(site.targets.height_sigma);
   out.pattern = read_pattern(table);
   out.polarization = read_polarization(table);
   out.constant_power = table.boolean("constant_power").value_or(false);

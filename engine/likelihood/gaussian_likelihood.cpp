@@ -38,6 +38,22 @@ PlaceLikelihood GaussianLikelihood::place(const Place& place, const ModelError& 
   return result;
 }
 
+PlaceLikelihood GaussianLikelihood::close(const Place& place, const ModelError& error) const {
+  PlaceLikelihood result;
+  if (kind_ != LikelihoodKind::kPathCovariance) {
+    result.sharp = model_.place(sharp(place), error);
+  }
+  return result;
+}
+
+PlaceLikelihood GaussianLikelihood::column(std::span<const WeightedPlace> heights,
+                                           const ModelError& error) const {
+  PlaceLikelihood result;
+  result.model = model_.column(heights, error);
+  result.reachable = result.model.reachable;
+  return result;
+}
+
 ObservedBurst GaussianLikelihood::observe(std::span<const std::complex<double>> h) const {
   return {model_.observe(h), {}, 0.0F};
 }
@@ -78,6 +94,7 @@ std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
 Likelihood::Place GaussianLikelihood::sharp(Place place) const {
   const double wavelength = 2.0 * std::numbers::pi / model_.wave_number();
   place.cell_size = std::min(place.cell_size, NearbyLikelihood::kPlaceDistance * wavelength);
+  place.cell_height = std::min(place.cell_height, NearbyLikelihood::kHeightDistance * wavelength);
   return place;
 }
 

@@ -12,6 +12,9 @@ class GaussianLikelihood : public Likelihood {
   GaussianLikelihood(LikelihoodKind kind, const OfdmGrid& grid, std::size_t antennas);
 
   PlaceLikelihood place(const Place& place, const ModelError& error) const override;
+  PlaceLikelihood close(const Place& place, const ModelError& error) const override;
+  PlaceLikelihood column(std::span<const WeightedPlace> heights,
+                         const ModelError& error) const override;
   ObservedBurst observe(std::span<const std::complex<double>> h) const override;
   Coarse coarse(const PlaceLikelihood& place, const ObservedBurst& observed) const override;
   using Likelihood::log_likelihood;

@@ -40,6 +40,17 @@ bool compares_antennas(LikelihoodKind kind) {
   return kind == LikelihoodKind::kRatioComplex || kind == LikelihoodKind::kRatioAmplitude;
 }
 
+PlaceLikelihood Likelihood::column(std::span<const WeightedPlace> /*heights*/,
+                                   const ModelError& /*error*/) const {
+  RAYLOC_CHECK(false);
+  return {};
+}
+
+PlaceLikelihood Likelihood::close(const Place& /*place*/, const ModelError& /*error*/) const {
+  RAYLOC_CHECK(false);
+  return {};
+}
+
 std::unique_ptr<const Likelihood> Likelihood::make(LikelihoodKind kind,
                                                    const OfdmGrid& grid,
                                                    std::size_t antennas) {

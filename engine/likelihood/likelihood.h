@@ -81,6 +81,14 @@ class Likelihood {
   using Place = ObservationModel::Place;
 
   virtual PlaceLikelihood place(const Place& place, const ModelError& error) const = 0;
+  // Of an unknown height. REQUIRES: !compares_antennas(kind): ratios change within centimetres of
+  // height, so that they are compared at the height that is assumed.
+  // The device at one of several heights above a place; without `sharp`.
+  using WeightedPlace = ObservationModel::WeightedPlace;
+  virtual PlaceLikelihood column(std::span<const WeightedPlace> heights,
+                                 const ModelError& error) const;
+  // Only what nearby() reads of a place.
+  virtual PlaceLikelihood close(const Place& place, const ModelError& error) const;
 
   // h: [antenna][tone], chain gains removed.
   virtual ObservedBurst observe(std::span<const std::complex<double>> h) const = 0;

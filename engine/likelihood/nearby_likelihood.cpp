@@ -202,9 +202,9 @@ NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
   return covered.value > open.value ? covered : open;
 }
 
-std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
+std::vector<double> NearbyLikelihood::on(const Lattice& lattice, double raised) const {
   const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
-  const Turns turns = turns_on(lattice, rows);
+  const Turns turns = turns_on(lattice, rows, raised);
   std::vector<double> values(lattice.size());
   std::vector<LaneRow> re(size_);
   std::vector<LaneRow> im(size_);
@@ -241,12 +241,14 @@ std::vector<double> NearbyLikelihood::on(const Lattice& lattice) const {
 
 // exp(-j k (length - first)) of every source along both axes, the first with that of the middle;
 // from place to place by turning, which is cheaper than a sine each.
-NearbyLikelihood::Turns NearbyLikelihood::turns_on(const Lattice& lattice, std::size_t rows) const {
+NearbyLikelihood::Turns NearbyLikelihood::turns_on(const Lattice& lattice,
+                                                   std::size_t rows,
+                                                   double raised) const {
   Turns turns;
   turns.by_x.reserve(sources_.size() * lattice.count_x);
   turns.by_y.resize(sources_.size() * rows);
   for (std::size_t s = 0; s < sources_.size(); ++s) {
-    const Vec3d& image = sources_[s].image;
+    const Vec3d image = sources_[s].image - Vec3d{0.0, 0.0, raised};
     const double length = norm(image);
     const double phase = -wave_number_ * (length - first_length_);
     const Vec3d slope = (wave_number_ / length) * image;

@@ -49,6 +49,8 @@ class NearbyLikelihood {
 
   // Share of the wavelength that places should be apart.
   static constexpr double kPlaceDistance = 0.125;
+  // The same of heights: ways to the walls hardly change with them.
+  static constexpr double kHeightDistance = 0.25;
 
   struct Slope {
     double value = 0.0;
@@ -59,8 +61,9 @@ class NearbyLikelihood {
   // between them, so that value and derivative belong together.
   Slope at(const Vec3d& moved) const;
 
-  // At all places of the lattice, [x][y]: lengths to first order, in single precision.
-  std::vector<double> on(const Lattice& lattice) const;
+  // At all places of the lattice, [x][y], `raised` [m] above the middle: lengths to first order in
+  // x and y, in single precision.
+  std::vector<double> on(const Lattice& lattice, double raised = 0.0) const;
 
  private:
   struct Source {  // of one ray at one antenna
@@ -80,7 +83,7 @@ class NearbyLikelihood {
   };
 
   void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
-  Turns turns_on(const Lattice& lattice, std::size_t rows) const;
+  Turns turns_on(const Lattice& lattice, std::size_t rows, double raised) const;
   struct Direct {                                       // the way that may be covered
     std::vector<std::vector<std::complex<double>>> of;  // [antenna], w_m
     std::vector<std::complex<float>> observed;          // [delay][antenna], w_m^H W y

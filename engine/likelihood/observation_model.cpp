@@ -5,11 +5,12 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/likelihood/burst_noise.h"
+#include "engine/likelihood/place_moments.h"
 
 namespace rayloc {
 namespace {
@@ -39,62 +40,6 @@ double strength_variance(int reflections) {
 const Ray& first_of(std::span<const Ray> rays) {
   return *std::min_element(
       rays.begin(), rays.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
-}
-
-// covered: mu without the direct way; of size 0: there is none.
-PlaceModel factorise(const Eigen::MatrixXcd& sigma,
-                     const Eigen::VectorXcd& mu,
-                     const Eigen::VectorXcd& covered,
-                     double noise) {
-  const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
-  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
-  const Index size = mu.size();
-  const Eigen::MatrixXcd whitener =
-      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(size, size));
-  const Eigen::VectorXcd mean = whitener * mu;
-  PlaceModel place;
-  place.whitener.reserve(static_cast<std::size_t>(size * (size + 1) / 2));
-  double log_determinant = 0.0;
-  for (Index i = 0; i < size; ++i) {
-    for (Index j = 0; j <= i; ++j) {
-      place.whitener.emplace_back(whitener(i, j));
-    }
-    place.mean.emplace_back(mean(i));
-    log_determinant -= 2.0 * std::log(whitener(i, i).real());
-  }
-  const auto powers_of = [&](const Eigen::VectorXcd& whitened) {
-    return PlaceModel::Powers{static_cast<float>(whitened.squaredNorm()),
-                              static_cast<float>((whitener.adjoint() * whitened).squaredNorm())};
-  };
-  place.open = powers_of(mean);
-  if (covered.size() > 0) {
-    const Eigen::VectorXcd without = whitener * covered;
-    for (const Value& v : without) {
-      place.mean.emplace_back(v);
-    }
-    place.covered = powers_of(without);
-  }
-  place.log_determinant = static_cast<float>(log_determinant);
-  place.noise = static_cast<float>(noise);
-  place.reachable = true;
-  return place;
-}
-
-// What is not traced, into the lower triangle: `diffuse` times the covariance R of one antenna, and
-// `noise` in all.
-void add_rest(double diffuse,
-              double noise,
-              const std::vector<Value>& covariance,
-              Eigen::MatrixXcd& sigma) {
-  const auto q = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(covariance.size()))));
-  for (Index m = 0; m < sigma.rows(); m += q) {
-    for (Index i = 0; i < q; ++i) {
-      for (Index j = 0; j <= i; ++j) {
-        sigma(m + i, m + j) += diffuse * covariance[static_cast<std::size_t>(i * q + j)];
-      }
-      sigma(m + i, m + i) += noise / static_cast<double>(sigma.rows());
-    }
-  }
 }
 
 // Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| - |W mu|^2 at the best
@@ -216,6 +161,8 @@ double ObservationModel::coherence(const Ray& ray,
   const Vec3d change = ray.at_device - first.at_device;
   const double cell = wave_number_ * place.cell_size;
   variance += cell * cell * (change.x * change.x + change.y * change.y) / 12.0;
+  const double layer = wave_number_ * place.cell_height;
+  variance += layer * layer * change.z * change.z / 12.0;
   const double survey = wave_number_ * place.survey_sigma;
   variance += survey * survey * dot(change, change);
   return std::exp(-0.5 * variance);
@@ -274,21 +221,21 @@ double diffuse_share(const ModelError& error, double first_length) {
   return error.diffuse * std::pow(first_length / kDiffuseReference, error.diffuse_exponent);
 }
 
-PlaceModel ObservationModel::place(const Place& place, const ModelError& error) const {
-  if (place.rays.empty()) {
-    return {};
-  }
+// Adds `weight` times a place's own second moment about its mean, and gives the mean.
+PlaceMean ObservationModel::add_rays(const Place& place,
+                                     const ModelError& error,
+                                     double weight,
+                                     PlaceMoments& moments) const {
   RAYLOC_CHECK(place.element_offset.size() == antennas_);
   const RayTerms terms = ray_terms(place, error);
   const std::size_t q = basis_.size();
   const auto size = static_cast<Index>(dimension());
-  Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
-  Eigen::VectorXcd mu = Eigen::VectorXcd::Zero(size);
-  Eigen::VectorXcd s(size);
-  Eigen::VectorXcd direct;
+  PlaceMean mean{Eigen::VectorXcd::Zero(size), {}};
+  Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
   const std::size_t coverable = this->coverable(place.rays);
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
     const Ray& ray = place.rays[p];
+    auto s = unknown.col(static_cast<Index>(p));
     for (std::size_t m = 0; m < antennas_; ++m) {
       const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
       const Value phase = std::polar(1.0, -wave_number_ * (length - terms.first_length));
@@ -296,19 +243,50 @@ PlaceModel ObservationModel::place(const Place& place, const ModelError& error) 
         s(static_cast<Index>(m * q + i)) = phase * terms.tone[p * q + i];
       }
     }
-    mu += terms.parts[p].known * s;
+    mean.all += terms.parts[p].known * s;
     if (p == coverable) {
-      direct = terms.parts[p].known * s;
+      mean.direct = terms.parts[p].known * s;
     }
-    sigma.selfadjointView<Eigen::Lower>().rankUpdate(s, terms.parts[p].unknown);
+    s *= std::sqrt(weight * terms.parts[p].unknown);
   }
-  const double diffuse = diffuse_share(error, terms.first_length);
-  add_rest(diffuse / static_cast<double>(antennas_),
-           error.noise,
-           diffuse_covariance(error.diffuse_decay),
-           sigma);
-  return factorise(
-      sigma, mu, direct.size() > 0 ? Eigen::VectorXcd(mu - direct) : direct, error.noise);
+  moments.add(unknown);
+  moments.diffuse += weight * diffuse_share(error, terms.first_length);
+  return mean;
+}
+
+PlaceModel ObservationModel::place(const Place& place, const ModelError& error) const {
+  if (place.rays.empty()) {
+    return {};
+  }
+  PlaceMoments moments(static_cast<Index>(dimension()));
+  moments.mean = add_rays(place, error, 1.0, moments);
+  return moments.factorised(antennas_, diffuse_covariance(error.diffuse_decay), error.noise);
+}
+
+PlaceModel ObservationModel::column(std::span<const WeightedPlace> heights,
+                                    const ModelError& error) const {
+  PlaceMoments moments(static_cast<Index>(dimension()));
+  std::vector<PlaceMean> means;
+  for (const WeightedPlace& one : heights) {
+    if (one.place.rays.empty()) {
+      return {};
+    }
+    means.push_back(add_rays(one.place, error, one.weight, moments));
+  }
+  moments.mean = {Eigen::VectorXcd::Zero(static_cast<Index>(dimension())), {}};
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    moments.mean.all += heights[i].weight * means[i].all;
+    if (means[i].direct.size() > 0) {
+      if (moments.mean.direct.size() == 0) {
+        moments.mean.direct = Eigen::VectorXcd::Zero(moments.mean.all.size());
+      }
+      moments.mean.direct += heights[i].weight * means[i].direct;
+    }
+  }
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    moments.add(std::sqrt(heights[i].weight) * (means[i].all - moments.mean.all));
+  }
+  return moments.factorised(antennas_, diffuse_covariance(error.diffuse_decay), error.noise);
 }
 
 PlaceModel ObservationModel::place_of_burst(const Place& place,
@@ -320,11 +298,9 @@ PlaceModel ObservationModel::place_of_burst(const Place& place,
 }
 
 PlaceModel ObservationModel::nowhere(const ModelError& error) const {
-  const auto size = static_cast<Index>(dimension());
-  Eigen::MatrixXcd sigma = Eigen::MatrixXcd::Zero(size, size);
-  add_rest(
-      1.0 / static_cast<double>(antennas_), error.noise, diffuse_covariance(kDiffuseDecay), sigma);
-  return factorise(sigma, Eigen::VectorXcd::Zero(size), {}, error.noise);
+  PlaceMoments moments(static_cast<Index>(dimension()));
+  moments.diffuse = 1.0;
+  return moments.factorised(antennas_, diffuse_covariance(kDiffuseDecay), error.noise);
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {

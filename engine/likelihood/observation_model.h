@@ -40,6 +40,9 @@
 
 namespace rayloc {
 
+struct PlaceMean;
+struct PlaceMoments;
+
 // How much of a ray is known. With v_p the unknown share of its power, mu = sum sqrt(1 - v_p) a_p
 // s_p: the limits of the partial model are v_p = 0 and v_p = 1 for all rays.
 enum class PathKnowledge : std::uint8_t {
@@ -67,8 +70,16 @@ class ObservationModel {
     std::span<const Vec3d> element_offset;  // [m] from the array's centre, world axes
     double cell_size = 0.0;
     double survey_sigma = 0.0;
+    double cell_height = 0.0;  // how far in z, full width [m]
   };
   PlaceModel place(const Place& place, const ModelError& error) const;
+  // The device at one of several heights above one place: the mean and the covariance of the
+  // mixture. A place that a height has no rays to has none.
+  struct WeightedPlace {
+    Place place;
+    double weight = 1.0;  // probability, 1 in all
+  };
+  PlaceModel column(std::span<const WeightedPlace> heights, const ModelError& error) const;
   // The same for one burst alone: Sigma has its noise.
   PlaceModel place_of_burst(const Place& place,
                             const ModelError& error,
@@ -124,6 +135,10 @@ class ObservationModel {
 
  private:
   Parts parts(const Ray& ray, const Ray& first, const Place& place, const ModelError& error) const;
+  PlaceMean add_rays(const Place& place,
+                     const ModelError& error,
+                     double weight,
+                     PlaceMoments& moments) const;
   double first_delay(std::span<const std::complex<double>> h) const;
   double coherence(const Ray& ray,
                    const Ray& first,

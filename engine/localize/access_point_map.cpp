@@ -1,16 +1,41 @@
 #include "engine/localize/access_point_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/posterior/access_point_fusion.h"
+#include "engine/room/raised_ray.h"
 #include "engine/room/ray.h"
 #include "engine/scene/scene.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
+namespace {
+
+// A count, chosen: of the heights that a cell as a whole is made of, which costs as much as so many
+// cells.
+constexpr std::size_t kMostInColumn = 5;
+
+// No more than so many heights with the same mean and about the same spread.
+std::vector<HeightSlice> coarsened(const HeightLayers& layers, std::size_t most) {
+  const std::size_t count = std::min(layers.size(), most);
+  std::vector<HeightSlice> coarse(count, {0.0, 0.0});
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    HeightSlice& slice = coarse[i * count / layers.size()];
+    slice.offset += layers.weight[i] * layers.offset[i];
+    slice.weight += layers.weight[i];
+  }
+  for (HeightSlice& slice : coarse) {
+    slice.offset /= slice.weight;
+  }
+  return coarse;
+}
+
+}  // namespace
+
 struct AccessPointMap::Tracing {
   const Source source;
   const ReceiverTracer tracer;
@@ -43,7 +68,9 @@ AccessPointMap::AccessPointMap(const Source& source,
       likelihood_(Likelihood::make(source.likelihood, source.room->grid, offsets_.size())),
       model_(source.room->grid, offsets_.size()),
       tracing_(std::move(tracing)),
-      nowhere_(likelihood_->nowhere(access_point().error)) {
+      nowhere_(likelihood_->nowhere(access_point().error)),
+      boxes_(std::make_unique<HeightBoxes>()),
+      close_boxes_(std::make_unique<HeightBoxes>()) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
@@ -83,8 +110,44 @@ void AccessPointMap::build_cells() {
     if (!tracing_->rays[cell].empty()) {
       level_db_[cell] = traced_level_db(tracing_->rays[cell], error);
     }
-    cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
+    if (source_.heights.is_known() || tracing_->rays[cell].empty()) {
+      cells_[cell] = likelihood_->place({tracing_->rays[cell], offsets_, cell_size()}, error);
+      return;
+    }
+    const std::vector<HeightSlice> coarse = coarsened(source_.heights, kMostInColumn);
+    std::vector<std::vector<Ray>> rays;
+    std::vector<Likelihood::WeightedPlace> heights;
+    rays.reserve(coarse.size());
+    const double thickness = source_.heights.thickness *
+                             static_cast<double>(source_.heights.size()) /
+                             static_cast<double>(coarse.size());
+    for (const HeightSlice& slice : coarse) {
+      rays.push_back(raised_rays(
+          tracing_->rays[cell], slice.offset, source_.room->device, access_point().array));
+      heights.push_back({{rays.back(), offsets_, cell_size(), 0.0, thickness}, slice.weight});
+    }
+    cells_[cell] = likelihood_->column(heights, error);
   });
+}
+
+// From a device in the middle of a layer.
+std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) const {
+  return raised_rays(tracing_->rays[cell],
+                     source_.heights.offset[layer],
+                     source_.room->device,
+                     access_point().array);
+}
+
+double AccessPointMap::log_likelihood_in(std::size_t cell,
+                                         std::size_t layer,
+                                         const ObservedBurst& observed) const {
+  const HeightBoxes::Box box = boxes_->get(cell * source_.heights.size() + layer, [&] {
+    const std::vector<Ray> rays = rays_in(cell, layer);
+    const Likelihood::WeightedPlace whole{
+        {rays, offsets_, cell_size(), 0.0, source_.heights.thickness}, 1.0};
+    return likelihood_->column({&whole, 1}, access_point().error);
+  });
+  return likelihood_->log_likelihood(*box, observed);
 }
 
 ObservedBurst AccessPointMap::observe(std::span<const std::complex<double>> h, double noise) const {
@@ -132,10 +195,23 @@ double AccessPointMap::nowhere(const ObservedBurst& observed) const {
   return likelihood_->log_likelihood(nowhere_, observed);
 }
 
-std::unique_ptr<const NearbyLikelihood> AccessPointMap::nearby(
-    std::size_t cell, const ObservedBurst& observed) const {
-  return likelihood_->nearby(
-      {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], access_point().error, observed);
+std::unique_ptr<const CloseLook> AccessPointMap::look_at(std::size_t cell,
+                                                         std::size_t layer,
+                                                         const ObservedBurst& observed) const {
+  auto look = std::make_unique<CloseLook>();
+  const ModelError& error = access_point().error;
+  if (source_.heights.is_known()) {
+    look->nearby_ = likelihood_->nearby(
+        {tracing_->rays[cell], offsets_, cell_size()}, cells_[cell], error, observed);
+  } else {
+    look->rays_ = rays_in(cell, layer);
+    const Likelihood::Place place{
+        look->rays_, offsets_, cell_size(), 0.0, source_.heights.thickness};
+    look->box_ = close_boxes_->get(cell * source_.heights.size() + layer,
+                                   [&] { return likelihood_->close(place, error); });
+    look->nearby_ = likelihood_->nearby(place, *look->box_, error, observed);
+  }
+  return look->nearby_ == nullptr ? nullptr : std::move(look);
 }
 
 std::vector<Ray> AccessPointMap::rays_to(const Vec3d& position) const {

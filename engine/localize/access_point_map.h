@@ -19,11 +19,29 @@
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
+#include "engine/localize/height_boxes.h"
 #include "engine/localize/path_grid.h"
 #include "engine/posterior/posterior.h"
+#include "engine/room/height_layers.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
+
+// The likelihood of a burst at places in a cell, with what it is made of.
+class CloseLook {
+ public:
+  // Log-likelihoods of the places of a lattice about the cell's centre, [x][y], `height` [m] above
+  // the middle of the layer.
+  std::vector<double> on(const Lattice& lattice, double height) const {
+    return nearby_->on(lattice, height);
+  }
+
+ private:
+  friend class AccessPointMap;
+  HeightBoxes::Box box_;
+  std::vector<Ray> rays_;
+  std::unique_ptr<const NearbyLikelihood> nearby_;
+};
 
 class AccessPointMap {
  public:
@@ -32,6 +50,7 @@ class AccessPointMap {
     std::size_t access_point;  // in RoomModel::access_points
     RoomGrid grid;
     LikelihoodKind likelihood = LikelihoodKind::kPartial;
+    HeightLayers heights = {{0.0}, {1.0}, 0.0};
   };
   // Traces the grid, or takes the rays from `store` (null: no store). Seconds.
   AccessPointMap(const Source& source, PathGridStore* store);
@@ -63,10 +82,15 @@ class AccessPointMap {
   std::vector<double> level_log_likelihood(const HeardLevel& heard) const;
   // When the device may be anywhere: what every place is compared with.
   double nowhere(const ObservedBurst& observed) const;
-  // Of the burst at places in a cell; null where the likelihood does not tell them apart.
-  // REQUIRES: is_reachable(cell).
-  std::unique_ptr<const NearbyLikelihood> nearby(std::size_t cell,
-                                                 const ObservedBurst& observed) const;
+  // Of a cell and one of its layers of heights. REQUIRES: is_reachable(cell).
+  double log_likelihood_in(std::size_t cell,
+                           std::size_t layer,
+                           const ObservedBurst& observed) const;
+  // Of the burst at places in a cell and a layer; nothing where the likelihood does not tell them
+  // apart. REQUIRES: is_reachable(cell).
+  std::unique_ptr<const CloseLook> look_at(std::size_t cell,
+                                           std::size_t layer,
+                                           const ObservedBurst& observed) const;
 
   // Traces those of a device at a place.
   std::vector<Ray> rays_to(const Vec3d& position) const;
@@ -85,6 +109,7 @@ class AccessPointMap {
                  std::vector<Vec3d> offsets);
   void build_cells();
   double cell_size() const;
+  std::vector<Ray> rays_in(std::size_t cell, std::size_t layer) const;
 
   Source source_;
   std::vector<Vec3d> offsets_;  // [m], of the antennas from the array's centre
@@ -92,7 +117,9 @@ class AccessPointMap {
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
   PlaceLikelihood nowhere_;
-  std::vector<PlaceLikelihood> cells_;
+  std::vector<PlaceLikelihood> cells_;                          // the device at any of the heights
+  std::unique_ptr<HeightBoxes> boxes_;                          // at one of them, as a whole ...
+  std::unique_ptr<HeightBoxes> close_boxes_;                    // ... and for its places
   std::vector<double> level_db_;                                // of each cell that a ray leads to
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };

@@ -30,12 +30,6 @@ namespace {
 constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;  // [nat], chosen: what such a cell loses, to weigh nothing
 constexpr double kMostElsewhere = 2.0 / 3.0;  // more, and there is no fix
-// The best cells are looked at closely, place by place: those whose
-// tempered log-likelihood is within this of the best.
-constexpr double kRefinedMargin = 6.0;
-constexpr std::size_t kMostRefined = 100;  // a count of cells, chosen: bounds the time of a fix
-constexpr std::size_t kMostFine =
-    25;  // no more than these: at half of the distance, it costs as much
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
 constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
@@ -55,7 +49,14 @@ using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, 
 class Localizer::Impl {
  public:
   Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
-      : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {}
+      : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {
+    if (compares_antennas(options_.likelihood)) {  // at the height that is assumed
+      area_.grid.height_sigma = 0.0;
+    }
+    DeviceModel device = room_->device;
+    device.height_sigma = grid_.height_sigma;
+    heights_ = height_layers(device, room_->bounds_min.z, room_->bounds_max.z);
+  }
 
   void build() {
     for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
@@ -70,15 +71,17 @@ class Localizer::Impl {
       }
       index_.push_back(i);
       aps_.push_back(std::make_unique<const AccessPointMap>(
-          AccessPointMap::Source{room_, i, grid_, options_.likelihood}, options_.path_grids.get()));
+          AccessPointMap::Source{room_, i, grid_, options_.likelihood, heights_},
+          options_.path_grids.get()));
     }
   }
 
   RoomObservation hear_burst(std::span<const CsiFrame> frames) const;
-  Evidence evidence(const RoomObservation& observation, Look look) const;
+  Evidence evidence(const RoomObservation& observation, Look look, const SearchFocus& focus) const;
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
   const RoomModel& room() const { return *room_; }
   const RoomGrid& grid() const { return grid_; }
+  const HeightLayers& heights() const { return heights_; }
   const LocalizerOptions& options() const { return options_; }
 
  private:
@@ -92,16 +95,11 @@ class Localizer::Impl {
   AccessPointMaps maps_of(const std::vector<HeardArray>& heard,
                           double likelihood_exponent,
                           double far_below) const;
-  std::vector<std::vector<double>> places_of(std::size_t cell,
-                                             const Lattice& lattice,
-                                             const std::vector<HeardArray>& heard,
-                                             const std::vector<double>& nowhere,
-                                             double likelihood_exponent) const;
-  void refine(const std::vector<HeardArray>& heard,
-              const AccessPointMaps& maps,
-              const AccessPointFusion& fusion,
-              double likelihood_exponent,
-              RoomMap& map) const;
+  CloseSearch close_search(const std::vector<HeardArray>& heard,
+                           const AccessPointMaps& maps,
+                           const AccessPointFusion& fusion,
+                           double likelihood_exponent,
+                           const SearchFocus& focus) const;
   void keep_explained(std::vector<HeardArray>& heard,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
@@ -116,6 +114,7 @@ class Localizer::Impl {
   LocalizerOptions options_;
   WatchedArea area_;
   const RoomGrid& grid_ = area_.grid;
+  HeightLayers heights_;
   std::vector<std::unique_ptr<const AccessPointMap>> aps_;
   std::vector<std::size_t> index_;  // of each access point, in RoomModel::access_points
   std::vector<std::string> warnings_;
@@ -218,80 +217,19 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   return maps;
 }
 
-// Log-likelihoods of the places of a cell, [place][array]; empty where the likelihood does not tell
-// them apart.
-std::vector<std::vector<double>> Localizer::Impl::places_of(std::size_t cell,
-                                                            const Lattice& lattice,
-                                                            const std::vector<HeardArray>& heard,
-                                                            const std::vector<double>& nowhere,
-                                                            double likelihood_exponent) const {
-  std::vector<std::vector<double>> places(lattice.size(), std::vector<double>(heard.size()));
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    if (!heard[i].map->is_reachable(cell)) {
-      continue;
-    }
-    const auto nearby = heard[i].map->nearby(cell, heard[i].observed);
-    if (nearby == nullptr) {
-      return {};
-    }
-    const auto values = nearby->on(lattice);
-    for (std::size_t j = 0; j < places.size(); ++j) {
-      places[j][i] = values[j] - nowhere[i] + heard[i].level_at(cell, likelihood_exponent);
-    }
-  }
-  return places;
-}
-
-// Looks closely at the best cells: their log-likelihood becomes that of the mean over their places.
-void Localizer::Impl::refine(const std::vector<HeardArray>& heard,
-                             const AccessPointMaps& maps,
-                             const AccessPointFusion& fusion,
-                             double likelihood_exponent,
-                             RoomMap& map) const {
-  std::vector<double>& cells = map.log_likelihood;
-  std::vector<std::size_t> order(cells.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const std::size_t most = std::min(kMostRefined, order.size());
-  std::partial_sort(order.begin(),
-                    order.begin() + static_cast<std::ptrdiff_t>(most),
-                    order.end(),
-                    [&](std::size_t a, std::size_t b) {
-                      return cells[a] > cells[b] || (cells[a] == cells[b] && a < b);
-                    });
-  order.resize(most);
-  while (cells[order.back()] < cells[order.front()] - kRefinedMargin / likelihood_exponent) {
-    order.pop_back();
-  }
-  const CellMoments uniform = uniform_moments(grid_);
-  for (const std::size_t cell : order) {
-    map.within.push_back({cell, {uniform, uniform, 1.0}});
-  }
-  const double finer = order.size() <= kMostFine ? 0.5 : 1.0;
-  const Lattice lattice_of_cell =
-      places_of_cell(grid_, finer * kSpeedOfLight / room_->grid.centre_hz);
-  parallel_for(order.size(), 1, [&](std::size_t n) {
-    const std::size_t cell = order[n];
-    const auto places = places_of(cell, lattice_of_cell, heard, maps.nowhere, likelihood_exponent);
-    if (places.empty()) {
-      return;
-    }
-    std::vector<double> fused;
-    fused.reserve(places.size());
-    for (const std::vector<double>& place : places) {
-      fused.push_back(fusion.log_likelihood(place));
-    }
-    const auto [log_mean, mass] = summarise_places(lattice_of_cell, fused, likelihood_exponent);
-    cells[cell] = log_mean;
-    map.within[n].second = mass;
-    for (std::size_t i = 0; i < heard.size(); ++i) {
-      double doubt = 0.0;
-      for (std::size_t j = 0; j < places.size(); ++j) {
-        doubt +=
-            std::exp(likelihood_exponent * (fused[j] - log_mean)) * fusion.faulty(i, places[j][i]);
-      }
-      map.doubt[i][cell] = doubt / static_cast<double>(places.size());
-    }
-  });
+CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
+                                          const AccessPointMaps& maps,
+                                          const AccessPointFusion& fusion,
+                                          double likelihood_exponent,
+                                          const SearchFocus& focus) const {
+  return {grid_,
+          heights_,
+          kSpeedOfLight / room_->grid.centre_hz,
+          heard,
+          maps.nowhere,
+          fusion,
+          likelihood_exponent,
+          focus};
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
@@ -380,7 +318,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   const std::vector<double> faulty(observation.arrays.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
-  refine(observation.arrays, maps, fusion, likelihood_exponent, map);
+  search_closely(close_search(observation.arrays, maps, fusion, likelihood_exponent, {}), map);
   const double contradicted = fusion.elsewhere(
       log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
@@ -413,7 +351,9 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   return std::move(estimate);
 }
 
-Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation, Look look) const {
+Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation,
+                                              Look look,
+                                              const SearchFocus& focus) const {
   std::vector<HeardArray> heard = observation.arrays;
   const double likelihood_exponent = room_->likelihood_exponent;
   AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0);
@@ -427,7 +367,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   RoomMap map = fuse(maps.cell, fusion);
   Evidence result;
   if (look == Look::kPlaces) {
-    refine(heard, maps, fusion, likelihood_exponent, map);
+    search_closely(close_search(heard, maps, fusion, likelihood_exponent, focus), map);
     result.within = std::move(map.within);
   }
   result.log_likelihood = std::move(map.log_likelihood);
@@ -464,12 +404,15 @@ LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
 RoomObservation Localizer::hear(std::span<const CsiFrame> frames) const {
   return impl_->hear_burst(frames);
 }
-Localizer::Evidence Localizer::evidence(const RoomObservation& observation, Look look) const {
+Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
+                                        Look look,
+                                        const SearchFocus& focus) const {
   RAYLOC_CHECK(!observation.arrays.empty());
-  return impl_->evidence(observation, look);
+  return impl_->evidence(observation, look, focus);
 }
 
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }
+const HeightLayers& Localizer::heights() const { return impl_->heights(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }
 const LocalizerOptions& Localizer::options() const { return impl_->options(); }
 

@@ -20,6 +20,8 @@
 #include "engine/channel/csi_frame.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
+#include "engine/localize/close_search.h"
+#include "engine/localize/heard_array.h"
 #include "engine/localize/path_grid.h"
 #include "engine/observe/burst.h"
 #include "engine/posterior/access_point_fusion.h"
@@ -37,27 +39,6 @@ struct LocalizerOptions {
   FaultPrior faults;
   // Keeps what create() traces for the next time; null: nothing is kept. Used by create() alone.
   std::shared_ptr<PathGridStore> path_grids;
-};
-
-// A burst as one access point heard it, its chain gains removed.
-struct HeardArray {
-  std::size_t ap = 0;                   // number among the access points that the localizer can use
-  const AccessPointMap* map = nullptr;  // of the antennas that work; the localizer's
-  ObservedBurst observed;
-  std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
-  std::vector<double> level;  // [cell], AccessPointMap::level_log_likelihood(); empty: none
-
-  // To add to what is then raised to the power of `likelihood_exponent`: that is of how well h is
-  // modelled, and the spread of levels was measured.
-  double level_at(std::size_t cell, double likelihood_exponent) const {
-    return level.empty() || likelihood_exponent <= 0.0 ? 0.0 : level[cell] / likelihood_exponent;
-  }
-};
-
-// A burst as the access points of the room heard it.
-struct RoomObservation {
-  std::vector<HeardArray> arrays;  // of one Localizer; empty: nothing usable, see estimate.reason
-  LocationEstimate estimate;       // times, counts and warnings, no position
 };
 
 class Localizer {
@@ -90,8 +71,13 @@ class Localizer {
     double elsewhere = 0.0;  // probability that the burst says nothing of the place
     KnownCells within;       // where in the best cells; empty with kCells
   };
-  Evidence evidence(const RoomObservation& observation, Look look = Look::kCells) const;
+  // `focus`: what is known of the place before the burst; it says where to look closely, and how
+  // high the device may be, and is not in the evidence.
+  Evidence evidence(const RoomObservation& observation,
+                    Look look = Look::kCells,
+                    const SearchFocus& focus = {}) const;
   const RoomGrid& grid() const;
+  const HeightLayers& heights() const;
 
   const RoomModel& room() const;
   const LocalizerOptions& options() const;

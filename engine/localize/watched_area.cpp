@@ -29,6 +29,7 @@ WatchedArea watched_area(const RoomModel& room) {
   const double step =
       std::max(kFinestStep, std::sqrt((high.x - low.x) * (high.y - low.y) / kCells));
   WatchedArea area{{low, high, room.device.height, step}, {}};
+  area.grid.height_sigma = room.device.height_sigma;
   RoomGrid& grid = area.grid;
   const RoomGrid inner = grid;
   const Vec3d& reach_low = room.scene->bounds_min();

@@ -69,7 +69,79 @@ std::pair<double, CellMass> summarise_places(const Lattice& lattice,
     return is_beside(x, best / lattice.count_y) && is_beside(y, best % lattice.count_y);
   });
   return {top + std::log(sum / static_cast<double>(log_likelihood.size())) / likelihood_exponent,
-          {all, about_best, near / sum}};
+          {all, about_best, near / sum, {}}};
+}
+
+std::pair<double, BoxMass> summarise_box(const Lattice& lattice,
+                                         std::span<const PlacesAtHeight> heights) {
+  std::size_t best_height = 0;
+  std::size_t best = 0;
+  for (std::size_t h = 0; h < heights.size(); ++h) {
+    for (std::size_t i = 0; i < heights[h].log_mass.size(); ++i) {
+      if (heights[h].log_mass[i] > heights[best_height].log_mass[best]) {
+        best_height = h;
+        best = i;
+      }
+    }
+  }
+  const double top = heights[best_height].log_mass[best];
+  const auto is_beside = [](std::size_t a, std::size_t b) { return a <= b + 1 && b <= a + 1; };
+  std::vector<WeightedMoments> all;
+  std::vector<WeightedMoments> near;
+  double sum = 0.0;
+  double near_sum = 0.0;
+  const double apart = heights.size() > 1 ? std::abs(heights[1].height - heights[0].height) : 0.0;
+  for (std::size_t h = 0; h < heights.size(); ++h) {
+    std::vector<double> mass;
+    mass.reserve(lattice.size());
+    for (const double one : heights[h].log_mass) {
+      mass.push_back(std::exp(one - top));
+    }
+    const auto add = [&](const auto& take, std::vector<WeightedMoments>& to, double& total) {
+      auto [share, moments] = moments_of(lattice, mass, take);
+      if (share > 0.0) {
+        moments.z = heights[h].height;
+        moments.zz = apart * apart / 12.0;
+        to.push_back({share, moments});
+        total += share;
+      }
+    };
+    add([](std::size_t, std::size_t) { return true; }, all, sum);
+    if (is_beside(h, best_height)) {
+      add(
+          [&](std::size_t x, std::size_t y) {
+            return is_beside(x, best / lattice.count_y) && is_beside(y, best % lattice.count_y);
+          },
+          near,
+          near_sum);
+    }
+  }
+  for (WeightedMoments& one : all) {
+    one.share /= sum;
+  }
+  for (WeightedMoments& one : near) {
+    one.share /= near_sum;
+  }
+  return {top + std::log(sum), {mixture_of(all), mixture_of(near), near_sum / sum}};
+}
+
+CellMoments mixture_of(std::span<const WeightedMoments> parts) {
+  CellMoments m;
+  for (const auto& [share, of] : parts) {
+    m.x += share * of.x;
+    m.y += share * of.y;
+    m.z += share * of.z;
+  }
+  for (const auto& [share, of] : parts) {
+    const Vec3d d{of.x - m.x, of.y - m.y, of.z - m.z};
+    m.xx += share * (of.xx + d.x * d.x);
+    m.xy += share * (of.xy + d.x * d.y);
+    m.yy += share * (of.yy + d.y * d.y);
+    m.xz += share * (of.xz + d.x * d.z);
+    m.yz += share * (of.yz + d.y * d.z);
+    m.zz += share * (of.zz + d.z * d.z);
+  }
+  return m;
 }
 
 }  // namespace rayloc

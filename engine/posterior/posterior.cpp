@@ -25,6 +25,7 @@ constexpr double kSpreads = 2.3;            // a ratio to the sum of both spread
 constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
 constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
+constexpr double kHeightShare = 0.5;        // of the prior's variance: less, and z was estimated
 
 // exp(likelihood_exponent * (l - max)), normalised to 1.
 std::vector<double> weights_of(const std::vector<double>& log_likelihood,
@@ -112,7 +113,7 @@ struct Masses {
   }
   Vec3d position(std::size_t i) const {
     const CellMoments& m = moments(i);
-    return grid.centre(i) + Vec3d{m.x, m.y, 0.0};
+    return grid.centre(i) + Vec3d{m.x, m.y, m.z};
   }
 };
 
@@ -140,6 +141,7 @@ Mean mean_of(const Masses& masses, const Take& take) {
   Mean result;
   double x = 0.0;
   double y = 0.0;
+  double above = 0.0;  // the grid's height
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {
     const double mass = masses.mass[i];
     if (mass > 0.0 && take(i)) {
@@ -147,10 +149,11 @@ Mean mean_of(const Masses& masses, const Take& take) {
       result.mass += mass;
       x += mass * p.x;
       y += mass * p.y;
+      above += mass * masses.moments(i).z;
     }
   }
   if (result.mass > 0.0) {
-    result.position = {x / result.mass, y / result.mass, masses.grid.first.z};
+    result.position = {x / result.mass, y / result.mass, masses.grid.first.z + above / result.mass};
   }
   return result;
 }
@@ -161,6 +164,7 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
   double xx = 0.0;
   double xy = 0.0;
   double yy = 0.0;
+  Vec3d z;  // xz, yz, zz
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {
     const double mass = masses.mass[i];
     if (mass > 0.0 && take(i)) {
@@ -170,19 +174,21 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
       xx += mass * (d.x * d.x + m.xx);
       xy += mass * (d.x * d.y + m.xy);
       yy += mass * (d.y * d.y + m.yy);
+      z = z + mass * Vec3d{d.x * d.z + m.xz, d.y * d.z + m.yz, d.z * d.z + m.zz};
     }
   }
   const double least = masses.least_sigma * masses.least_sigma;
   const double scale = sum > 0.0 ? 1.0 / sum : 0.0;
+  const bool is_height_known = masses.grid.height_sigma <= 0.0;
   return {scale * xx + least,
           scale * xy,
-          0.0,
+          scale * z.x,
           scale * xy,
           scale * yy + least,
-          0.0,
-          0.0,
-          0.0,
-          kHeightSigma * kHeightSigma};
+          scale * z.y,
+          scale * z.x,
+          scale * z.y,
+          is_height_known ? kHeightSigma * kHeightSigma : scale * z.z + least};
 }
 
 // The radius about `centre` that holds `confidence` of the mass, widened by what a cell hides.
@@ -267,9 +273,10 @@ void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& pa
   add((1.0 - within.best_share) * mass, without(within.all, within.best, within.best_share));
 }
 
-Hypothesis hypothesis_of(const HillMass& hill, double height, double believed) {
-  return {{hill.x, hill.y, height},
-          {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, kHeightSigma * kHeightSigma},
+// A part of the hill that `whole` states; its height is that of the whole.
+Hypothesis hypothesis_of(const HillMass& hill, const Hypothesis& whole, double believed) {
+  return {{hill.x, hill.y, whole.position.z},
+          {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, whole.covariance[8]},
           believed * hill.mass};
 }
 
@@ -349,9 +356,9 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
     return;
   }
   if (const auto two = two_component_split(heaviest)) {
-    const double height = masses.grid.first.z;
-    hypotheses.front() = hypothesis_of((*two)[0], height, believed);
-    hypotheses.push_back(hypothesis_of((*two)[1], height, believed));
+    const Hypothesis whole = hypotheses.front();
+    hypotheses.front() = hypothesis_of((*two)[0], whole, believed);
+    hypotheses.push_back(hypothesis_of((*two)[1], whole, believed));
     sort_by_weight(hypotheses);
   }
 }
@@ -370,7 +377,11 @@ RoomGrid::RoomGrid(const Vec3d& bounds_min, const Vec3d& bounds_max, double heig
 }
 
 CellMoments uniform_moments(const RoomGrid& grid) {
-  return {0.0, 0.0, grid.step_x * grid.step_x / 12.0, 0.0, grid.step_y * grid.step_y / 12.0};
+  CellMoments m;
+  m.xx = grid.step_x * grid.step_x / 12.0;
+  m.yy = grid.step_y * grid.step_y / 12.0;
+  m.zz = grid.height_sigma * grid.height_sigma;
+  return m;
 }
 
 void summarise_posterior(const RoomGrid& grid,
@@ -398,6 +409,9 @@ void summarise_posterior(const RoomGrid& grid,
   const Vec3d position = mean_of(masses, near).position;
   estimate.position = position;
   estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
+  estimate.is_height_estimated =
+      grid.height_sigma > 0.0 &&
+      estimate.covariance[8] < kHeightShare * grid.height_sigma * grid.height_sigma;
   estimate.accuracy_confidence = options.accuracy_confidence;
   estimate.accuracy_m = accuracy_of(masses, position, options);
   add_hypotheses(masses, options, estimate);

@@ -13,7 +13,8 @@ namespace rayloc {
 
 // Cells of equal size over the room at one height, x outermost.
 struct RoomGrid {
-  Vec3d first;  // [m], centre of cell (0, 0)
+  Vec3d first;                // [m], centre of cell (0, 0)
+  double height_sigma = 0.0;  // [m], of a target about that height; 0: it is known
   double step_x = 0.0;
   double step_y = 0.0;
   std::size_t count_x = 0;
@@ -39,6 +40,10 @@ struct CellMoments {
   double xx = 0.0;  // [m^2]
   double xy = 0.0;
   double yy = 0.0;
+  double z = 0.0;  // of a target at an unknown height
+  double xz = 0.0;
+  double yz = 0.0;
+  double zz = 0.0;
 };
 // Anywhere in the cell.
 CellMoments uniform_moments(const RoomGrid& grid);
@@ -48,6 +53,7 @@ struct CellMass {
   CellMoments all;
   CellMoments best;
   double best_share = 1.0;
+  std::vector<float> layers = {};  // share of each of HeightLayers; empty: the height is known
 };
 
 // Cells of which that is known; in all others the mass is anywhere.

@@ -1,7 +1,7 @@
 // LocationEstimate: where a target is, how sure that is, or why it cannot be said.
 //
 // World coordinates of the room, metres. A covariance is 3 x 3, row-major; its z entries are those
-// of the assumed height.
+// of the assumed height where the height is not estimated.
 #pragma once
 
 #include <array>
@@ -31,6 +31,7 @@ struct LocationEstimate {
   bool is_uncertainty_stated = true;
   // Of the whole posterior about `position`; meaningless without one.
   std::array<double, 9> covariance{};
+  bool is_height_estimated = false;   // z is more than what was assumed
   double accuracy_m = 0.0;            // horizontal radius that contains the target ...
   double accuracy_confidence = 0.95;  // ... with this probability
 

@@ -53,9 +53,10 @@ struct RoomAccessPoint {
   std::vector<TransmitterLevel> levels = {};
 };
 
-// The device that is looked for: how it radiates and the height that is assumed.
+// The device that is looked for: how it radiates and how high it is.
 struct DeviceModel {
-  double height = 1.2;  // [m]
+  double height = 1.2;        // [m], its mean
+  double height_sigma = 0.0;  // [m], standard deviation; 0: the height is known
   AntennaPattern pattern = AntennaPattern::kHalfWaveDipole;
   Polarization polarization = Polarization::kVertical;
 

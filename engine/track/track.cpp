@@ -70,7 +70,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces);
+    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
     if (map.empty()) {
       return false;
     }
@@ -84,6 +84,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
     within_ = std::move(evidence.within);
     credit_ += weight;
     const auto mass = filter_.mass();
+    learn_height(mass, weight);
     const auto peak = std::max_element(mass.begin(), mass.end()) - mass.begin();
     loss_ = -map[static_cast<std::size_t>(peak)];
   }
@@ -92,9 +93,71 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   return true;
 }
 
+// Where the filter has the device, and how high: what is said of the burst does not depend on it,
+// but where the burst is looked at closely.
+SearchFocus Track::focus() const {
+  if (localizer_->heights().is_known() || layers_.empty()) {
+    return {};
+  }
+  return {logarithm(filter_.mass()), layers_};
+}
+
+// The height is a probability of each layer, the same wherever the device is. A burst of which only
+// a share is new counts by that share.
+void Track::learn_height(const std::vector<double>& mass, double weight) {
+  const HeightLayers& heights = localizer_->heights();
+  if (heights.is_known()) {
+    return;
+  }
+  if (layers_.empty()) {
+    layers_ = heights.weight;
+  }
+  std::vector<double> said(layers_.size());
+  double known = 0.0;
+  for (const auto& [cell, of_cell] : within_) {
+    for (std::size_t layer = 0; layer < said.size(); ++layer) {
+      said[layer] += mass[cell] * static_cast<double>(of_cell.layers[layer]);
+    }
+    known += mass[cell];
+  }
+  double sum = 0.0;
+  for (std::size_t layer = 0; layer < said.size(); ++layer) {
+    // Cells that nobody looked at say nothing of the height.
+    const double all = said[layer] + std::max(0.0, 1.0 - known) * layers_[layer];
+    layers_[layer] = std::pow(layers_[layer], 1.0 - weight) * std::pow(all, weight);
+    sum += layers_[layer];
+  }
+  for (double& layer : layers_) {
+    layer /= sum;
+  }
+}
+
+// A device that is carried rises and sinks, now and then by much.
+void Track::spread_height(double seconds) {
+  if (layers_.empty()) {
+    return;
+  }
+  const HeightLayers& heights = localizer_->heights();
+  const double steps = options_.height_speed * seconds / heights.thickness;
+  const double variance = std::min(0.5, steps * steps);
+  const double anew = 1.0 - std::exp(-options_.height_change_rate * seconds);
+  std::vector<double> spread(layers_.size());
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const std::size_t low = i > 0 ? i - 1 : i;
+    const std::size_t high = i + 1 < layers_.size() ? i + 1 : i;
+    spread[low] += 0.5 * variance * layers_[i];
+    spread[high] += 0.5 * variance * layers_[i];
+    spread[i] += (1.0 - variance) * layers_[i];
+  }
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    layers_[i] = (1.0 - anew) * spread[i] + anew * heights.weight[i];
+  }
+}
+
 void Track::advance(Timestamp time) {
   if (state_) {
     filter_.predict(time - time_);
+    spread_height(to_seconds(time - time_));
   }
   time_ = time;
 }

@@ -44,6 +44,9 @@ struct TrackOptions {
   Duration coast_after = std::chrono::milliseconds(500);  // unheard, a track coasts
   Duration forget_after = std::chrono::seconds(1);        // unheard, a tentative track is lost
   Duration lose_after = std::chrono::seconds(5);          // unheard, any track is lost
+  // [1/s], by which a height is less known again: of being another than before.
+  double height_change_rate = 0.05;
+  double height_speed = 0.1;  // [m/s], of a device that is carried
 };
 
 // Why a moment gave no estimate.
@@ -81,6 +84,9 @@ class Track {
   std::optional<double> change_of(const RoomObservation& observation) const;
   double motion_of(double change, const RoomObservation& observation) const;
   bool weigh(const RoomObservation& observation, Duration elapsed);
+  SearchFocus focus() const;
+  void spread_height(double seconds);
+  void learn_height(const std::vector<double>& mass, double weight);
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
@@ -99,6 +105,7 @@ class Track {
   double loss_ = 0.0;                // at the last position
   // Where in a cell its mass is, of the best cells of the last burst that was weighed.
   KnownCells within_;
+  std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
   std::vector<HeardArray> last_;  // of the last usable burst
   std::deque<Fix> fixes_;         // of the last second
 };

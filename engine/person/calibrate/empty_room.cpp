@@ -43,7 +43,7 @@ class EmptyRoomFit {
   EmptyRoomFit(const RoomModel& room, const Transmitter& surveyed, std::span<const EmptyRoom> heard)
       : room_(room),
         surveyed_(surveyed),
-        device_{surveyed.position.z, surveyed.pattern, surveyed.polarization},
+        device_{surveyed.position.z, 0.0, surveyed.pattern, surveyed.polarization},
         heard_(heard),
         aligner_(room.grid) {
     for (const EmptyRoom& one : heard) {

@@ -125,6 +125,22 @@ TEST(Site, HeightOfADeviceDefaultsToThatOfTargets) {
   EXPECT_EQ(site->transmitters[0].height, 0.8);
 }
 
+TEST(Site, HeightIsUnknownUnlessItIsStated) {
+  const Expected<Site> unstated = parse_site(site_text(), kSiteFile);
+  ASSERT_TRUE(unstated) << unstated.error().message;
+  EXPECT_EQ(unstated->targets.height_sigma, 0.3);
+  EXPECT_EQ(unstated->transmitters[0].height_sigma, 0.3);
+  // The text ends with [targets]; a tag of known height says so.
+  const Expected<Site> stated = parse_site(
+      site_text("height_m = 1.1", "height_m = 1.1\nheight_sigma_m = 0") + "height_sigma_m = 0.2\n",
+      kSiteFile);
+  ASSERT_TRUE(stated) << stated.error().message;
+  EXPECT_EQ(stated->targets.height_sigma, 0.2);
+  EXPECT_EQ(stated->transmitters[0].height_sigma, 0.0);
+  EXPECT_NE(errors_of(site_text() + "height_sigma_m = -0.1\n").find("height_sigma_m"),
+            std::string::npos);
+}
+
 TEST(Site, CalibrationFileIsBesideSiteToml) {
   EXPECT_EQ(errors_of(site_text() + "[calibration]\nfile = \"calibration.toml\"\n"),
             "site.toml:54:8: 'file': no file calibration.toml; paths are relative to the folder of "

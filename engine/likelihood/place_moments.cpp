@@ -1,0 +1,84 @@
+#include "engine/likelihood/place_moments.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+// covered: mu without the direct way; of size 0: there is none.
+PlaceModel factorise(const Eigen::MatrixXcd& sigma,
+                     const Eigen::VectorXcd& mu,
+                     const Eigen::VectorXcd& covered,
+                     double noise) {
+  const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
+  RAYLOC_CHECK(cholesky.info() == Eigen::Success);
+  const Index size = mu.size();
+  const Eigen::MatrixXcd whitener =
+      cholesky.matrixL().solve(Eigen::MatrixXcd::Identity(size, size));
+  const Eigen::VectorXcd mean = whitener * mu;
+  PlaceModel place;
+  place.whitener.reserve(static_cast<std::size_t>(size * (size + 1) / 2));
+  double log_determinant = 0.0;
+  for (Index i = 0; i < size; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      place.whitener.emplace_back(whitener(i, j));
+    }
+    place.mean.emplace_back(mean(i));
+    log_determinant -= 2.0 * std::log(whitener(i, i).real());
+  }
+  const auto powers_of = [&](const Eigen::VectorXcd& whitened) {
+    return PlaceModel::Powers{static_cast<float>(whitened.squaredNorm()),
+                              static_cast<float>((whitener.adjoint() * whitened).squaredNorm())};
+  };
+  place.open = powers_of(mean);
+  if (covered.size() > 0) {
+    const Eigen::VectorXcd without = whitener * covered;
+    for (const Value& v : without) {
+      place.mean.emplace_back(v);
+    }
+    place.covered = powers_of(without);
+  }
+  place.log_determinant = static_cast<float>(log_determinant);
+  place.noise = static_cast<float>(noise);
+  place.reachable = true;
+  return place;
+}
+
+// What is not traced, into the lower triangle: `diffuse` times the covariance R of one antenna, and
+// `noise` in all.
+void add_rest(double diffuse,
+              double noise,
+              const std::vector<Value>& covariance,
+              Eigen::MatrixXcd& sigma) {
+  const auto q = static_cast<Index>(std::lround(std::sqrt(static_cast<double>(covariance.size()))));
+  for (Index m = 0; m < sigma.rows(); m += q) {
+    for (Index i = 0; i < q; ++i) {
+      for (Index j = 0; j <= i; ++j) {
+        sigma(m + i, m + j) += diffuse * covariance[static_cast<std::size_t>(i * q + j)];
+      }
+      sigma(m + i, m + i) += noise / static_cast<double>(sigma.rows());
+    }
+  }
+}
+
+}  // namespace
+
+PlaceModel PlaceMoments::factorised(std::size_t antennas,
+                                    const std::vector<Value>& covariance,
+                                    double noise) const {
+  Eigen::MatrixXcd all = sigma;
+  add_rest(diffuse / static_cast<double>(antennas), noise, covariance, all);
+  return factorise(all,
+                   mean.all,
+                   mean.direct.size() > 0 ? Eigen::VectorXcd(mean.all - mean.direct) : mean.direct,
+                   noise);
+}
+
+}  // namespace rayloc

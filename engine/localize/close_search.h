@@ -1,0 +1,40 @@
+// The close search: the best cells of a room's map, looked at place by place.
+//
+// Where the height is known, the places of a cell are a lattice at that height. Where it is not,
+// the best cells are looked at layer by layer of heights first, and of these boxes of a cell and a
+// layer the best are looked at place by place.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/localize/heard_array.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/posterior.h"
+#include "engine/posterior/room_map.h"
+#include "engine/room/height_layers.h"
+
+namespace rayloc {
+
+// What is known of a place before a burst; empty: nothing but the room's priors.
+struct SearchFocus {
+  std::vector<double> log_prior;     // [cell], natural logarithm
+  std::vector<double> layer_weight;  // [layer], probability
+};
+
+struct CloseSearch {
+  const RoomGrid& grid;
+  const HeightLayers& heights;
+  double wavelength;  // [m]
+  std::span<const HeardArray> heard;
+  std::span<const double> nowhere;  // [array], what all are compared with
+  const AccessPointFusion& fusion;
+  double likelihood_exponent;
+  const SearchFocus& focus;
+};
+
+// The log-likelihood of cells that are looked at becomes that of the mean over their places.
+void search_closely(const CloseSearch& search, RoomMap& map);
+
+}  // namespace rayloc

@@ -1,0 +1,69 @@
+#include "engine/room/height_layers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rayloc {
+namespace {
+
+constexpr double kReach = 2.25;      // standard deviations to either side: 97.6 % of the prior
+constexpr double kThickest = 0.15;   // [m], chosen: a path's direction is the same across a layer
+constexpr double kLeastAbove = 0.1;  // [m], chosen: of a device above the floor, below the ceiling
+
+// Probability of a standard normal variable below x.
+double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
+
+}  // namespace
+
+HeightLayers height_layers(const DeviceModel& device, double floor, double ceiling) {
+  if (device.height_sigma <= 0.0) {
+    return {{0.0}, {1.0}, 0.0};
+  }
+  const double reach = kReach * device.height_sigma;
+  const double low = std::max(-reach, std::min(floor + kLeastAbove - device.height, 0.0));
+  const double high = std::min(reach, std::max(ceiling - kLeastAbove - device.height, 0.0));
+  const auto count = std::max<std::size_t>(
+      1, static_cast<std::size_t>(std::ceil((high - low) / kThickest - 1e-9)));
+  HeightLayers layers;
+  layers.thickness = (high - low) / static_cast<double>(count);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double from = low + layers.thickness * static_cast<double>(i);
+    layers.offset.push_back(from + 0.5 * layers.thickness);
+    layers.weight.push_back(below((from + layers.thickness) / device.height_sigma) -
+                            below(from / device.height_sigma));
+    sum += layers.weight.back();
+  }
+  for (double& weight : layers.weight) {
+    weight /= sum;
+  }
+  return layers;
+}
+
+std::vector<HeightSlice> slices_of(const HeightLayers& layers,
+                                   std::size_t layer,
+                                   double sigma,
+                                   double most) {
+  if (layers.is_known()) {
+    return {{layers.offset[layer], 1.0}};
+  }
+  const auto count =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(layers.thickness / most)));
+  const double step = layers.thickness / static_cast<double>(count);
+  std::vector<HeightSlice> slices;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double offset = layers.offset[layer] +
+                          step * (static_cast<double>(i) - 0.5 * static_cast<double>(count - 1));
+    const double z = offset / sigma;
+    slices.push_back({offset, std::exp(-0.5 * z * z)});
+    sum += slices.back().weight;
+  }
+  for (HeightSlice& slice : slices) {
+    slice.weight /= sum;
+  }
+  return slices;
+}
+
+}  // namespace rayloc
