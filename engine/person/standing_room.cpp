@@ -1,47 +1,20 @@
 #include "engine/person/standing_room.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "engine/base/parallel.h"
+#include "engine/scene/movable.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
 namespace {
 
-// Things that are lower and narrower can be moved.
-constexpr double kMovableHeight = 1.2;  // [m], of the top
-constexpr double kMovableWidth = 0.7;   // [m], the longer side
-constexpr double kFeet = 0.1;           // [m]: carpets and thresholds are stepped over
+constexpr double kFeet = 0.1;  // [m]: carpets and thresholds are stepped over
 // A person comes nearer to things than the body's radius: plans are centimetres off, people soft.
 constexpr double kElbowRoom = 0.5;  // of the radius
 constexpr int kDirections = 8;      // a count, chosen: 45 degrees apart, on the rim of a body
-
-struct Box {
-  Vec3d min{std::numeric_limits<double>::max(),
-            std::numeric_limits<double>::max(),
-            std::numeric_limits<double>::max()};
-  Vec3d max{std::numeric_limits<double>::lowest(),
-            std::numeric_limits<double>::lowest(),
-            std::numeric_limits<double>::lowest()};
-};
-
-Box box_of(const Mesh& mesh) {
-  Box box;
-  for (const Vec3d& v : mesh.vertices) {
-    box.min = {std::min(box.min.x, v.x), std::min(box.min.y, v.y), std::min(box.min.z, v.z)};
-    box.max = {std::max(box.max.x, v.x), std::max(box.max.y, v.y), std::max(box.max.z, v.z)};
-  }
-  return box;
-}
-
-bool is_movable(const Box& box, double floor) {
-  return box.max.z - floor < kMovableHeight &&
-         std::max(box.max.x - box.min.x, box.max.y - box.min.y) < kMovableWidth;
-}
 
 // What stands in the way of a body at a place: surfaces of fixed objects that its axis would cut,
 // or an object all around it.
@@ -54,8 +27,8 @@ class Obstacles {
         blocks_(scene_.objects().size()) {
     for (std::uint32_t i = 0; i < scene_.objects().size(); ++i) {
       const Mesh& mesh = scene_.objects()[i].mesh;
-      const Box box = box_of(mesh);
-      blocks_[i] = box.max.z > low_ && box.min.z < high_ && !is_movable(box, room.bounds_min.z);
+      const Bounds box = bounds_of(mesh);
+      blocks_[i] = box.upper.z > low_ && box.lower.z < high_ && !is_movable(box, room.bounds_min.z);
       // An object around an access point is the hull of the room.
       const bool hull = std::any_of(
           room.access_points.begin(), room.access_points.end(), [&](const RoomAccessPoint& ap) {
