@@ -11,31 +11,6 @@ namespace {
 constexpr Duration kAfterSpot = std::chrono::milliseconds(100);
 constexpr Duration kAroundInstant = std::chrono::milliseconds(60);
 
-Expected<std::vector<TruthPoint>> read_instants(const CsvTable& table) {
-  const auto columns = table.require({"t", "x", "y", "z"});
-  if (!columns) {
-    return tl::make_unexpected(columns.error());
-  }
-  std::vector<TruthPoint> truth;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const auto time = table.time(row, (*columns)[0]);
-    if (!time) {
-      return tl::make_unexpected(time.error());
-    }
-    TruthPoint point{*time, *time, true, {}};
-    std::size_t column = 1;
-    for (double* coordinate : {&point.position.x, &point.position.y, &point.position.z}) {
-      const auto value = table.number(row, (*columns)[column++]);
-      if (!value) {
-        return tl::make_unexpected(value.error());
-      }
-      *coordinate = *value;
-    }
-    truth.push_back(point);
-  }
-  return truth;
-}
-
 using Iterator = std::vector<const LocationEstimate*>::const_iterator;
 
 // The last in [begin, end], or `none`; of equal times the one that is last in the file.
@@ -76,16 +51,14 @@ Expected<std::vector<TruthPoint>> load_truth(const std::filesystem::path& file) 
 }
 
 Expected<std::vector<TruthPoint>> read_truth(const CsvTable& table) {
-  if (table.has_column("t") && !table.has_column("t_start")) {
-    return read_instants(table);
-  }
-  const auto points = read_points(table);
+  const bool instant = has_instants(table);
+  const auto points = instant ? read_instants(table) : read_points(table);
   if (!points) {
     return tl::make_unexpected(points.error());
   }
   std::vector<TruthPoint> truth;
   for (const SurveyPoint& point : *points) {
-    truth.push_back({point.t_start, point.t_end, false, point.position});
+    truth.push_back({point.t_start, point.t_end, instant, point.position});
   }
   return truth;
 }

@@ -53,4 +53,33 @@ Expected<std::vector<SurveyPoint>> read_points(const CsvTable& table) {
   return points;
 }
 
+bool has_instants(const CsvTable& table) {
+  return table.has_column("t") && !table.has_column("t_start");
+}
+
+Expected<std::vector<SurveyPoint>> read_instants(const CsvTable& table) {
+  const auto columns = table.require({"t", "x", "y", "z"});
+  if (!columns) {
+    return tl::make_unexpected(columns.error());
+  }
+  std::vector<SurveyPoint> points;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const auto time = table.time(row, (*columns)[0]);
+    if (!time) {
+      return tl::make_unexpected(time.error());
+    }
+    SurveyPoint point{*time, *time, {}, table.line(row)};
+    std::size_t column = 1;
+    for (double* coordinate : {&point.position.x, &point.position.y, &point.position.z}) {
+      const auto value = table.number(row, (*columns)[column++]);
+      if (!value) {
+        return tl::make_unexpected(value.error());
+      }
+      *coordinate = *value;
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
 }  // namespace rayloc

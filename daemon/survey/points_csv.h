@@ -26,4 +26,8 @@ struct SurveyPoint {
 Expected<std::vector<SurveyPoint>> load_points_csv(const std::filesystem::path& path);
 Expected<std::vector<SurveyPoint>> read_points(const CsvTable& table);
 
+// `t,x,y,z`: where a target was at instants, each from and until which it is there the same.
+bool has_instants(const CsvTable& table);
+Expected<std::vector<SurveyPoint>> read_instants(const CsvTable& table);
+
 }  // namespace rayloc
