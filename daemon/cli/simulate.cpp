@@ -14,9 +14,13 @@
 #include "daemon/command/verb.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/simulate/handling.h"
+#include "daemon/simulate/second_day.h"
 #include "daemon/simulate/simulate_report.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
+#include "daemon/site/site_copy.h"
+#include "daemon/survey/csv_table.h"
 
 namespace rayloc::cli {
 namespace {
@@ -28,6 +32,9 @@ struct Arguments {
   std::string impairments = "default";
   std::string transmitter;
   TransmissionOptions transmissions;
+  Handling handling;
+  std::string second_day;
+  std::string truth;
   TraceOptions trace;
   bool model_error = false;
   bool person = false;
@@ -40,6 +47,10 @@ Expected<Impairments> read_impairments(const std::string& argument) {
     return default_impairments();
   }
   return argument == "none" ? no_impairments() : load_impairments(argument);
+}
+
+Expected<SecondDay> read_second_day(const std::string& argument) {
+  return argument == "default" ? default_second_day() : load_second_day(argument);
 }
 
 // One of the site's by its address or name, or another address with the antenna of a device; the
@@ -69,17 +80,34 @@ Expected<SiteTransmitter> find_sender(const Site& site, const std::string& wante
 // What is simulated, all of it read and checked.
 struct Simulation {
   RoomModel room;
+  bool is_walk = false;
   std::vector<SimulatedSpot> spots;
   std::vector<CaptureArgument> outputs;
   CaptureOptions options;
+  std::optional<SecondDay> day;
+  LivedInRoom lived;  // on that day
 };
 
 Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulation& simulation) {
-  const auto points = load_points_csv(arguments.points);
+  const auto table = CsvTable::load(arguments.points);
+  if (!table) {
+    return tl::make_unexpected(table.error());
+  }
+  simulation.is_walk = has_instants(*table);
+  const auto points = simulation.is_walk ? read_instants(*table) : read_points(*table);
   if (!points) {
     return tl::make_unexpected(points.error());
   }
+  if (points->empty()) {
+    return bad_input(arguments.points + ": no spots, only a header");
+  }
+  if (simulation.is_walk && arguments.transmissions.survey_error > 0.0) {
+    return make_error(ErrorKind::kUsage,
+                      "--survey-error is of points where somebody stands; " + arguments.points +
+                          " has the instants of a walk");
+  }
   TransmissionOptions options = arguments.transmissions;
+  options.walk = simulation.is_walk;
   options.retry_share = simulation.options.impairments.retry_share;
   auto spots = plan_transmissions(*points, options, arguments.points);
   if (!spots) {
@@ -102,6 +130,29 @@ Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulati
   simulation.options.pattern = sender->pattern;
   simulation.options.polarization = sender->polarization;
   return {};
+}
+
+// What the hands of people and a night did to the room that is simulated.
+Expected<void> live(const Arguments& arguments, Simulation& simulation) {
+  if (!arguments.second_day.empty()) {
+    const auto day = read_second_day(arguments.second_day);
+    if (!day) {
+      return tl::make_unexpected(day.error());
+    }
+    auto lived = live_in(simulation.room, *day, simulation.options.seed);
+    if (!lived) {
+      return tl::make_unexpected(std::move(lived.error()));
+    }
+    simulation.day = *day;
+    simulation.lived = *std::move(lived);
+    simulation.room = simulation.lived.room;
+  }
+  return handle_devices(simulation.spots,
+                        simulation.is_walk,
+                        arguments.handling,
+                        simulation.room,
+                        simulation.options.seed,
+                        arguments.points);
 }
 
 Expected<Simulation> prepare(const Arguments& arguments) {
@@ -134,6 +185,9 @@ Expected<Simulation> prepare(const Arguments& arguments) {
   if (!arguments.quiet) {
     print_scene_notes(*simulation.room.scene);
   }
+  if (auto lived = live(arguments, simulation); !lived) {
+    return tl::make_unexpected(std::move(lived.error()));
+  }
   simulation.options.model_error = arguments.model_error;
   if (arguments.model_error) {
     simulation.options.trace = simulation.room.trace;
@@ -160,7 +214,11 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   if (!recorder) {
     return tl::make_unexpected(std::move(recorder.error()));
   }
-  CaptureSimulator simulator(simulation.room, index, simulation.options);
+  CaptureOptions options = simulation.options;
+  if (simulation.day) {
+    options.chain_changes = simulation.lived.access_points[index].chain_changes;
+  }
+  CaptureSimulator simulator(simulation.room, index, options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   for (const SimulatedSpot& spot : simulation.spots) {
     const auto heard = simulator.hear(spot);
@@ -187,6 +245,17 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   return report;
 }
 
+void print_notes(const Simulation& simulation) {
+  if (simulation.day &&
+      static_cast<double>(simulation.lived.moved.size()) < simulation.day->moved_things) {
+    std::fprintf(stderr,
+                 "rayloc simulate: %zu of %.0f things were moved: the room has no more that are "
+                 "movable and have a free place\n",
+                 simulation.lived.moved.size(),
+                 simulation.day->moved_things);
+  }
+}
+
 void print_notes(const CaptureReport& report) {
   if (!report.unheard_lines.empty()) {
     std::fprintf(stderr,
@@ -203,6 +272,13 @@ Expected<void> run(const Arguments& arguments) {
   if (!simulation) {
     return tl::make_unexpected(simulation.error());
   }
+  if (!arguments.truth.empty() && !arguments.force && std::filesystem::exists(arguments.truth)) {
+    return make_error(ErrorKind::kUnavailable,
+                      arguments.truth + ": exists already; choose another name, or say --force");
+  }
+  if (!arguments.quiet) {
+    print_notes(*simulation);
+  }
   std::vector<CaptureReport> captures;
   for (const CaptureArgument& output : simulation->outputs) {
     auto capture = simulate(*simulation, output, arguments.force);
@@ -214,16 +290,65 @@ Expected<void> run(const Arguments& arguments) {
     }
     captures.push_back(*std::move(capture));
   }
-  const std::string report = simulation_json(simulation->options, simulation->spots, captures);
+  SimulatedTruth truth{simulation->options, simulation->spots, captures, arguments.handling};
+  if (simulation->day) {
+    truth.day = &*simulation->day;
+    truth.lived = &simulation->lived;
+  }
+  if (!arguments.truth.empty()) {
+    if (auto written = write_file(arguments.truth, truth_csv(truth, simulation->is_walk));
+        !written) {
+      return written;
+    }
+  }
+  const std::string report = simulation_json(truth);
   std::fputs(report.c_str(), stdout);
   return {};
+}
+
+// A room that people live in.
+void declare_life(OptionParser& app, Arguments& arguments, ParserOption* person) {
+  app.add_option("--height-sigma",
+                 arguments.handling.height_sigma,
+                 "Heights are normal, of this deviation about height_m of the site's device and "
+                 "inside of the room, in place of those of the points; along a walk they change "
+                 "smoothly [m]")
+      ->check(in_range(0.0, 5.0))
+      ->excludes(person)
+      ->capture_default_str();
+  app.add_option("--tilt-deg",
+                 arguments.handling.tilt_deg,
+                 "The device leans to any side by an angle that is uniform up to this, another at "
+                 "each point, along a walk smoothly")
+      ->check(in_range(0.0, 180.0))
+      ->excludes(person)
+      ->capture_default_str();
+  app.add_option("--power-sigma-db",
+                 arguments.handling.power_sigma_db,
+                 "Its power is another at each point, normal, along a walk smoothly")
+      ->check(in_range(0.0, 30.0))
+      ->excludes(person)
+      ->capture_default_str();
+  app.add_option("--second-day",
+                 arguments.second_day,
+                 "Another day than that of the recordings of the same --seed without it: default, "
+                 "or a TOML file with the keys that differ from base = \"default\" (or "
+                 "\"none\"). The keys and their defaults; 0: off\n" +
+                     second_day_help());
+  app.add_option("--truth",
+                 arguments.truth,
+                 "Write where the device really was, as rayloc evaluate --truth reads it");
 }
 
 RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
       ->required();
-  app.add_option("--points", arguments->points, "Where the device stands: t_start,t_end,x,y,z")
+  app.add_option(
+         "--points",
+         arguments->points,
+         "Where the device stands: t_start,t_end,x,y,z; or t,x,y,z, a walk that sends a frame at "
+         "each row")
       ->required();
   app.add_option("--out", arguments->out, "The recordings to make: [AP=]FILE")->required();
   app.add_option("--impairments",
@@ -261,6 +386,7 @@ RunVerb declare(OptionParser& app) {
       ->excludes(person)
       ->excludes(depth)
       ->excludes(transmission);
+  declare_life(app, *arguments, person);
   app.add_option("--seed", arguments->transmissions.seed, "Of everything that is drawn")
       ->capture_default_str();
   app.add_flag("--force", arguments->force, "Replace files that exist");
@@ -278,10 +404,13 @@ const Verb kSimulate = {
     "  rayloc simulate office --points people.csv --person --transmitter plug --out "
     "ap1=people.pcap\n"
     "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n"
-    "  rayloc simulate CALIBRATED --points spots.csv --out a.pcap --model-error\n\n"
+    "  rayloc simulate CALIBRATED --points spots.csv --out a.pcap --model-error\n"
+    "  rayloc simulate office --points walk.csv --out ap1=day2.pcap --second-day default "
+    "--height-sigma 0.3 --tilt-deg 35 --power-sigma-db 4 --truth truth.csv\n\n"
     "For tests, planning and studies: made with the model that locates, the recordings say nothing "
     "about accuracy.\n"
-    "Prints as JSON what was simulated, the phases and gains of the chains among it.",
+    "Prints as JSON what was simulated, the phases and gains of the chains among it. A seed is a "
+    "site: recordings of one seed share its chains, with --second-day those of that day.",
     declare};
 
 }  // namespace rayloc::cli

@@ -50,8 +50,8 @@ AxcsiHeader header_of(const CaptureOptions& options, const RadioSetup& setup) {
   return header;
 }
 
-Transmitter transmitter_at(const Vec3d& position, const CaptureOptions& options) {
-  return Transmitter{{position, {}, options.pattern, options.polarization}};
+Transmitter transmitter_at(const Pose& pose, const CaptureOptions& options) {
+  return Transmitter{{pose.position, pose.orientation, options.pattern, options.polarization}};
 }
 
 std::vector<TargetLink> links_past_person(const RoomModel& room,
@@ -65,7 +65,7 @@ std::vector<TargetLink> links_past_person(const RoomModel& room,
   const auto tracer = TargetTracer::create(room.scene, options.person->body, scattering);
   RAYLOC_CHECK(tracer.has_value());
   const auto antennas = array_elements<Receiver>(array);
-  return tracer->links(transmitter_at(options.person->transmitter, options), antennas);
+  return tracer->links(transmitter_at({options.person->transmitter, {}}, options), antennas);
 }
 
 std::optional<ChannelDraw> draw_of(const RoomModel& room,
@@ -94,23 +94,26 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
              random_stream(options.seed, "radio", access_point)),
       cores_(room.access_points[access_point].cores),
       header_(header_of(options, setup_of(room, access_point, options.bandwidth_mhz))),
-      losses_(random_stream(options.seed, "losses", access_point)) {}
+      losses_(random_stream(options.seed, "losses", access_point)) {
+  radio_.turn_chains(options.chain_changes);
+}
 
-Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const Vec3d& place,
+Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const SimulatedSpot& spot,
                                                                          std::size_t& count) {
+  const Pose device{spot.position, spot.orientation};
   if (draw_) {
-    ChannelDraw::Channel drawn = draw_->at(place, radio_.grid());
+    ChannelDraw::Channel drawn = draw_->at(device, radio_.grid());
     count = drawn.rays;
     return std::move(drawn.h);
   }
-  const Vec3d sender = options_.person ? options_.person->transmitter : place;
+  const Pose sender = options_.person ? Pose{options_.person->transmitter, {}} : device;
   const std::vector<Paths> paths = tracer_.trace(transmitter_at(sender, options_));
   for (const Paths& of_element : paths) {
     count += of_element.size();
   }
   auto h = array_csi(paths, radio_.grid());
   for (std::size_t antenna = 0; antenna < past_person_.size(); ++antenna) {
-    const auto added = past_person_[antenna].trace({place.x, place.y});
+    const auto added = past_person_[antenna].trace({spot.position.x, spot.position.y});
     if (!added) {
       return tl::make_unexpected(added.error());
     }
@@ -124,9 +127,15 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const V
 
 Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
   SpotCapture capture;
-  const auto h = channel_at(spot.position, capture.paths);
+  auto h = channel_at(spot, capture.paths);
   if (!h) {
     return tl::make_unexpected(h.error());
+  }
+  if (spot.power_db != 0.0) {
+    const double factor = std::pow(10.0, spot.power_db / 20.0);
+    for (std::complex<double>& value : *h) {
+      value *= factor;
+    }
   }
   std::uniform_real_distribution<double> uniform;
   for (const Transmission& sent : spot.frames) {

@@ -42,6 +42,8 @@ struct CaptureOptions {
   // `person`.
   bool model_error = false;
   Impairments impairments;
+  // Of each chain of the access point, what a power cycle multiplied it by; empty: none has been.
+  std::vector<std::complex<double>> chain_changes = {};
   std::uint64_t seed = 0;
 };
 
@@ -69,7 +71,8 @@ class CaptureSimulator {
 
  private:
   // [antenna][tone] on the radio's grid; adds to `count` the paths that it is made of.
-  Expected<std::vector<std::complex<double>>> channel_at(const Vec3d& place, std::size_t& count);
+  Expected<std::vector<std::complex<double>>> channel_at(const SimulatedSpot& spot,
+                                                         std::size_t& count);
 
   CaptureOptions options_;
   ArrayTracer tracer_;

@@ -21,6 +21,7 @@
 #include "engine/channel/ofdm_grid.h"
 #include "engine/likelihood/observation_model.h"
 #include "engine/room/room_model.h"
+#include "engine/scene/antenna_array.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc {
@@ -34,8 +35,8 @@ class ChannelDraw {
     std::vector<std::complex<double>> h;  // [antenna][tone], of the field at the antennas
     std::size_t rays = 0;                 // 0: h is 0
   };
-  // Of the room's device at `position` [m].
-  Channel at(const Vec3d& position, const OfdmGrid& grid);
+  // Of the room's device there.
+  Channel at(const Pose& pose, const OfdmGrid& grid);
 
  private:
   std::complex<double> normal();  // complex, of unit power

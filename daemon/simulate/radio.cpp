@@ -107,6 +107,14 @@ void SimulatedRadio::draw_coupling(const ChainGains& calibrated) {
   }
 }
 
+void SimulatedRadio::turn_chains(std::span<const Value> factors) {
+  RAYLOC_CHECK(factors.empty() || factors.size() == chains_.cores.size());
+  const std::size_t tones = chains_.grid.size();
+  for (std::size_t i = 0; i < factors.size() * tones; ++i) {
+    chains_.gain[i] *= factors[i / tones];
+  }
+}
+
 Value SimulatedRadio::normal() {
   const double re = normal_(random_);
   const double im = normal_(random_);

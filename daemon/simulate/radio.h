@@ -50,6 +50,9 @@ class SimulatedRadio {
   const OfdmGrid& grid() const { return chains_.grid; }
   // The truth that a calibration looks for; coupling and image apart.
   const ChainGains& chains() const { return chains_; }
+  // What another power cycle leaves: each chain times its factor, ripple, coupling and image as
+  // they were. REQUIRES: none, or one of each chain.
+  void turn_chains(std::span<const std::complex<double>> factors);
 
   // `h`: [core][tone] on grid(), of the field at the antennas. REQUIRES: that size.
   RadioFrame receive(std::span<const std::complex<double>> h, std::uint64_t transmit_error_seed);

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/simulate/handling.h"
+#include "daemon/simulate/second_day.h"
 #include "engine/observe/chain_gains.h"
 
 namespace rayloc::cli {
@@ -20,12 +22,29 @@ struct CaptureReport {
   ChainGains chains;
 };
 
+// All that was simulated.
+struct SimulatedTruth {
+  const CaptureOptions& options;
+  std::span<const SimulatedSpot> spots;
+  std::span<const CaptureReport> captures;
+  Handling handling = {};
+  const SecondDay* day = nullptr;  // with the room as it was then; nullptr: the first day
+  const LivedInRoom* lived = nullptr;
+};
+
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
 // access_points[{id, file, datagrams, lost, unheard_lines[], chains[{core, gain_db, phase_deg}]}],
 // points[{line, x, y, z}]`, the points as the device really stood. Gain and phase of a chain are
 // means over the tones against the access point's first chain, as `rayloc calibrate` reports them.
-std::string simulation_json(const CaptureOptions& options,
-                            std::span<const SimulatedSpot> spots,
-                            std::span<const CaptureReport> captures);
+//
+// Of devices that are handled, `handling{height_sigma_m, tilt_deg, power_sigma_db}` and, of each
+// point, `tilt_deg, tilt_towards_deg, power_db`. Of a second day, `second_day{key: value,
+// things[{objects[], by[3]}], access_points[{id, moved_m[3], yaw_deg, pitch_deg, roll_deg}]}`; the
+// turns are what was added to those angles of the pose.
+std::string simulation_json(const SimulatedTruth& truth);
+
+// The points as a file that `rayloc evaluate --truth` reads: `t_start,t_end,x,y,z`, of a walk
+// `t,x,y,z`, and of devices that are handled further columns as above.
+std::string truth_csv(const SimulatedTruth& truth, bool is_walk);
 
 }  // namespace rayloc::cli

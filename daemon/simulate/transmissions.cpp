@@ -13,6 +13,53 @@ Error error_at(const std::string& file, int line, const std::string& what) {
   return {ErrorKind::kBadInput, file + ":" + std::to_string(line) + ": " + what};
 }
 
+// Whether a device can send what is asked for at point `i`, one frame at a time.
+Expected<void> check_times(std::span<const SurveyPoint> ordered,
+                           std::size_t i,
+                           const TransmissionOptions& options,
+                           const std::string& file) {
+  const SurveyPoint& point = ordered[i];
+  if (i > 0) {
+    const SurveyPoint& last = ordered[i - 1];
+    if (options.walk && point.t_start < last.t_start + kLeastFrameInterval) {
+      return tl::make_unexpected(error_at(file,
+                                          point.line,
+                                          "follows within 0.2 ms of line " +
+                                              std::to_string(last.line) +
+                                              "; a device sends one frame at a time"));
+    }
+    if (point.t_start < last.t_end) {
+      return tl::make_unexpected(error_at(file,
+                                          point.line,
+                                          "begins before the point of line " +
+                                              std::to_string(last.line) +
+                                              " ends; one device stands at one point at a time"));
+    }
+  }
+  const auto count = static_cast<Duration::rep>(options.frames);
+  if (!options.walk && (point.t_end - point.t_start) / count < kLeastFrameInterval) {
+    return tl::make_unexpected(
+        error_at(file,
+                 point.line,
+                 std::to_string(options.frames) + " frames do not fit between t_start and t_end"));
+  }
+  return {};
+}
+
+// When a device sends that is at the point.
+std::vector<Timestamp> times_at(const SurveyPoint& point, const TransmissionOptions& options) {
+  if (options.walk) {
+    return {point.t_start};
+  }
+  const auto count = static_cast<Duration::rep>(options.frames);
+  const Duration interval = (point.t_end - point.t_start) / count;
+  std::vector<Timestamp> times;
+  for (Duration::rep n = 0; n < count; ++n) {
+    times.push_back(point.t_start + n * interval + interval / 2);
+  }
+  return times;
+}
+
 }  // namespace
 
 Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPoint> points,
@@ -30,33 +77,21 @@ Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPo
   std::vector<SimulatedSpot> spots;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     const SurveyPoint& point = ordered[i];
-    if (i > 0 && point.t_start < ordered[i - 1].t_end) {
-      return tl::make_unexpected(error_at(file,
-                                          point.line,
-                                          "begins before the point of line " +
-                                              std::to_string(ordered[i - 1].line) +
-                                              " ends; one device stands at one point at a time"));
-    }
-    const auto count = static_cast<Duration::rep>(options.frames);
-    const Duration interval = (point.t_end - point.t_start) / count;
-    if (interval < kLeastFrameInterval) {
-      return tl::make_unexpected(error_at(
-          file,
-          point.line,
-          std::to_string(options.frames) + " frames do not fit between t_start and t_end"));
+    if (auto possible = check_times(ordered, i, options, file); !possible) {
+      return tl::make_unexpected(std::move(possible.error()));
     }
     SimulatedSpot spot;
     spot.line = point.line;
+    spot.t_start = point.t_start;
+    spot.t_end = point.t_end;
     const double dx = normal(survey);
     const double dy = normal(survey);
     const double dz = normal(survey);
     spot.position = point.position + options.survey_error * Vec3d{dx, dy, dz};
-    for (Duration::rep n = 0; n < count; ++n) {
+    for (const Timestamp time : times_at(point, options)) {
       const bool retry = uniform(traffic) < options.retry_share;
       number = static_cast<std::uint16_t>((number + (retry ? 0 : 1)) % kSequenceNumbers);
-      spot.frames.push_back({point.t_start + n * interval + interval / 2,
-                             static_cast<std::uint16_t>(number << 4U),
-                             traffic()});
+      spot.frames.push_back({time, static_cast<std::uint16_t>(number << 4U), traffic()});
     }
     spots.push_back(std::move(spot));
   }

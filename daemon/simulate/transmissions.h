@@ -12,6 +12,7 @@
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
 #include "engine/base/vec3.h"
+#include "engine/scene/antenna_array.h"
 
 namespace rayloc {
 
@@ -25,12 +26,18 @@ struct SimulatedSpot {
   int line = 0;    // of the points file
   Vec3d position;  // [m], where the device really stands
   std::vector<Transmission> frames;
+  Orientation orientation = {};  // of the device; world from device
+  double power_db = 0.0;         // of the device beside its usual power
+  Timestamp t_start = {};        // of the points file
+  Timestamp t_end = {};
 };
 
 struct TransmissionOptions {
   std::size_t frames = 10;    // at each point, spread evenly over its time
   double survey_error = 0.0;  // [m], deviation along each axis of the device from the stated point
   double retry_share = 0.0;
+  // The points are instants of a walk: the device sends one frame at each, and stands where stated.
+  bool walk = false;
   std::uint64_t seed = 0;
 };
 

@@ -47,7 +47,7 @@ Moments moments_of(const RoomModel& room) {
   Moments m;
   m.mean.resize(3 * tones);
   for (int n = 0; n < kDraws; ++n) {
-    all.push_back(draws.at(kPlace, room.grid).h);
+    all.push_back(draws.at({kPlace, {}}, room.grid).h);
     for (std::size_t i = 0; i < 3 * tones; ++i) {
       m.mean[i] += all.back()[i] / static_cast<double>(kDraws);
     }
@@ -84,7 +84,7 @@ std::vector<Ray> rays_of_room(const RoomModel& room) {
 // What is drawn about the same paths, traced to each element.
 TEST(ChannelDraw, WithoutErrorsIsTheTracersChannel) {
   const RoomModel room = room_with(kExact);
-  const auto h = ChannelDraw(room, 0, RandomStream(1)).at(kPlace, room.grid);
+  const auto h = ChannelDraw(room, 0, RandomStream(1)).at({kPlace, {}}, room.grid);
   EXPECT_GT(h.rays, 5U);
   const auto traced = test::channel_at(room, room.access_points[0], kPlace);
   EXPECT_GT(Aligner(room.grid).align(h.h, traced).correlation, 0.999);
@@ -180,7 +180,7 @@ TEST(ChannelDraw, StrengthsAndTheRestHaveTheirPower) {
 TEST(ChannelDraw, ASeedGivesTheSameAndAPlaceBehindAWallNothing) {
   const RoomModel room = room_with({});
   const auto at = [&](unsigned seed, const Vec3d& place) {
-    return ChannelDraw(room, 0, RandomStream(seed)).at(place, room.grid);
+    return ChannelDraw(room, 0, RandomStream(seed)).at({place, {}}, room.grid);
   };
   EXPECT_EQ(at(3, kPlace).h, at(3, kPlace).h);
   EXPECT_NE(at(3, kPlace).h, at(4, kPlace).h);
@@ -217,7 +217,7 @@ TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
                       within(room.bounds_min.y, room.bounds_max.y),
                       room.device.height};
     const auto frames = test::frames_of(
-        room, {draws.at(place, room.grid).h}, {.count = 1, .snr_db = 50.0, .seed = 2});
+        room, {draws.at({place, {}}, room.grid).h}, {.count = 1, .snr_db = 50.0, .seed = 2});
     const double reaching = region_reaching(localizer->locate(frames), place).value_or(1.0);
     half += reaching <= 0.5 ? 1 : 0;
     most += reaching <= 0.95 ? 1 : 0;

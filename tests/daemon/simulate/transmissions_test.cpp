@@ -74,6 +74,21 @@ TEST(Transmissions, TheSurveyErrorIsItsDeviationAlongEachAxis) {
   EXPECT_NEAR(std::sqrt(squares.z / 2000), 0.01, 0.0006);
 }
 
+TEST(Transmissions, AWalkIsAFrameAtEachInstant) {
+  const std::vector<SurveyPoint> points = {point(1050, 1050, {1.1, 2, 3}, 3),
+                                           point(1000, 1000, {1, 2, 3}, 2)};
+  const auto spots = plan_transmissions(points, {.frames = 10, .walk = true}, "f.csv");
+  ASSERT_TRUE(spots) << spots.error().message;
+  ASSERT_EQ(spots->size(), 2U);
+  ASSERT_EQ((*spots)[1].frames.size(), 1U);
+  EXPECT_EQ((*spots)[0].frames[0].time, Timestamp(milliseconds(1000)));
+  EXPECT_EQ((*spots)[1].frames[0].time, Timestamp(milliseconds(1050)));
+  EXPECT_EQ((*spots)[1].position, (Vec3d{1.1, 2, 3}));
+  const std::vector<SurveyPoint> at_once = {point(1000, 1000, {}, 2), point(1000, 1000, {}, 3)};
+  EXPECT_THAT(plan_transmissions(at_once, {.walk = true}, "f.csv").error().message,
+              StartsWith("f.csv:3: follows within 0.2 ms of line 2"));
+}
+
 TEST(Transmissions, RefusesRowsThatOverlapOrAreTooShort) {
   const std::vector<SurveyPoint> overlapping = {point(0, 1000, {}, 2), point(900, 2000, {}, 3)};
   EXPECT_THAT(plan_transmissions(overlapping, {}, "f.csv").error().message,
