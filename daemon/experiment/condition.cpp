@@ -19,6 +19,7 @@ using C = Condition;
 
 constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
 constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
+constexpr std::array<std::string_view, 2> kChains = {"known", "first_day"};
 
 std::span<const std::string_view> likelihoods() {
   static const std::vector<std::string_view> kNames = [] {
@@ -66,6 +67,42 @@ const std::array kKeys = std::to_array<ConditionKey>({
      kAny,
      true,
      "known to the model"},
+    {"height_sigma_m",
+     &C::height_sigma_m,
+     "0",
+     {0, 5, "m"},
+     false,
+     kAny,
+     true,
+     "of devices about it, which the model does not know",
+     true},
+    {"tilt_deg",
+     &C::tilt_deg,
+     "0",
+     {0, 180, "degrees"},
+     false,
+     kAny,
+     true,
+     "of the device from upright at most, new at each spot",
+     true},
+    {"power_sigma_db",
+     &C::power_sigma_db,
+     "0",
+     {0, 30, "dB"},
+     false,
+     kAny,
+     true,
+     "of the device from spot to spot, deviation",
+     true},
+    {"second_day",
+     &C::second_day,
+     "none",
+     {},
+     false,
+     kAny,
+     true,
+     "of the spots, as of rayloc simulate: none, default or a file",
+     true},
     {"person_radius_m",
      &C::person_radius_m,
      "0.165",
@@ -134,6 +171,15 @@ const std::array kKeys = std::to_array<ConditionKey>({
      likelihoods(),
      false,
      "what method rayloc compares"},
+    {"chains",
+     &C::chains,
+     "known",
+     {},
+     false,
+     kChains,
+     false,
+     "in the model: as they are, or as on the first day",
+     true},
     {"model_depth", &C::model_depth, "2", kDepth, true, kAny, false, "reflections the model knows"},
     {"repeats",
      &C::repeats,
@@ -220,6 +266,22 @@ std::optional<double> condition_number(const Condition& condition, std::string_v
   }
   const auto* number = std::get_if<double C::*>(&find_key(key).member);
   return number == nullptr ? std::nullopt : std::optional(condition.**number);
+}
+
+std::vector<std::string> reported_keys(std::span<const Condition* const> conditions) {
+  std::vector<std::string> keys;
+  for (const ConditionKey& key : kKeys) {
+    const bool is_used = std::any_of(conditions.begin(), conditions.end(), [&](const Condition* c) {
+      return text_of(*c, key) != key.preset;
+    });
+    if (is_used || !key.only_where_used) {
+      keys.emplace_back(key.key);
+    }
+  }
+  for (const PaperSetting& setting : paper_settings()) {
+    keys.push_back(std::string(kPaper) + std::string(setting.key));
+  }
+  return keys;
 }
 
 std::string world_text(const Condition& condition) {

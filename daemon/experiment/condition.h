@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "daemon/site/number_range.h"
 #include "engine/paper/paper_options.h"
@@ -26,6 +27,10 @@ struct Condition {
   double access_points = 0;    // the first ones of the plan
   double ap_height_m = 0.0;    // 0: that of the plan
   double device_height_m = 0.0;
+  double height_sigma_m = 0.0;   // of devices about it; the model believes that there is none
+  double tilt_deg = 0.0;         // of the device from upright, at most
+  double power_sigma_db = 0.0;   // of the device, from spot to spot
+  std::string second_day;        // on which the spots are visited: none, default or a file
   double person_radius_m = 0.0;  // of people; the model believes 0.165 m
   double boxes = 0;              // of clutter, besides what the plan states
   double distance_m = 0.0;       // of spots from the first access point; 0: any
@@ -39,6 +44,7 @@ struct Condition {
   // The method.
   std::string method;
   std::string likelihood;  // of method rayloc
+  std::string chains;      // what the model believes of them: known, or first_day
   double model_depth = 0;  // reflections that the model knows
   double repeats = 0;      // locations of each spot, with other random numbers; of method paper
   double multi_start = 0;  // random starts of one location, the least loss wins; of method paper
@@ -59,6 +65,9 @@ struct ConditionKey {
   std::span<const std::string_view> names;  // of a string; empty: any
   bool is_world = true;
   std::string_view meaning;
+  // A column of the report only where a condition states another value than the preset, so that
+  // reports of experiments that do not know the key stay as they are.
+  bool only_where_used = false;
 };
 
 std::span<const ConditionKey> condition_keys();
@@ -72,6 +81,10 @@ std::string condition_text(const Condition& condition, std::string_view key);
 
 // The same as a number, for an axis of a chart; nothing for a string or a flag.
 std::optional<double> condition_number(const Condition& condition, std::string_view key);
+
+// The keys of both tables that reports of these conditions have: all but those of only_where_used
+// that none of them uses.
+std::vector<std::string> reported_keys(std::span<const Condition* const> conditions);
 
 // What tells apart worlds, and within them models: equal texts mean equal frames, equal rooms.
 std::string world_text(const Condition& condition);

@@ -199,6 +199,15 @@ class ExperimentReader {
                   condition.kind + "'; choose another method or kind");
       return false;
     }
+    if (condition.kind == "person") {
+      for (const std::string_view key : {"height_sigma_m", "tilt_deg", "power_sigma_db"}) {
+        if (condition_number(condition, key) != 0.0) {
+          table.error(table.name() + ": '" + std::string(key) +
+                      "' is of devices; leave it out where kind is 'person'");
+          return false;
+        }
+      }
+    }
     const PaperLocalizerOptions paper = condition.paper_options();
     for (const auto& valid : {validate(paper.descent), validate(paper.csi.smoothing)}) {
       if (!valid) {

@@ -10,22 +10,21 @@
 #include "daemon/draw/html.h"
 #include "daemon/draw/svg.h"
 #include "daemon/evaluate/statistics_json.h"
-#include "engine/paper/paper_settings.h"
 
 namespace rayloc {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::vector<std::string> all_keys() {
-  std::vector<std::string> keys;
-  for (const ConditionKey& key : condition_keys()) {
-    keys.emplace_back(key.key);
+// Of all conditions, so that all rows of a report have the same columns.
+std::vector<std::string> keys_of(const std::vector<StudyResult>& results) {
+  std::vector<const Condition*> conditions;
+  for (const StudyResult& result : results) {
+    for (const ConditionResult& condition : result.conditions) {
+      conditions.push_back(&condition.condition);
+    }
   }
-  for (const PaperSetting& setting : paper_settings()) {
-    keys.push_back("paper." + std::string(setting.key));
-  }
-  return keys;
+  return reported_keys(conditions);
 }
 
 // The figures of the tables, by their names in the JSON.
@@ -102,7 +101,8 @@ std::string held_text(const Study& study) {
   const Condition usual = default_condition();
   const Condition& first = study.conditions.front();
   std::string text;
-  for (const std::string& key : all_keys()) {
+  const std::array<const Condition*, 1> held = {&first};
+  for (const std::string& key : reported_keys(held)) {
     const bool is_axis = std::find(study.axes.begin(), study.axes.end(), key) != study.axes.end();
     const std::string value = condition_text(first, key);
     if (!is_axis && value != condition_text(usual, key)) {
@@ -135,7 +135,7 @@ std::string experiment_json(const Experiment& experiment, const std::vector<Stud
   json["name"] = experiment.name;
   json["seed"] = experiment.seed;
   Json& studies = json["studies"] = Json::array();
-  const std::vector<std::string> keys = all_keys();
+  const std::vector<std::string> keys = keys_of(results);
   for (const StudyResult& result : results) {
     Json study;
     study["name"] = result.study->name;
@@ -157,7 +157,7 @@ std::string experiment_json(const Experiment& experiment, const std::vector<Stud
 }
 
 std::string experiment_csv(const std::vector<StudyResult>& results) {
-  const std::vector<std::string> keys = all_keys();
+  const std::vector<std::string> keys = keys_of(results);
   std::string csv = "study";
   for (const std::string& key : keys) {
     csv += "," + key;

@@ -77,6 +77,11 @@ Expected<Locate> make_method(const Condition& condition,
   const Method& method = *find_method(condition.method);
   RoomModel told = layout.model;
   told.trace.max_depth = static_cast<int>(condition.model_depth);
+  if (condition.chains == "first_day") {
+    for (std::size_t ap = 0; ap < told.access_points.size(); ++ap) {
+      told.access_points[ap].gains = layout.first_day_chains[ap];
+    }
+  }
   auto room = std::make_shared<const RoomModel>(std::move(told));
   MethodOptions options = options_of(condition, method, seed);
   if (layout.transmitter) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <iterator>
 #include <optional>
 #include <random>
@@ -12,8 +13,11 @@
 #include "daemon/experiment/study_room.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/simulate/handling.h"
 #include "daemon/simulate/impairments.h"
 #include "daemon/simulate/random_stream.h"
+#include "daemon/simulate/second_day.h"
+#include "daemon/simulate/solid_objects.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -33,9 +37,13 @@ struct Place {
   const RoomPlan& plan;
   const Scene& scene;
   const Condition& condition;
-  std::optional<Vec3d> transmitter;  // of people
+  std::optional<Vec3d> transmitter;     // of people
+  const SolidObjects* moved = nullptr;  // objects where they are on a second day
 
   bool is_clear(const Vec3d& spot) const {
+    if (moved != nullptr && moved->contain(spot)) {
+      return false;
+    }
     if (condition.kind != "person") {
       return !is_in_box(plan, spot, kClearOfBoxes);
     }
@@ -93,6 +101,37 @@ class AnyPlace {
   double height_;
 };
 
+// Heights of devices have a stream of their own: with another deviation they are held elsewhere at
+// the same places.
+class Heights {
+ public:
+  Heights(const Place& place, std::uint64_t seed, std::size_t layout)
+      : sigma_(place.condition.height_sigma_m),
+        lower_(place.plan.lower.z + kHeightMargin),
+        upper_(place.plan.upper.z - kHeightMargin),
+        random_(random_stream(seed, "heights", layout)) {}
+
+  // Raises or lowers the place; not out of the room.
+  void change(Vec3d& place) {
+    if (sigma_ <= 0.0) {
+      return;
+    }
+    constexpr int kAttempts = 1000;
+    double height = place.z + sigma_ * normal_(random_);
+    for (int n = 0; n < kAttempts && (height < lower_ || height > upper_); ++n) {
+      height = place.z + sigma_ * normal_(random_);
+    }
+    place.z = std::clamp(height, lower_, upper_);
+  }
+
+ private:
+  double sigma_;
+  double lower_;
+  double upper_;
+  RandomStream random_;
+  std::normal_distribution<double> normal_;
+};
+
 // Where a fixed transmitter of people stands: clear of boxes and not beside an access point.
 Expected<Vec3d> draw_transmitter(const Place& place, std::uint64_t seed, std::size_t layout) {
   RandomStream random = random_stream(seed, "transmitter", layout);
@@ -121,6 +160,7 @@ Expected<std::vector<Vec3d>> draw_spots(const Place& place,
   const Condition& condition = place.condition;
   RandomStream random = random_stream(seed, "spots", layout);
   AnyPlace any(place);
+  Heights heights(place, seed, layout);
   const auto count = static_cast<std::size_t>(condition.spots);
   constexpr std::size_t kAttempts = 20'000;  // of each spot
   std::vector<Vec3d> spots;
@@ -135,7 +175,8 @@ Expected<std::vector<Vec3d>> draw_spots(const Place& place,
               ": " + std::to_string(spots.size()) + " of " + std::to_string(count) +
               " were found; change 'sight', 'distance_m' or the plan");
     }
-    const Vec3d spot = any.draw(random);
+    Vec3d spot = any.draw(random);
+    heights.change(spot);
     if (place.suits(spot)) {
       spots.push_back(spot);
     }
@@ -157,6 +198,15 @@ SimulatedSpot transmissions(const Vec3d& position,
     spot.frames.push_back({begin + n * kFrameInterval, control, traffic()});
   }
   return spot;
+}
+
+// Before each chain was multiplied by its change, if any was.
+ChainGains before(ChainGains gains, const std::vector<std::complex<double>>& changes) {
+  const std::size_t tones = gains.grid.size();
+  for (std::size_t i = 0; i < changes.size() * tones; ++i) {
+    gains.gain[i] /= changes[i / tones];
+  }
+  return gains;
 }
 
 // The gains on the tones that the model knows.
@@ -194,6 +244,7 @@ void sort_by_time(std::vector<CsiFrame>& frames) {
 
 // What is simulated, all of it drawn.
 struct Transmissions {
+  LivedInRoom truth;
   SimulatedSpot empty;               // of people
   std::vector<SimulatedSpot> spots;  // of the layout
 };
@@ -202,10 +253,8 @@ void append(std::vector<CsiFrame> more, std::vector<CsiFrame>& frames) {
   std::move(more.begin(), more.end(), std::back_inserter(frames));
 }
 
-Expected<void> hear(const RoomModel& truth,
-                    const Transmissions& sent,
-                    const CaptureOptions& options,
-                    StudyLayout& layout) {
+Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayout& layout) {
+  const RoomModel& truth = sent.truth.room;
   for (std::size_t ap = 0; ap < truth.access_points.size(); ++ap) {
     const auto listen = [&](CaptureSimulator& simulator,
                             const SimulatedSpot& spot,
@@ -217,8 +266,11 @@ Expected<void> hear(const RoomModel& truth,
       append(decode(*heard, truth.access_points[ap], static_cast<int>(ap)), frames);
       return {};
     };
+    options.chain_changes = sent.truth.access_points[ap].chain_changes;
     CaptureSimulator simulator(truth, ap, options);
-    layout.model.access_points[ap].gains = on_grid(simulator.chains(), layout.model.grid);
+    ChainGains& chains = layout.model.access_points[ap].gains;
+    chains = on_grid(simulator.chains(), layout.model.grid);
+    layout.first_day_chains.push_back(before(chains, options.chain_changes));
     if (options.person) {
       CaptureOptions alone = options;
       alone.person.reset();
@@ -249,6 +301,72 @@ Expected<Impairments> impairments_of(const Condition& condition) {
              : load_impairments(condition.room.parent_path() / condition.impairments);
 }
 
+Expected<SecondDay> day_of(const Condition& condition) {
+  if (condition.second_day == "none") {
+    return unchanged_day();
+  }
+  return condition.second_day == "default"
+             ? default_second_day()
+             : load_second_day(condition.room.parent_path() / condition.second_day);
+}
+
+// The room as it is when the spots are visited.
+Expected<LivedInRoom> make_truth(const RoomPlan& plan,
+                                 const Condition& condition,
+                                 std::uint64_t seed) {
+  const auto day = day_of(condition);
+  if (!day) {
+    return tl::make_unexpected(day.error());
+  }
+  const auto room = make_room(plan, condition);
+  return room ? live_in(*room, *day, seed) : tl::make_unexpected(room.error());
+}
+
+// Where somebody is, and what is sent meanwhile.
+Expected<void> draw_transmissions(const Place& place,
+                                  std::uint64_t seed,
+                                  std::size_t number,
+                                  Transmissions& sent) {
+  const auto places = draw_spots(place, seed, number);
+  if (!places) {
+    return tl::make_unexpected(places.error());
+  }
+  RandomStream traffic = random_stream(seed, "traffic", number);
+  if (place.transmitter) {
+    sent.empty = transmissions(*place.transmitter, 0, kEmptyFrames, traffic);
+  }
+  for (const Vec3d& at : *places) {
+    const std::size_t after = sent.spots.size() + (place.transmitter ? 1U : 0U);
+    const auto frames = static_cast<std::size_t>(place.condition.frames);
+    sent.spots.push_back(transmissions(at, after, frames, traffic));
+  }
+  const Handling handling{0.0, place.condition.tilt_deg, place.condition.power_sigma_db};
+  return handle_devices(sent.spots,
+                        false,
+                        handling,
+                        sent.truth.room,
+                        random_stream(seed, "handling", number)(),
+                        place.condition.room.string());
+}
+
+CaptureOptions capture_options(const Condition& condition,
+                               const RoomPlan& plan,
+                               const StudyLayout& layout) {
+  CaptureOptions options;
+  options.transmitter = kStudyTransmitter;
+  options.pattern = layout.model.device.pattern;
+  options.polarization = layout.model.device.polarization;
+  options.bandwidth_mhz = plan.carrier.bandwidth_mhz;
+  options.trace.max_depth = static_cast<int>(condition.depth);
+  if (layout.transmitter) {
+    SimulatedPerson person{layout.transmitter->position, {}};
+    person.body.semi_axes = {condition.person_radius_m, condition.person_radius_m};
+    person.body.height = kPersonHeight;
+    options.person = person;
+  }
+  return options;
+}
+
 Expected<StudyLayout> simulate_layout(const RoomPlan& original,
                                       const Condition& condition,
                                       std::uint64_t seed,
@@ -262,50 +380,35 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
     return tl::make_unexpected(plan.error());
   }
   auto model = make_room(*plan, condition);
-  const auto truth = make_room(misplace(*plan, condition, seed, number), condition);
+  const std::uint64_t radios = random_stream(seed, "radios", number)();
+  auto truth = make_truth(misplace(*plan, condition, seed, number), condition, radios);
   if (!model || !truth) {
     return tl::make_unexpected(model ? truth.error() : model.error());
   }
-  StudyLayout layout{*std::move(model), {}, std::nullopt, {}};
-  Place place{*plan, *truth->scene, condition, std::nullopt};
+  StudyLayout layout{*std::move(model), {}, {}, std::nullopt, {}};
+  Transmissions sent{*std::move(truth), {}, {}};
+  const SolidObjects objects(sent.truth.room);
+  Place place{*plan, *sent.truth.room.scene, condition, std::nullopt};
+  place.moved = sent.truth.moved.empty() ? nullptr : &objects;
   if (condition.kind == "person") {
     const auto at = draw_transmitter(place, seed, number);
     if (!at) {
       return tl::make_unexpected(at.error());
     }
     place.transmitter = *at;
-    layout.transmitter = Transmitter{{*at, {}, truth->device.pattern, truth->device.polarization}};
+    const DeviceModel& device = layout.model.device;
+    layout.transmitter = Transmitter{{*at, {}, device.pattern, device.polarization}};
   }
-  const auto places = draw_spots(place, seed, number);
-  if (!places) {
-    return tl::make_unexpected(places.error());
+  if (auto drawn = draw_transmissions(place, seed, number, sent); !drawn) {
+    return tl::make_unexpected(std::move(drawn.error()));
   }
-  RandomStream traffic = random_stream(seed, "traffic", number);
-  Transmissions sent;
-  if (layout.transmitter) {
-    sent.empty = transmissions(*place.transmitter, 0, kEmptyFrames, traffic);
+  for (const SimulatedSpot& spot : sent.spots) {
+    layout.spots.push_back({spot.position, {}});
   }
-  for (const Vec3d& at : *places) {
-    const std::size_t after = sent.spots.size() + (layout.transmitter ? 1U : 0U);
-    const auto frames = static_cast<std::size_t>(condition.frames);
-    sent.spots.push_back(transmissions(at, after, frames, traffic));
-    layout.spots.push_back({at, {}});
-  }
-  CaptureOptions options;
-  options.transmitter = kStudyTransmitter;
-  options.pattern = truth->device.pattern;
-  options.polarization = truth->device.polarization;
-  options.bandwidth_mhz = plan->carrier.bandwidth_mhz;
-  options.trace.max_depth = static_cast<int>(condition.depth);
+  CaptureOptions options = capture_options(condition, *plan, layout);
   options.impairments = *impairments;
-  options.seed = random_stream(seed, "radios", number)();
-  if (layout.transmitter) {
-    SimulatedPerson person{layout.transmitter->position, {}};
-    person.body.semi_axes = {condition.person_radius_m, condition.person_radius_m};
-    person.body.height = kPersonHeight;
-    options.person = person;
-  }
-  if (auto heard = hear(*truth, sent, options, layout); !heard) {
+  options.seed = radios;
+  if (auto heard = hear(sent, options, layout); !heard) {
     return tl::make_unexpected(std::move(heard.error()));
   }
   return layout;

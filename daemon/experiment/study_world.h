@@ -12,6 +12,7 @@
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
+#include "engine/observe/chain_gains.h"
 #include "engine/room/room_model.h"
 #include "engine/trace/radio_device.h"
 
@@ -25,6 +26,8 @@ struct StudySpot {
 struct StudyLayout {
   // What the method is told: the room as planned, with the chain gains as they are.
   RoomModel model;
+  // Of each access point, before a power cycle: what the model believes when nobody acts.
+  std::vector<ChainGains> first_day_chains;
   std::vector<StudySpot> spots;
   // Of people: who sends, at a random place, and what is heard of it while nobody is in the room.
   std::optional<Transmitter> transmitter;
@@ -36,7 +39,7 @@ inline constexpr MacAddress kStudyTransmitter = {{0x02, 0x52, 0x4c, 0x00, 0x00, 
 
 // One a layout. Spots, clutter and radios depend on the seed and the number of the layout alone, so
 // conditions of one experiment are compared on the same draws. Errors: as of furnish(), a plan or
-// impairments that cannot be read, a room without places of the wanted distance and sight.
+// impairments or a day that cannot be read, a room without places of the wanted distance and sight.
 Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, std::uint64_t seed);
 
 }  // namespace rayloc
