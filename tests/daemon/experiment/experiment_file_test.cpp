@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/scene/room_plan.h"
+#include "daemon/simulate/second_day.h"
 
 namespace rayloc {
 namespace {
@@ -107,7 +108,8 @@ TEST(ExperimentFile, RefusesMoreConditionsThanAnybodyWaitsFor) {
 // Running them takes minutes, reading them must always work.
 TEST(ExperimentFile, TheShippedExperimentsAndTheirRoomsCanBeRead) {
   const std::filesystem::path folder = RAYLOC_TEST_DATA "/../../deploy/experiments";
-  for (const char* name : {"paper.toml", "ablation.toml", "ablation_people.toml"}) {
+  for (const char* name :
+       {"paper.toml", "ablation.toml", "ablation_people.toml", "lived_in.toml"}) {
     const auto experiment = load_experiment(folder / name);
     ASSERT_TRUE(experiment) << experiment.error().message;
     for (const Study& study : experiment->studies) {
@@ -115,6 +117,10 @@ TEST(ExperimentFile, TheShippedExperimentsAndTheirRoomsCanBeRead) {
         const auto plan = load_room_plan(condition.room);
         ASSERT_TRUE(plan) << plan.error().message;
         EXPECT_GE(static_cast<double>(plan->access_points.size()), condition.access_points);
+        if (condition.second_day != "none" && condition.second_day != "default") {
+          const auto day = load_second_day(condition.room.parent_path() / condition.second_day);
+          EXPECT_TRUE(day) << day.error().message;
+        }
       }
     }
   }
