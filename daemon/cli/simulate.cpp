@@ -357,7 +357,8 @@ RunVerb declare(OptionParser& app) {
                  "(or \"none\"). The keys and their defaults; 0: off\n" +
                      impairments_help())
       ->capture_default_str();
-  app.add_option("--frames", arguments->transmissions.frames, "At each point")
+  app.add_option(
+         "--frames", arguments->transmissions.frames, "At each point; a walk sends one at each row")
       ->check(in_range(1, 100'000))
       ->capture_default_str();
   app.add_option("--survey-error",
