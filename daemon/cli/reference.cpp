@@ -1,20 +1,21 @@
 // `rayloc reference`: the empty room as the links of the fixed transmitters hear it, and what a
 // person does to them.
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/calibrate/report/refused_input.h"
+#include "daemon/cli/reference_report.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
 #include "daemon/recordings/fixed_frames.h"
 #include "daemon/scene/scene_notes.h"
+#include "daemon/site/calibration_file.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
@@ -24,6 +25,7 @@
 #include "engine/person/calibrate/occupied_room.h"
 #include "engine/person/calibrate/person_certainty.h"
 #include "engine/person/calibrate/person_fit.h"
+#include "engine/person/calibrate/two_days.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc::cli {
@@ -43,6 +45,7 @@ struct Options {
   std::vector<std::string> captures;
   std::vector<std::string> people;
   std::string points;
+  std::vector<std::string> people_empty;
   std::string out;
   bool occupied = false;
   bool force = false;
@@ -61,20 +64,27 @@ class Reference {
   Expected<void> read();
   Expected<Frames> read_captures(const std::vector<std::string>& arguments);
   Expected<void> learn_empty_room();
-  Expected<PersonReference> learn_link(const SiteTransmitter& transmitter,
-                                       const std::vector<CsiFrame>& frames);
+  Expected<std::vector<EmptyRoom>> hear_empty(const std::vector<CsiFrame>& frames, bool occupied);
+  Expected<void> learn_two_days();
+  Expected<void> add_reference(const MacAddress& mac,
+                               const Transmitter& surveyed,
+                               const std::vector<EmptyRoom>& heard);
   Expected<void> learn_person();
   std::vector<PersonSpot> spots_of(const PersonReference& reference,
                                    const std::vector<CsiFrame>& frames,
                                    std::vector<std::vector<CsiFrame>>& frames_of_spot);
+  Expected<std::string> calibration_text();
   Expected<void> write();
-  void print() const;
 
   const Options& options_;
   Site site_;
-  RoomModel room_;
+  RoomModel room_;         // of today
+  RoomModel people_room_;  // of the day of the people: other chain gains
   Frames empty_;
+  Frames people_empty_;
   Frames people_;
+  std::vector<HeardDays> heard_;  // of each reference, of people of another day
+  std::vector<DayChange> changes_;
   std::vector<SurveyPoint> points_;
   std::vector<PersonReference> references_;
   std::size_t spots_ = 0;
@@ -149,6 +159,13 @@ Expected<void> Reference::read() {
     return tl::make_unexpected(std::move(empty.error()));
   }
   empty_ = *std::move(empty);
+  if (!options_.people_empty.empty()) {
+    auto people_empty = read_captures(options_.people_empty);
+    if (!people_empty) {
+      return tl::make_unexpected(std::move(people_empty.error()));
+    }
+    people_empty_ = *std::move(people_empty);
+  }
   if (options_.people.empty()) {
     return {};
   }
@@ -165,8 +182,12 @@ Expected<void> Reference::read() {
   return {};
 }
 
-Expected<PersonReference> Reference::learn_link(const SiteTransmitter& transmitter,
-                                                const std::vector<CsiFrame>& frames) {
+Transmitter surveyed_place(const SiteTransmitter& transmitter) {
+  return {{*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
+}
+
+Expected<std::vector<EmptyRoom>> Reference::hear_empty(const std::vector<CsiFrame>& frames,
+                                                       bool occupied) {
   BurstOptions burst_options;
   burst_options.max_frames = kMostEmptyFrames;
   std::vector<EmptyRoom> heard;
@@ -183,13 +204,14 @@ Expected<PersonReference> Reference::learn_link(const SiteTransmitter& transmitt
       return make_error(ErrorKind::kConfiguration, "access point " + ap.id + " " + problem);
     }
     std::vector<std::string> warnings;
-    auto burst = options_.occupied ? hear_background(room_, a, frames, burst_options, warnings)
-                                   : hear(room_, a, frames, burst_options, warnings);
+    auto burst = occupied ? hear_background(room_, a, frames, burst_options, warnings)
+                          : hear(room_, a, frames, burst_options, warnings);
     if (!burst) {
       return bad_input(warnings.front());
     }
-    if (!options_.occupied && burst->motion_residual > kMostChange) {
-      return bad_input("access point " + ap.id + ": the channel of " + to_string(transmitter.mac) +
+    if (!occupied && burst->motion_residual > kMostChange) {
+      return bad_input("access point " + ap.id + ": the channel of " +
+                       to_string(frames.front().transmitter) +
                        " changes during the recording of the empty room; record it again with "
                        "nobody inside and nothing moving, or give --occupied");
     }
@@ -199,23 +221,81 @@ Expected<PersonReference> Reference::learn_link(const SiteTransmitter& transmitt
     }
     heard.push_back({a, std::move(burst->h)});
   }
-  const Transmitter surveyed{
-      {*transmitter.position, {}, transmitter.pattern, transmitter.polarization}};
-  return fit_empty_room(room_, surveyed, heard);
+  return heard;
+}
+
+Expected<void> Reference::add_reference(const MacAddress& mac,
+                                        const Transmitter& surveyed,
+                                        const std::vector<EmptyRoom>& heard) {
+  auto reference = fit_empty_room(people_room_, surveyed, heard);
+  if (!reference) {
+    return tl::make_unexpected(std::move(reference.error()));
+  }
+  reference->mac = mac;
+  reference->person = stated_person(site_);
+  reference->area = stated_area(site_);
+  references_.push_back(*std::move(reference));
+  return {};
 }
 
 Expected<void> Reference::learn_empty_room() {
   content_.add(room_.calibration_id);
+  people_room_ = room_;
+  if (!options_.people_empty.empty()) {
+    return learn_two_days();
+  }
   for (const auto& [mac, frames] : empty_) {
-    const SiteTransmitter& transmitter = *find_transmitter(site_, mac);
-    auto reference = learn_link(transmitter, frames);
-    if (!reference) {
-      return tl::make_unexpected(std::move(reference.error()));
+    const auto heard = hear_empty(frames, options_.occupied);
+    if (!heard) {
+      return tl::make_unexpected(heard.error());
     }
-    reference->mac = mac;
-    reference->person = stated_person(site_);
-    reference->area = stated_area(site_);
-    references_.push_back(*std::move(reference));
+    const Transmitter surveyed = surveyed_place(*find_transmitter(site_, mac));
+    if (auto added = add_reference(mac, surveyed, *heard); !added) {
+      return added;
+    }
+  }
+  return {};
+}
+
+// The references are those of the day of the people until all is learned.
+Expected<void> Reference::learn_two_days() {
+  std::vector<MacAddress> macs;
+  for (const auto& [mac, frames] : empty_) {
+    const auto before = people_empty_.find(mac);
+    if (before == people_empty_.end()) {
+      refused_.push_back({to_string(mac), "not in the recordings of --people-empty"});
+      continue;
+    }
+    auto today = hear_empty(frames, options_.occupied);
+    if (!today) {
+      return tl::make_unexpected(std::move(today.error()));
+    }
+    auto people = hear_empty(before->second, false);
+    if (!people) {
+      return bad_input("--people-empty: " + people.error().message);
+    }
+    macs.push_back(mac);
+    heard_.push_back(
+        {surveyed_place(*find_transmitter(site_, mac)), *std::move(people), *std::move(today)});
+  }
+  auto days = tell_days_apart(room_, heard_);
+  if (!days) {
+    return tl::make_unexpected(std::move(days.error()));
+  }
+  room_ = std::move(days->today);
+  people_room_ = std::move(days->people);
+  changes_ = std::move(days->changes);
+  heard_.clear();
+  for (std::size_t i = 0; i < macs.size(); ++i) {
+    HeardDays& heard = days->heard[i];
+    if (heard.today.empty()) {
+      refused_.push_back({to_string(macs[i]), "no access point heard it on both days"});
+      continue;
+    }
+    if (auto added = add_reference(macs[i], heard.surveyed, heard.people); !added) {
+      return added;
+    }
+    heard_.push_back(std::move(heard));
   }
   return {};
 }
@@ -232,7 +312,7 @@ std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
     PersonSpot spot{{point.position.x, point.position.y}, {}};
     std::vector<std::string> warnings;
     for (const PersonLink& link : reference.links) {
-      auto burst = hear(room_, link.access_point, own, {}, warnings);
+      auto burst = hear(people_room_, link.access_point, own, {}, warnings);
       spot.h.push_back(burst ? std::move(burst->h) : std::vector<std::complex<double>>());
       for (const auto& value : spot.h.back()) {
         content_.add(value.real());
@@ -265,11 +345,11 @@ Expected<void> Reference::learn_person() {
     }
     std::vector<std::vector<CsiFrame>> frames_of_spot;
     const auto spots = spots_of(reference, frames->second, frames_of_spot);
-    auto fit = fit_person(room_, reference, spots);
+    auto fit = fit_person(people_room_, reference, spots);
     if (!fit) {
       return bad_input(options_.points + ": " + fit.error().message);
     }
-    const auto certainty = fit_person_certainty(room_, *fit, spots, frames_of_spot);
+    const auto certainty = fit_person_certainty(people_room_, *fit, spots, frames_of_spot);
     if (!certainty) {
       return tl::make_unexpected(certainty.error());
     }
@@ -281,6 +361,34 @@ Expected<void> Reference::learn_person() {
   return {};
 }
 
+// As it is, or with the gains of chains that have turned since.
+Expected<std::string> Reference::calibration_text() {
+  const bool is_turned = std::any_of(changes_.begin(), changes_.end(), [](const DayChange& one) {
+    return one.is_turned && one.is_today_turned;
+  });
+  if (!is_turned) {
+    return read_file(*site_.calibration_file);
+  }
+  auto calibration = load_calibration_file(*site_.calibration_file);
+  if (!calibration) {
+    return tl::make_unexpected(std::move(calibration.error()));
+  }
+  for (const DayChange& change : changes_) {
+    const RoomAccessPoint& ap = room_.access_points[change.access_point];
+    for (CalibratedAccessPoint& stated : calibration->access_points) {
+      if (stated.id == ap.id && change.is_turned && change.is_today_turned) {
+        stated.gains = ap.gains;
+        for (std::size_t m = 0; m < stated.gain_sigma.size(); ++m) {
+          stated.gain_sigma[m] = std::hypot(stated.gain_sigma[m], change.chains.sigma[m]);
+        }
+      }
+    }
+  }
+  calibration->id = content_.text();
+  room_.calibration_id = calibration->id;
+  return to_toml(*calibration);
+}
+
 Expected<void> Reference::write() {
   for (PersonReference& reference : references_) {
     reference.id = content_.text();
@@ -289,13 +397,13 @@ Expected<void> Reference::write() {
   if (auto prepared = prepare_output(out, options_.force); !prepared) {
     return prepared;
   }
+  const auto calibration = calibration_text();
+  if (!calibration) {
+    return tl::make_unexpected(calibration.error());
+  }
   const fs::path file = out / "reference.toml";
   if (auto written = write_file(file, reference_toml(references_, room_, spots_)); !written) {
     return written;
-  }
-  const auto calibration = read_file(*site_.calibration_file);
-  if (!calibration) {
-    return tl::make_unexpected(calibration.error());
   }
   Site site = site_;
   site.reference_file = file;
@@ -312,55 +420,15 @@ Expected<void> Reference::write() {
   return {};
 }
 
-void Reference::print() const {
-  for (const PersonReference& reference : references_) {
-    const SiteTransmitter& stated = *find_transmitter(site_, reference.mac);
-    const Vec3d moved = reference.transmitter.position - *stated.position;
-    std::fprintf(stderr,
-                 "%s: placed (%+.1f, %+.1f, %+.1f) mm from the survey\n",
-                 to_string(reference.mac).c_str(),
-                 1e3 * moved.x,
-                 1e3 * moved.y,
-                 1e3 * moved.z);
-    for (const PersonLink& link : reference.links) {
-      std::fprintf(stderr,
-                   "  %s: empty room explained %.2f; a person's echo times %.2f at %.0f deg\n",
-                   room_.access_points[link.access_point].id.c_str(),
-                   link.room_fit,
-                   std::abs(link.scale),
-                   std::arg(link.scale) * 180.0 / std::numbers::pi);
-    }
-  }
-  const PersonModel& person = references_.front().person;
-  std::fprintf(stderr,
-               "person %s: radius %.3f m, strength variance %g, diffuse %g, noise %g, "
-               "likelihood_exponent %g\n",
-               spots_ > 0 ? ("from " + std::to_string(spots_) + " places").c_str()
-                          : "as stated (no --people)",
-               person.body.semi_axes[0],
-               person.strength_variance,
-               person.diffuse,
-               person.noise,
-               person.likelihood_exponent);
-  if (person.second_person) {
-    std::fprintf(stderr,
-                 "  a second person is believed from a log-likelihood of %.1f on, and with two "
-                 "access points\n",
-                 *person.second_person);
-  }
-  for (const std::string& note : notes_) {
-    std::fprintf(stderr, "%s\n", note.c_str());
-  }
-  for (const RefusedInput& refused : refused_) {
-    std::fprintf(stderr, "not used: %s: %s\n", refused.what.c_str(), refused.reason.c_str());
-  }
-}
-
 Expected<void> Reference::run() {
   if (options_.people.empty() != options_.points.empty()) {
     return make_error(ErrorKind::kUsage,
                       "--people and --points belong together: recordings of people at known "
                       "places, and a csv t_start,t_end,x,y,z of the places");
+  }
+  if (options_.people.empty() && !options_.people_empty.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "--people-empty is the empty room of the day of --people; give these, too");
   }
   if (auto done = read(); !done) {
     return done;
@@ -373,11 +441,14 @@ Expected<void> Reference::run() {
       return done;
     }
   }
+  for (std::size_t i = 0; i < heard_.size(); ++i) {
+    references_[i] = moved_to_today(room_.grid, std::move(references_[i]), heard_[i].today);
+  }
   if (auto done = write(); !done) {
     return done;
   }
   if (!options_.quiet) {
-    print();
+    print_reference({site_, room_, changes_, references_, spots_, notes_, refused_});
   }
   return {};
 }
@@ -391,6 +462,10 @@ RunVerb declare(OptionParser& app) {
       ->required();
   app.add_option(
       "--people", options->people, "recordings of a person who stood at known places: [AP=]FILE");
+  app.add_option("--people-empty",
+                 options->people_empty,
+                 "recordings of the empty room of the day of --people, where that is another day: "
+                 "[AP=]FILE; chains may have turned since, and chairs moved");
   app.add_option("--points", options->points, "where and when: csv t_start,t_end,x,y,z");
   app.add_option("--out", options->out, "folder to create: the site with its reference")
       ->required();
@@ -414,6 +489,8 @@ const Verb kReference = {
     "office-people\n"
     "  rayloc reference office-calibrated --capture ap1=empty.pcap --people ap1=somebody.pcap "
     "--points places.csv --out office-people\n"
+    "  rayloc reference office-calibrated --capture ap1=today.pcap --people ap1=somebody.pcap "
+    "--people-empty ap1=empty.pcap --points places.csv --out office-today\n"
     "  rayloc reference office-calibrated --capture ap1=monday.pcap --occupied --out office-people",
     declare};
 

@@ -255,6 +255,67 @@ TEST_F(ReferenceVerb, LeadsFromTheEmptyRoomToPlacesOfPeople) {
   }
 }
 
+// People of the first day, and the empty room of each: chains have turned in between.
+TEST_F(ReferenceVerb, UsesPeopleOfAnotherDay) {
+  simulate("today", 8000.0, {{1.2, -0.6}}, "1.1", {"--transmitter", "plug"}, "7");
+  simulate("guests", 9000.0, later(), "0", {"--transmitter", "plug", "--person"}, "7");
+  const Finished learned = rayloc({"reference",
+                                   path("calibrated"),
+                                   "--capture",
+                                   capture(1, "today"),
+                                   capture(2, "today"),
+                                   "--people",
+                                   capture(1, "people"),
+                                   capture(2, "people"),
+                                   "--people-empty",
+                                   capture(1, "empty"),
+                                   capture(2, "empty"),
+                                   "--points",
+                                   path("people.csv"),
+                                   "--out",
+                                   path("another-day")});
+  ASSERT_EQ(learned.status, 0) << learned.err;
+  EXPECT_THAT(learned.err, HasSubstr("person from 16 places"));
+  EXPECT_THAT(learned.err, HasSubstr("ap1: since people were recorded: core"));
+  EXPECT_THAT(learned.err, HasSubstr("today's gains are written"));
+  const std::vector<json> found = replay("another-day", "guests");
+  EXPECT_GE(near(found, later()), 5);
+  EXPECT_GE(within_accuracy(found, later()), 8);
+  for (const json& location : replay("another-day", "today")) {
+    EXPECT_THAT(location["quality"]["no_fix_reason"].get<std::string>(), HasSubstr("nobody"));
+  }
+}
+
+TEST_F(ReferenceVerb, RefusesADayThatIsNone) {
+  const auto refused = [](const std::vector<std::string>& more) {
+    std::vector<std::string> all = {
+        "reference", path("calibrated"), "--capture", capture(1, "empty")};
+    all.insert(all.end(), more.begin(), more.end());
+    all.insert(all.end(), {"--out", path("no-day")});
+    return rayloc(all);
+  };
+  const Finished nobody = refused({"--people-empty", capture(1, "empty")});
+  EXPECT_EQ(nobody.status, 64);
+  EXPECT_THAT(nobody.err, HasSubstr("--people-empty"));
+  const std::vector<std::string> people = {
+      "--people", capture(1, "people"), "--points", path("people.csv"), "--people-empty"};
+  const auto with = [&](const std::string& file) {
+    std::vector<std::string> all = people;
+    all.push_back(file);
+    return refused(all);
+  };
+  const Finished device = with(capture(1, "survey"));
+  EXPECT_EQ(device.status, 65);
+  EXPECT_THAT(device.err, HasSubstr("no fixed transmitter"));
+  const Finished moving = with(capture(1, "people"));
+  EXPECT_EQ(moving.status, 65);
+  EXPECT_THAT(moving.err, HasSubstr("--people-empty: access point ap1: the channel"));
+  const Finished other = with("ap1=" + path("empty-ap2.pcap"));
+  EXPECT_EQ(other.status, 65) << other.err;
+  EXPECT_THAT(other.err, HasSubstr("too little in common"));
+  EXPECT_FALSE(fs::exists(path("no-day")));
+}
+
 TEST_F(ReferenceVerb, SaysThatPeopleNeedAReference) {
   const auto snapshots = replay("calibrated", "later");
   ASSERT_FALSE(snapshots.empty());

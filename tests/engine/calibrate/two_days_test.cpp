@@ -1,0 +1,212 @@
+#include "engine/person/calibrate/two_days.h"
+
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "engine/person/person_localizer.h"
+#include "engine/room/hear_burst.h"
+#include "tests/support/person_in_room.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Channels = std::vector<std::vector<Value>>;
+
+const std::vector<double> kPhases = {0.0, 2.4, -1.1};  // [rad], by which the chains turn
+const std::vector<double> kLevels = {1.0, 1.3, 0.8};
+
+Value turn_of(std::size_t access_point, std::size_t core) {
+  return std::polar(kLevels[core], kPhases[core] * (access_point == 1 ? -0.7 : 1.0));
+}
+
+// The same radios after a power cycle.
+RoomModel turned_room(RoomModel room) {
+  for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+    std::vector<Value>& gain = room.access_points[a].gains.gain;
+    for (std::size_t j = 0; j < gain.size(); ++j) {
+      gain[j] *= turn_of(a, j / room.grid.size());
+    }
+  }
+  return room;
+}
+
+// What they hear, for radios that are as before.
+Channels turned_channels(const OfdmGrid& grid, Channels channels) {
+  for (std::size_t a = 0; a < channels.size(); ++a) {
+    for (std::size_t j = 0; j < channels[a].size(); ++j) {
+      channels[a][j] *= turn_of(a, j / grid.size());
+    }
+  }
+  return channels;
+}
+
+std::vector<EmptyRoom> heard_by(const RoomModel& room, const std::vector<CsiFrame>& frames) {
+  std::vector<EmptyRoom> heard;
+  std::vector<std::string> warnings;
+  for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+    heard.push_back({a, hear(room, a, frames, {}, warnings)->h});
+  }
+  return heard;
+}
+
+std::vector<CsiFrame> frames_of_empty(const RoomModel& room,
+                                      const Channels& channels,
+                                      unsigned seed) {
+  return test::frames_of(room, channels, {.count = 20, .snr_db = 35.0, .seed = seed});
+}
+
+// Of one access point: phase of each chain against the first, as the gains of two rooms have it.
+double phase_off(const RoomModel& one, const RoomModel& other, std::size_t ap, std::size_t core) {
+  const auto ratio = [&](const RoomModel& room) {
+    const auto& gain = room.access_points[ap].gains.gain;
+    return gain[core * room.grid.size()] / gain[0];
+  };
+  return std::arg(ratio(one) / ratio(other));
+}
+
+class TwoDaysTest : public testing::Test {
+ protected:
+  TwoDaysTest() : empty_(test::channels_past(room_, {})) {}
+
+  // `calibrated`: the room with the calibration's gains.
+  HeardDays heard(const RoomModel& calibrated, const Channels& today) const {
+    return {test::fixed_transmitter(),
+            heard_by(calibrated, frames_of_empty(room_, empty_, 1)),
+            heard_by(calibrated, frames_of_empty(room_, turned_channels(room_.grid, today), 2))};
+  }
+
+  const RoomModel room_ = test::make_room();
+  const RoomModel later_ = turned_room(room_);
+  const Channels empty_;
+};
+
+TEST_F(TwoDaysTest, TurnedChainsChangeNoAnswer) {
+  const std::vector<HeardDays> heard_days = {heard(room_, empty_)};
+  const auto days = tell_days_apart(room_, heard_days);
+  ASSERT_TRUE(days) << days.error().message;
+  ASSERT_EQ(days->changes.size(), 3U);
+  for (const DayChange& change : days->changes) {
+    EXPECT_TRUE(change.is_turned);
+    EXPECT_TRUE(change.is_today_turned);
+    EXPECT_LT(change.chains.changed, 0.002);
+    for (std::size_t core = 1; core < 3; ++core) {
+      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 0.02);
+    }
+    EXPECT_EQ(days->people.access_points[change.access_point].gains.gain,
+              room_.access_points[change.access_point].gains.gain);
+  }
+  const auto reference =
+      fit_empty_room(days->people, test::fixed_transmitter(), days->heard[0].people);
+  ASSERT_TRUE(reference);
+  const auto before =
+      PersonLocalizer::create(std::make_shared<const RoomModel>(room_), *reference, {});
+  const auto after =
+      PersonLocalizer::create(std::make_shared<const RoomModel>(days->today),
+                              moved_to_today(room_.grid, *reference, days->heard[0].today),
+                              {});
+  ASSERT_TRUE(before && after);
+  unsigned seed = 1;
+  for (const TargetPosition& place : {TargetPosition{0.2, 0.3}, {-0.7, -0.2}, {0.4, -0.5}}) {
+    const Channels channels = test::channels_past(room_, {place}, PersonModel{}.body);
+    const auto here = before->locate(test::frames_of(room_, channels, {.count = 8, .seed = seed}));
+    const auto there = after->locate(
+        test::frames_of(room_, turned_channels(room_.grid, channels), {.count = 8, .seed = seed}));
+    ASSERT_TRUE(here.position && there.position) << there.reason;
+    EXPECT_LT(norm(*here.position - *there.position), 0.01);
+    EXPECT_LT(std::hypot(there.position->x - place.x, there.position->y - place.y), 0.08);
+    ++seed;
+  }
+}
+
+// Who renewed the chains of a site first has today's gains in the calibration.
+TEST_F(TwoDaysTest, GainsOfTheCalibrationMayBeTodays) {
+  const std::vector<HeardDays> heard_days = {heard(later_, empty_)};
+  const auto days = tell_days_apart(later_, heard_days);
+  ASSERT_TRUE(days) << days.error().message;
+  for (const DayChange& change : days->changes) {
+    EXPECT_TRUE(change.is_turned);
+    EXPECT_FALSE(change.is_today_turned);
+    for (std::size_t core = 1; core < 3; ++core) {
+      EXPECT_NEAR(phase_off(days->people, room_, change.access_point, core), 0.0, 0.02);
+      EXPECT_NEAR(phase_off(days->today, later_, change.access_point, core), 0.0, 1e-12);
+    }
+  }
+}
+
+TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
+  HeardDays same = heard(room_, empty_);
+  same.today = heard_by(room_, frames_of_empty(room_, empty_, 3));
+  const auto days = tell_days_apart(room_, std::vector{same});
+  ASSERT_TRUE(days) << days.error().message;
+  for (const DayChange& change : days->changes) {
+    EXPECT_FALSE(change.is_turned);
+    EXPECT_EQ(days->today.access_points[change.access_point].gains.gain,
+              room_.access_points[change.access_point].gains.gain);
+  }
+}
+
+// Something stands elsewhere: an echo of a hundredth of the power, 12 ns late.
+TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
+  Channels today = empty_;
+  for (std::size_t a = 0; a < today.size(); ++a) {
+    double power = 0.0;
+    for (const Value& value : today[a]) {
+      power += std::norm(value) / static_cast<double>(today[a].size());
+    }
+    for (std::size_t j = 0; j < today[a].size(); ++j) {
+      const std::size_t core = j / room_.grid.size();
+      const double turn =
+          -2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size()) * 12e-9;
+      today[a][j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
+    }
+  }
+  const auto days = tell_days_apart(room_, std::vector{heard(room_, today)});
+  ASSERT_TRUE(days) << days.error().message;
+  for (const DayChange& change : days->changes) {
+    EXPECT_TRUE(change.is_turned);
+    EXPECT_GT(change.chains.changed, 0.001);
+    EXPECT_LT(change.chains.changed, 0.03);
+    for (std::size_t core = 1; core < 3; ++core) {
+      const double known = std::hypot(change.chains.sigma[0], change.chains.sigma[core]);
+      EXPECT_LT(std::abs(phase_off(days->today, later_, change.access_point, core)), 3.0 * known);
+      EXPECT_LT(known, 0.25);
+    }
+  }
+}
+
+// Echoes that have nothing to do with the room's, as strong as one another.
+TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
+  Channels today = empty_;
+  for (std::vector<Value>& h : today) {
+    for (std::size_t j = 0; j < h.size(); ++j) {
+      const double w = 2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size());
+      const auto core = static_cast<double>(j / room_.grid.size());
+      h[j] = std::polar(1.0, -w * 10e-9) + std::polar(1.0, -w * 45e-9 + core) +
+             std::polar(1.0, -w * 70e-9 - 2.0 * core);
+    }
+  }
+  const auto days = tell_days_apart(room_, std::vector{heard(room_, today)});
+  ASSERT_FALSE(days);
+  EXPECT_NE(days.error().message.find("access point a: the empty rooms of the two days"),
+            std::string::npos)
+      << days.error().message;
+}
+
+TEST_F(TwoDaysTest, AnAccessPointIsNeededOnBothDays) {
+  HeardDays apart = heard(room_, empty_);
+  apart.people.resize(1);
+  apart.today.erase(apart.today.begin());
+  const auto days = tell_days_apart(room_, std::vector{apart});
+  ASSERT_FALSE(days);
+  EXPECT_NE(days.error().message.find("both days"), std::string::npos) << days.error().message;
+}
+
+}  // namespace
+}  // namespace rayloc
