@@ -72,6 +72,9 @@ class AccessPointMap {
   // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound, and where to look.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
   Likelihood::Coarse coarse(std::size_t cell, const ObservedBurst& observed) const;
+  // What a device in a cell would let be heard; empty of a likelihood that is no Gaussian.
+  const PlaceModel& model(std::size_t cell) const { return cells_[cell].model; }
+  std::size_t cells() const { return cells_.size(); }
   // What the likelihood of a cell reads (lane_kernel.h); nothing of a cell that is not there.
   void fetch(std::size_t cell) const;
   double log_likelihood(std::size_t cell,

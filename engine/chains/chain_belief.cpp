@@ -1,0 +1,76 @@
+#include "engine/chains/chain_belief.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/check.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kChange = 1e-4;  // a probability, chosen: that chains turn before the next burst
+constexpr double kNear = 0.6;     // [rad], chosen: what is within it is one state, known roughly
+
+}  // namespace
+
+ChainBelief::ChainBelief(std::size_t chains, double turned)
+    : grid_(chains), probability_(grid_.size()) {
+  probability_[0] = 1.0;
+  doubt(turned);
+}
+
+void ChainBelief::doubt(double probability) {
+  for (double& value : probability_) {
+    value = (1.0 - probability) * value + probability / static_cast<double>(probability_.size());
+  }
+}
+
+void ChainBelief::settle() {
+  std::fill(probability_.begin(), probability_.end(), 0.0);
+  probability_[0] = 1.0;
+  doubt(kChange);
+}
+
+void ChainBelief::hear(std::span<const double> log_evidence) {
+  RAYLOC_CHECK(log_evidence.size() == probability_.size());
+  const double best = *std::max_element(log_evidence.begin(), log_evidence.end());
+  double sum = 0.0;
+  for (std::size_t s = 0; s < probability_.size(); ++s) {
+    probability_[s] *= std::exp(log_evidence[s] - best) + std::exp(-kMostOfBurst);
+    sum += probability_[s];
+  }
+  for (double& value : probability_) {
+    value /= sum;
+  }
+  doubt(kChange);
+}
+
+double ChainBelief::near(std::size_t state) const {
+  double sum = 0.0;
+  for (std::size_t s = 0; s < probability_.size(); ++s) {
+    sum += is_near(s, state) ? probability_[s] : 0.0;
+  }
+  return sum;
+}
+
+bool ChainBelief::is_near(std::size_t a, std::size_t b) const {
+  return static_cast<double>(grid_.distance(a, b)) * grid_.step() < kNear;
+}
+
+std::vector<std::size_t> ChainBelief::modes(std::size_t most) const {
+  std::vector<double> left = probability_;
+  std::vector<std::size_t> result;
+  while (result.size() < most) {
+    const auto top = std::max_element(left.begin(), left.end());
+    if (*top <= 0.0) {
+      break;
+    }
+    result.push_back(static_cast<std::size_t>(top - left.begin()));
+    for (std::size_t s = 0; s < left.size(); ++s) {
+      left[s] = is_near(s, result.back()) ? 0.0 : left[s];
+    }
+  }
+  return result;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,150 @@
+#include "engine/chains/chain_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kBlock = 64;  // a count of cells, chosen: worth a task, and a sum of its own
+constexpr double kMost = 300.0;     // [nat], of a burst: keeps exp() finite
+// Counts, chosen: of a coarse look at all cells only so many turns of a chain are tried, and of
+// each state that many cells are kept.
+constexpr std::size_t kFewTurns = 8;
+constexpr std::size_t kKeptCells = 48;
+
+// A grid of fewer states, for what is looked at coarsely.
+std::vector<std::complex<float>> few_turns(const TurnGrid& grid) {
+  const auto all = grid.undoing();
+  const std::size_t every = std::max<std::size_t>(1, all.size() / kFewTurns);
+  std::vector<std::complex<float>> few;
+  for (std::size_t i = 0; i < all.size(); i += every) {
+    few.push_back(all[i]);
+  }
+  return few;
+}
+
+struct CoarseLook {
+  std::size_t turns = 0;
+  std::size_t states = 1;
+  std::vector<float> value;           // [cell][state]
+  std::vector<std::uint8_t> windows;  // [cell]; 0: no ray leads there
+};
+
+CoarseLook coarse_look(const AccessPointMap& map,
+                       const ObservedBurst& observed,
+                       const TurnGrid& grid) {
+  const auto few = few_turns(grid);
+  CoarseLook look;
+  look.turns = few.size();
+  for (std::size_t chain = 1; chain < grid.chains(); ++chain) {
+    look.states *= few.size();
+  }
+  look.value.resize(map.cells() * look.states, std::numeric_limits<float>::lowest());
+  look.windows.resize(map.cells());
+  parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
+    map.fetch(cell + 1);
+    if (map.is_reachable(cell)) {
+      look.windows[cell] =
+          coarse_of_turns(map.model(cell),
+                          observed.array,
+                          grid.chains(),
+                          few,
+                          std::span(look.value).subspan(cell * look.states, look.states));
+    }
+  });
+  return look;
+}
+
+std::vector<std::uint32_t> best_cells(const CoarseLook& look, std::size_t state) {
+  std::vector<std::uint32_t> order(look.windows.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto kept = static_cast<std::ptrdiff_t>(std::min(kKeptCells, order.size()));
+  std::partial_sort(
+      order.begin(), order.begin() + kept, order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const float at_a = look.value[a * look.states + state];
+        const float at_b = look.value[b * look.states + state];
+        return at_a > at_b || (at_a == at_b && a < b);
+      });
+  order.resize(static_cast<std::size_t>(kept));
+  return order;
+}
+
+}  // namespace
+
+std::vector<std::size_t> TurnEvidence::cells_near(std::span<const double> phase) const {
+  std::vector<std::size_t> states = {0};
+  for (std::size_t chain = 1; chain < phase.size(); ++chain) {
+    const auto count = static_cast<double>(turns);
+    double position = phase[chain] * count / (2.0 * std::numbers::pi);
+    position -= count * std::floor(position / count);
+    const auto below = static_cast<std::size_t>(position) % turns;
+    std::vector<std::size_t> next;
+    for (const std::size_t state : states) {
+      next.push_back(state * turns + below);
+      next.push_back(state * turns + (below + 1) % turns);
+    }
+    states = std::move(next);
+  }
+  std::vector<std::size_t> cells;
+  for (const std::size_t state : states) {
+    cells.insert(cells.end(), best_cells[state].begin(), best_cells[state].end());
+  }
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+TurnEvidence turn_evidence(const AccessPointMap& map,
+                           const ObservedBurst& observed,
+                           const TurnGrid& grid,
+                           double likelihood_exponent,
+                           std::span<const double> cell_weight) {
+  RAYLOC_CHECK(grid.chains() == map.antennas());
+  RAYLOC_CHECK(cell_weight.empty() || cell_weight.size() == map.cells());
+  const double nowhere = map.nowhere(observed);
+  const CoarseLook look = coarse_look(map, observed, grid);
+  TurnEvidence evidence;
+  evidence.turns = look.turns;
+  evidence.best_cells.resize(look.states);
+  parallel_for(look.states, 1, [&](std::size_t state) {
+    evidence.best_cells[state] = best_cells(look, state);
+  });
+  const std::size_t blocks = (map.cells() + kBlock - 1) / kBlock;
+  // A sum for each block, added in their order: the same whatever the number of threads.
+  std::vector<double> sums(blocks * grid.size());
+  parallel_for(blocks, 1, [&](std::size_t block) {
+    std::vector<float> values(grid.size());
+    double* sum = sums.data() + block * grid.size();
+    for (std::size_t cell = block * kBlock; cell < std::min(map.cells(), (block + 1) * kBlock);
+         ++cell) {
+      if (look.windows[cell] == 0) {
+        continue;
+      }
+      log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
+      const double weight =
+          cell_weight.empty() ? 1.0 / static_cast<double>(map.cells()) : cell_weight[cell];
+      for (std::size_t s = 0; s < values.size(); ++s) {
+        sum[s] +=
+            weight * std::exp(std::min(
+                         likelihood_exponent * (static_cast<double>(values[s]) - nowhere), kMost));
+      }
+    }
+  });
+  evidence.log_evidence.resize(grid.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    evidence.log_evidence[i % grid.size()] += sums[i];
+  }
+  for (double& value : evidence.log_evidence) {
+    value = std::log(std::max(value, std::numeric_limits<double>::min()));
+  }
+  return evidence;
+}
+
+}  // namespace rayloc

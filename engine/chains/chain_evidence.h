@@ -1,0 +1,35 @@
+// What one burst of a device at an unknown place says of the receive chains: for every state of a
+// TurnGrid, how likely the burst is there, in the mean over the places where the device may be.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/likelihood/turned_likelihood.h"
+#include "engine/localize/access_point_map.h"
+
+namespace rayloc {
+
+struct TurnEvidence {
+  // [state]: ln of the mean over the cells of exp(likelihood_exponent l), l above the device being
+  // nowhere in particular.
+  std::vector<double> log_evidence;
+
+  // The cells where the device may be if the chains have turned by `phase` [rad], [chain].
+  std::vector<std::size_t> cells_near(std::span<const double> phase) const;
+
+  std::size_t turns = 0;                               // of a chain, in `best_cells`
+  std::vector<std::vector<std::uint32_t>> best_cells;  // of every state of few turns
+};
+
+// `cell_weight`: how likely the device is in a cell, of sum 1; empty: it may be in any.
+// REQUIRES: the map has models (a Gaussian likelihood) and grid.chains() antennas.
+TurnEvidence turn_evidence(const AccessPointMap& map,
+                           const ObservedBurst& observed,
+                           const TurnGrid& grid,
+                           double likelihood_exponent,
+                           std::span<const double> cell_weight = {});
+
+}  // namespace rayloc

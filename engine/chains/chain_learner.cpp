@@ -1,0 +1,434 @@
+#include "engine/chains/chain_learner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/parallel.h"
+#include "engine/chains/chain_evidence.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kTurnedAtStart = 0.1;      // a probability: nobody says how old a calibration is
+constexpr double kTurnedAfterCycle = 0.98;  // a probability: chips start in states of their own
+constexpr double kDoubted = 0.2;    // probability of what is believed: from here on it is compared
+constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
+constexpr double kSure = 0.999;     // the same: nothing speaks against it
+constexpr double kWithdrawnLead = 5.0;    // [nat], by which another state explains more
+constexpr double kLearnedLead = 7.0;      // [nat], before all other states
+constexpr double kSameState = 0.7;        // [rad]: states that are nearer are one
+constexpr double kLeastEvidence = 3.0;    // [nat] of a burst that the room explains, in some state
+constexpr double kSameCorrelation = 0.9;  // correlation of bursts that say the same
+constexpr double kMostNoise = 2e-3;       // of a burst, share of its power: as ModelError::noise is
+constexpr double kMostSigma = 0.35;       // [rad], 20 degrees: of a phase that is believed
+constexpr double kFineSigma = 0.035;      // [rad], 2 degrees: good enough to look rarely
+// Counts of bursts, chosen.
+constexpr std::size_t kRemembered = 48;   // a burst like one of them tells nothing new
+constexpr std::size_t kLeastBursts = 5;   // before anything is believed anew
+constexpr std::size_t kCompareAfter = 3;  // new ones, before states are compared again
+constexpr std::size_t kRefineAfter = 8;   // new ones, before what was learned is refined
+constexpr std::size_t kMostNeeded = 200;  // stated at most
+constexpr std::size_t kModes = 4;         // a count of states to compare, chosen
+constexpr double kPlaceMargin = 7.0;      // [nat], tempered: places below that weigh nothing
+constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
+// [s], chosen: between looks.
+constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
+constexpr auto kUnsettledPeriod = std::chrono::seconds(1);
+constexpr auto kSettledPeriod = std::chrono::seconds(10);
+
+std::vector<Value> inverses(const std::vector<Value>& factors) {
+  std::vector<Value> result;
+  for (const Value& factor : factors) {
+    result.push_back(1.0 / factor);
+  }
+  return result;
+}
+
+void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
+  const std::size_t tones = h.size() / factors.size();
+  for (std::size_t j = 0; j < h.size(); ++j) {
+    h[j] *= factors[j / tones];
+  }
+}
+
+void multiply(const RoomAccessPoint& ap, const std::vector<Value>& factors, CsiFrame& frame) {
+  for (std::size_t row = 0; row < frame.cores.size(); ++row) {
+    const auto core = std::find(ap.cores.begin(), ap.cores.end(), frame.cores[row]);
+    if (core == ap.cores.end()) {
+      continue;
+    }
+    const std::complex<float> factor(factors[static_cast<std::size_t>(core - ap.cores.begin())]);
+    for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
+      for (std::complex<float>& value : frame.csi.row(row, stream)) {
+        value *= factor;
+      }
+    }
+  }
+}
+
+// [rad], of the chain that differs most.
+double distance(const std::vector<Value>& a, const std::vector<Value>& b) {
+  double most = 0.0;
+  for (std::size_t m = 1; m < a.size(); ++m) {
+    most = std::max(most, std::abs(std::arg(a[m] / a[0] * std::conj(b[m] / b[0]))));
+  }
+  return most;
+}
+
+// In which somebody who walks moves by less than half a wavelength: over a whole burst the arrays
+// of different places would be averaged.
+std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
+  const auto end = std::find_if(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
+    return frame.time - frames.front().time > kMoment;
+  });
+  return frames.first(static_cast<std::size_t>(end - frames.begin()));
+}
+
+}  // namespace
+
+struct ChainLearner::AccessPoint {
+  struct Remembered {
+    std::vector<Value> h;  // the factors believed now undone
+    Timestamp time;
+    double noise = 0.0;
+    double floor = 0.0;  // PlacedBurst
+    TurnEvidence evidence;
+    std::vector<Value> since = {};  // by what factors have changed since the evidence was made
+  };
+  explicit AccessPoint(std::size_t chains) : belief(chains, kTurnedAtStart), level(chains, 1.0) {
+    state.factors = ChainFactors::unity(chains);
+  }
+
+  ChainState state;
+  ChainBelief belief;
+  std::vector<Remembered> heard;  // oldest first
+  std::vector<Value> level;       // of the state that explains most, beside the factors
+  std::vector<Value> favourite;   // that state
+  std::size_t unrefined = 0;      // bursts since the factors were refined or compared
+  Timestamp last;                 // looked at
+  Timestamp last_sure;            // of what is believed
+
+  bool is_settled() const {
+    return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kLeastBursts &&
+           belief.as_believed() > kSure && (sigma() < kFineSigma || heard.size() == kRemembered);
+  }
+  double sigma() const {
+    return *std::max_element(state.factors.sigma.begin(), state.factors.sigma.end());
+  }
+  void know(ChainKnowledge knowledge, Timestamp time) {
+    state.knowledge = knowledge;
+    state.since = time;
+    state.bursts = 0;
+    state.bursts_needed = 0;
+  }
+  // Those heard while what was believed was right say nothing of what is right now.
+  void forget_until_sure() {
+    const auto after = std::find_if(
+        heard.begin(), heard.end(), [&](const Remembered& one) { return one.time > last_sure; });
+    heard.erase(heard.begin(), after);
+  }
+  void apply(const ChainFactors& refined) {
+    for (Remembered& one : heard) {
+      multiply(inverses(refined.factor), one.h);
+      for (std::size_t m = 0; m < one.since.size(); ++m) {
+        one.since[m] *= refined.factor[m];
+      }
+    }
+    for (std::size_t m = 0; m < level.size(); ++m) {
+      state.factors.factor[m] *= refined.factor[m];
+    }
+    state.factors.sigma = refined.sigma;
+    state.factors.level_sigma = refined.level_sigma;
+    state.factors.log_evidence = refined.log_evidence;
+    std::fill(level.begin(), level.end(), 1.0);
+    favourite.clear();
+    unrefined = 0;
+    belief.settle();
+  }
+};
+
+ChainLearner::ChainLearner(std::shared_ptr<const Localizer> localizer)
+    : localizer_(std::move(localizer)), aligner_(localizer_->room().grid) {}
+ChainLearner::~ChainLearner() = default;
+
+ChainLearner::AccessPoint& ChainLearner::of(std::size_t access_point) {
+  const auto found = aps_.find(access_point);
+  if (found != aps_.end()) {
+    return found->second;
+  }
+  AccessPoint ap(localizer_->room().access_points[access_point].cores.size());
+  ap.state.access_point = access_point;
+  if (const auto before = restored_.find(access_point); before != restored_.end()) {
+    ap.state = before->second;
+  }
+  return aps_.emplace(access_point, std::move(ap)).first->second;
+}
+
+bool ChainLearner::is_due(std::size_t access_point, Timestamp time) const {
+  const auto found = aps_.find(access_point);
+  if (found == aps_.end()) {
+    return true;
+  }
+  const AccessPoint& ap = found->second;
+  const Duration period =
+      ap.state.knowledge == ChainKnowledge::kLearning
+          ? Duration(kLearningPeriod)
+          : (ap.is_settled() ? Duration(kSettledPeriod) : Duration(kUnsettledPeriod));
+  return time - ap.last >= period;
+}
+
+void ChainLearner::hear(std::span<const CsiFrame> frames) {
+  if (frames.empty()) {
+    return;
+  }
+  const Timestamp time = frames.back().time;
+  const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
+  std::vector<char> due(access_points.size());
+  for (const CsiFrame& frame : frames) {
+    const auto a = static_cast<std::size_t>(frame.access_point);
+    const std::size_t chains = access_points[a].cores.size();
+    due[a] = chains > 1 && chains <= kMostChains && is_due(a, time) ? 1 : 0;
+  }
+  if (std::find(due.begin(), due.end(), 1) == due.end()) {
+    return;
+  }
+  const std::vector<CsiFrame> corrected = undone(first_moment(frames));
+  const RoomObservation observation = localizer_->hear(corrected);
+  for (const HeardArray& heard : observation.arrays) {
+    const auto a = static_cast<std::size_t>(
+        std::find_if(access_points.begin(),
+                     access_points.end(),
+                     [&](const auto& one) { return one.id == heard.map->access_point().id; }) -
+        access_points.begin());
+    // Without a chain that is dead the states are others.
+    if (due[a] != 0 && heard.map->antennas() == access_points[a].cores.size()) {
+      AccessPoint& ap = of(a);
+      ap.last = time;
+      weigh(heard, time, ap);
+    }
+  }
+}
+
+void ChainLearner::weigh(const HeardArray& heard, Timestamp time, AccessPoint& ap) {
+  const bool is_new =
+      std::none_of(ap.heard.begin(), ap.heard.end(), [&](const AccessPoint::Remembered& before) {
+        return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
+      });
+  const double noise = heard.observed.array.noise;
+  if (!is_new || noise > kMostNoise) {
+    return;
+  }
+  std::vector<Value> level_undone = heard.h;
+  multiply(inverses(ap.level), level_undone);
+  const double exponent = localizer_->room().likelihood_exponent;
+  TurnEvidence evidence = turn_evidence(
+      *heard.map, heard.map->observe(level_undone, noise), ap.belief.grid(), exponent);
+  const double most = *std::max_element(evidence.log_evidence.begin(), evidence.log_evidence.end());
+  if (most < kLeastEvidence) {
+    return;
+  }
+  ap.belief.hear(evidence.log_evidence);
+  ++ap.state.bursts;
+  ++ap.unrefined;
+  if (ap.heard.size() == kRemembered) {
+    ap.heard.erase(ap.heard.begin());
+  }
+  const double floor = most + std::log(static_cast<double>(heard.map->cells())) +
+                       exponent * heard.map->nowhere(heard.observed) - ChainBelief::kMostOfBurst;
+  ap.heard.push_back(
+      {heard.h, time, noise, floor, std::move(evidence), std::vector<Value>(ap.level.size(), 1.0)});
+  decide(*heard.map, time, ap);
+}
+
+void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap) {
+  const bool is_learning = ap.state.knowledge == ChainKnowledge::kLearning;
+  if (!is_learning && ap.belief.as_believed() > kDoubted) {
+    ap.last_sure = ap.belief.as_believed() > kSure ? time : ap.last_sure;
+    if (ap.state.knowledge == ChainKnowledge::kLearned && ap.unrefined >= kRefineAfter) {
+      ap.apply(refined(map, ap, std::vector<Value>(map.antennas(), 1.0)));
+    }
+    return;
+  }
+  if (!is_learning) {
+    ap.forget_until_sure();
+  }
+  if (ap.heard.size() < kLeastBursts || ap.unrefined < kCompareAfter) {
+    return;
+  }
+  ap.unrefined = 0;
+  const std::vector<ChainFactors> states = compare(map, ap);
+  const ChainFactors& best = states.front();
+  const double lead = states.size() > 1 ? best.log_evidence - states[1].log_evidence : kLearnedLead;
+  if (!is_learning) {
+    if (distance(best.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState) {
+      ap.belief.settle();
+      return;
+    }
+    const auto believed = std::find_if(states.begin(), states.end(), [&](const auto& one) {
+      return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
+    });
+    if (believed != states.end() && best.log_evidence - believed->log_evidence < kWithdrawnLead) {
+      return;
+    }
+    ap.know(ChainKnowledge::kLearning, time);
+    ap.state.bursts = ap.heard.size();
+  }
+  const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
+  if (lead >= kLearnedLead && sigma < kMostSigma) {
+    ap.apply(best);
+    ap.know(ChainKnowledge::kLearned, time);
+    ap.last_sure = time;
+    return;
+  }
+  const auto bursts = static_cast<double>(ap.state.bursts);
+  ap.state.bursts_needed =
+      std::clamp(static_cast<std::size_t>(std::ceil(bursts * kLearnedLead / std::max(lead, 1.0))),
+                 ap.state.bursts + 1,
+                 ap.state.bursts + kMostNeeded);
+}
+
+// Of the states that may be right, refined, those that differ, the best first. The best one's level
+// is taken for what comes next.
+std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, AccessPoint& ap) const {
+  std::vector<std::vector<Value>> starts = {std::vector<Value>(map.antennas(), 1.0)};
+  if (!ap.favourite.empty()) {
+    starts.push_back(ap.favourite);
+  }
+  for (const std::size_t state : ap.belief.modes(kModes)) {
+    std::vector<Value>& start = starts.emplace_back(ap.level);
+    for (std::size_t m = 0; m < start.size(); ++m) {
+      start[m] *= std::polar(1.0, ap.belief.grid().phase(state, m));
+    }
+  }
+  std::vector<ChainFactors> all;
+  for (const std::vector<Value>& start : starts) {
+    all.push_back(refined(map, ap, start));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const ChainFactors& a, const ChainFactors& b) {
+    return a.log_evidence > b.log_evidence;
+  });
+  std::vector<ChainFactors> different;
+  for (ChainFactors& one : all) {
+    if (std::none_of(different.begin(), different.end(), [&](const ChainFactors& other) {
+          return distance(one.factor, other.factor) < kSameState;
+        })) {
+      different.push_back(std::move(one));
+    }
+  }
+  ap.favourite = different.front().factor;
+  for (std::size_t m = 0; m < ap.level.size(); ++m) {
+    ap.level[m] = std::abs(ap.favourite[m]);
+  }
+  return different;
+}
+
+// The factors near `start` that explain the remembered bursts best, against those believed now.
+ChainFactors ChainLearner::refined(const AccessPointMap& map,
+                                   const AccessPoint& ap,
+                                   const std::vector<Value>& start) const {
+  const double exponent = localizer_->room().likelihood_exponent;
+  const std::vector<Value> undoing = inverses(start);
+  std::vector<PlacedBurst> bursts(ap.heard.size());
+  parallel_for(bursts.size(), 1, [&](std::size_t b) {
+    const AccessPoint::Remembered& one = ap.heard[b];
+    std::vector<double> phase;
+    for (std::size_t m = 0; m < start.size(); ++m) {
+      phase.push_back(std::arg(start[m] * one.since[m] / (start[0] * one.since[0])));
+    }
+    const ObservedBurst observed = map.observe(one.h, one.noise);
+    std::vector<ChainMoments> places;
+    std::vector<double> value;
+    for (const std::size_t cell : one.evidence.cells_near(phase)) {
+      if (map.is_reachable(cell)) {
+        places.push_back(chain_moments(map.model(cell), observed.array, undoing));
+        value.push_back(exponent * places.back().log_likelihood(undoing));
+      }
+    }
+    const auto top = std::max_element(value.begin(), value.end());
+    const double least = top == value.end() ? 0.0 : *top - kPlaceMargin;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (value[i] > least) {
+        bursts[b].places.push_back(places[i]);
+      }
+    }
+    bursts[b].floor = one.floor;
+  });
+  return refine_chains(bursts, start, exponent);
+}
+
+bool ChainLearner::leaves_alone() const {
+  return std::all_of(aps_.begin(),
+                     aps_.end(),
+                     [](const auto& one) {
+                       return one.second.state.knowledge == ChainKnowledge::kAsCalibrated;
+                     }) &&
+         restored_.empty();
+}
+
+std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
+  std::vector<CsiFrame> result(frames.begin(), frames.end());
+  for (const ChainState& state : states()) {
+    const RoomAccessPoint& ap = localizer_->room().access_points[state.access_point];
+    const std::vector<Value> undoing = inverses(state.factors.factor);
+    for (CsiFrame& frame : result) {
+      if (static_cast<std::size_t>(frame.access_point) == state.access_point) {
+        multiply(ap, undoing, frame);
+      }
+    }
+  }
+  return result;
+}
+
+std::vector<CsiFrame> ChainLearner::believed(std::span<const CsiFrame> frames) const {
+  std::vector<CsiFrame> kept = undone(frames);
+  const std::vector<ChainState> all = states();
+  kept.erase(std::remove_if(kept.begin(),
+                            kept.end(),
+                            [&](const CsiFrame& frame) {
+                              return std::any_of(all.begin(), all.end(), [&](const auto& state) {
+                                return state.knowledge == ChainKnowledge::kLearning &&
+                                       state.access_point ==
+                                           static_cast<std::size_t>(frame.access_point);
+                              });
+                            }),
+             kept.end());
+  return kept;
+}
+
+std::vector<ChainState> ChainLearner::states() const {
+  std::vector<ChainState> result;
+  for (const auto& [access_point, ap] : aps_) {
+    result.push_back(ap.state);
+  }
+  for (const auto& [access_point, state] : restored_) {
+    if (aps_.count(access_point) == 0) {
+      result.push_back(state);
+    }
+  }
+  std::sort(result.begin(), result.end(), [](const ChainState& a, const ChainState& b) {
+    return a.access_point < b.access_point;
+  });
+  return result;
+}
+
+void ChainLearner::restore(const ChainState& state) {
+  aps_.erase(state.access_point);
+  restored_[state.access_point] = state;
+}
+
+void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
+  AccessPoint& ap = of(access_point);
+  ap.belief.doubt(kTurnedAfterCycle);
+  ap.heard.clear();
+  ap.last_sure = time;
+  ap.know(ChainKnowledge::kLearning, time);
+}
+
+void ChainLearner::restart() { aps_.clear(); }
+
+}  // namespace rayloc

@@ -1,0 +1,74 @@
+// The likelihood of a burst at a place (ObservationModel) for receive chains that may have turned:
+// of all states of a grid at once, and of any factors of the chains, from ChainProducts.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/likelihood/chain_kernel.h"
+#include "engine/likelihood/observed_array.h"
+#include "engine/likelihood/place_model.h"
+
+namespace rayloc {
+
+// States of the chains: each but the first turned against it by a multiple of a step.
+class TurnGrid {
+ public:
+  explicit TurnGrid(std::size_t chains);  // REQUIRES: 1 to kMostChains
+
+  std::size_t chains() const { return chains_; }
+  std::size_t size() const { return size_; }
+  double step() const;  // [rad]
+  // [step], by how much a chain has turned in a state, from 0 on.
+  std::size_t turn(std::size_t state, std::size_t chain) const;
+  double phase(std::size_t state, std::size_t chain) const;  // [rad], -pi to pi
+  // [step], of two states, of the chain that they differ by most.
+  std::size_t distance(std::size_t a, std::size_t b) const;
+  std::span<const std::complex<float>> undoing() const { return undoing_; }  // [turn]
+
+ private:
+  std::size_t chains_;
+  std::size_t size_ = 1;
+  std::vector<std::complex<float>> undoing_;
+};
+
+// of_state[s] becomes the coarse log-likelihood where the chains are in state s, each but the first
+// turned by one of `undoing` (as of a TurnGrid); the windows are those that may hold the best of
+// any state.
+std::uint8_t coarse_of_turns(const PlaceModel& place,
+                             const ObservedArray& observed,
+                             std::size_t chains,
+                             std::span<const std::complex<float>> undoing,
+                             std::span<float> of_state);
+// The same in these windows, without a parabola between the delays.
+void log_likelihood_of_turns(const PlaceModel& place,
+                             const ObservedArray& observed,
+                             std::uint8_t windows,
+                             const TurnGrid& grid,
+                             std::span<float> of_state);
+
+// What a place says of a burst at the delay that fits best, for any factors of the chains.
+struct ChainMoments {
+  struct Mean {
+    std::array<std::complex<double>, kMostChains> along{};
+    double offset = 0.0;
+  };
+  std::size_t chains = 0;
+  double dimension = 0.0;
+  std::array<double, kMostChains> power{};
+  std::array<std::complex<double>, kChainPairs> cross{};
+  std::array<Mean, 2> means{};
+  std::size_t mean_count = 0;
+
+  // undoing: [chain], the inverses of the chains' factors.
+  double log_likelihood(std::span<const std::complex<double>> undoing) const;
+};
+ChainMoments chain_moments(const PlaceModel& place,
+                           const ObservedArray& observed,
+                           std::span<const std::complex<double>> undoing);
+
+}  // namespace rayloc

@@ -1,0 +1,213 @@
+// How many bursts it takes until receive chains are known again after a power cycle, and how well,
+// on recordings of a calibrated site:
+//
+//   chain_bench SITE CYCLES [AP=]FILE...
+//
+// The recordings' most heard transmitter is listened to in bursts of 0.2 s, by every access point
+// for itself. CYCLES power cycles are made by turning the chains of all frames at random, all the
+// way round and by 1.5 dB; the first is the recording as it is. A line for each cycle and access
+// point: bursts that counted and seconds until the chains were learned for the first time, how
+// often, and the phases learned then and at the end [degrees] beside those of the turns made.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/recordings/recorded_frames.h"
+#include "daemon/site/room_model.h"
+#include "engine/chains/chain_learner.h"
+
+namespace rayloc::bench {
+namespace {
+
+using Value = std::complex<double>;
+using Frames = std::vector<CsiFrame>;
+
+constexpr auto kBurst = std::chrono::milliseconds(200);
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr double kLevelSigma = 0.17;  // of ln, 1.5 dB
+
+std::vector<Frames> bursts_of(Frames frames) {
+  std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
+    return a.time < b.time;
+  });
+  std::vector<Frames> bursts;
+  for (CsiFrame& frame : frames) {
+    if (bursts.empty() || frame.time - bursts.back().front().time >= kBurst) {
+      bursts.emplace_back();
+    }
+    bursts.back().push_back(std::move(frame));
+  }
+  return bursts;
+}
+
+void turn(const RoomModel& room, const std::vector<std::vector<Value>>& turns, Frames& frames) {
+  for (CsiFrame& frame : frames) {
+    const auto a = static_cast<std::size_t>(frame.access_point);
+    const auto& cores = room.access_points[a].cores;
+    for (std::size_t row = 0; row < frame.cores.size(); ++row) {
+      const auto core = std::find(cores.begin(), cores.end(), frame.cores[row]);
+      if (core == cores.end()) {
+        continue;
+      }
+      const std::complex<float> factor(turns[a][static_cast<std::size_t>(core - cores.begin())]);
+      for (std::complex<float>& value : frame.csi.row(row, 0)) {
+        value *= factor;
+      }
+    }
+  }
+}
+
+// Of each chain but the first against it, the turns that were made taken out.
+std::string phases(const std::vector<Value>& factor, const std::vector<Value>& made) {
+  std::string text;
+  for (std::size_t m = 1; m < factor.size(); ++m) {
+    char one[64];
+    const Value own = factor[m] / factor[0] / (made[m] / made[0]);
+    std::snprintf(one,
+                  sizeof one,
+                  " %5.0f (%+4.1f dB)",
+                  kDegrees * std::arg(own),
+                  20.0 * std::log10(std::abs(own)));
+    text += one;
+  }
+  return text;
+}
+
+void cycle(const std::shared_ptr<const Localizer>& localizer,
+           const std::vector<Frames>& bursts,
+           int number,
+           bool verbose) {
+  const RoomModel& room = localizer->room();
+  std::mt19937 random(static_cast<unsigned>(number));
+  std::uniform_real_distribution<double> around(-std::numbers::pi, std::numbers::pi);
+  std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
+  std::vector<std::vector<Value>> made(room.access_points.size());
+  for (std::size_t a = 0; a < made.size(); ++a) {
+    for (std::size_t m = 0; m < room.access_points[a].cores.size(); ++m) {
+      made[a].push_back(std::polar(std::exp(level(random)), number == 0 ? 0.0 : around(random)));
+    }
+  }
+  struct First {
+    std::size_t bursts = 0;
+    double seconds = 0.0;
+    std::string phases;
+    int times = 0;
+    ChainKnowledge before = ChainKnowledge::kAsCalibrated;
+  };
+  std::map<std::size_t, First> first;
+  std::map<std::size_t, std::size_t> counted;
+  ChainLearner learner(localizer);
+  const Timestamp start = bursts.front().front().time;
+  for (const Frames& burst : bursts) {
+    Frames frames = burst;
+    turn(room, made, frames);
+    const auto began = std::chrono::steady_clock::now();
+    learner.hear(frames);
+    const double cost =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double seconds = std::chrono::duration<double>(frames.back().time - start).count();
+    for (const ChainState& state : learner.states()) {
+      First& one = first[state.access_point];
+      if (state.knowledge == ChainKnowledge::kLearned && one.before != ChainKnowledge::kLearned &&
+          one.times++ == 0) {
+        one.seconds = seconds;
+        one.bursts = counted[state.access_point];
+        one.phases = phases(state.factors.factor, made[state.access_point]);
+      }
+      one.before = state.knowledge;
+      counted[state.access_point] = state.bursts;
+      if (verbose) {
+        std::printf("  %6.2f s ap %zu knowledge %d bursts %zu of %zu:%s, %.3f s of work\n",
+                    seconds,
+                    state.access_point,
+                    static_cast<int>(state.knowledge),
+                    state.bursts,
+                    state.bursts_needed,
+                    phases(state.factors.factor, made[state.access_point]).c_str(),
+                    cost);
+      }
+    }
+  }
+  for (const ChainState& state : learner.states()) {
+    const First& one = first[state.access_point];
+    std::printf("cycle %d %s: learned %d times, first after %zu bursts, %.1f s:%s; at the end:%s",
+                number,
+                room.access_points[state.access_point].id.c_str(),
+                one.times,
+                one.bursts,
+                one.seconds,
+                one.phases.c_str(),
+                phases(state.factors.factor, made[state.access_point]).c_str());
+    for (const double sigma : state.factors.sigma) {
+      std::printf(" +-%.1f", kDegrees * sigma);
+    }
+    std::printf(" knowledge %d\n", static_cast<int>(state.knowledge));
+  }
+  std::fflush(stdout);
+}
+
+int run(const std::vector<std::string>& arguments, bool verbose) {
+  if (arguments.size() < 3) {
+    std::fputs("chain_bench [--verbose] SITE CYCLES [AP=]FILE...\n", stderr);
+    return 64;
+  }
+  const auto site = load_site(arguments[0]);
+  const auto room = site ? load_room_model(*site) : tl::make_unexpected(site.error());
+  if (!room) {
+    std::fprintf(stderr, "chain_bench: %s\n", room.error().message.c_str());
+    return 65;
+  }
+  std::vector<std::string> ids;
+  for (const RoomAccessPoint& ap : room->access_points) {
+    ids.push_back(ap.id);
+  }
+  const auto captures = cli::resolve_captures(
+      {arguments.begin() + 2, arguments.end()}, ids, cli::PerAccessPoint::kSeveral);
+  if (!captures) {
+    std::fprintf(stderr, "chain_bench: %s\n", captures.error().message.c_str());
+    return 65;
+  }
+  Frames frames;
+  std::vector<std::string> notes;
+  for (const cli::RecordingArgument& recording : cli::recordings_of(*captures)) {
+    const auto read = cli::for_each_frame(
+        *site, recording, [&](CsiFrame&& frame) { frames.push_back(std::move(frame)); }, notes);
+    if (!read) {
+      std::fprintf(stderr, "chain_bench: %s\n", read.error().message.c_str());
+      return 65;
+    }
+  }
+  cli::keep_most_heard(frames);
+  auto made = Localizer::create(std::make_shared<const RoomModel>(*room), {});
+  if (!made || frames.empty()) {
+    std::fputs("chain_bench: nothing to localize\n", stderr);
+    return 65;
+  }
+  const auto localizer = std::make_shared<const Localizer>(*std::move(made));
+  const std::vector<Frames> bursts = bursts_of(std::move(frames));
+  for (int number = 0; number < std::atoi(arguments[1].c_str()); ++number) {
+    cycle(localizer, bursts, number, verbose);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace rayloc::bench
+
+int main(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + 1, argv + argc);
+  const bool verbose = !arguments.empty() && arguments[0] == "--verbose";
+  if (verbose) {
+    arguments.erase(arguments.begin());
+  }
+  return rayloc::bench::run(arguments, verbose);
+}

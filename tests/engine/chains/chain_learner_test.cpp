@@ -1,0 +1,178 @@
+#include "engine/chains/chain_learner.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include "tests/support/faulty_frames.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+// The synthetic room, heard by its first access point, which models it well.
+std::shared_ptr<const Localizer> localizer() {
+  static const std::shared_ptr<const Localizer> kLocalizer = [] {
+    RoomModel room = test::make_room();
+    room.access_points.resize(1);
+    room.access_points[0].error.plan_tolerance = 0.001;
+    room.access_points[0].error.diffuse = 0.005;
+    auto made = Localizer::create(std::make_shared<const RoomModel>(std::move(room)), {});
+    return std::make_shared<const Localizer>(*std::move(made));
+  }();
+  return kLocalizer;
+}
+
+// A device somewhere else every two seconds.
+std::vector<CsiFrame> burst(int number) {
+  std::mt19937 random(static_cast<unsigned>(number + 1));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double x = 1.2 * uniform(random);
+  auto frames = test::frames_at(localizer()->room(),
+                                {x, 0.9 * uniform(random), 1.2},
+                                {4, 30.0, static_cast<unsigned>(number + 1)});
+  for (CsiFrame& frame : frames) {
+    frame.time += std::chrono::seconds(2 * number);
+  }
+  return frames;
+}
+
+// Chains that multiply by these.
+std::vector<CsiFrame> through(std::vector<CsiFrame> frames, const std::vector<Value>& factors) {
+  const auto& cores = localizer()->room().access_points[0].cores;
+  for (std::size_t m = 0; m < factors.size(); ++m) {
+    for (CsiFrame& frame : frames) {
+      for (std::size_t row = 0; row < frame.cores.size(); ++row) {
+        if (frame.cores[row] == cores[m]) {
+          for (std::complex<float>& value : frame.csi.row(row, 0)) {
+            value *= std::complex<float>(factors[m]);
+          }
+        }
+      }
+    }
+  }
+  return frames;
+}
+
+double phase_error(const ChainState& state, const std::vector<Value>& factors, std::size_t m) {
+  return std::arg(state.factors.factor[m] / state.factors.factor[0] / (factors[m] / factors[0]));
+}
+
+TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
+  ChainLearner learner(localizer());
+  for (int i = 0; i < 20; ++i) {
+    const auto frames = burst(i);
+    learner.hear(frames);
+    ASSERT_EQ(learner.states().size(), 1U);
+    EXPECT_EQ(learner.states()[0].knowledge, ChainKnowledge::kAsCalibrated) << i;
+    EXPECT_EQ(learner.believed(frames).size(), frames.size());
+  }
+  EXPECT_TRUE(learner.leaves_alone());
+}
+
+// Any phases and levels: nothing is a quarter of a turn.
+TEST(ChainLearner, LearnsWhatChainsMultiplyByAfterAPowerCycle) {
+  const std::vector<std::vector<Value>> cycles = {
+      {1.0, std::polar(1.2, 1.0), std::polar(0.9, -2.6)},
+      {1.0, 1.0, std::polar(1.0, std::numbers::pi)}};
+  for (const std::vector<Value>& factors : cycles) {
+    ChainLearner learner(localizer());
+    for (int i = 0; i < 24; ++i) {
+      learner.hear(through(burst(i), factors));
+    }
+    const ChainState state = learner.states().at(0);
+    ASSERT_EQ(state.knowledge, ChainKnowledge::kLearned);
+    for (std::size_t m = 1; m < 3; ++m) {
+      EXPECT_NEAR(phase_error(state, factors, m), 0.0, 0.15);
+      EXPECT_LT(std::abs(phase_error(state, factors, m)), 4.0 * state.factors.sigma[m] + 0.02);
+      EXPECT_NEAR(std::log(std::abs(state.factors.factor[m] / state.factors.factor[0] /
+                                    (factors[m] / factors[0]))),
+                  0.0,
+                  0.1);
+    }
+    EXPECT_FALSE(learner.leaves_alone());
+    // Frames are as if nothing had happened: a fix is where the device is.
+    const auto frames = learner.believed(through(burst(40), factors));
+    const LocationEstimate as_before = localizer()->locate(burst(40));
+    const LocationEstimate now = localizer()->locate(frames);
+    ASSERT_TRUE(now.position && as_before.position);
+    EXPECT_LT(norm(*now.position - *as_before.position), 0.1);
+  }
+}
+
+TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
+  const std::vector<Value> first = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
+  const std::vector<Value> second = {1.0, std::polar(1.0, -1.0), std::polar(1.0, 0.8)};
+  ChainLearner learner(localizer());
+  for (int i = 0; i < 14; ++i) {
+    learner.hear(through(burst(i), first));
+  }
+  ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned);
+  int withdrawn = -1;
+  for (int i = 14; i < 44; ++i) {
+    const auto frames = through(burst(i), second);
+    learner.hear(frames);
+    const bool is_learning = learner.states().at(0).knowledge == ChainKnowledge::kLearning;
+    EXPECT_EQ(learner.believed(frames).empty(), is_learning);
+    if (withdrawn < 0 && std::abs(phase_error(learner.states().at(0), first, 1)) > 0.5) {
+      withdrawn = i;
+    }
+  }
+  const ChainState state = learner.states().at(0);
+  EXPECT_EQ(state.knowledge, ChainKnowledge::kLearned);
+  EXPECT_GT(withdrawn, 0);
+  EXPECT_NEAR(phase_error(state, second, 1), 0.0, 0.15);
+  EXPECT_NEAR(phase_error(state, second, 2), 0.0, 0.15);
+}
+
+// A device that lies at a place which looks more like another with turned chains says so once.
+TEST(ChainLearner, TheSameAgainIsNoFurtherEvidence) {
+  const std::vector<Value> factors = {1.0, 1.0, std::polar(1.0, 1.6)};
+  ChainLearner learner(localizer());
+  for (int i = 0; i < 30; ++i) {
+    auto frames = burst(0);
+    for (CsiFrame& frame : frames) {
+      frame.time += std::chrono::seconds(2 * i);
+    }
+    learner.hear(through(frames, factors));
+  }
+  EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kAsCalibrated);
+  EXPECT_LE(learner.states().at(0).bursts, 2U);
+}
+
+// Told of a power cycle: nothing is believed until the chains are learned, and what was learned is
+// used by the next program.
+TEST(ChainLearner, IsToldOfAPowerCycleAndKeepsWhatItLearned) {
+  const std::vector<Value> factors = {1.0, std::polar(1.1, 0.6), std::polar(1.0, 3.0)};
+  ChainLearner learner(localizer());
+  learner.power_cycled(0, burst(0).front().time);
+  EXPECT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearning);
+  EXPECT_TRUE(learner.believed(burst(0)).empty());
+  int bursts = 0;
+  while (bursts < 40 && learner.states().at(0).knowledge != ChainKnowledge::kLearned) {
+    learner.hear(through(burst(bursts++), factors));
+  }
+  ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned);
+  ChainLearner next(localizer());
+  next.restore(learner.states().at(0));
+  const auto frames = through(burst(50), factors);
+  const auto kept = next.believed(frames);
+  ASSERT_EQ(kept.size(), frames.size());
+  const LocationEstimate now = localizer()->locate(kept);
+  const LocationEstimate as_before = localizer()->locate(burst(50));
+  ASSERT_TRUE(now.position && as_before.position);
+  EXPECT_LT(norm(*now.position - *as_before.position), 0.15);
+  for (int i = 51; i < 60; ++i) {
+    next.hear(through(burst(i), factors));
+    EXPECT_EQ(next.states().at(0).knowledge, ChainKnowledge::kLearned) << i;
+  }
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,115 @@
+#include "engine/likelihood/turned_likelihood.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "engine/likelihood/observation_model.h"
+#include "engine/trace/path_tracer.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+// What an access point of the synthetic room hears of a device, and some places to compare with.
+struct Scene {
+  RoomModel room = test::make_room();
+  ObservationModel model{room.grid, 3};
+  std::vector<Value> h = test::channel_at(room, room.access_points[0], {0.4, -0.5, 1.2});
+  std::vector<PlaceModel> places;
+
+  Scene() {
+    const RoomAccessPoint& ap = room.access_points[0];
+    const auto offsets = offsets_of(ap.array);
+    const PathTracer tracer(room.scene, room.trace);
+    for (const Vec3d& at : {Vec3d{0.4, -0.5, 1.2}, Vec3d{-0.9, 0.7, 1.2}, Vec3d{1.1, 0.2, 1.2}}) {
+      places.push_back(
+          model.place({test::rays_to(tracer, room, ap.array, at), offsets, 0.05}, ap.error));
+    }
+  }
+
+  // As a radio hears it whose chains multiply by these.
+  ObservedArray observed(const std::vector<Value>& factors) const {
+    std::vector<Value> y = h;
+    for (std::size_t j = 0; j < y.size(); ++j) {
+      y[j] *= factors[j / room.grid.size()];
+    }
+    return model.observe(y);
+  }
+};
+
+TEST(TurnedLikelihood, IsThatOfTheBurstTurnedBackInEveryState) {
+  const Scene scene;
+  const TurnGrid grid(3);
+  const ObservedArray as_heard = scene.observed({1.0, 1.0, 1.0});
+  std::vector<float> coarse(grid.size());
+  std::vector<float> fine(grid.size());
+  for (const PlaceModel& place : scene.places) {
+    const auto windows = coarse_of_turns(place, as_heard, 3, grid.undoing(), coarse);
+    log_likelihood_of_turns(place, as_heard, windows, grid, fine);
+    for (std::size_t state = 0; state < grid.size(); state += 13) {
+      std::vector<Value> back;
+      for (std::size_t m = 0; m < 3; ++m) {
+        back.push_back(std::polar(1.0, -grid.phase(state, m)));
+      }
+      const ObservedArray turned = scene.observed(back);
+      const auto plain = ObservationModel::coarse(place, turned);
+      EXPECT_NEAR(coarse[state], plain.log_likelihood, 0.02) << state;
+      // The plain one has a parabola between delays of 1.5 ns.
+      const double best = ObservationModel::log_likelihood(place, turned, 0xFF);
+      EXPECT_NEAR(fine[state], best, 2.0) << state;
+      EXPECT_LT(fine[state], best + 0.02) << state;
+    }
+  }
+}
+
+TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
+  const Scene scene;
+  const std::vector<Value> factors = {1.0, std::polar(1.3, 0.7), std::polar(0.8, -2.1)};
+  const std::vector<Value> undoing = {1.0, 1.0 / factors[1], 1.0 / factors[2]};
+  const ObservedArray heard = scene.observed(factors);
+  const ObservedArray divided = scene.observed({1.0, 1.0, 1.0});
+  std::vector<double> of_moments;
+  std::vector<double> plain;
+  for (const PlaceModel& place : scene.places) {
+    of_moments.push_back(chain_moments(place, heard, undoing).log_likelihood(undoing));
+    plain.push_back(ObservationModel::log_likelihood(place, divided));
+  }
+  // They differ by what the unit power of the burst and the factors' volume make of all places.
+  for (std::size_t i = 1; i < plain.size(); ++i) {
+    EXPECT_NEAR(of_moments[i] - of_moments[0], plain[i] - plain[0], 1.0) << i;
+  }
+  EXPECT_GT(of_moments[0], of_moments[1] + 10.0);
+}
+
+// A level in common says nothing.
+TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
+  const Scene scene;
+  const ObservedArray heard = scene.observed({1.0, 1.0, 1.0});
+  const ChainMoments moments =
+      chain_moments(scene.places[0], heard, std::vector<Value>{1.0, 1.0, 1.0});
+  const Value common = std::polar(1.7, 0.4);
+  EXPECT_NEAR(moments.log_likelihood(std::vector<Value>{1.0, 1.0, 1.0}),
+              moments.log_likelihood(std::vector<Value>{common, common, common}),
+              1e-6);
+}
+
+TEST(TurnGrid, StatesAreTurnsOfAllChainsButTheFirst) {
+  const TurnGrid grid(3);
+  EXPECT_EQ(grid.size(), 16U * 16U);
+  EXPECT_EQ(grid.turn(17, 0), 0U);
+  EXPECT_EQ(grid.turn(17, 1), 1U);
+  EXPECT_EQ(grid.turn(17, 2), 1U);
+  EXPECT_NEAR(grid.phase(15, 2), -grid.step(), 1e-12);
+  EXPECT_EQ(grid.distance(0, 15), 1U);
+  EXPECT_EQ(grid.distance(2, 16 * 8 + 1), 8U);
+  EXPECT_EQ(TurnGrid(1).size(), 1U);
+  EXPECT_EQ(TurnGrid(4).size(), 8U * 8U * 8U);
+}
+
+}  // namespace
+}  // namespace rayloc
