@@ -17,7 +17,7 @@ constexpr double kMost = 300.0;     // [nat], of a burst: keeps exp() finite
 // Counts, chosen: of a coarse look at all cells only so many turns of a chain are tried, and of
 // each state that many cells are kept.
 constexpr std::size_t kFewTurns = 8;
-constexpr std::size_t kKeptCells = 48;
+constexpr std::size_t kKeptCells = 48;  // a count, chosen
 
 // A grid of fewer states, for what is looked at coarsely.
 std::vector<std::complex<float>> few_turns(const TurnGrid& grid) {

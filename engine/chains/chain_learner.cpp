@@ -38,8 +38,8 @@ constexpr double kPlaceMargin = 7.0;      // [nat], tempered: places below that 
 constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
 // [s], chosen: between looks.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
-constexpr auto kUnsettledPeriod = std::chrono::seconds(1);
-constexpr auto kSettledPeriod = std::chrono::seconds(10);
+constexpr auto kUnsettledPeriod = std::chrono::seconds(1);  // [s], chosen
+constexpr auto kSettledPeriod = std::chrono::seconds(10);   // [s], chosen
 
 std::vector<Value> inverses(const std::vector<Value>& factors) {
   std::vector<Value> result;
