@@ -61,6 +61,7 @@ struct Options {
   std::string target_key;  // file; empty: devices are called by their addresses
   double target_rotate_h = 24.0;
   std::optional<double> height_sigma;  // [m]; nothing: those of the site
+  ChainKeeper::Options chains;
   bool no_cache = false;
   bool quiet = false;
 };
@@ -277,6 +278,7 @@ Expected<Estimators> make_estimators(const Options& options,
     estimation.method = &method;
     estimation.settings = told;
     estimation.settings.path_grids = path_grids(options);
+    estimation.chains = options.chains;
     auto devices = DeviceEstimator::create(site, estimation);
     if (!devices) {
       return tl::make_unexpected(devices.error());
@@ -411,6 +413,11 @@ Expected<void> run(const Options& options) {
   ZoneEstimator zones(estimators->all, site->zones);
   const std::vector<int> heard = recordings->access_points;
   Expected<void> written = write_all(options, pipeline_options, std::move(*recordings), zones);
+  if (estimators->devices && !options.quiet) {
+    for (const std::string& line : estimators->devices->chain_news()) {
+      std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
+    }
+  }
   report_lacks(options, *site, *estimators, heard);
   return written;
 }
@@ -481,6 +488,8 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--target-rotate-h", options->target_rotate_h, "its rotate_h")
       ->check(in_range(0.01, 8760.0))
       ->capture_default_str();
+  app.add_option("--chains", options->chains.read, "file with what was learned of chains before");
+  app.add_option("--chains-out", options->chains.write, "file for what is learned of them");
   app.add_flag("--no-cache",
                options->no_cache,
                "trace the room anew; else its rays are kept in $XDG_CACHE_HOME/rayloc");

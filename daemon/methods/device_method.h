@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "daemon/methods/method_options.h"
+#include "engine/chains/chain_learner.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
-#include "engine/monitor/chain_watch.h"
 #include "engine/room/location_estimate.h"
 #include "engine/room/room_model.h"
 #include "engine/track/device_tracker.h"
@@ -50,9 +50,8 @@ class DeviceMethod {
   virtual bool follows(const MacAddress& /*device*/) const { return false; }
   virtual TrackerCounters tracker_counters() const { return {}; }
 
-  // The access points whose chains have turned, as ChainWatch has them.
-  virtual void watch_chains(std::span<const CsiFrame> /*frames*/) {}
-  virtual std::vector<ChainWatch::Turn> turned_chains() const { return {}; }
+  // Receive chains learned from devices; null: frames are taken as they come.
+  virtual ChainLearner* chains() { return nullptr; }
 
   // What explains the channel behind a position to those who look at it; null: nothing does.
   virtual std::shared_ptr<const Localizer> localizer() const { return nullptr; }

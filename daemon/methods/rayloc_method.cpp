@@ -23,6 +23,7 @@ constexpr std::array kSettings = std::to_array<MethodSetting>({
 
 class RaylocDevices : public DeviceMethod {
  public:
+  // Chains are learned from Gaussian likelihoods alone.
   RaylocDevices(std::shared_ptr<const Localizer> localizer, std::set<MacAddress> listed)
       : localizer_(std::move(localizer)),
         tracker_(localizer_,
@@ -31,7 +32,8 @@ class RaylocDevices : public DeviceMethod {
                    options.always = std::move(listed);
                    return options;
                  }()),
-        chains_(localizer_) {}
+        chains_(localizer_),
+        learns_(ChainLearner::learns_from(localizer_->options().likelihood)) {}
 
   const RoomModel& room() const override { return localizer_->room(); }
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
@@ -54,15 +56,15 @@ class RaylocDevices : public DeviceMethod {
   bool follows(const MacAddress& device) const override { return tracker_.follows(device); }
   TrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
-  void watch_chains(std::span<const CsiFrame> frames) override { chains_.hear(frames); }
-  std::vector<ChainWatch::Turn> turned_chains() const override { return chains_.turned(); }
+  ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
 
   std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
 
  private:
   std::shared_ptr<const Localizer> localizer_;
   DeviceTracker tracker_;
-  ChainWatch chains_;
+  ChainLearner chains_;
+  bool learns_;
 };
 
 class RaylocPeople : public PersonMethod {

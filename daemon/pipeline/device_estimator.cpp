@@ -17,32 +17,10 @@ CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
   return {*fixed.position, {fixed.position->z, 0.0, fixed.pattern, fixed.polarization}};
 }
 
-// In the words and numbers of CalibrationMonitor.
-CalibrationWarning chains_turned(const RoomAccessPoint& access_point,
-                                 const ChainWatch::Turn& turn) {
-  CalibrationWarning warning;
-  warning.problem = CalibrationProblem::kChainPhaseJump;
-  warning.access_point = turn.access_point;
-  std::string cores;
-  for (std::size_t i = 0; i < turn.phase.size(); ++i) {
-    if (turn.phase[i] != 0.0) {
-      warning.core = access_point.cores[i];
-      warning.phase = turn.phase[i];
-      cores += (cores.empty() ? "core " : ", core ") + std::to_string(access_point.cores[i]) +
-               " by " + std::to_string(std::lround(kDegreesPerRadian * turn.phase[i])) + " degrees";
-    }
-  }
-  warning.text = "chain_phase_jump: access point " + access_point.id + ", " + cores +
-                 " against core " + std::to_string(access_point.cores[0]) + ": so say " +
-                 std::to_string(turn.bursts) +
-                 " bursts of devices; it is not believed until `rayloc calibrate --rechain`";
-  return warning;
-}
-
 // Of a burst that no believed access point heard.
-LocationEstimate unbelieved(const Burst& burst) {
+LocationEstimate unbelieved(const Burst& burst, std::string reason) {
   LocationEstimate estimate;
-  estimate.reason = "no access point that heard it can be believed: chains have turned";
+  estimate.reason = std::move(reason);
   estimate.capture_start = burst.frames.front().time;
   estimate.capture_end = burst.frames.back().time;
   estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
@@ -52,12 +30,14 @@ LocationEstimate unbelieved(const Burst& burst) {
 }  // namespace
 
 DeviceEstimator::DeviceEstimator(Site site, Options options)
-    : site_(std::move(site)), options_([&] {
+    : site_(std::move(site)),
+      options_([&] {
         if (!options.names) {
           options.names = std::make_shared<TargetNames>();
         }
         return std::move(options);
-      }()) {}
+      }()),
+      chains_(options_.chains) {}
 
 Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     std::shared_ptr<const RoomModel> room) const {
@@ -122,6 +102,7 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
   if (auto watched = estimator->watch_calibration(*room); !watched) {
     return tl::make_unexpected(std::move(watched.error()));
   }
+  estimator->chains_.restore(estimator->learners(), *room);
   return estimator;
 }
 
@@ -147,40 +128,65 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   if (!fixed.position) {
     return;
   }
-  monitor_->observe(placed(fixed), burst.frames);
+  const auto all = learners();
+  const auto before = monitor_->warnings();
+  if (all.empty() || all.front()->leaves_alone()) {
+    monitor_->observe(placed(fixed), burst.frames);
+  } else {
+    monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
+  }
+  for (const CalibrationWarning& warning : monitor_->warnings()) {
+    const bool is_new = std::none_of(before.begin(), before.end(), [&](const auto& one) {
+      return one.problem == warning.problem && one.access_point == warning.access_point;
+    });
+    if (is_new && warning.problem == CalibrationProblem::kChainPhaseJump && !all.empty()) {
+      all.front()->power_cycled(warning.access_point, burst.frames.back().time);
+      chains_.spread(*all.front(), all, room());
+    }
+  }
   state_warnings();
 }
 
-// What the monitor says first: it knows the phases, not only the quarters.
+// What the monitor says first: it knows by how much.
 void DeviceEstimator::state_warnings() {
   std::vector<CalibrationWarning> warnings = monitor_->warnings();
-  for (const Room& room : rooms_) {
-    for (const ChainWatch::Turn& turn : room.method->turned_chains()) {
-      const CalibrationWarning warning =
-          chains_turned(room.room().access_points[turn.access_point], turn);
-      if (std::none_of(warnings.begin(), warnings.end(), [&](const CalibrationWarning& one) {
-            return one.problem == warning.problem && one.access_point == warning.access_point;
-          })) {
-        warnings.push_back(warning);
-      }
+  for (CalibrationWarning& warning : chains_.warnings(room())) {
+    if (std::none_of(warnings.begin(), warnings.end(), [&](const CalibrationWarning& one) {
+          return one.problem == warning.problem && one.access_point == warning.access_point;
+        })) {
+      warnings.push_back(std::move(warning));
     }
   }
   const std::lock_guard lock(mutex_);
   warnings_ = std::move(warnings);
 }
 
-// The frames of the access points whose chains are as they were: those of the burst, or what is
-// left of them in `kept`.
+std::vector<ChainLearner*> DeviceEstimator::learners() const {
+  std::vector<ChainLearner*> all;
+  for (const Room& room : rooms_) {
+    if (ChainLearner* learner = room.method->chains()) {
+      all.push_back(learner);
+    }
+  }
+  return all;
+}
+
+// The frames of the access points whose chains are known, as if they were as calibrated: those of
+// the burst, or what is left of them in `kept`.
 std::span<const CsiFrame> DeviceEstimator::believed(const Burst& burst,
                                                     Room& room,
                                                     std::vector<CsiFrame>& kept) {
-  room.method->watch_chains(burst.frames);
-  state_warnings();
-  const auto turned = room.method->turned_chains();
-  if (turned.empty()) {
+  ChainLearner* learner = room.method->chains();
+  if (learner == nullptr) {
     return burst.frames;
   }
-  kept = ChainWatch::believed(burst.frames, turned);
+  learner->hear(burst.frames);
+  chains_.spread(*learner, learners(), room.room());
+  state_warnings();
+  if (learner->leaves_alone()) {
+    return burst.frames;
+  }
+  kept = learner->believed(burst.frames);
   return kept;
 }
 
@@ -220,7 +226,8 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::size_t first = out.locations.size();
   std::vector<CsiFrame> kept;
   const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  LocationEstimate snapshot = frames.empty() ? unbelieved(burst) : room->method->locate(frames, 0);
+  LocationEstimate snapshot = frames.empty() ? unbelieved(burst, chains_.reason(room->room()))
+                                             : room->method->locate(frames, 0);
   Target target = target_of(burst.transmitter, snapshot.time);
   out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
   show_channel(frames, *room, out.locations.back());
@@ -280,6 +287,7 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
     const std::lock_guard lock(mutex_);
     warnings_.clear();
   }
+  chains_.restart();
   for (Room& room : rooms_) {
     std::vector<DeviceUpdate> updates;
     room.method->restart(reason, updates);

@@ -3,8 +3,9 @@
 // burst gives a snapshot, and filtered estimates of the moments within it.
 //
 // Bursts of fixed transmitters give no location here; they tell whether the calibration still holds
-// (CalibrationMonitor), and what they tell stands in the warnings of every location. So does what
-// devices tell of chains that have turned (ChainWatch); an access point with such is not believed.
+// (CalibrationMonitor), and what they tell stands in the warnings of every location. Receive chains
+// that have turned are learned from devices (ChainLearner); an access point is not believed until
+// its chains are known again.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +18,7 @@
 
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
+#include "daemon/pipeline/chain_keeper.h"
 #include "daemon/pipeline/channel_watch.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
@@ -36,6 +38,7 @@ class DeviceEstimator : public Estimator {
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
     // What devices are called; null: by their addresses.
     std::shared_ptr<TargetNames> names;
+    ChainKeeper::Options chains;
   };
 
   // Reads the scene and prepares the room: seconds. Devices of different height or antenna need
@@ -53,6 +56,8 @@ class DeviceEstimator : public Estimator {
 
   // What holds now. Thread safety: these may be called from any thread.
   std::vector<CalibrationWarning> calibration_warnings() const;
+  // What became known of chains since the last call, for the log. From any thread.
+  std::vector<std::string> chain_news() { return chains_.news(); }
   TrackerCounters tracker_counters() const;  // of all trackers
 
   ChannelWatch& channels() { return channels_; }  // of devices, by a method with a Localizer
@@ -72,6 +77,7 @@ class DeviceEstimator : public Estimator {
   Expected<void> watch_calibration(const RoomModel& room);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
+  std::vector<ChainLearner*> learners() const;
   void state_warnings();
   DeviceModel device_of(const SiteTransmitter* stated) const;
   void show_channel(std::span<const CsiFrame> frames, const Room& room, const Location& location);
@@ -85,6 +91,7 @@ class DeviceEstimator : public Estimator {
   const Options options_;
   std::vector<Room> rooms_;                      // the first is that of unlisted devices
   std::unique_ptr<CalibrationMonitor> monitor_;  // the estimation thread's
+  ChainKeeper chains_;                           // the estimation thread's, but for its news
   ChannelWatch channels_;
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_

@@ -21,8 +21,9 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kSubjectsShown = 2048;  // on the map
-constexpr std::size_t kPlayedFrames = 512;    // that wait of a source that people move
+constexpr std::size_t kSubjectsShown = 2048;       // on the map
+constexpr std::size_t kPlayedFrames = 512;         // that wait of a source that people move
+constexpr const char* kChainFile = "chains.json";  // in the state directory
 constexpr auto kRepeatWarning = std::chrono::minutes(10);
 
 RecordingLimits recording_limits(const RecordConfig& config) {
@@ -37,12 +38,15 @@ RingSnapshots::Limits snapshot_limits(const RecordConfig& config) {
 }
 
 // Empty when nobody has said where.
-std::filesystem::path snapshot_folder(const RecordConfig& config) {
+std::filesystem::path state_folder() {
   const char* const state = std::getenv("STATE_DIRECTORY");  // systemd.exec(5)
+  return state != nullptr ? std::filesystem::path(state) : std::filesystem::path();
+}
+
+std::filesystem::path snapshot_folder(const RecordConfig& config) {
   return !config.snapshot_directory.empty() ? config.snapshot_directory
          : !config.directory.empty()        ? config.directory
-         : state != nullptr                 ? std::filesystem::path(state)
-                                            : std::filesystem::path();
+                                            : state_folder();
 }
 
 std::unique_ptr<RecorderStage> open_recorder(const RecordConfig& config,
@@ -229,6 +233,9 @@ Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grid
     devices.method = method;
     devices.settings = settings;
     devices.names = names_;
+    if (const auto folder = state_folder(); !folder.empty()) {
+      devices.chains = {(folder / kChainFile).string(), (folder / kChainFile).string()};
+    }
     auto estimator = DeviceEstimator::create(setup_.site, devices);
     if (!estimator) {
       return tl::make_unexpected(estimator.error());
@@ -314,7 +321,12 @@ Expected<std::vector<std::string>> Service::snapshot() {
 }
 
 std::vector<std::string> Service::news() {
-  return snapshots_of_rings_ ? snapshots_of_rings_->news() : std::vector<std::string>();
+  auto lines = snapshots_of_rings_ ? snapshots_of_rings_->news() : std::vector<std::string>();
+  if (estimator_) {
+    const auto chains = estimator_->chain_news();
+    lines.insert(lines.end(), chains.begin(), chains.end());
+  }
+  return lines;
 }
 
 // What is kept in memory of a source, when there is somewhere to write it.

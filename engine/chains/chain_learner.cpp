@@ -14,8 +14,10 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurnedAtStart = 0.1;      // a probability: nobody says how old a calibration is
-constexpr double kTurnedAfterCycle = 0.98;  // a probability: chips start in states of their own
+constexpr double kTurnedAtStart = 0.1;       // a probability: nobody says how old a calibration is
+constexpr double kTurnedAfterCycle = 0.98;   // a probability: chips start in states of their own
+constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or unheard
+constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kDoubted = 0.2;    // probability of what is believed: from here on it is compared
 constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
 constexpr double kSure = 0.999;     // the same: nothing speaks against it
@@ -156,6 +158,11 @@ ChainLearner::ChainLearner(std::shared_ptr<const Localizer> localizer)
     : localizer_(std::move(localizer)), aligner_(localizer_->room().grid) {}
 ChainLearner::~ChainLearner() = default;
 
+bool ChainLearner::learns_from(LikelihoodKind kind) {
+  return kind == LikelihoodKind::kPartial || kind == LikelihoodKind::kCoherent ||
+         kind == LikelihoodKind::kPathCovariance;
+}
+
 ChainLearner::AccessPoint& ChainLearner::of(std::size_t access_point) {
   const auto found = aps_.find(access_point);
   if (found != aps_.end()) {
@@ -163,10 +170,11 @@ ChainLearner::AccessPoint& ChainLearner::of(std::size_t access_point) {
   }
   AccessPoint ap(localizer_->room().access_points[access_point].cores.size());
   ap.state.access_point = access_point;
+  AccessPoint& kept = aps_.emplace(access_point, std::move(ap)).first->second;
   if (const auto before = restored_.find(access_point); before != restored_.end()) {
-    ap.state = before->second;
+    adopt(before->second);
   }
-  return aps_.emplace(access_point, std::move(ap)).first->second;
+  return kept;
 }
 
 bool ChainLearner::is_due(std::size_t access_point, Timestamp time) const {
@@ -190,6 +198,7 @@ void ChainLearner::hear(std::span<const CsiFrame> frames) {
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   std::vector<char> due(access_points.size());
   for (const CsiFrame& frame : frames) {
+    notice_silence(frame);
     const auto a = static_cast<std::size_t>(frame.access_point);
     const std::size_t chains = access_points[a].cores.size();
     due[a] = chains > 1 && chains <= kMostChains && is_due(a, time) ? 1 : 0;
@@ -361,13 +370,22 @@ ChainFactors ChainLearner::refined(const AccessPointMap& map,
   return refine_chains(bursts, start, exponent);
 }
 
+// An access point that is off hears nobody.
+void ChainLearner::notice_silence(const CsiFrame& frame) {
+  const auto a = static_cast<std::size_t>(frame.access_point);
+  const auto [last, is_first] = heard_.emplace(a, frame.time);
+  if (!is_first && frame.time - last->second > kSilence) {
+    if (const auto found = aps_.find(a); found != aps_.end()) {
+      found->second.belief.doubt(kTurnedAfterSilence);
+    }
+  }
+  last->second = frame.time;
+}
+
 bool ChainLearner::leaves_alone() const {
-  return std::all_of(aps_.begin(),
-                     aps_.end(),
-                     [](const auto& one) {
-                       return one.second.state.knowledge == ChainKnowledge::kAsCalibrated;
-                     }) &&
-         restored_.empty();
+  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
+    return one.second.state.knowledge == ChainKnowledge::kAsCalibrated;
+  });
 }
 
 std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
@@ -405,20 +423,24 @@ std::vector<ChainState> ChainLearner::states() const {
   for (const auto& [access_point, ap] : aps_) {
     result.push_back(ap.state);
   }
-  for (const auto& [access_point, state] : restored_) {
-    if (aps_.count(access_point) == 0) {
-      result.push_back(state);
-    }
-  }
-  std::sort(result.begin(), result.end(), [](const ChainState& a, const ChainState& b) {
-    return a.access_point < b.access_point;
-  });
   return result;
+}
+
+void ChainLearner::adopt(const ChainState& state) {
+  AccessPoint& ap = of(state.access_point);
+  ap.heard.clear();
+  ap.apply(state.factors);
+  ap.state = state;
+  ap.last_sure = state.since;
+  if (state.knowledge == ChainKnowledge::kLearning) {
+    ap.belief.doubt(kTurnedAfterCycle);
+  }
 }
 
 void ChainLearner::restore(const ChainState& state) {
   aps_.erase(state.access_point);
   restored_[state.access_point] = state;
+  of(state.access_point);
 }
 
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
@@ -429,6 +451,12 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ap.know(ChainKnowledge::kLearning, time);
 }
 
-void ChainLearner::restart() { aps_.clear(); }
+void ChainLearner::restart() {
+  aps_.clear();
+  heard_.clear();
+  for (const auto& [access_point, state] : restored_) {
+    of(access_point);
+  }
+}
 
 }  // namespace rayloc

@@ -49,7 +49,9 @@ struct ChainState {
 
 class ChainLearner {
  public:
+  // REQUIRES: learns_from(its likelihood).
   explicit ChainLearner(std::shared_ptr<const Localizer> localizer);
+  static bool learns_from(LikelihoodKind kind);
   ~ChainLearner();
 
   // A burst of one device that is somewhere in the area, as the radios gave it, in order of time.
@@ -64,7 +66,9 @@ class ChainLearner {
 
   // By access point, of those of which anything was heard or restored.
   std::vector<ChainState> states() const;
-  // What was learned before this program began. REQUIRES: of this room.
+  // What others have found out of an access point takes the place of what was found out here.
+  void adopt(const ChainState& state);
+  // The same, of before this program began: it outlives restart(). REQUIRES: of this room.
   void restore(const ChainState& state);
   // The access point was off: its chains are probably others.
   void power_cycled(std::size_t access_point, Timestamp time);
@@ -74,6 +78,7 @@ class ChainLearner {
  private:
   struct AccessPoint;
   AccessPoint& of(std::size_t access_point);
+  void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time) const;
   void weigh(const HeardArray& heard, Timestamp time, AccessPoint& ap);
   void decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap);
@@ -86,6 +91,7 @@ class ChainLearner {
   Aligner aligner_;
   std::map<std::size_t, AccessPoint> aps_;  // by access point of the room
   std::map<std::size_t, ChainState> restored_;
+  std::map<std::size_t, Timestamp> heard_;  // the last frame of each access point
 };
 
 }  // namespace rayloc

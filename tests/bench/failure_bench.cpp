@@ -4,11 +4,11 @@
 //
 // Each spot of POINTS is located as recorded, and with one thing wrong: a chain dead, a chain's
 // phase jumped (once for all spots, as a power cycle does it, a chain and a state at a time; what
-// ChainWatch names is left out from then on, as the daemon does it), an access point covered (97 %
-// of the amplitude of its direct way taken out, as the calibrated room has it), a device outside of
-// the area (the bounds end 0.3 m short of it), and the channel of another room. A line a case and
-// number of access points: cases, NO_FIX, fixes with a warning, and those whose stated region of
-// 95 % excludes the truth. --verbose: a line a fix.
+// ChainLearner finds is left out until it is learned, as the daemon does it), an access point
+// covered (97 % of the amplitude of its direct way taken out, as the calibrated room has it), a
+// device outside of the area (the bounds end 0.3 m short of it), and the channel of another room. A
+// line a case and number of access points: cases, NO_FIX, fixes with a warning, and those whose
+// stated region of 95 % excludes the truth. --verbose: a line a fix.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,8 +21,8 @@
 
 #include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/site/room_model.h"
+#include "engine/chains/chain_learner.h"
 #include "engine/localize/localizer.h"
-#include "engine/monitor/chain_watch.h"
 #include "engine/posterior/credible_region.h"
 #include "tests/support/faulty_frames.h"
 
@@ -157,22 +157,21 @@ void study_jumps(const std::shared_ptr<const Localizer>& localizer,
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     for (const std::uint8_t core : room.access_points[ap].cores) {
       quarters = quarters % 3 + 1;
-      ChainWatch watch(localizer);
+      ChainLearner learner(localizer);
       for (const Spot& spot : spots) {
         Frames frames = spot.frames;
         test::turn_chain(frames,
                          static_cast<int>(ap),
                          core,
                          0.5 * std::numbers::pi * static_cast<double>(quarters));
-        watch.hear(frames);
-        const auto turned = watch.turned();
+        learner.hear(frames);
         judge(verbose,
               "chain's phase jumped",
               *localizer,
               spot,
-              ChainWatch::believed(frames, turned),
+              learner.believed(frames),
               tally,
-              !turned.empty());
+              !learner.leaves_alone());
       }
     }
   }

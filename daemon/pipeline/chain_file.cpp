@@ -1,0 +1,124 @@
+#include "daemon/pipeline/chain_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace rayloc {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;  // a count, of the versions of the file
+constexpr std::string_view kLearning = "learning";
+constexpr std::string_view kLearned = "learned";
+
+Json to_json(const ChainState& state, const RoomAccessPoint& ap) {
+  Json factors = Json::array();
+  for (const std::complex<double>& factor : state.factors.factor) {
+    factors.push_back({factor.real(), factor.imag()});
+  }
+  return {{"id", ap.id},
+          {"chains", state.knowledge == ChainKnowledge::kLearned ? kLearned : kLearning},
+          {"cores", ap.cores},
+          {"factor", std::move(factors)},
+          {"phase_sigma_rad", state.factors.sigma},
+          {"level_sigma", state.factors.level_sigma},
+          {"since_ns", state.since.time_since_epoch().count()},
+          {"bursts", state.bursts}};
+}
+
+ChainState from_json(const Json& json, std::size_t access_point) {
+  ChainState state;
+  state.access_point = access_point;
+  state.knowledge = json.at("chains").get<std::string>() == kLearned ? ChainKnowledge::kLearned
+                                                                     : ChainKnowledge::kLearning;
+  for (const Json& factor : json.at("factor")) {
+    state.factors.factor.emplace_back(factor.at(0).get<double>(), factor.at(1).get<double>());
+  }
+  state.factors.sigma = json.at("phase_sigma_rad").get<std::vector<double>>();
+  state.factors.level_sigma = json.at("level_sigma").get<std::vector<double>>();
+  state.since = Timestamp(Duration(json.at("since_ns").get<std::int64_t>()));
+  state.bursts = json.at("bursts").get<std::size_t>();
+  return state;
+}
+
+bool is_usable(const ChainState& state, std::size_t chains) {
+  const auto& factor = state.factors.factor;
+  return factor.size() == chains && state.factors.sigma.size() == chains &&
+         state.factors.level_sigma.size() == chains &&
+         std::all_of(factor.begin(), factor.end(), [](const auto& value) {
+           return std::isfinite(std::abs(value)) && std::abs(value) > 0.0;
+         });
+}
+
+std::vector<ChainState> states_of(const Json& json, const RoomModel& room) {
+  std::vector<ChainState> states;
+  if (json.at("format").get<int>() != kFormat ||
+      json.at("calibration").get<std::string>() != room.calibration_id) {
+    return states;
+  }
+  for (const Json& one : json.at("access_points")) {
+    for (std::size_t a = 0; a < room.access_points.size(); ++a) {
+      const RoomAccessPoint& ap = room.access_points[a];
+      if (ap.id != one.at("id").get<std::string>() ||
+          ap.cores != one.at("cores").get<std::vector<std::uint8_t>>()) {
+        continue;
+      }
+      ChainState state = from_json(one, a);
+      if (is_usable(state, ap.cores.size())) {
+        states.push_back(std::move(state));
+      }
+    }
+  }
+  return states;
+}
+
+}  // namespace
+
+Expected<std::vector<ChainState>> read_chain_file(const fs::path& file, const RoomModel& room) {
+  std::ifstream in(file);
+  if (!in) {
+    return std::vector<ChainState>();
+  }
+  try {
+    return states_of(Json::parse(in), room);
+  } catch (const nlohmann::json::exception& error) {
+    return bad_input(file.string() + " is broken: " + error.what());
+  }
+}
+
+Expected<void> write_chain_file(const fs::path& file,
+                                const std::vector<ChainState>& states,
+                                const RoomModel& room) {
+  Json all = Json::array();
+  for (const ChainState& state : states) {
+    if (state.knowledge != ChainKnowledge::kAsCalibrated) {
+      all.push_back(to_json(state, room.access_points[state.access_point]));
+    }
+  }
+  const Json json = {
+      {"format", kFormat}, {"calibration", room.calibration_id}, {"access_points", std::move(all)}};
+  const fs::path unfinished = file.string() + ".unfinished";
+  {
+    std::ofstream out(unfinished);
+    out << json.dump(2) << "\n";
+    if (!out.flush()) {
+      return bad_input(unfinished.string() + " cannot be written");
+    }
+  }
+  std::error_code failed;
+  fs::rename(unfinished, file, failed);
+  if (failed) {
+    return bad_input(file.string() + ": " + failed.message());
+  }
+  return {};
+}
+
+}  // namespace rayloc

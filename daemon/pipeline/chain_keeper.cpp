@@ -1,0 +1,131 @@
+#include "daemon/pipeline/chain_keeper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "daemon/pipeline/chain_file.h"
+#include "engine/base/constants.h"
+
+namespace rayloc {
+namespace {
+
+std::string learning(const ChainState& state, const RoomModel& room) {
+  std::string text = "learning the chains of " + room.access_points[state.access_point].id + ": " +
+                     std::to_string(state.bursts);
+  return text + (state.bursts_needed > 0
+                     ? " of about " + std::to_string(state.bursts_needed) + " bursts"
+                     : " bursts");
+}
+
+// "core 0 by 173 degrees +- 5, core 3 by 113 degrees +- 6"
+std::string turns(const ChainState& state, const RoomAccessPoint& ap) {
+  std::string text;
+  const auto& factor = state.factors.factor;
+  for (std::size_t m = 1; m < factor.size(); ++m) {
+    text += (text.empty() ? "core " : ", core ") + std::to_string(ap.cores[m]) + " by " +
+            std::to_string(std::lround(kDegreesPerRadian * std::arg(factor[m] / factor[0]))) +
+            " degrees +- " +
+            std::to_string(std::lround(std::ceil(kDegreesPerRadian * state.factors.sigma[m])));
+  }
+  return text + " against core " + std::to_string(ap.cores[0]);
+}
+
+bool differs(const ChainState& a, const ChainState& b) {
+  return a.knowledge != b.knowledge || a.factors.factor != b.factors.factor;
+}
+
+}  // namespace
+
+void ChainKeeper::tell(std::string line) {
+  const std::lock_guard lock(mutex_);
+  news_.push_back(std::move(line));
+}
+
+void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const RoomModel& room) {
+  if (options_.read.empty() || learners.empty()) {
+    return;
+  }
+  const auto states = read_chain_file(options_.read, room);
+  if (!states) {
+    tell(states.error().message);
+    return;
+  }
+  for (const ChainState& state : *states) {
+    for (ChainLearner* learner : learners) {
+      learner->restore(state);
+    }
+    const RoomAccessPoint& ap = room.access_points[state.access_point];
+    tell("access point " + ap.id + ": its chains are as learned before: " + turns(state, ap));
+  }
+  known_ = learners.front()->states();
+}
+
+void ChainKeeper::spread(const ChainLearner& learner,
+                         const std::vector<ChainLearner*>& learners,
+                         const RoomModel& room) {
+  const std::vector<ChainState> states = learner.states();
+  bool is_new = false;
+  for (const ChainState& state : states) {
+    const auto before = std::find_if(known_.begin(), known_.end(), [&](const ChainState& one) {
+      return one.access_point == state.access_point;
+    });
+    const bool is_first = before == known_.end();
+    if (is_first ? state.knowledge == ChainKnowledge::kAsCalibrated : !differs(*before, state)) {
+      continue;
+    }
+    is_new = true;
+    for (ChainLearner* other : learners) {
+      if (other != &learner) {
+        other->adopt(state);
+      }
+    }
+    if (!is_first && before->knowledge == state.knowledge) {
+      continue;  // refined
+    }
+    const RoomAccessPoint& ap = room.access_points[state.access_point];
+    tell(state.knowledge == ChainKnowledge::kLearned
+             ? "access point " + ap.id +
+                   ": its chains are learned, turned since the calibration: " + turns(state, ap)
+             : "access point " + ap.id + ": its chains have turned; " + learning(state, room));
+  }
+  known_ = states;
+  if (is_new && !options_.write.empty()) {
+    if (const auto written = write_chain_file(options_.write, states, room); !written) {
+      tell(written.error().message);
+    }
+  }
+}
+
+std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) const {
+  std::vector<CalibrationWarning> result;
+  for (const ChainState& state : known_) {
+    if (state.knowledge == ChainKnowledge::kLearning) {
+      CalibrationWarning& warning = result.emplace_back();
+      warning.problem = CalibrationProblem::kChainPhaseJump;
+      warning.access_point = state.access_point;
+      warning.text = "chain_phase_jump: access point " + room.access_points[state.access_point].id +
+                     ": its chains have turned since the calibration (a power cycle?); it is not "
+                     "believed; " +
+                     learning(state, room);
+    }
+  }
+  return result;
+}
+
+std::string ChainKeeper::reason(const RoomModel& room) const {
+  std::string text;
+  for (const ChainState& state : known_) {
+    if (state.knowledge == ChainKnowledge::kLearning) {
+      text += (text.empty() ? "" : "; ") + learning(state, room);
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> ChainKeeper::news() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(news_, {});
+}
+
+}  // namespace rayloc
