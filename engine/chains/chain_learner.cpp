@@ -40,6 +40,7 @@ constexpr double kPlaceMargin = 7.0;      // [nat], tempered: places below that 
 constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
 // [s], chosen: between looks.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
+constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
 constexpr auto kUnsettledPeriod = std::chrono::seconds(1);  // [s], chosen
 constexpr auto kSettledPeriod = std::chrono::seconds(10);   // [s], chosen
 
@@ -183,10 +184,13 @@ bool ChainLearner::is_due(std::size_t access_point, Timestamp time) const {
     return true;
   }
   const AccessPoint& ap = found->second;
-  const Duration period =
-      ap.state.knowledge == ChainKnowledge::kLearning
-          ? Duration(kLearningPeriod)
-          : (ap.is_settled() ? Duration(kSettledPeriod) : Duration(kUnsettledPeriod));
+  Duration period = kSettledPeriod;
+  if (ap.state.knowledge == ChainKnowledge::kLearning || ap.belief.as_believed() < kSuspected) {
+    period = kLearningPeriod;
+  } else if (!ap.is_settled()) {
+    period = ap.state.knowledge == ChainKnowledge::kLearned ? Duration(kRefiningPeriod)
+                                                            : Duration(kUnsettledPeriod);
+  }
   return time - ap.last >= period;
 }
 
@@ -275,7 +279,9 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
   const double lead = states.size() > 1 ? best.log_evidence - states[1].log_evidence : kLearnedLead;
   if (!is_learning) {
     if (distance(best.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState) {
-      ap.belief.settle();
+      if (lead >= kWithdrawnLead) {
+        ap.belief.settle();
+      }
       return;
     }
     const auto believed = std::find_if(states.begin(), states.end(), [&](const auto& one) {
