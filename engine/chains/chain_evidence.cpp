@@ -62,15 +62,22 @@ CoarseLook coarse_look(const AccessPointMap& map,
   return look;
 }
 
-std::vector<std::uint32_t> best_cells(const CoarseLook& look, std::size_t state) {
+std::vector<std::uint32_t> best_cells(const CoarseLook& look,
+                                      std::size_t state,
+                                      double likelihood_exponent,
+                                      std::span<const double> log_weight) {
   std::vector<std::uint32_t> order(look.windows.size());
   std::iota(order.begin(), order.end(), 0U);
+  std::vector<double> value(order.size());
+  for (std::size_t cell = 0; cell < value.size(); ++cell) {
+    value[cell] =
+        likelihood_exponent * static_cast<double>(look.value[cell * look.states + state]) +
+        log_weight[cell];
+  }
   const auto kept = static_cast<std::ptrdiff_t>(std::min(kKeptCells, order.size()));
   std::partial_sort(
       order.begin(), order.begin() + kept, order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        const float at_a = look.value[a * look.states + state];
-        const float at_b = look.value[b * look.states + state];
-        return at_a > at_b || (at_a == at_b && a < b);
+        return value[a] > value[b] || (value[a] == value[b] && a < b);
       });
   order.resize(static_cast<std::size_t>(kept));
   return order;
@@ -105,16 +112,16 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
                            const ObservedBurst& observed,
                            const TurnGrid& grid,
                            double likelihood_exponent,
-                           std::span<const double> cell_weight) {
+                           std::span<const double> log_weight) {
   RAYLOC_CHECK(grid.chains() == map.antennas());
-  RAYLOC_CHECK(cell_weight.empty() || cell_weight.size() == map.cells());
+  RAYLOC_CHECK(log_weight.size() == map.cells());
   const double nowhere = map.nowhere(observed);
   const CoarseLook look = coarse_look(map, observed, grid);
   TurnEvidence evidence;
   evidence.turns = look.turns;
   evidence.best_cells.resize(look.states);
   parallel_for(look.states, 1, [&](std::size_t state) {
-    evidence.best_cells[state] = best_cells(look, state);
+    evidence.best_cells[state] = best_cells(look, state, likelihood_exponent, log_weight);
   });
   const std::size_t blocks = (map.cells() + kBlock - 1) / kBlock;
   // A sum for each block, added in their order: the same whatever the number of threads.
@@ -128,8 +135,7 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
         continue;
       }
       log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
-      const double weight =
-          cell_weight.empty() ? 1.0 / static_cast<double>(map.cells()) : cell_weight[cell];
+      const double weight = std::exp(log_weight[cell]);
       for (std::size_t s = 0; s < values.size(); ++s) {
         sum[s] +=
             weight * std::exp(std::min(

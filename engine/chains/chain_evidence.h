@@ -13,8 +13,8 @@
 namespace rayloc {
 
 struct TurnEvidence {
-  // [state]: ln of the mean over the cells of exp(likelihood_exponent l), l above the device being
-  // nowhere in particular.
+  // [state]: ln of the weighted mean over the cells of exp(likelihood_exponent l), l above the
+  // device being nowhere in particular.
   std::vector<double> log_evidence;
 
   // The cells where the device may be if the chains have turned by `phase` [rad], [chain].
@@ -24,12 +24,12 @@ struct TurnEvidence {
   std::vector<std::vector<std::uint32_t>> best_cells;  // of every state of few turns
 };
 
-// `cell_weight`: how likely the device is in a cell, of sum 1; empty: it may be in any.
+// `log_weight`: ln of how likely the device is in a cell, of sum 1.
 // REQUIRES: the map has models (a Gaussian likelihood) and grid.chains() antennas.
 TurnEvidence turn_evidence(const AccessPointMap& map,
                            const ObservedBurst& observed,
                            const TurnGrid& grid,
                            double likelihood_exponent,
-                           std::span<const double> cell_weight = {});
+                           std::span<const double> log_weight);
 
 }  // namespace rayloc

@@ -8,6 +8,7 @@
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/chains/chain_evidence.h"
+#include "engine/chains/state_comparison.h"
 
 namespace rayloc {
 namespace {
@@ -23,34 +24,26 @@ constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
 constexpr double kSure = 0.999;     // the same: nothing speaks against it
 constexpr double kWithdrawnLead = 5.0;    // [nat], by which another state explains more
 constexpr double kLearnedLead = 7.0;      // [nat], before all other states
-constexpr double kSameState = 0.7;        // [rad]: states that are nearer are one
+constexpr double kOthersWrong = 0.1;      // a probability, at least, that other access points are
 constexpr double kLeastEvidence = 3.0;    // [nat] of a burst that the room explains, in some state
 constexpr double kSameCorrelation = 0.9;  // correlation of bursts that say the same
 constexpr double kMostNoise = 2e-3;       // of a burst, share of its power: as ModelError::noise is
 constexpr double kMostSigma = 0.35;       // [rad], 20 degrees: of a phase that is believed
 constexpr double kFineSigma = 0.035;      // [rad], 2 degrees: good enough to look rarely
 // Counts of bursts, chosen.
-constexpr std::size_t kRemembered = 48;   // a burst like one of them tells nothing new
-constexpr std::size_t kLeastBursts = 5;   // before anything is believed anew
-constexpr std::size_t kCompareAfter = 3;  // new ones, before states are compared again
-constexpr std::size_t kRefineAfter = 8;   // new ones, before what was learned is refined
-constexpr std::size_t kMostNeeded = 200;  // stated at most
-constexpr std::size_t kModes = 4;         // a count of states to compare, chosen
-constexpr double kPlaceMargin = 7.0;      // [nat], tempered: places below that weigh nothing
+constexpr std::size_t kRemembered = 48;    // a burst like one of them tells nothing new
+constexpr std::size_t kLeastBursts = 5;    // before anything is given up
+constexpr std::size_t kLeastLearned = 10;  // before anything is believed anew
+constexpr std::size_t kCompareAfter = 3;   // new ones, before states are compared again
+constexpr std::size_t kRefineAfter = 8;    // new ones, before what was learned is refined
+constexpr std::size_t kMostNeeded = 200;   // stated at most
+constexpr std::size_t kModes = 6;          // a count of states to compare, chosen
 constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
 // [s], chosen: between looks.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
-constexpr auto kUnsettledPeriod = std::chrono::seconds(1);  // [s], chosen
-constexpr auto kSettledPeriod = std::chrono::seconds(10);   // [s], chosen
-
-std::vector<Value> inverses(const std::vector<Value>& factors) {
-  std::vector<Value> result;
-  for (const Value& factor : factors) {
-    result.push_back(1.0 / factor);
-  }
-  return result;
-}
+constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
+constexpr auto kSettledPeriod = std::chrono::seconds(10);         // [s], chosen
 
 void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
   const std::size_t tones = h.size() / factors.size();
@@ -74,15 +67,6 @@ void multiply(const RoomAccessPoint& ap, const std::vector<Value>& factors, CsiF
   }
 }
 
-// [rad], of the chain that differs most.
-double distance(const std::vector<Value>& a, const std::vector<Value>& b) {
-  double most = 0.0;
-  for (std::size_t m = 1; m < a.size(); ++m) {
-    most = std::max(most, std::abs(std::arg(a[m] / a[0] * std::conj(b[m] / b[0]))));
-  }
-  return most;
-}
-
 // In which somebody who walks moves by less than half a wavelength: over a whole burst the arrays
 // of different places would be averaged.
 std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
@@ -95,27 +79,25 @@ std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
 }  // namespace
 
 struct ChainLearner::AccessPoint {
-  struct Remembered {
-    std::vector<Value> h;  // the factors believed now undone
-    Timestamp time;
-    double noise = 0.0;
-    double floor = 0.0;  // PlacedBurst
-    TurnEvidence evidence;
-    std::vector<Value> since = {};  // by what factors have changed since the evidence was made
-  };
   explicit AccessPoint(std::size_t chains) : belief(chains, kTurnedAtStart), level(chains, 1.0) {
     state.factors = ChainFactors::unity(chains);
   }
 
   ChainState state;
   ChainBelief belief;
-  std::vector<Remembered> heard;  // oldest first
-  std::vector<Value> level;       // of the state that explains most, beside the factors
-  std::vector<Value> favourite;   // that state
-  std::size_t unrefined = 0;      // bursts since the factors were refined or compared
-  Timestamp last;                 // looked at
-  Timestamp last_sure;            // of what is believed
+  std::vector<RememberedBurst> heard;  // oldest first
+  std::vector<Value> level;            // of the state that explains most, beside the factors
+  std::vector<Value> favourite;        // that state
+  std::size_t unrefined = 0;           // bursts since the factors were refined or compared
+  Timestamp last;                      // looked at
+  Timestamp last_sure;                 // of what is believed
 
+  // Well enough to say where a device is that others hear.
+  bool is_known() const {
+    return state.knowledge == ChainKnowledge::kLearned ||
+           (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kLeastBursts &&
+            belief.as_believed() > kSure);
+  }
   bool is_settled() const {
     return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kLeastBursts &&
            belief.as_believed() > kSure && (sigma() < kFineSigma || heard.size() == kRemembered);
@@ -131,12 +113,13 @@ struct ChainLearner::AccessPoint {
   }
   // Those heard while what was believed was right say nothing of what is right now.
   void forget_until_sure() {
-    const auto after = std::find_if(
-        heard.begin(), heard.end(), [&](const Remembered& one) { return one.time > last_sure; });
+    const auto after = std::find_if(heard.begin(), heard.end(), [&](const RememberedBurst& one) {
+      return one.time > last_sure;
+    });
     heard.erase(heard.begin(), after);
   }
   void apply(const ChainFactors& refined) {
-    for (Remembered& one : heard) {
+    for (RememberedBurst& one : heard) {
       multiply(inverses(refined.factor), one.h);
       for (std::size_t m = 0; m < one.since.size(); ++m) {
         one.since[m] *= refined.factor[m];
@@ -213,34 +196,79 @@ void ChainLearner::hear(std::span<const CsiFrame> frames) {
   const std::vector<CsiFrame> corrected = undone(first_moment(frames));
   const RoomObservation observation = localizer_->hear(corrected);
   for (const HeardArray& heard : observation.arrays) {
-    const auto a = static_cast<std::size_t>(
-        std::find_if(access_points.begin(),
-                     access_points.end(),
-                     [&](const auto& one) { return one.id == heard.map->access_point().id; }) -
-        access_points.begin());
+    const std::size_t a = number_of(heard);
     // Without a chain that is dead the states are others.
-    if (due[a] != 0 && heard.map->antennas() == access_points[a].cores.size()) {
-      AccessPoint& ap = of(a);
-      ap.last = time;
-      weigh(heard, time, ap);
+    if (due[a] == 0 || heard.map->antennas() != access_points[a].cores.size()) {
+      continue;
+    }
+    AccessPoint& ap = of(a);
+    ap.last = time;
+    if (is_new(heard, ap)) {
+      weigh(heard, by_others(observation, a), time, ap);
     }
   }
 }
 
-void ChainLearner::weigh(const HeardArray& heard, Timestamp time, AccessPoint& ap) {
-  const bool is_new =
-      std::none_of(ap.heard.begin(), ap.heard.end(), [&](const AccessPoint::Remembered& before) {
-        return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
-      });
-  const double noise = heard.observed.array.noise;
-  if (!is_new || noise > kMostNoise) {
-    return;
+std::size_t ChainLearner::number_of(const HeardArray& heard) const {
+  const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
+  return static_cast<std::size_t>(
+      std::find_if(access_points.begin(),
+                   access_points.end(),
+                   [&](const auto& one) { return one.id == heard.map->access_point().id; }) -
+      access_points.begin());
+}
+
+bool ChainLearner::is_new(const HeardArray& heard, const AccessPoint& ap) const {
+  return heard.observed.array.noise <= kMostNoise &&
+         std::none_of(ap.heard.begin(), ap.heard.end(), [&](const RememberedBurst& before) {
+           return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
+         });
+}
+
+std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
+                                            std::size_t left_out) const {
+  RoomObservation others;
+  for (const HeardArray& heard : observation.arrays) {
+    const auto found = aps_.find(number_of(heard));
+    if (found != aps_.end() && found->first != left_out && found->second.is_known()) {
+      others.arrays.push_back(heard);
+    }
   }
+  const std::size_t cells = localizer_->grid().size();
+  const double uniform = 1.0 / static_cast<double>(cells);
+  std::vector<double> weight(cells, uniform);
+  const Localizer::Evidence evidence =
+      others.arrays.empty() ? Localizer::Evidence() : localizer_->evidence(others);
+  if (!evidence.log_likelihood.empty()) {
+    const double exponent = localizer_->room().likelihood_exponent;
+    const auto& map = evidence.log_likelihood;
+    const double top = *std::max_element(map.begin(), map.end());
+    double sum = 0.0;
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+      weight[cell] = std::exp(exponent * (map[cell] - top));
+      sum += weight[cell];
+    }
+    const double wrong = std::max(evidence.elsewhere, kOthersWrong);
+    for (double& one : weight) {
+      one = (1.0 - wrong) * one / sum + wrong * uniform;
+    }
+  }
+  for (double& one : weight) {
+    one = std::log(one);
+  }
+  return weight;
+}
+
+void ChainLearner::weigh(const HeardArray& heard,
+                         std::span<const double> log_weight,
+                         Timestamp time,
+                         AccessPoint& ap) {
+  const double noise = heard.observed.array.noise;
   std::vector<Value> level_undone = heard.h;
   multiply(inverses(ap.level), level_undone);
   const double exponent = localizer_->room().likelihood_exponent;
   TurnEvidence evidence = turn_evidence(
-      *heard.map, heard.map->observe(level_undone, noise), ap.belief.grid(), exponent);
+      *heard.map, heard.map->observe(level_undone, noise), ap.belief.grid(), exponent, log_weight);
   const double most = *std::max_element(evidence.log_evidence.begin(), evidence.log_evidence.end());
   if (most < kLeastEvidence) {
     return;
@@ -251,23 +279,27 @@ void ChainLearner::weigh(const HeardArray& heard, Timestamp time, AccessPoint& a
   if (ap.heard.size() == kRemembered) {
     ap.heard.erase(ap.heard.begin());
   }
-  const double floor = most + std::log(static_cast<double>(heard.map->cells())) +
-                       exponent * heard.map->nowhere(heard.observed) - ChainBelief::kMostOfBurst;
-  ap.heard.push_back(
-      {heard.h, time, noise, floor, std::move(evidence), std::vector<Value>(ap.level.size(), 1.0)});
+  const double floor =
+      most + exponent * heard.map->nowhere(heard.observed) - ChainBelief::kMostOfBurst;
+  ap.heard.push_back({heard.h,
+                      time,
+                      noise,
+                      floor,
+                      std::move(evidence),
+                      {log_weight.begin(), log_weight.end()},
+                      std::vector<Value>(ap.level.size(), 1.0)});
   decide(*heard.map, time, ap);
 }
 
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap) {
   const bool is_learning = ap.state.knowledge == ChainKnowledge::kLearning;
+  const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
   if (!is_learning && ap.belief.as_believed() > kDoubted) {
     ap.last_sure = ap.belief.as_believed() > kSure ? time : ap.last_sure;
-    if (ap.state.knowledge == ChainKnowledge::kLearned && ap.unrefined >= kRefineAfter) {
-      ap.apply(refined(map, ap, std::vector<Value>(map.antennas(), 1.0)));
+    if (!is_learned || ap.unrefined < kRefineAfter) {
+      return;
     }
-    return;
-  }
-  if (!is_learning) {
+  } else if (!is_learning) {
     ap.forget_until_sure();
   }
   if (ap.heard.size() < kLeastBursts || ap.unrefined < kCompareAfter) {
@@ -278,15 +310,14 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
   const ChainFactors& best = states.front();
   const double lead = states.size() > 1 ? best.log_evidence - states[1].log_evidence : kLearnedLead;
   if (!is_learning) {
-    if (distance(best.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState) {
-      if (lead >= kWithdrawnLead) {
-        ap.belief.settle();
-      }
-      return;
-    }
     const auto believed = std::find_if(states.begin(), states.end(), [&](const auto& one) {
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
     });
+    if (believed == states.begin() && is_learned) {
+      ap.apply(best);
+    } else if (believed == states.begin() && lead >= kWithdrawnLead) {
+      ap.belief.settle();
+    }
     if (believed != states.end() && best.log_evidence - believed->log_evidence < kWithdrawnLead) {
       return;
     }
@@ -294,7 +325,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
     ap.state.bursts = ap.heard.size();
   }
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
-  if (lead >= kLearnedLead && sigma < kMostSigma) {
+  if (ap.heard.size() >= kLeastLearned && lead >= kLearnedLead && sigma < kMostSigma) {
     ap.apply(best);
     ap.know(ChainKnowledge::kLearned, time);
     ap.last_sure = time;
@@ -303,7 +334,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
   const auto bursts = static_cast<double>(ap.state.bursts);
   ap.state.bursts_needed =
       std::clamp(static_cast<std::size_t>(std::ceil(bursts * kLearnedLead / std::max(lead, 1.0))),
-                 ap.state.bursts + 1,
+                 std::max(ap.state.bursts + 1, kLeastLearned),
                  ap.state.bursts + kMostNeeded);
 }
 
@@ -320,60 +351,13 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Acces
       start[m] *= std::polar(1.0, ap.belief.grid().phase(state, m));
     }
   }
-  std::vector<ChainFactors> all;
-  for (const std::vector<Value>& start : starts) {
-    all.push_back(refined(map, ap, start));
-  }
-  std::stable_sort(all.begin(), all.end(), [](const ChainFactors& a, const ChainFactors& b) {
-    return a.log_evidence > b.log_evidence;
-  });
-  std::vector<ChainFactors> different;
-  for (ChainFactors& one : all) {
-    if (std::none_of(different.begin(), different.end(), [&](const ChainFactors& other) {
-          return distance(one.factor, other.factor) < kSameState;
-        })) {
-      different.push_back(std::move(one));
-    }
-  }
+  std::vector<ChainFactors> different =
+      compare_states(map, ap.heard, starts, localizer_->room().likelihood_exponent);
   ap.favourite = different.front().factor;
   for (std::size_t m = 0; m < ap.level.size(); ++m) {
     ap.level[m] = std::abs(ap.favourite[m]);
   }
   return different;
-}
-
-// The factors near `start` that explain the remembered bursts best, against those believed now.
-ChainFactors ChainLearner::refined(const AccessPointMap& map,
-                                   const AccessPoint& ap,
-                                   const std::vector<Value>& start) const {
-  const double exponent = localizer_->room().likelihood_exponent;
-  const std::vector<Value> undoing = inverses(start);
-  std::vector<PlacedBurst> bursts(ap.heard.size());
-  parallel_for(bursts.size(), 1, [&](std::size_t b) {
-    const AccessPoint::Remembered& one = ap.heard[b];
-    std::vector<double> phase;
-    for (std::size_t m = 0; m < start.size(); ++m) {
-      phase.push_back(std::arg(start[m] * one.since[m] / (start[0] * one.since[0])));
-    }
-    const ObservedBurst observed = map.observe(one.h, one.noise);
-    std::vector<ChainMoments> places;
-    std::vector<double> value;
-    for (const std::size_t cell : one.evidence.cells_near(phase)) {
-      if (map.is_reachable(cell)) {
-        places.push_back(chain_moments(map.model(cell), observed.array, undoing));
-        value.push_back(exponent * places.back().log_likelihood(undoing));
-      }
-    }
-    const auto top = std::max_element(value.begin(), value.end());
-    const double least = top == value.end() ? 0.0 : *top - kPlaceMargin;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      if (value[i] > least) {
-        bursts[b].places.push_back(places[i]);
-      }
-    }
-    bursts[b].floor = one.floor;
-  });
-  return refine_chains(bursts, start, exponent);
 }
 
 // An access point that is off hears nobody.

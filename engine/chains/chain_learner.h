@@ -80,11 +80,16 @@ class ChainLearner {
   AccessPoint& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time) const;
-  void weigh(const HeardArray& heard, Timestamp time, AccessPoint& ap);
+  std::size_t number_of(const HeardArray& heard) const;  // in the room
+  bool is_new(const HeardArray& heard, const AccessPoint& ap) const;
+  // Of a burst of which an access point's own part is left out: ln of how likely the device is in
+  // every cell, by the access points whose chains are known.
+  std::vector<double> by_others(const RoomObservation& observation, std::size_t left_out) const;
+  void weigh(const HeardArray& heard,
+             std::span<const double> log_weight,
+             Timestamp time,
+             AccessPoint& ap);
   void decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap);
-  ChainFactors refined(const AccessPointMap& map,
-                       const AccessPoint& ap,
-                       const std::vector<std::complex<double>>& start) const;
   std::vector<ChainFactors> compare(const AccessPointMap& map, AccessPoint& ap) const;
 
   std::shared_ptr<const Localizer> localizer_;

@@ -66,7 +66,8 @@ class Objective {
     std::vector<double> terms;
     terms.reserve(burst.places.size());
     for (std::size_t i = 0; i < burst.places.size(); ++i) {
-      terms.push_back(likelihood_exponent_ * burst.places[i].log_likelihood(z));
+      terms.push_back(likelihood_exponent_ * burst.places[i].log_likelihood(z) +
+                      burst.log_weight[i]);
     }
     const double top = *std::max_element(terms.begin(), terms.end());
     double sum = 0.0;

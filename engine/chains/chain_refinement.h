@@ -18,7 +18,8 @@ namespace rayloc {
 // A burst at the places where it may be from.
 struct PlacedBurst {
   std::vector<ChainMoments> places;
-  double floor = 0.0;  // of ln sum exp(t l) over its places: it may be of none of them
+  std::vector<double> log_weight;  // [place], ln of how likely the device is there
+  double floor = 0.0;  // of ln sum exp(t l + log_weight) over its places: it may be of none of them
 };
 
 // What a chain multiplies by, beside what the calibration says.

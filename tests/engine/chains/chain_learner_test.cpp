@@ -110,12 +110,12 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
   const std::vector<Value> first = {1.0, std::polar(1.0, 2.0), std::polar(1.0, -1.2)};
   const std::vector<Value> second = {1.0, std::polar(1.0, -1.0), std::polar(1.0, 0.8)};
   ChainLearner learner(localizer());
-  for (int i = 0; i < 14; ++i) {
+  for (int i = 0; i < 24; ++i) {
     learner.hear(through(burst(i), first));
   }
   ASSERT_EQ(learner.states().at(0).knowledge, ChainKnowledge::kLearned);
   int withdrawn = -1;
-  for (int i = 14; i < 44; ++i) {
+  for (int i = 24; i < 64; ++i) {
     const auto frames = through(burst(i), second);
     learner.hear(frames);
     const bool is_learning = learner.states().at(0).knowledge == ChainKnowledge::kLearning;

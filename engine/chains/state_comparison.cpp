@@ -1,0 +1,94 @@
+#include "engine/chains/state_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/parallel.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kPlaceMargin = 7.0;  // [nat], tempered: places below that weigh nothing
+
+ChainFactors refined_from(const AccessPointMap& map,
+                          std::span<const RememberedBurst> heard,
+                          const std::vector<Value>& start,
+                          double likelihood_exponent) {
+  const std::vector<Value> undoing = inverses(start);
+  std::vector<PlacedBurst> bursts(heard.size());
+  parallel_for(bursts.size(), 1, [&](std::size_t b) {
+    const RememberedBurst& one = heard[b];
+    std::vector<double> phase;
+    for (std::size_t m = 0; m < start.size(); ++m) {
+      phase.push_back(std::arg(start[m] * one.since[m] / (start[0] * one.since[0])));
+    }
+    const ObservedBurst observed = map.observe(one.h, one.noise);
+    std::vector<ChainMoments> places;
+    std::vector<double> value;
+    std::vector<double> weight;
+    for (const std::size_t cell : one.evidence.cells_near(phase)) {
+      if (map.is_reachable(cell)) {
+        places.push_back(chain_moments(map.model(cell), observed.array, undoing));
+        weight.push_back(static_cast<double>(one.log_weight[cell]));
+        value.push_back(likelihood_exponent * places.back().log_likelihood(undoing) +
+                        weight.back());
+      }
+    }
+    const auto top = std::max_element(value.begin(), value.end());
+    const double least = top == value.end() ? 0.0 : *top - kPlaceMargin;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (value[i] > least) {
+        bursts[b].places.push_back(places[i]);
+        bursts[b].log_weight.push_back(weight[i]);
+      }
+    }
+    bursts[b].floor = one.floor;
+  });
+  return refine_chains(bursts, start, likelihood_exponent);
+}
+
+}  // namespace
+
+// [rad], of the chain that differs most.
+double distance(const std::vector<Value>& a, const std::vector<Value>& b) {
+  double most = 0.0;
+  for (std::size_t m = 1; m < a.size(); ++m) {
+    most = std::max(most, std::abs(std::arg(a[m] / a[0] * std::conj(b[m] / b[0]))));
+  }
+  return most;
+}
+
+std::vector<Value> inverses(const std::vector<Value>& factors) {
+  std::vector<Value> result;
+  for (const Value& factor : factors) {
+    result.push_back(1.0 / factor);
+  }
+  return result;
+}
+
+std::vector<ChainFactors> compare_states(const AccessPointMap& map,
+                                         std::span<const RememberedBurst> heard,
+                                         std::span<const std::vector<Value>> starts,
+                                         double likelihood_exponent) {
+  std::vector<ChainFactors> all;
+  for (const std::vector<Value>& start : starts) {
+    all.push_back(refined_from(map, heard, start, likelihood_exponent));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const ChainFactors& a, const ChainFactors& b) {
+    return a.log_evidence > b.log_evidence;
+  });
+  std::vector<ChainFactors> different;
+  for (ChainFactors& one : all) {
+    if (std::none_of(different.begin(), different.end(), [&](const ChainFactors& other) {
+          return distance(one.factor, other.factor) < kSameState;
+        })) {
+      different.push_back(std::move(one));
+    }
+  }
+  return different;
+}
+
+}  // namespace rayloc
