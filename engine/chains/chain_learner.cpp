@@ -23,6 +23,7 @@ constexpr double kDoubted = 0.2;    // probability of what is believed: from her
 constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
 constexpr double kSure = 0.999;     // the same: nothing speaks against it
 constexpr double kWithdrawnLead = 5.0;    // [nat], by which another state explains more
+constexpr double kUndoubtedLead = 12.0;   // the same, while the belief sees no turn
 constexpr double kLearnedLead = 7.0;      // [nat], before all other states
 constexpr double kOthersWrong = 0.1;      // a probability, at least, that other access points are
 constexpr double kLeastEvidence = 3.0;    // [nat] of a burst that the room explains, in some state
@@ -296,7 +297,9 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
   const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
   if (!is_learning && ap.belief.as_believed() > kDoubted) {
     ap.last_sure = ap.belief.as_believed() > kSure ? time : ap.last_sure;
-    if (!is_learned || ap.unrefined < kRefineAfter) {
+    // Levels that have changed hide from the belief what the comparison sees.
+    const bool is_certain = !is_learned && ap.belief.as_believed() > kSure;
+    if (is_certain || ap.unrefined < kRefineAfter) {
       return;
     }
   } else if (!is_learning) {
@@ -318,7 +321,10 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
     } else if (believed == states.begin() && lead >= kWithdrawnLead) {
       ap.belief.settle();
     }
-    if (believed != states.end() && best.log_evidence - believed->log_evidence < kWithdrawnLead) {
+    const bool is_doubted = ap.belief.as_believed() <= kDoubted;
+    const double needed = is_doubted ? kWithdrawnLead : kUndoubtedLead;
+    if (believed == states.end() ? !is_doubted
+                                 : best.log_evidence - believed->log_evidence < needed) {
       return;
     }
     ap.know(ChainKnowledge::kLearning, time);
