@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr double kQuarter = 0.5 * std::numbers::pi;
 constexpr int kJumpAt = 30;  // the burst from which on the chain is turned
-constexpr int kBursts = 60;
+constexpr int kBursts = 160;
 
 // Spots of half a second, two seconds apart: [x] of `columns`, [y] of `rows`.
 std::string points(int begin, int columns, int rows, double shift) {
@@ -58,7 +58,7 @@ class TurnedChains : public ::testing::Test {
          "ap1=" + path("survey.pcap"),
          "--out",
          path("calibrated")});
-    simulate("spots", points(3000, 10, 6, 0.11));
+    simulate("spots", points(3000, 16, 10, 0.05));
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
