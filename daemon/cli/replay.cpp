@@ -1,5 +1,4 @@
 // `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
-#include <charconv>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -16,6 +15,7 @@
 
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
+#include "daemon/arguments/time_arguments.h"
 #include "daemon/command/verb.h"
 #include "daemon/feed/no_fix_reasons.h"
 #include "daemon/methods/method_registry.h"
@@ -66,37 +66,6 @@ struct Options {
   bool quiet = false;
 };
 
-struct Quantity {
-  double value = 0.0;
-  std::string unit;
-};
-
-// Nothing when `text` does not begin with a number.
-std::optional<Quantity> parse_quantity(const std::string& text) {
-  Quantity quantity;
-  const auto [end, status] =
-      std::from_chars(text.data(), text.data() + text.size(), quantity.value);
-  if (status != std::errc()) {
-    return std::nullopt;
-  }
-  quantity.unit.assign(end, text.data() + text.size());
-  return quantity;
-}
-
-// "0.2s", "200ms" or plain seconds.
-Expected<Duration> parse_burst(const std::string& text) {
-  const std::optional<Quantity> burst = parse_quantity(text);
-  if (burst && (burst->unit.empty() || burst->unit == "s" || burst->unit == "ms")) {
-    const double seconds = burst->value * (burst->unit == "ms" ? 1e-3 : 1.0);
-    if (seconds >= 1e-3 && seconds <= 60.0) {
-      return from_seconds(seconds);
-    }
-  }
-  return make_error(
-      ErrorKind::kUsage,
-      "--burst " + text + ": write a duration from 1ms to 60s, for example 0.2s or 500ms");
-}
-
 std::vector<std::string> names_of_likelihoods() {
   std::vector<std::string> names;
   for (const LikelihoodName& one : likelihood_names()) {
@@ -117,19 +86,6 @@ std::string help_of_likelihoods() {
   return help;
 }
 
-// Nothing for "max".
-Expected<std::optional<double>> parse_speed(const std::string& text) {
-  if (text == "max") {
-    return std::optional<double>();
-  }
-  const std::optional<Quantity> speed = parse_quantity(text);
-  if (!speed || !speed->unit.empty() || !(speed->value > 0.0) || speed->value > 1e6) {
-    return make_error(ErrorKind::kUsage,
-                      "--speed " + text + ": write max, or how many times faster than recorded: 1");
-  }
-  return std::optional<double>(speed->value);
-}
-
 // What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
 struct Recordings {
   std::vector<SourceWorker::Input> inputs;
@@ -143,7 +99,7 @@ Expected<Recordings> open_captures(const Options& options, const Site& site) {
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  const auto speed = parse_speed(options.speed);
+  const auto speed = parse_speed_argument(options.speed);
   if (!speed) {
     return tl::make_unexpected(speed.error());
   }
@@ -383,7 +339,7 @@ Expected<void> run(const Options& options) {
   if (!told) {
     return tl::make_unexpected(std::move(told.error()));
   }
-  const Expected<Duration> burst = parse_burst(options.burst);
+  const Expected<Duration> burst = parse_burst_argument(options.burst);
   if (!burst) {
     return tl::make_unexpected(burst.error());
   }

@@ -1,14 +1,18 @@
-// parallel_for, serially, Lazy and Tally: the only concurrency of the engine (oneTBB).
+// parallel_for, serially, Lazy, Kept and Tally: the only concurrency of the engine (oneTBB).
 //
 // parallel_for: every index is visited exactly once, in any order and on any thread; each call of
 // `body` writes only what belongs to its index. Results are then the same bytes whatever the number
 // of threads.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
+#include <mutex>
+#include <unordered_map>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -63,6 +67,47 @@ class Lazy {
 
  private:
   mutable std::atomic<const T*> value_ = nullptr;
+};
+
+// Values by number, made when somebody asks for them and kept while there is room: those that were
+// made first go first. What is kept changes the time that it takes to ask and nothing else.
+template <typename T>
+class Kept {
+ public:
+  // most: a count of values.
+  explicit Kept(std::size_t most) : most_of_shard_(most / kShards + 1) {}
+
+  // make(): a T. REQUIRES: it always makes the same.
+  template <typename Make>
+  std::shared_ptr<const T> get(std::size_t number, const Make& make) const {
+    Shard& shard = shards_[number % kShards];
+    {
+      const std::lock_guard lock(shard.mutex);
+      if (const auto found = shard.values.find(number); found != shard.values.end()) {
+        return found->second;
+      }
+    }
+    auto made = std::make_shared<const T>(make());
+    const std::lock_guard lock(shard.mutex);
+    if (shard.values.emplace(number, made).second) {
+      shard.order.push_back(number);
+      if (shard.order.size() > most_of_shard_) {
+        shard.values.erase(shard.order.front());
+        shard.order.pop_front();
+      }
+    }
+    return made;
+  }
+
+ private:
+  static constexpr std::size_t kShards = 16;  // a count, chosen: threads hardly wait for each other
+  struct Shard {
+    std::mutex mutex;
+    std::unordered_map<std::size_t, std::shared_ptr<const T>> values;
+    std::deque<std::size_t> order;  // in which they were made
+  };
+  std::size_t most_of_shard_;
+  mutable std::array<Shard, kShards> shards_;
 };
 
 // How often something was asked for; on it may depend what is worth keeping, but no result.

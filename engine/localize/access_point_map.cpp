@@ -15,6 +15,9 @@
 namespace rayloc {
 namespace {
 
+// A count, chosen: of boxes of a cell and a layer that are kept, of 1.5 kB each at 40 MHz. Few are
+// looked at, and mostly the same again: those along a walk.
+constexpr std::size_t kMostBoxes = 16'384;
 // A count, chosen: of the heights that a cell as a whole is made of, which costs as much as so many
 // cells.
 constexpr std::size_t kMostInColumn = 5;
@@ -69,8 +72,8 @@ AccessPointMap::AccessPointMap(const Source& source,
       model_(source.room->grid, offsets_.size()),
       tracing_(std::move(tracing)),
       nowhere_(likelihood_->nowhere(access_point().error)),
-      boxes_(std::make_unique<HeightBoxes>()),
-      close_boxes_(std::make_unique<HeightBoxes>()) {
+      boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)),
+      close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
@@ -141,7 +144,7 @@ std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) co
 double AccessPointMap::log_likelihood_in(std::size_t cell,
                                          std::size_t layer,
                                          const ObservedBurst& observed) const {
-  const HeightBoxes::Box box = boxes_->get(cell * source_.heights.size() + layer, [&] {
+  const auto box = boxes_->get(cell * source_.heights.size() + layer, [&] {
     const std::vector<Ray> rays = rays_in(cell, layer);
     const Likelihood::WeightedPlace whole{
         {rays, offsets_, cell_size(), 0.0, source_.heights.thickness}, 1.0};

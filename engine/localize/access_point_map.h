@@ -19,7 +19,6 @@
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
-#include "engine/localize/height_boxes.h"
 #include "engine/localize/path_grid.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/height_layers.h"
@@ -38,7 +37,7 @@ class CloseLook {
 
  private:
   friend class AccessPointMap;
-  HeightBoxes::Box box_;
+  std::shared_ptr<const PlaceLikelihood> box_;
   std::vector<Ray> rays_;
   std::unique_ptr<const NearbyLikelihood> nearby_;
 };
@@ -121,8 +120,8 @@ class AccessPointMap {
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
   PlaceLikelihood nowhere_;
   std::vector<PlaceLikelihood> cells_;                          // the device at any of the heights
-  std::unique_ptr<HeightBoxes> boxes_;                          // at one of them, as a whole ...
-  std::unique_ptr<HeightBoxes> close_boxes_;                    // ... and for its places
+  std::unique_ptr<Kept<PlaceLikelihood>> boxes_;                // at one of them, as a whole ...
+  std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;          // ... and for its places
   std::vector<double> level_db_;                                // of each cell that a ray leads to
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };

@@ -17,6 +17,7 @@ PATH=${rayloc:h}:\$PATH
 autoload -Uz compinit
 compinit -u -D
 cd $work/folder
+LINES=500 COLUMNS=200  # a list that is longer than the screen would ask first
 RC
 cat >>$work/rc <<'RC'
 compadd() {

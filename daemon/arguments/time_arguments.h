@@ -1,0 +1,18 @@
+// Arguments that are a time or a pace: --burst 0.2s, --speed max.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
+
+namespace rayloc::cli {
+
+// "0.2s", "200ms" or plain seconds, from 1ms to 60s.
+Expected<Duration> parse_burst_argument(const std::string& text);
+
+// How many times faster than recorded; nothing for "max".
+Expected<std::optional<double>> parse_speed_argument(const std::string& text);
+
+}  // namespace rayloc::cli
