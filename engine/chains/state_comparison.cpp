@@ -63,6 +63,7 @@ double distance(const std::vector<Value>& a, const std::vector<Value>& b) {
 
 std::vector<Value> inverses(const std::vector<Value>& factors) {
   std::vector<Value> result;
+  result.reserve(factors.size());
   for (const Value& factor : factors) {
     result.push_back(1.0 / factor);
   }

@@ -29,13 +29,13 @@ constexpr double kBump = 0.05;
 // Two days of one array, brought together.
 class DayFit {
  public:
-  DayFit(const OfdmGrid& grid, const std::vector<Value>& before, const std::vector<Value>& after)
+  DayFit(const OfdmGrid& grid, std::vector<Value> before, std::vector<Value> after)
       : tones_(grid.size()),
         aligner_(grid),
-        before_(before),
-        after_(after),
-        weight_(before.size(), 1.0),
-        turn_(before.size() / grid.size(), 1.0) {
+        before_(std::move(before)),
+        after_(std::move(after)),
+        weight_(before_.size(), 1.0),
+        turn_(before_.size() / grid.size(), 1.0) {
     align_by_one_chain();
     for (int round = 0; round < kRounds; ++round) {
       fit_factors();
@@ -121,7 +121,7 @@ class DayFit {
 
   std::size_t tones_;
   Aligner aligner_;
-  const std::vector<Value>& before_;
+  std::vector<Value> before_;
   std::vector<Value> after_;
   std::vector<double> weight_;
   std::vector<Value> turn_;

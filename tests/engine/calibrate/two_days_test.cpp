@@ -155,16 +155,16 @@ TEST_F(TwoDaysTest, ChainsThatAreAsTheyWereKeepTheirGains) {
 // Something stands elsewhere: an echo of a hundredth of the power, 12 ns late.
 TEST_F(TwoDaysTest, WhatMovedIsNotTakenForAChain) {
   Channels today = empty_;
-  for (std::size_t a = 0; a < today.size(); ++a) {
+  for (std::vector<Value>& h : today) {
     double power = 0.0;
-    for (const Value& value : today[a]) {
-      power += std::norm(value) / static_cast<double>(today[a].size());
+    for (const Value& value : h) {
+      power += std::norm(value) / static_cast<double>(h.size());
     }
-    for (std::size_t j = 0; j < today[a].size(); ++j) {
+    for (std::size_t j = 0; j < h.size(); ++j) {
       const std::size_t core = j / room_.grid.size();
       const double turn =
           -2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size()) * 12e-9;
-      today[a][j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
+      h[j] += std::polar(0.1 * std::sqrt(power), turn + 1.3 * static_cast<double>(core));
     }
   }
   const auto days = tell_days_apart(room_, std::vector{heard(room_, today)});
@@ -187,7 +187,8 @@ TEST_F(TwoDaysTest, AnotherTransmitterIsNoOtherDay) {
   for (std::vector<Value>& h : today) {
     for (std::size_t j = 0; j < h.size(); ++j) {
       const double w = 2.0 * std::numbers::pi * room_.grid.offset_hz(j % room_.grid.size());
-      const auto core = static_cast<double>(j / room_.grid.size());
+      const std::size_t number = j / room_.grid.size();
+      const auto core = static_cast<double>(number);
       h[j] = std::polar(1.0, -w * 10e-9) + std::polar(1.0, -w * 45e-9 + core) +
              std::polar(1.0, -w * 70e-9 - 2.0 * core);
     }
