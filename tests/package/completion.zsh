@@ -17,7 +17,7 @@ PATH=${rayloc:h}:\$PATH
 autoload -Uz compinit
 compinit -u -D
 cd $work/folder
-LINES=500 COLUMNS=200  # a list that is longer than the screen would ask first
+unsetopt AUTO_LIST  # a list that is longer than the screen would ask first, and take the next line for the answer
 RC
 cat >>$work/rc <<'RC'
 compadd() {
