@@ -211,7 +211,7 @@ class FactorFit {
         (weight * slope - prior * delay_[row]) / std::max(weight * curvature + prior, 1e-300);
     delay_[row] += step;
     // ln |factor| is as well known as its phase.
-    const double stiffness = 1.0 / (kLevelSigma * kLevelSigma);
+    const double stiffness = 1.0 / (kChainLevelSigma * kChainLevelSigma);
     const double rise =
         (sharp * std::log(std::abs(sum) / own) - stiffness * level_[row]) / (sharp + stiffness);
     level_[row] += rise;

@@ -3,9 +3,9 @@
 // 1, alone).
 //
 // A power cycle turns the phases of the chains; their ripple over the band is that of filters and
-// stays, and their level about (kLevelSigma). From fewer than kRippleSpots spots a complex factor
-// and a delay of each chain are therefore fitted on top of the old gains; from more, the gains of
-// every tone (chain_ripple()).
+// stays, and their level about (kChainLevelSigma). From fewer than kRippleSpots spots a complex
+// factor and a delay of each chain are therefore fitted on top of the old gains; from more, the
+// gains of every tone (chain_ripple()).
 //
 // Of a transmitter whose array was kept from before the power cycle (the empty room of a
 // PersonReference) the chains are compared with that, tone by tone: nothing of the room needs to be
@@ -61,7 +61,6 @@ struct ChainRefit {
 
 // A count, chosen: fewer do not average out what no ray explains.
 inline constexpr std::size_t kRippleSpots = 12;
-inline constexpr double kLevelSigma = 0.17;  // of ln |gain|, 1.5 dB
 
 // An Error when no ray of the room reaches a spot, when the phase of a chain would be known too
 // badly (options.most_sigma), or when the spots fit far worse than usual: more

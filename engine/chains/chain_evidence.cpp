@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 #include "engine/base/check.h"
+#include "engine/base/highest.h"
 #include "engine/base/parallel.h"
 
 namespace rayloc {
@@ -66,21 +66,14 @@ std::vector<std::uint32_t> best_cells(const CoarseLook& look,
                                       std::size_t state,
                                       double likelihood_exponent,
                                       std::span<const double> log_weight) {
-  std::vector<std::uint32_t> order(look.windows.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::vector<double> value(order.size());
+  std::vector<double> value(look.windows.size());
   for (std::size_t cell = 0; cell < value.size(); ++cell) {
     value[cell] =
         likelihood_exponent * static_cast<double>(look.value[cell * look.states + state]) +
         log_weight[cell];
   }
-  const auto kept = static_cast<std::ptrdiff_t>(std::min(kKeptCells, order.size()));
-  std::partial_sort(
-      order.begin(), order.begin() + kept, order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return value[a] > value[b] || (value[a] == value[b] && a < b);
-      });
-  order.resize(static_cast<std::size_t>(kept));
-  return order;
+  const std::vector<std::size_t> cells = highest(value, kKeptCells);
+  return {cells.begin(), cells.end()};
 }
 
 }  // namespace

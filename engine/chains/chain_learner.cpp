@@ -197,7 +197,7 @@ void ChainLearner::hear(std::span<const CsiFrame> frames) {
   const std::vector<CsiFrame> corrected = undone(first_moment(frames));
   const RoomObservation observation = localizer_->hear(corrected);
   for (const HeardArray& heard : observation.arrays) {
-    const std::size_t a = number_of(heard);
+    const std::size_t a = heard.map->number();
     // Without a chain that is dead the states are others.
     if (due[a] == 0 || heard.map->antennas() != access_points[a].cores.size()) {
       continue;
@@ -208,15 +208,6 @@ void ChainLearner::hear(std::span<const CsiFrame> frames) {
       weigh(heard, by_others(observation, a), time, ap);
     }
   }
-}
-
-std::size_t ChainLearner::number_of(const HeardArray& heard) const {
-  const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
-  return static_cast<std::size_t>(
-      std::find_if(access_points.begin(),
-                   access_points.end(),
-                   [&](const auto& one) { return one.id == heard.map->access_point().id; }) -
-      access_points.begin());
 }
 
 bool ChainLearner::is_new(const HeardArray& heard, const AccessPoint& ap) const {
@@ -230,7 +221,7 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
                                             std::size_t left_out) const {
   RoomObservation others;
   for (const HeardArray& heard : observation.arrays) {
-    const auto found = aps_.find(number_of(heard));
+    const auto found = aps_.find(heard.map->number());
     if (found != aps_.end() && found->first != left_out && found->second.is_known()) {
       others.arrays.push_back(heard);
     }
@@ -386,12 +377,14 @@ bool ChainLearner::leaves_alone() const {
 
 std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> result(frames.begin(), frames.end());
-  for (const ChainState& state : states()) {
-    const RoomAccessPoint& ap = localizer_->room().access_points[state.access_point];
-    const std::vector<Value> undoing = inverses(state.factors.factor);
+  for (const auto& [number, learned] : aps_) {
+    if (learned.state.knowledge == ChainKnowledge::kAsCalibrated) {
+      continue;
+    }
+    const std::vector<Value> undoing = inverses(learned.state.factors.factor);
     for (CsiFrame& frame : result) {
-      if (static_cast<std::size_t>(frame.access_point) == state.access_point) {
-        multiply(ap, undoing, frame);
+      if (static_cast<std::size_t>(frame.access_point) == number) {
+        multiply(localizer_->room().access_points[number], undoing, frame);
       }
     }
   }
@@ -400,17 +393,10 @@ std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) con
 
 std::vector<CsiFrame> ChainLearner::believed(std::span<const CsiFrame> frames) const {
   std::vector<CsiFrame> kept = undone(frames);
-  const std::vector<ChainState> all = states();
-  kept.erase(std::remove_if(kept.begin(),
-                            kept.end(),
-                            [&](const CsiFrame& frame) {
-                              return std::any_of(all.begin(), all.end(), [&](const auto& state) {
-                                return state.knowledge == ChainKnowledge::kLearning &&
-                                       state.access_point ==
-                                           static_cast<std::size_t>(frame.access_point);
-                              });
-                            }),
-             kept.end());
+  std::erase_if(kept, [&](const CsiFrame& frame) {
+    const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
+    return found != aps_.end() && found->second.state.knowledge == ChainKnowledge::kLearning;
+  });
   return kept;
 }
 

@@ -80,7 +80,6 @@ class ChainLearner {
   AccessPoint& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time) const;
-  std::size_t number_of(const HeardArray& heard) const;  // in the room
   bool is_new(const HeardArray& heard, const AccessPoint& ap) const;
   // Of a burst of which an access point's own part is left out: ln of how likely the device is in
   // every cell, by the access points whose chains are known.

@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "engine/base/check.h"
+#include "engine/observe/chain_gains.h"
 #include "engine/posterior/access_point_fusion.h"
 
 namespace rayloc {
@@ -18,11 +19,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLevelSigma = 0.17;  // of ln |factor|, 1.5 dB, as of refit_chains()
-constexpr int kIterations = 8;        // a count, chosen: bounds the time
-constexpr double kStep = 0.02;        // [rad] and of ln: between the points of a difference
-constexpr double kMostStep = 0.3;     // [rad] and of ln, of one iteration: places would change
-constexpr double kSmall = 1e-3;       // [rad], of the last iteration
+constexpr int kIterations = 8;     // a count, chosen: bounds the time
+constexpr double kStep = 0.02;     // [rad] and of ln: between the points of a difference
+constexpr double kMostStep = 0.3;  // [rad] and of ln, of one iteration: places would change
+constexpr double kSmall = 1e-3;    // [rad], of the last iteration
 
 // Unknowns: the phases of all chains but the first, then ln |factor| of all.
 class Objective {
@@ -42,7 +42,7 @@ class Objective {
       sum += burst.places.empty() ? burst.floor : log_add(log_sum(burst, z), burst.floor);
     }
     for (Index m = 0; m < chains(); ++m) {
-      const double level = at(chains() - 1 + m) / kLevelSigma;
+      const double level = at(chains() - 1 + m) / kChainLevelSigma;
       sum -= 0.5 * level * level;
     }
     return sum;

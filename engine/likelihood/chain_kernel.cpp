@@ -9,26 +9,15 @@
 // Follow foreach_target.h.
 #include <hwy/highway.h>
 
-#include <hwy/contrib/math/math-inl.h>
+#include "engine/likelihood/lane_gain_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes = hn::CappedTag<float, kLaneCount>;
-using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;  // as many as a vector register of the machine holds, up to kLaneCount
 constexpr float kLeastPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
 
-struct Complex {
-  Vector re;
-  Vector im;
-};
-
 HWY_INLINE Complex zero() { return {hn::Zero(kLanes), hn::Zero(kLanes)}; }
-HWY_INLINE Complex load(const LaneSums& sums, std::size_t t) {
-  return {hn::LoadU(kLanes, sums.re.data() + t), hn::LoadU(kLanes, sums.im.data() + t)};
-}
 HWY_INLINE void store(const Complex& value, std::size_t t, LaneSums& sums) {
   hn::StoreU(value.re, kLanes, sums.re.data() + t);
   hn::StoreU(value.im, kLanes, sums.im.data() + t);
@@ -88,18 +77,6 @@ void whiten_chains(const std::complex<float>* whitener,
   }
 }
 
-// r = (b + sqrt(b^2 + 4 a D)) / 2 a
-HWY_INLINE Vector at_best_gain(Vector a, const Complex& along, Vector dimension) {
-  const Vector b2 = hn::MulAdd(along.im, along.im, hn::Mul(along.re, along.re));
-  const Vector b = hn::Sqrt(b2);
-  const Vector root = hn::Sqrt(hn::MulAdd(hn::Mul(hn::Set(kLanes, 4.0F), dimension), a, b2));
-  const Vector ar = hn::Mul(hn::Set(kLanes, 0.5F), hn::Add(b, root));
-  const Vector r = hn::Div(ar, a);
-  const Vector two = hn::Set(kLanes, 2.0F);
-  const Vector linear = hn::Mul(r, hn::Sub(hn::Mul(two, b), ar));
-  return hn::MulAdd(hn::Mul(two, dimension), hn::Log(kLanes, r), linear);
-}
-
 // The chains but the last, in one state of theirs.
 struct Others {
   Vector power;   // with the last one's own
@@ -154,7 +131,7 @@ void best_of_turns(const ChainProducts& products,
         const Vector power =
             hn::Max(hn::MulAdd(doubled, product, others.power), hn::Set(kLanes, kLeastPower));
         const Complex along = add_product(z, own, others.along);
-        const Vector value = hn::Add(at_best_gain(power, along, dimension), offset);
+        const Vector value = hn::Add(best_profile(power, along, dimension), offset);
         top = hn::Max(top, value);
         float& state = best[first + turn];
         state = HWY_MAX(state, hn::GetLane(hn::MaxOfLanes(kLanes, value)));

@@ -9,15 +9,11 @@
 // Follow foreach_target.h.
 #include <hwy/highway.h>
 
-#include <hwy/contrib/math/math-inl.h>
+#include "engine/likelihood/lane_gain_inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-using Lanes = hn::CappedTag<float, kLaneCount>;
-using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;  // as many as a vector register of the machine holds, up to kLaneCount
 
 // Four sums, so that none waits for another: of a re, b im, a im, b re.
 struct Products {
@@ -127,23 +123,11 @@ void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::s
   }
 }
 
-// r = (b + sqrt(b^2 + 4 a D)) / 2 a
 void at_best_gain(const LaneRow& power, const LaneSums& along, float dimension, LaneRow& out) {
   const Vector d = hn::Set(kLanes, dimension);
-  const Vector half = hn::Set(kLanes, 0.5F);
-  const Vector two = hn::Set(kLanes, 2.0F);
   for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
     const Vector a = hn::LoadU(kLanes, power.data() + t);
-    const Vector re = hn::LoadU(kLanes, along.re.data() + t);
-    const Vector im = hn::LoadU(kLanes, along.im.data() + t);
-    const Vector b2 = hn::MulAdd(im, im, hn::Mul(re, re));
-    const Vector b = hn::Sqrt(b2);
-    const Vector root = hn::Sqrt(hn::MulAdd(hn::Mul(hn::Set(kLanes, 4.0F), d), a, b2));
-    const Vector ar = hn::Mul(half, hn::Add(b, root));
-    const Vector r = hn::Div(ar, a);
-    const Vector linear = hn::Mul(r, hn::Sub(hn::Mul(two, b), ar));
-    const Vector value = hn::MulAdd(hn::Mul(two, d), hn::Log(kLanes, r), linear);
-    hn::StoreU(value, kLanes, out.data() + t);
+    hn::StoreU(best_profile(a, load(along, t), d), kLanes, out.data() + t);
   }
 }
 

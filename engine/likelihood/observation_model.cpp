@@ -82,20 +82,6 @@ LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   return both.open;
 }
 
-// Peaks of the coarse search that may be the best of the fine one: it misses a delay by 3 ns at
-// most, which costs about 10.
-constexpr float kCoarseMiss = 10.0F;
-std::uint8_t worth_a_look(const LaneRow& values) {
-  const float least = *std::max_element(values.begin(), values.end()) - kCoarseMiss;
-  unsigned windows = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const bool is_peak = (i == 0 || values[i] >= values[i - 1]) &&
-                         (i + 1 == values.size() || values[i] >= values[i + 1]);
-    windows |= is_peak && values[i] >= least ? 1U << i : 0U;
-  }
-  return static_cast<std::uint8_t>(windows);
-}
-
 // Calls with every window of these and the likelihoods of its delays.
 template <typename Call>
 void for_windows(const PlaceModel& place,
@@ -421,7 +407,7 @@ ObservationModel::Coarse ObservationModel::coarse(const PlaceModel& place,
   return {lacks_noise(place, observed)
               ? log_likelihood_with_noise(place, observed, observed.coarse, at)
               : static_cast<double>(*top) - static_cast<double>(place.log_determinant),
-          worth_a_look(values)};
+          ObservedArray::worth_a_look(values)};
 }
 
 std::optional<double> ObservationModel::covered_log_odds(const PlaceModel& place,

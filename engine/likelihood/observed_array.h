@@ -9,6 +9,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "engine/likelihood/lane_kernel.h"
@@ -38,6 +39,9 @@ struct ObservedArray {
     const std::size_t coarse = kStride * window + kStride / 2;
     return std::min(coarse - std::min<std::size_t>(coarse, 3), kDelays - kLaneCount);
   }
+  // A bit for each window about a coarse delay that may hold the best of all delays. values: of the
+  // coarse delays.
+  static std::uint8_t worth_a_look(const Row& values);
   void set(std::size_t coordinate, std::size_t delay, std::complex<double> value);
   std::complex<double> value(std::size_t coordinate, std::size_t delay) const;
 };

@@ -15,9 +15,7 @@ namespace {
 // a look at them is worth.
 constexpr std::size_t kSteps = 16;
 constexpr std::size_t kStepsOfMany = 8;  // a count, chosen
-// Peaks of the coarse search that may be the best of the fine one (ObservationModel::coarse()).
-constexpr float kCoarseMiss = 10.0F;
-constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
+constexpr double kLeastPower = 1e-12;    // a ratio, chosen: keeps divisions from zero
 
 ChainProducts products_of(const PlaceModel& place,
                           const ObservedArray::Block& block,
@@ -121,14 +119,7 @@ std::uint8_t coarse_of_turns(const PlaceModel& place,
   LaneRow highest;
   highest.fill(std::numeric_limits<float>::lowest());
   raise(place, observed.coarse, chains, undoing, of_state, highest);
-  const float least = *std::max_element(highest.begin(), highest.end()) - kCoarseMiss;
-  unsigned windows = 0;
-  for (std::size_t i = 0; i < highest.size(); ++i) {
-    const bool is_peak = (i == 0 || highest[i] >= highest[i - 1]) &&
-                         (i + 1 == highest.size() || highest[i] >= highest[i + 1]);
-    windows |= is_peak && highest[i] >= least ? 1U << i : 0U;
-  }
-  return static_cast<std::uint8_t>(windows);
+  return ObservedArray::worth_a_look(highest);
 }
 
 void log_likelihood_of_turns(const PlaceModel& place,

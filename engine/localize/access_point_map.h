@@ -62,6 +62,7 @@ class AccessPointMap {
   const AccessPointMap& without(std::size_t antenna) const;
 
   const RoomAccessPoint& access_point() const;
+  std::size_t number() const { return source_.access_point; }  // in RoomModel::access_points
   std::size_t antennas() const { return offsets_.size(); }
   std::size_t dimension() const { return model_.dimension(); }  // of the observation
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <optional>
 #include <utility>
 
+#include "engine/base/highest.h"
 #include "engine/base/parallel.h"
 #include "engine/posterior/cell_places.h"
 
@@ -31,16 +31,7 @@ constexpr double kLeastWeight = 1e-4;      // of a layer that is worth a look
 std::vector<std::size_t> best_of(const std::vector<double>& score,
                                  std::size_t most,
                                  double margin) {
-  std::vector<std::size_t> order(score.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const std::size_t count = std::min(most, order.size());
-  std::partial_sort(order.begin(),
-                    order.begin() + static_cast<std::ptrdiff_t>(count),
-                    order.end(),
-                    [&](std::size_t a, std::size_t b) {
-                      return score[a] > score[b] || (score[a] == score[b] && a < b);
-                    });
-  order.resize(count);
+  std::vector<std::size_t> order = highest(score, most);
   while (score[order.back()] < score[order.front()] - margin) {
     order.pop_back();
   }
@@ -149,7 +140,7 @@ struct Box {
   std::size_t cell = 0;
   std::size_t layer = 0;
   double log_mass = 0.0;      // of the box, its prior with it
-  BoxMass mass;               // where in it
+  CellMass mass;              // where in it
   std::vector<double> doubt;  // [array], that it is wrong there
 };
 

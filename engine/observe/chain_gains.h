@@ -14,6 +14,9 @@
 
 namespace rayloc {
 
+// Standard deviation of what a power cycle adds to ln |gain| of a chain.
+inline constexpr double kChainLevelSigma = 0.17;  // of ln, 1.5 dB
+
 struct ChainGains {
   OfdmGrid grid;
   std::vector<std::uint8_t> cores;

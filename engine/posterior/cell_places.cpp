@@ -72,8 +72,8 @@ std::pair<double, CellMass> summarise_places(const Lattice& lattice,
           {all, about_best, near / sum, {}}};
 }
 
-std::pair<double, BoxMass> summarise_box(const Lattice& lattice,
-                                         std::span<const PlacesAtHeight> heights) {
+std::pair<double, CellMass> summarise_box(const Lattice& lattice,
+                                          std::span<const PlacesAtHeight> heights) {
   std::size_t best_height = 0;
   std::size_t best = 0;
   for (std::size_t h = 0; h < heights.size(); ++h) {
@@ -122,7 +122,7 @@ std::pair<double, BoxMass> summarise_box(const Lattice& lattice,
   for (WeightedMoments& one : near) {
     one.share /= near_sum;
   }
-  return {top + std::log(sum), {mixture_of(all), mixture_of(near), near_sum / sum}};
+  return {top + std::log(sum), {mixture_of(all), mixture_of(near), near_sum / sum, {}}};
 }
 
 CellMoments mixture_of(std::span<const WeightedMoments> parts) {

@@ -24,16 +24,10 @@ struct PlacesAtHeight {
   double height = 0.0;
   std::vector<double> log_mass;  // [place]
 };
-// Where the mass of a cell's layer of heights is: of all of it, and about its best place.
-struct BoxMass {
-  CellMoments all;
-  CellMoments best;
-  double best_share = 1.0;
-};
 // The logarithm of the mass of all heights together, and where it is. REQUIRES: heights in order,
 // equally far apart.
-std::pair<double, BoxMass> summarise_box(const Lattice& lattice,
-                                         std::span<const PlacesAtHeight> heights);
+std::pair<double, CellMass> summarise_box(const Lattice& lattice,
+                                          std::span<const PlacesAtHeight> heights);
 
 // Moments of a mixture; the shares are 1 in all.
 struct WeightedMoments {
