@@ -3,26 +3,11 @@
 #include <algorithm>
 
 #include "engine/base/parallel.h"
+#include "engine/scene/closed_objects.h"
 #include "engine/scene/scene.h"
+#include "engine/scene/solid.h"
 
 namespace rayloc {
-namespace {
-
-std::vector<const Mesh*> things_of(const Scene& scene, const std::vector<Vec3d>& inside) {
-  std::vector<const Mesh*> things;
-  for (std::uint32_t i = 0; i < scene.objects().size(); ++i) {
-    const Mesh& mesh = scene.objects()[i].mesh;
-    const bool hull = std::any_of(
-        inside.begin(), inside.end(), [&](const Vec3d& point) { return is_inside(mesh, point); });
-    if (scene.solid(i).shells > 0 && !hull) {
-      things.push_back(&mesh);
-    }
-  }
-  return things;
-}
-
-}  // namespace
-
 FreeSpace make_free_space(const Scene& scene,
                           const RoomGrid& grid,
                           const std::vector<Vec3d>& inside) {
@@ -30,7 +15,7 @@ FreeSpace make_free_space(const Scene& scene,
                   std::vector<std::uint8_t>(grid.size(), 1),
                   std::vector<std::uint8_t>(grid.size(), 0),
                   std::vector<std::uint8_t>(grid.size(), 0)};
-  const auto things = things_of(scene, inside);
+  const auto things = closed_objects(scene, inside);
   parallel_for(grid.size(), 64, [&](std::size_t cell) {
     const Vec3d centre = grid.centre(cell);
     space.free[cell] = std::none_of(
