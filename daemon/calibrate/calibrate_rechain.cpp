@@ -107,12 +107,8 @@ Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>&
   }
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (has_place(transmitter)) {
-      DeviceModel device;
-      device.height = transmitter.position->z;
-      device.pattern = transmitter.pattern;
-      device.polarization = transmitter.polarization;
       heard.spots.push_back({*transmitter.position,
-                             std::move(device),
+                             device_model(transmitter),
                              std::move((*frames)[transmitter.mac]),
                              transmitter.mac});
     }

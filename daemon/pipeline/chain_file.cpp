@@ -4,10 +4,11 @@
 #include <cmath>
 #include <fstream>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "daemon/site/site_copy.h"
 
 namespace rayloc {
 namespace {
@@ -105,20 +106,7 @@ Expected<void> write_chain_file(const fs::path& file,
   }
   const Json json = {
       {"format", kFormat}, {"calibration", room.calibration_id}, {"access_points", std::move(all)}};
-  const fs::path unfinished = file.string() + ".unfinished";
-  {
-    std::ofstream out(unfinished);
-    out << json.dump(2) << "\n";
-    if (!out.flush()) {
-      return bad_input(unfinished.string() + " cannot be written");
-    }
-  }
-  std::error_code failed;
-  fs::rename(unfinished, file, failed);
-  if (failed) {
-    return bad_input(file.string() + ": " + failed.message());
-  }
-  return {};
+  return write_file(file, json.dump(2) + "\n");
 }
 
 }  // namespace rayloc

@@ -14,7 +14,14 @@ namespace rayloc {
 namespace {
 
 CalibrationMonitor::Transmitter placed(const SiteTransmitter& fixed) {
-  return {*fixed.position, {fixed.position->z, 0.0, fixed.pattern, fixed.polarization}};
+  return {*fixed.position, device_model(fixed)};
+}
+
+// The same trouble of the same access point, whichever core is named.
+bool is_stated(const CalibrationWarning& warning, const std::vector<CalibrationWarning>& all) {
+  return std::any_of(all.begin(), all.end(), [&](const CalibrationWarning& one) {
+    return one.problem == warning.problem && one.access_point == warning.access_point;
+  });
 }
 
 // Of a burst that no believed access point heard.
@@ -54,17 +61,7 @@ Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
 }
 
 DeviceModel DeviceEstimator::device_of(const SiteTransmitter* stated) const {
-  DeviceModel device;
-  if (stated == nullptr) {
-    device.height = site_.targets.height;
-    device.height_sigma = site_.targets.height_sigma;
-    return device;
-  }
-  device.height = stated->height;
-  device.height_sigma = stated->height_sigma;
-  device.pattern = stated->pattern;
-  device.polarization = stated->polarization;
-  return device;
+  return stated == nullptr ? unlisted_device(site_) : device_model(*stated);
 }
 
 Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& site,
@@ -136,10 +133,8 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
     monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
   }
   for (const CalibrationWarning& warning : monitor_->warnings()) {
-    const bool is_new = std::none_of(before.begin(), before.end(), [&](const auto& one) {
-      return one.problem == warning.problem && one.access_point == warning.access_point;
-    });
-    if (is_new && warning.problem == CalibrationProblem::kChainPhaseJump && !all.empty()) {
+    if (!is_stated(warning, before) && warning.problem == CalibrationProblem::kChainPhaseJump &&
+        !all.empty()) {
       all.front()->power_cycled(warning.access_point, burst.frames.back().time);
       chains_.spread(*all.front(), all, room());
     }
@@ -151,9 +146,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
 void DeviceEstimator::state_warnings() {
   std::vector<CalibrationWarning> warnings = monitor_->warnings();
   for (CalibrationWarning& warning : chains_.warnings(room())) {
-    if (std::none_of(warnings.begin(), warnings.end(), [&](const CalibrationWarning& one) {
-          return one.problem == warning.problem && one.access_point == warning.access_point;
-        })) {
+    if (!is_stated(warning, warnings)) {
       warnings.push_back(std::move(warning));
     }
   }

@@ -12,18 +12,12 @@ namespace rayloc {
 namespace {
 
 DeviceModel device_of(const Site& site) {
-  DeviceModel device;
-  device.height = site.targets.height;
-  device.height_sigma = site.targets.height_sigma;
   for (const SiteTransmitter& transmitter : site.transmitters) {
     if (transmitter.role == TransmitterRole::kDevice) {
-      return {transmitter.height,
-              transmitter.height_sigma,
-              transmitter.pattern,
-              transmitter.polarization};
+      return device_model(transmitter);
     }
   }
-  return device;
+  return unlisted_device(site);
 }
 
 // Those of the transmitters that the site still says are of constant power.
@@ -104,6 +98,26 @@ Expected<void> apply_calibration(const Site& site, RoomModel& room) {
 }
 
 }  // namespace
+
+DeviceModel device_model(const SiteTransmitter& transmitter) {
+  DeviceModel device;
+  device.height = transmitter.height;
+  device.height_sigma = transmitter.height_sigma;
+  if (transmitter.role == TransmitterRole::kFixed && transmitter.position) {
+    device.height = transmitter.position->z;
+    device.height_sigma = 0.0;
+  }
+  device.pattern = transmitter.pattern;
+  device.polarization = transmitter.polarization;
+  return device;
+}
+
+DeviceModel unlisted_device(const Site& site) {
+  DeviceModel device;
+  device.height = site.targets.height;
+  device.height_sigma = site.targets.height_sigma;
+  return device;
+}
 
 SceneOptions scene_options(const Site& site) {
   SceneOptions options;

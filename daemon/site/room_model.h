@@ -16,6 +16,11 @@ namespace rayloc {
 // height with a vertical half-wave dipole; change `RoomModel::device` for another one.
 Expected<RoomModel> load_room_model(const Site& site);
 
+// Of a transmitter of the site; that of a fixed one is at the height of its position for certain.
+DeviceModel device_model(const SiteTransmitter& transmitter);
+// Of a device that the site does not list.
+DeviceModel unlisted_device(const Site& site);
+
 // The site's carrier and materials, for load_scene().
 SceneOptions scene_options(const Site& site);
 
