@@ -1,38 +1,22 @@
 // An office that people live in, from its calibration on one day to its use on another.
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/rayloc_process.h"
+#include "tests/support/verb_folder.h"
 
 namespace rayloc {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class LivedInOffice : public ::testing::Test {
+class LivedInOffice : public test::VerbFolder {
  protected:
-  LivedInOffice() : folder_(fs::path(::testing::TempDir()) / "lived_in_office") {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~LivedInOffice() override { fs::remove_all(folder_); }
+  LivedInOffice() : VerbFolder("lived_in_office") {}
 
-  std::string path(const std::string& name) const { return folder_ / name; }
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-  }
-  static std::string run(const std::vector<std::string>& arguments) {
-    const Finished finished = RaylocProcess(arguments).wait();
-    EXPECT_EQ(finished.status, 0) << finished.err;
-    return finished.out;
-  }
   // Of all three access points.
   std::vector<std::string> recordings(const std::string& name) const {
     std::vector<std::string> all;
@@ -76,8 +60,6 @@ class LivedInOffice : public ::testing::Test {
     return Json::parse(run(
         {"evaluate", "--estimates", fixes, "--truth", path(name + ".csv"), "--json"}))["below_0_5"];
   }
-
-  fs::path folder_;
 };
 
 // Half a second at each of columns x rows places of the office.
@@ -96,12 +78,9 @@ std::string office_points(int columns, int rows, double shift, int start) {
 // A regression of the whole way. Leaning devices, moved chairs and bumped access points are met by
 // who renews the chains from three known spots; who does not is lost.
 TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
-  run({"scene",
-       "room",
-       RAYLOC_TEST_DATA "/../../deploy/experiments/rooms/lived_in_office.toml",
-       "--out",
-       path("office"),
-       "--quiet"});
+  const std::string plan =
+      std::string(RAYLOC_TEST_DATA) + "/../../deploy/experiments/rooms/lived_in_office.toml";
+  run({"scene", "room", plan, "--out", path("office"), "--quiet"});
   write("survey.csv", office_points(4, 3, 0.0, 1000));
   write("known.csv",
         "t_start,t_end,x,y,z\n3000,3001,1.1,0.8,1.2\n3002,3003,4.3,2.9,1.2\n"

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -17,6 +16,7 @@
 #include "engine/scene/antenna_array.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/verb_folder.h"
 
 namespace rayloc {
 namespace {
@@ -43,36 +43,17 @@ constexpr const char* kPoints =
 constexpr const char* kWalk =
     "t,x,y,z\n100.05,0.4,-0.2,1.2\n100.1,0.37,-0.18,1.2\n100.15,0.34,-0.16,1.2\n";
 
-class SimulateLived : public ::testing::Test {
+class SimulateLived : public test::VerbFolder {
  protected:
+  SimulateLived() : VerbFolder("simulate_lived_" + test_name()) {}
+
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("simulate_lived_") +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     write("plan.toml",
           std::string(test::kCloset) + kFurniture +
               test::closet_access_point("ap1", "[-1.3, 1.0, 2.2]", -38));
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
     write("points.csv", kPoints);
     write("walk.csv", kWalk);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return folder_ / name; }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-    return path(name);
-  }
-  std::string read(const std::string& name) const {
-    std::ifstream in(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  static std::string run(const std::vector<std::string>& arguments) {
-    const Finished finished = RaylocProcess(arguments).wait();
-    EXPECT_EQ(finished.status, 0) << finished.err;
-    return finished.out;
   }
   Finished simulate(const std::string& points, const std::vector<std::string>& more) const {
     std::vector<std::string> arguments = {
@@ -105,8 +86,6 @@ class SimulateLived : public ::testing::Test {
     }
     return frames;
   }
-
-  fs::path folder_;
 };
 
 // By line of sight alone, phases are those of the lengths from the stated place, to the antennas.

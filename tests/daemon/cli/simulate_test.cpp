@@ -16,6 +16,7 @@
 #include "engine/trace/array_tracer.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/verb_folder.h"
 
 namespace rayloc {
 namespace {
@@ -46,37 +47,17 @@ std::string points(int columns, int rows, double shift, int start) {
   return text;
 }
 
-class SimulateVerb : public ::testing::Test {
+class SimulateVerb : public test::VerbFolder {
  protected:
+  SimulateVerb() : VerbFolder("simulate_" + test_name()) {}
+
   void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              (std::string("simulate_") +
-               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
     write("plan.toml",
           std::string(test::kCloset) + kCabinet +
               test::closet_access_point("ap1", "[-1.3, 1.0, 1.2]", -38) +
               test::closet_access_point("ap2", "[1.35, 0.9, 1.2]", -146) +
               test::closet_access_point("ap3", "[-0.2, -1.05, 1.2]", 79));
     run({"scene", "room", path("plan.toml"), "--out", path("site"), "--quiet"});
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string path(const std::string& name) const { return folder_ / name; }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path(name)) << text;
-    return path(name);
-  }
-  std::string read(const std::string& name) const {
-    std::ifstream in(path(name), std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  // Standard output of a run that must succeed.
-  static std::string run(const std::vector<std::string>& arguments) {
-    const Finished finished = RaylocProcess(arguments).wait();
-    EXPECT_EQ(finished.status, 0) << finished.err;
-    return finished.out;
   }
   // Recordings of all three access points.
   std::string simulate(const std::string& points_file, const std::string& name, int seed) const {
@@ -91,8 +72,6 @@ class SimulateVerb : public ::testing::Test {
                 "ap2=" + path(name + "2.pcap"),
                 "ap3=" + path(name + "3.pcap")});
   }
-
-  fs::path folder_;
 };
 
 TEST_F(SimulateVerb, WithoutImpairmentsFramesGivesTheTracersChannel) {
