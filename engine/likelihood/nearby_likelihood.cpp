@@ -202,6 +202,22 @@ NearbyLikelihood::Slope NearbyLikelihood::at(const Vec3d& moved) const {
   return covered.value > open.value ? covered : open;
 }
 
+PlaceModel NearbyLikelihood::model_at(const Vec3d& moved) const {
+  PlaceModel place = model_;
+  place.mean.clear();
+  const auto append = [&](bool covered, PlaceModel::Powers& powers) {
+    const std::vector<Value> mean = means_at(moved, covered).value;
+    place.mean.insert(place.mean.end(), mean.begin(), mean.end());
+    powers.whitened = static_cast<float>(power_of(mean));
+    powers.inverse = static_cast<float>(power_of(unwhiten(model_.whitener, mean)));
+  };
+  append(false, place.open);
+  if (!direct_.of.empty()) {
+    append(true, place.covered);
+  }
+  return place;
+}
+
 std::vector<double> NearbyLikelihood::on(const Lattice& lattice, double raised) const {
   const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
   const Turns turns = turns_on(lattice, rows, raised);

@@ -61,6 +61,9 @@ class NearbyLikelihood {
   // between them, so that value and derivative belong together.
   Slope at(const Vec3d& moved) const;
 
+  // What a device at that place would let be heard.
+  PlaceModel model_at(const Vec3d& moved) const;
+
   // At all places of the lattice, [x][y], `raised` [m] above the middle: lengths to first order in
   // x and y, in single precision.
   std::vector<double> on(const Lattice& lattice, double raised = 0.0) const;

@@ -160,6 +160,20 @@ double ChainMoments::log_likelihood(std::span<const std::complex<double>> undoin
   return best + dimension / static_cast<double>(chains) * volume;
 }
 
+ChainMoments ChainMoments::multiplied(std::span<const std::complex<double>> factor) const {
+  ChainMoments result = *this;
+  for (std::size_t n = 0; n < chains; ++n) {
+    result.power[n] *= std::norm(factor[n]);
+    for (std::size_t m = 0; m < n; ++m) {
+      result.cross[chain_pair(m, n)] *= std::conj(factor[m]) * factor[n];
+    }
+    for (std::size_t k = 0; k < mean_count; ++k) {
+      result.means[k].along[n] *= factor[n];
+    }
+  }
+  return result;
+}
+
 ChainMoments chain_moments(const PlaceModel& place,
                            const ObservedArray& observed,
                            std::span<const std::complex<double>> undoing) {

@@ -66,6 +66,8 @@ struct ChainMoments {
 
   // undoing: [chain], the inverses of the chains' factors.
   double log_likelihood(std::span<const std::complex<double>> undoing) const;
+  // Of the burst with each chain multiplied by its factor; up to a constant of these.
+  ChainMoments multiplied(std::span<const std::complex<double>> factor) const;
 };
 ChainMoments chain_moments(const PlaceModel& place,
                            const ObservedArray& observed,

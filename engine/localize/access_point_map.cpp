@@ -221,6 +221,10 @@ std::vector<Ray> AccessPointMap::rays_to(const Vec3d& position) const {
   return tracing_->rays_to(position);
 }
 
+PlaceModel AccessPointMap::model_of(std::span<const Ray> rays, double survey_sigma) const {
+  return model_.place({rays, offsets_, 0.0, survey_sigma}, access_point().error);
+}
+
 std::optional<double> AccessPointMap::covered_log_odds(std::span<const Ray> rays,
                                                        const ObservedBurst& observed) const {
   return rays.empty() || source_.likelihood != LikelihoodKind::kPartial

@@ -34,6 +34,8 @@ class CloseLook {
   std::vector<double> on(const Lattice& lattice, double height) const {
     return nearby_->on(lattice, height);
   }
+  // Of a device at a place that is `moved` [m] from the middle of the cell and the layer.
+  PlaceModel model_at(const Vec3d& moved) const { return nearby_->model_at(moved); }
 
  private:
   friend class AccessPointMap;
@@ -97,6 +99,9 @@ class AccessPointMap {
 
   // Traces those of a device at a place.
   std::vector<Ray> rays_to(const Vec3d& position) const;
+  // What a device at the place of these rays would let be heard, the place known to `survey_sigma`
+  // [m] on each axis.
+  PlaceModel model_of(std::span<const Ray> rays, double survey_sigma) const;
   // Of a device at the place of these rays: logarithm of the odds that its direct way to the array
   // is covered; nothing where there is no such way, and where the likelihood does not ask.
   std::optional<double> covered_log_odds(std::span<const Ray> rays,

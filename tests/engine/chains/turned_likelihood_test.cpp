@@ -86,6 +86,27 @@ TEST(TurnedLikelihood, OfAnyFactorsIsThatOfTheArrayDividedByThem) {
   EXPECT_GT(of_moments[0], of_moments[1] + 10.0);
 }
 
+// What was heard, corrected, is what is looked at with less to undo.
+TEST(TurnedLikelihood, OfABurstMultipliedByFactorsIsThatOfUndoingThem) {
+  const Scene scene;
+  const ObservedArray heard = scene.observed({1.0, std::polar(1.2, 0.4), std::polar(0.9, -1.0)});
+  const std::vector<Value> factor = {1.0, std::polar(0.8, -0.5), std::polar(1.1, 0.9)};
+  const std::vector<Value> more = {1.0, std::polar(1.1, 0.1), std::polar(1.0, 0.2)};
+  std::vector<Value> both;
+  for (std::size_t m = 0; m < 3; ++m) {
+    both.push_back(factor[m] * more[m]);
+  }
+  std::vector<double> difference;
+  for (const PlaceModel& place : scene.places) {
+    const ChainMoments moments = chain_moments(place, heard, factor);
+    difference.push_back(moments.multiplied(factor).log_likelihood(more) -
+                         moments.log_likelihood(both));
+  }
+  // By the volume of the factors, which is that of no place.
+  EXPECT_NEAR(difference[1], difference[0], 1e-6);
+  EXPECT_NEAR(difference[2], difference[0], 1e-6);
+}
+
 // A level in common says nothing.
 TEST(TurnedLikelihood, CommonFactorOfAllChainsChangesNothing) {
   const Scene scene;
