@@ -58,12 +58,32 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     tell("access point " + ap.id + ": its chains are as learned before: " + turns(state, ap));
   }
-  known_ = learners.front()->states();
+  keep(learners.front()->states());
+}
+
+void ChainKeeper::keep(std::vector<ChainState> states) {
+  const std::lock_guard lock(mutex_);
+  known_ = std::move(states);
+}
+
+void ChainKeeper::restart() {
+  seen_.clear();
+  keep({});
+}
+
+std::vector<ChainState> ChainKeeper::states() const {
+  const std::lock_guard lock(mutex_);
+  return known_;
 }
 
 void ChainKeeper::spread(const ChainLearner& learner,
                          const std::vector<ChainLearner*>& learners,
                          const RoomModel& room) {
+  const auto seen = seen_.find(&learner);
+  if (seen != seen_.end() && seen->second == learner.changes()) {
+    return;
+  }
+  seen_[&learner] = learner.changes();
   const std::vector<ChainState> states = learner.states();
   bool is_new = false;
   for (const ChainState& state : states) {
@@ -89,7 +109,7 @@ void ChainKeeper::spread(const ChainLearner& learner,
                    ": its chains are learned, turned since the calibration: " + turns(state, ap)
              : "access point " + ap.id + ": its chains have turned; " + learning(state, room));
   }
-  known_ = states;
+  keep(states);
   if (is_new && !options_.write.empty()) {
     if (const auto written = write_chain_file(options_.write, states, room); !written) {
       tell(written.error().message);

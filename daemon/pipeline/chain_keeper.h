@@ -2,6 +2,8 @@
 // kept in a file for the next program, and told to people.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -26,21 +28,24 @@ class ChainKeeper {
   void spread(const ChainLearner& learner,
               const std::vector<ChainLearner*>& learners,
               const RoomModel& room);
-  void restart() { known_.clear(); }  // with the learners
+  void restart();  // with the learners
 
   // Of the access points that are learned anew.
   std::vector<CalibrationWarning> warnings(const RoomModel& room) const;
   // Why none of the access points can be believed.
   std::string reason(const RoomModel& room) const;
-  // Lines for the log since the last call. From any thread.
+  // From any thread: what is known now, and lines for the log since the last call.
+  std::vector<ChainState> states() const;
   std::vector<std::string> news();
 
  private:
   void tell(std::string line);
+  void keep(std::vector<ChainState> states);
 
   Options options_;
-  std::vector<ChainState> known_;
-  std::mutex mutex_;
+  std::map<const ChainLearner*, std::uint64_t> seen_;  // ChainLearner::changes()
+  mutable std::mutex mutex_;
+  std::vector<ChainState> known_;  // guarded by mutex_; written by the estimation thread
   std::vector<std::string> news_;  // guarded by mutex_
 };
 

@@ -139,6 +139,10 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
       chains_.spread(*all.front(), all, room());
     }
   }
+  if (!all.empty()) {
+    all.front()->hear(burst.frames, *fixed.position);
+    chains_.spread(*all.front(), all, room());
+  }
   state_warnings();
 }
 

@@ -56,7 +56,9 @@ class DeviceEstimator : public Estimator {
 
   // What holds now. Thread safety: these may be called from any thread.
   std::vector<CalibrationWarning> calibration_warnings() const;
-  // What became known of chains since the last call, for the log. From any thread.
+  // What is known of chains, and for the log what became known since the last call. From any
+  // thread.
+  std::vector<ChainState> chain_states() const { return chains_.states(); }
   std::vector<std::string> chain_news() { return chains_.news(); }
   TrackerCounters tracker_counters() const;  // of all trackers
 

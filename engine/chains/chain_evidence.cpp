@@ -146,4 +146,19 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
   return evidence;
 }
 
+TurnEvidence turn_evidence_at(const PlaceModel& place,
+                              const ObservedArray& observed,
+                              const TurnGrid& grid,
+                              double likelihood_exponent,
+                              double nowhere) {
+  std::vector<float> values(grid.size());
+  constexpr std::uint8_t kAllWindows = 0xFF;  // a bit each
+  log_likelihood_of_turns(place, observed, kAllWindows, grid, values);
+  TurnEvidence evidence;
+  for (const float value : values) {
+    evidence.log_evidence.push_back(likelihood_exponent * (static_cast<double>(value) - nowhere));
+  }
+  return evidence;
+}
+
 }  // namespace rayloc

@@ -31,5 +31,11 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
                            const TurnGrid& grid,
                            double likelihood_exponent,
                            std::span<const double> log_weight);
+// The same of a device at a known place; nowhere: log-likelihood of what it is compared with.
+TurnEvidence turn_evidence_at(const PlaceModel& place,
+                              const ObservedArray& observed,
+                              const TurnGrid& grid,
+                              double likelihood_exponent,
+                              double nowhere);
 
 }  // namespace rayloc

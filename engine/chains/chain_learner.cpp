@@ -8,7 +8,6 @@
 #include "engine/base/check.h"
 #include "engine/base/parallel.h"
 #include "engine/chains/chain_evidence.h"
-#include "engine/chains/state_comparison.h"
 
 namespace rayloc {
 namespace {
@@ -21,19 +20,16 @@ constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been 
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kDoubted = 0.2;    // probability of what is believed: from here on it is compared
 constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
-constexpr double kSure = 0.999;     // the same: nothing speaks against it
-constexpr double kWithdrawnLead = 5.0;    // [nat], by which another state explains more
-constexpr double kUndoubtedLead = 12.0;   // the same, while the belief sees no turn
-constexpr double kLearnedLead = 7.0;      // [nat], before all other states
-constexpr double kOthersWrong = 0.1;      // a probability, at least, that other access points are
-constexpr double kLeastEvidence = 3.0;    // [nat] of a burst that the room explains, in some state
-constexpr double kSameCorrelation = 0.9;  // correlation of bursts that say the same
-constexpr double kMostNoise = 2e-3;       // of a burst, share of its power: as ModelError::noise is
-constexpr double kMostSigma = 0.35;       // [rad], 20 degrees: of a phase that is believed
-constexpr double kFineSigma = 0.035;      // [rad], 2 degrees: good enough to look rarely
+constexpr double kWithdrawnLead = 5.0;     // [nat], by which another state explains more
+constexpr double kUndoubtedLead = 12.0;    // the same, while the belief sees no turn
+constexpr double kLearnedLead = 7.0;       // [nat], before all other states
+constexpr double kOthersWrong = 0.1;       // a probability, at least, that other access points are
+constexpr double kLeastEvidence = 3.0;     // [nat] of a burst that the room explains, in some state
+constexpr double kKnownPlaceSigma = 0.02;  // [m], on each axis: a place that was surveyed
+constexpr double kSameCorrelation = 0.9;   // correlation of bursts that say the same
+constexpr double kMostNoise = 2e-3;  // of a burst, share of its power: as ModelError::noise is
+constexpr double kMostSigma = 0.35;  // [rad], 20 degrees: of a phase that is believed
 // Counts of bursts, chosen.
-constexpr std::size_t kRemembered = 48;    // a burst like one of them tells nothing new
-constexpr std::size_t kLeastBursts = 5;    // before anything is given up
 constexpr std::size_t kLeastLearned = 10;  // before anything is believed anew
 constexpr std::size_t kCompareAfter = 3;   // new ones, before states are compared again
 constexpr std::size_t kRefineAfter = 8;    // new ones, before what was learned is refined
@@ -45,13 +41,6 @@ constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
 constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
 constexpr auto kSettledPeriod = std::chrono::seconds(10);         // [s], chosen
-
-void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
-  const std::size_t tones = h.size() / factors.size();
-  for (std::size_t j = 0; j < h.size(); ++j) {
-    h[j] *= factors[j / tones];
-  }
-}
 
 void multiply(const RoomAccessPoint& ap, const std::vector<Value>& factors, CsiFrame& frame) {
   for (std::size_t row = 0; row < frame.cores.size(); ++row) {
@@ -77,70 +66,17 @@ std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
   return frames.first(static_cast<std::size_t>(end - frames.begin()));
 }
 
+// Without a chain that is dead the states are others.
+bool has_all_antennas(const HeardArray& heard) {
+  return heard.map->antennas() == heard.map->access_point().cores.size();
+}
+
 }  // namespace
 
-struct ChainLearner::AccessPoint {
-  explicit AccessPoint(std::size_t chains) : belief(chains, kTurnedAtStart), level(chains, 1.0) {
-    state.factors = ChainFactors::unity(chains);
-  }
-
-  ChainState state;
-  ChainBelief belief;
-  std::vector<RememberedBurst> heard;  // oldest first
-  std::vector<Value> level;            // of the state that explains most, beside the factors
-  std::vector<Value> favourite;        // that state
-  std::size_t unrefined = 0;           // bursts since the factors were refined or compared
-  Timestamp last;                      // looked at
-  Timestamp last_sure;                 // of what is believed
-
-  // Well enough to say where a device is that others hear.
-  bool is_known() const {
-    return state.knowledge == ChainKnowledge::kLearned ||
-           (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kLeastBursts &&
-            belief.as_believed() > kSure);
-  }
-  bool is_settled() const {
-    return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kLeastBursts &&
-           belief.as_believed() > kSure && (sigma() < kFineSigma || heard.size() == kRemembered);
-  }
-  double sigma() const {
-    return *std::max_element(state.factors.sigma.begin(), state.factors.sigma.end());
-  }
-  void know(ChainKnowledge knowledge, Timestamp time) {
-    state.knowledge = knowledge;
-    state.since = time;
-    state.bursts = 0;
-    state.bursts_needed = 0;
-  }
-  // Those heard while what was believed was right say nothing of what is right now.
-  void forget_until_sure() {
-    const auto after = std::find_if(heard.begin(), heard.end(), [&](const RememberedBurst& one) {
-      return one.time > last_sure;
-    });
-    heard.erase(heard.begin(), after);
-  }
-  void apply(const ChainFactors& refined) {
-    for (RememberedBurst& one : heard) {
-      multiply(inverses(refined.factor), one.h);
-      for (std::size_t m = 0; m < one.since.size(); ++m) {
-        one.since[m] *= refined.factor[m];
-      }
-    }
-    for (std::size_t m = 0; m < level.size(); ++m) {
-      state.factors.factor[m] *= refined.factor[m];
-    }
-    state.factors.sigma = refined.sigma;
-    state.factors.level_sigma = refined.level_sigma;
-    state.factors.log_evidence = refined.log_evidence;
-    std::fill(level.begin(), level.end(), 1.0);
-    favourite.clear();
-    unrefined = 0;
-    belief.settle();
-  }
-};
-
 ChainLearner::ChainLearner(std::shared_ptr<const Localizer> localizer)
-    : localizer_(std::move(localizer)), aligner_(localizer_->room().grid) {}
+    : localizer_(std::move(localizer)),
+      aligner_(localizer_->room().grid),
+      close_(localizer_->room().likelihood_exponent) {}
 ChainLearner::~ChainLearner() = default;
 
 bool ChainLearner::learns_from(LikelihoodKind kind) {
@@ -148,26 +84,29 @@ bool ChainLearner::learns_from(LikelihoodKind kind) {
          kind == LikelihoodKind::kPathCovariance;
 }
 
-ChainLearner::AccessPoint& ChainLearner::of(std::size_t access_point) {
+ChainMemory& ChainLearner::of(std::size_t access_point) {
   const auto found = aps_.find(access_point);
   if (found != aps_.end()) {
     return found->second;
   }
-  AccessPoint ap(localizer_->room().access_points[access_point].cores.size());
+  ChainMemory ap(localizer_->room().access_points[access_point].cores.size(), kTurnedAtStart);
   ap.state.access_point = access_point;
-  AccessPoint& kept = aps_.emplace(access_point, std::move(ap)).first->second;
+  ChainMemory& kept = aps_.emplace(access_point, std::move(ap)).first->second;
+  ++changes_;
   if (const auto before = restored_.find(access_point); before != restored_.end()) {
     adopt(before->second);
   }
   return kept;
 }
 
-bool ChainLearner::is_due(std::size_t access_point, Timestamp time) const {
+bool ChainLearner::is_due(std::size_t access_point,
+                          Timestamp time,
+                          Timestamp ChainMemory::*last) const {
   const auto found = aps_.find(access_point);
   if (found == aps_.end()) {
     return true;
   }
-  const AccessPoint& ap = found->second;
+  const ChainMemory& ap = found->second;
   Duration period = kSettledPeriod;
   if (ap.state.knowledge == ChainKnowledge::kLearning || ap.belief.as_believed() < kSuspected) {
     period = kLearningPeriod;
@@ -175,42 +114,82 @@ bool ChainLearner::is_due(std::size_t access_point, Timestamp time) const {
     period = ap.state.knowledge == ChainKnowledge::kLearned ? Duration(kRefiningPeriod)
                                                             : Duration(kUnsettledPeriod);
   }
-  return time - ap.last >= period;
+  return time - ap.*last >= period;
 }
 
-void ChainLearner::hear(std::span<const CsiFrame> frames) {
+// Of a burst the access points that it may tell something new, with all of their antennas.
+struct ChainLearner::Told {
+  Timestamp time;
+  RoomObservation observation;
+  std::vector<const HeardArray*> arrays;  // of the observation
+};
+
+ChainLearner::Told ChainLearner::new_of(std::span<const CsiFrame> frames,
+                                        Timestamp ChainMemory::*last) {
+  Told told;
   if (frames.empty()) {
-    return;
+    return told;
   }
-  const Timestamp time = frames.back().time;
+  told.time = frames.back().time;
   const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
   std::vector<char> due(access_points.size());
   for (const CsiFrame& frame : frames) {
     notice_silence(frame);
     const auto a = static_cast<std::size_t>(frame.access_point);
     const std::size_t chains = access_points[a].cores.size();
-    due[a] = chains > 1 && chains <= kMostChains && is_due(a, time) ? 1 : 0;
+    due[a] = chains > 1 && chains <= kMostChains && is_due(a, told.time, last) ? 1 : 0;
   }
   if (std::find(due.begin(), due.end(), 1) == due.end()) {
-    return;
+    return told;
   }
-  const std::vector<CsiFrame> corrected = undone(first_moment(frames));
-  const RoomObservation observation = localizer_->hear(corrected);
-  for (const HeardArray& heard : observation.arrays) {
+  told.observation = localizer_->hear(undone(first_moment(frames)));
+  for (const HeardArray& heard : told.observation.arrays) {
     const std::size_t a = heard.map->number();
-    // Without a chain that is dead the states are others.
-    if (due[a] == 0 || heard.map->antennas() != access_points[a].cores.size()) {
+    if (due[a] == 0 || !has_all_antennas(heard)) {
       continue;
     }
-    AccessPoint& ap = of(a);
-    ap.last = time;
+    ChainMemory& ap = of(a);
+    ap.*last = told.time;
     if (is_new(heard, ap)) {
-      weigh(heard, by_others(observation, a), time, ap);
+      told.arrays.push_back(&heard);
     }
+  }
+  return told;
+}
+
+void ChainLearner::hear(std::span<const CsiFrame> frames) {
+  const Told told = new_of(frames, &ChainMemory::last);
+  if (std::any_of(told.arrays.begin(), told.arrays.end(), [&](const HeardArray* heard) {
+        return of(heard->map->number()).state.knowledge == ChainKnowledge::kLearned;
+      })) {
+    close_.add(*localizer_, known_of(told.observation));
+  }
+  for (const HeardArray* heard : told.arrays) {
+    const std::size_t a = heard->map->number();
+    weigh(*heard, by_others(told.observation, a), told.time, of(a));
+  }
+  refine_closely();
+}
+
+void ChainLearner::hear(std::span<const CsiFrame> frames, const Vec3d& place) {
+  const Told told = new_of(frames, &ChainMemory::last_fixed);
+  for (const HeardArray* heard : told.arrays) {
+    weigh_known(*heard, place, told.time, of(heard->map->number()));
   }
 }
 
-bool ChainLearner::is_new(const HeardArray& heard, const AccessPoint& ap) const {
+RoomObservation ChainLearner::known_of(const RoomObservation& observation) const {
+  RoomObservation known;
+  for (const HeardArray& heard : observation.arrays) {
+    const auto found = aps_.find(heard.map->number());
+    if (found != aps_.end() && found->second.is_known() && has_all_antennas(heard)) {
+      known.arrays.push_back(heard);
+    }
+  }
+  return known;
+}
+
+bool ChainLearner::is_new(const HeardArray& heard, const ChainMemory& ap) const {
   return heard.observed.array.noise <= kMostNoise &&
          std::none_of(ap.heard.begin(), ap.heard.end(), [&](const RememberedBurst& before) {
            return aligner_.align(before.h, heard.h).correlation > kSameCorrelation;
@@ -254,49 +233,79 @@ std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
 void ChainLearner::weigh(const HeardArray& heard,
                          std::span<const double> log_weight,
                          Timestamp time,
-                         AccessPoint& ap) {
-  const double noise = heard.observed.array.noise;
+                         ChainMemory& ap) {
   std::vector<Value> level_undone = heard.h;
   multiply(inverses(ap.level), level_undone);
-  const double exponent = localizer_->room().likelihood_exponent;
-  TurnEvidence evidence = turn_evidence(
-      *heard.map, heard.map->observe(level_undone, noise), ap.belief.grid(), exponent, log_weight);
-  const double most = *std::max_element(evidence.log_evidence.begin(), evidence.log_evidence.end());
+  RememberedBurst burst;
+  burst.h = heard.h;
+  burst.time = time;
+  burst.noise = heard.observed.array.noise;
+  burst.evidence = turn_evidence(*heard.map,
+                                 heard.map->observe(level_undone, burst.noise),
+                                 ap.belief.grid(),
+                                 localizer_->room().likelihood_exponent,
+                                 log_weight);
+  burst.log_weight.assign(log_weight.begin(), log_weight.end());
+  remember(std::move(burst), *heard.map, ap);
+}
+
+void ChainLearner::weigh_known(const HeardArray& heard,
+                               const Vec3d& place,
+                               Timestamp time,
+                               ChainMemory& ap) {
+  std::vector<Value> level_undone = heard.h;
+  multiply(inverses(ap.level), level_undone);
+  RememberedBurst burst;
+  burst.h = heard.h;
+  burst.time = time;
+  burst.noise = heard.observed.array.noise;
+  burst.known_place = std::make_shared<const PlaceModel>(
+      heard.map->model_of(heard.map->rays_to(place), kKnownPlaceSigma));
+  if (!burst.known_place->reachable) {
+    return;
+  }
+  burst.evidence = turn_evidence_at(*burst.known_place,
+                                    heard.map->observe(level_undone, burst.noise).array,
+                                    ap.belief.grid(),
+                                    localizer_->room().likelihood_exponent,
+                                    heard.map->nowhere(heard.observed));
+  remember(std::move(burst), *heard.map, ap);
+}
+
+void ChainLearner::remember(RememberedBurst burst, const AccessPointMap& map, ChainMemory& ap) {
+  const std::vector<double>& log_evidence = burst.evidence.log_evidence;
+  const double most = *std::max_element(log_evidence.begin(), log_evidence.end());
   if (most < kLeastEvidence) {
     return;
   }
-  ap.belief.hear(evidence.log_evidence);
+  ap.belief.hear(log_evidence);
+  ++changes_;
   ++ap.state.bursts;
   ++ap.unrefined;
-  if (ap.heard.size() == kRemembered) {
-    ap.heard.erase(ap.heard.begin());
-  }
-  const double floor =
-      most + exponent * heard.map->nowhere(heard.observed) - ChainBelief::kMostOfBurst;
-  ap.heard.push_back({heard.h,
-                      time,
-                      noise,
-                      floor,
-                      std::move(evidence),
-                      {log_weight.begin(), log_weight.end()},
-                      std::vector<Value>(ap.level.size(), 1.0)});
-  decide(*heard.map, time, ap);
+  burst.floor =
+      most +
+      localizer_->room().likelihood_exponent * map.nowhere(map.observe(burst.h, burst.noise)) -
+      ChainBelief::kMostOfBurst;
+  burst.since.assign(ap.level.size(), 1.0);
+  const Timestamp time = burst.time;
+  ap.remember(std::move(burst));
+  decide(map, time, ap);
 }
 
-void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap) {
+void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
   const bool is_learning = ap.state.knowledge == ChainKnowledge::kLearning;
   const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
   if (!is_learning && ap.belief.as_believed() > kDoubted) {
-    ap.last_sure = ap.belief.as_believed() > kSure ? time : ap.last_sure;
+    ap.last_sure = ap.belief.as_believed() > ChainMemory::kSure ? time : ap.last_sure;
     // Levels that have changed hide from the belief what the comparison sees.
-    const bool is_certain = !is_learned && ap.belief.as_believed() > kSure;
+    const bool is_certain = !is_learned && ap.belief.as_believed() > ChainMemory::kSure;
     if (is_certain || ap.unrefined < kRefineAfter) {
       return;
     }
   } else if (!is_learning) {
     ap.forget_until_sure();
   }
-  if (ap.heard.size() < kLeastBursts || ap.unrefined < kCompareAfter) {
+  if (ap.heard.size() < ChainMemory::kLeastBursts || ap.unrefined < kCompareAfter) {
     return;
   }
   ap.unrefined = 0;
@@ -308,7 +317,10 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
     });
     if (believed == states.begin() && is_learned) {
-      ap.apply(best);
+      // What the places within the cells have told is better.
+      if (!close_.tells_of(ap.state.access_point)) {
+        believe(best, ap);
+      }
     } else if (believed == states.begin() && lead >= kWithdrawnLead) {
       ap.belief.settle();
     }
@@ -320,10 +332,11 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
     }
     ap.know(ChainKnowledge::kLearning, time);
     ap.state.bursts = ap.heard.size();
+    close_.clear();
   }
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
   if (ap.heard.size() >= kLeastLearned && lead >= kLearnedLead && sigma < kMostSigma) {
-    ap.apply(best);
+    believe(best, ap);
     ap.know(ChainKnowledge::kLearned, time);
     ap.last_sure = time;
     return;
@@ -335,9 +348,28 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, AccessPoint
                  ap.state.bursts + kMostNeeded);
 }
 
+void ChainLearner::believe(const ChainFactors& refined, ChainMemory& ap) {
+  ap.believe(refined);
+  close_.believe(ap.state.access_point, refined.factor);
+}
+
+void ChainLearner::refine_closely() {
+  if (!close_.is_due()) {
+    return;
+  }
+  for (auto& [access_point, ap] : aps_) {
+    if (ap.state.knowledge == ChainKnowledge::kLearned && close_.tells_of(access_point) &&
+        ap.belief.as_believed() > ChainMemory::kSure) {
+      const ChainFactors refined = close_.refined(access_point);
+      ap.correct(refined);
+      close_.believe(access_point, refined.factor);
+    }
+  }
+}
+
 // Of the states that may be right, refined, those that differ, the best first. The best one's level
 // is taken for what comes next.
-std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, AccessPoint& ap) const {
+std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, ChainMemory& ap) const {
   std::vector<std::vector<Value>> starts = {std::vector<Value>(map.antennas(), 1.0)};
   if (!ap.favourite.empty()) {
     starts.push_back(ap.favourite);
@@ -409,9 +441,11 @@ std::vector<ChainState> ChainLearner::states() const {
 }
 
 void ChainLearner::adopt(const ChainState& state) {
-  AccessPoint& ap = of(state.access_point);
+  ChainMemory& ap = of(state.access_point);
+  ++changes_;
   ap.heard.clear();
-  ap.apply(state.factors);
+  close_.clear();
+  ap.believe(state.factors);
   ap.state = state;
   ap.last_sure = state.since;
   if (state.knowledge == ChainKnowledge::kLearning) {
@@ -426,15 +460,18 @@ void ChainLearner::restore(const ChainState& state) {
 }
 
 void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
-  AccessPoint& ap = of(access_point);
+  ChainMemory& ap = of(access_point);
+  ++changes_;
   ap.belief.doubt(kTurnedAfterCycle);
   ap.heard.clear();
+  close_.clear();
   ap.last_sure = time;
   ap.know(ChainKnowledge::kLearning, time);
 }
 
 void ChainLearner::restart() {
   aps_.clear();
+  close_.clear();
   heard_.clear();
   for (const auto& [access_point, state] : restored_) {
     of(access_point);

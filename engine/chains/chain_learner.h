@@ -17,35 +17,24 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/base/timestamp.h"
-#include "engine/chains/chain_belief.h"
+#include "engine/base/vec3.h"
+#include "engine/chains/chain_memory.h"
 #include "engine/chains/chain_refinement.h"
+#include "engine/chains/chain_state.h"
+#include "engine/chains/close_bursts.h"
+#include "engine/chains/state_comparison.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/localize/localizer.h"
 #include "engine/observe/alignment.h"
 
 namespace rayloc {
-
-enum class ChainKnowledge {
-  kAsCalibrated,
-  kLearning,  // they have turned, and nobody knows yet how
-  kLearned,
-};
-
-// Of one access point of the room.
-struct ChainState {
-  std::size_t access_point = 0;
-  ChainKnowledge knowledge = ChainKnowledge::kAsCalibrated;
-  ChainFactors factors;           // that frames are divided by; while learning the last ones
-  Timestamp since;                // of this knowledge; the time of a frame, or 0
-  std::size_t bursts = 0;         // that counted since then
-  std::size_t bursts_needed = 0;  // while learning: in all, as it looks now
-};
 
 class ChainLearner {
  public:
@@ -56,6 +45,8 @@ class ChainLearner {
 
   // A burst of one device that is somewhere in the area, as the radios gave it, in order of time.
   void hear(std::span<const CsiFrame> frames);
+  // The same of a transmitter whose place is known [m].
+  void hear(std::span<const CsiFrame> frames, const Vec3d& place);
 
   // The frames of the access points that are believed, their factors undone.
   std::vector<CsiFrame> believed(std::span<const CsiFrame> frames) const;
@@ -66,6 +57,7 @@ class ChainLearner {
 
   // By access point, of those of which anything was heard or restored.
   std::vector<ChainState> states() const;
+  std::uint64_t changes() const { return changes_; }  // a count: as long as it stays, they stay
   // What others have found out of an access point takes the place of what was found out here.
   void adopt(const ChainState& state);
   // The same, of before this program began: it outlives restart(). REQUIRES: of this room.
@@ -76,24 +68,34 @@ class ChainLearner {
   void restart();
 
  private:
-  struct AccessPoint;
-  AccessPoint& of(std::size_t access_point);
+  struct Told;
+  // `last`: when an access point was looked at for such a transmitter.
+  Told new_of(std::span<const CsiFrame> frames, Timestamp ChainMemory::*last);
+  ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
-  bool is_due(std::size_t access_point, Timestamp time) const;
-  bool is_new(const HeardArray& heard, const AccessPoint& ap) const;
+  bool is_due(std::size_t access_point, Timestamp time, Timestamp ChainMemory::*last) const;
+  bool is_new(const HeardArray& heard, const ChainMemory& ap) const;
+  // Of the arrays those of access points whose chains are known, all antennas of each.
+  RoomObservation known_of(const RoomObservation& observation) const;
   // Of a burst of which an access point's own part is left out: ln of how likely the device is in
   // every cell, by the access points whose chains are known.
   std::vector<double> by_others(const RoomObservation& observation, std::size_t left_out) const;
   void weigh(const HeardArray& heard,
              std::span<const double> log_weight,
              Timestamp time,
-             AccessPoint& ap);
-  void decide(const AccessPointMap& map, Timestamp time, AccessPoint& ap);
-  std::vector<ChainFactors> compare(const AccessPointMap& map, AccessPoint& ap) const;
+             ChainMemory& ap);
+  void weigh_known(const HeardArray& heard, const Vec3d& place, Timestamp time, ChainMemory& ap);
+  void remember(RememberedBurst burst, const AccessPointMap& map, ChainMemory& ap);
+  void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
+  void believe(const ChainFactors& refined, ChainMemory& ap);
+  void refine_closely();
+  std::vector<ChainFactors> compare(const AccessPointMap& map, ChainMemory& ap) const;
 
   std::shared_ptr<const Localizer> localizer_;
   Aligner aligner_;
-  std::map<std::size_t, AccessPoint> aps_;  // by access point of the room
+  CloseBursts close_;
+  std::uint64_t changes_ = 0;
+  std::map<std::size_t, ChainMemory> aps_;  // by access point of the room
   std::map<std::size_t, ChainState> restored_;
   std::map<std::size_t, Timestamp> heard_;  // the last frame of each access point
 };

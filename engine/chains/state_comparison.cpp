@@ -26,6 +26,12 @@ ChainFactors refined_from(const AccessPointMap& map,
       phase.push_back(std::arg(start[m] * one.since[m] / (start[0] * one.since[0])));
     }
     const ObservedBurst observed = map.observe(one.h, one.noise);
+    bursts[b].floor = one.floor;
+    if (one.known_place != nullptr) {
+      bursts[b].places.push_back(chain_moments(*one.known_place, observed.array, undoing));
+      bursts[b].log_weight.push_back(0.0);
+      return;
+    }
     std::vector<ChainMoments> places;
     std::vector<double> value;
     std::vector<double> weight;
@@ -45,7 +51,6 @@ ChainFactors refined_from(const AccessPointMap& map,
         bursts[b].log_weight.push_back(weight[i]);
       }
     }
-    bursts[b].floor = one.floor;
   });
   return refine_chains(bursts, start, likelihood_exponent);
 }
@@ -68,6 +73,13 @@ std::vector<Value> inverses(const std::vector<Value>& factors) {
     result.push_back(1.0 / factor);
   }
   return result;
+}
+
+void multiply(const std::vector<Value>& factors, std::vector<Value>& h) {
+  const std::size_t tones = h.size() / factors.size();
+  for (std::size_t j = 0; j < h.size(); ++j) {
+    h[j] *= factors[j / tones];
+  }
 }
 
 std::vector<ChainFactors> compare_states(const AccessPointMap& map,

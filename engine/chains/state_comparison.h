@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct RememberedBurst {
   TurnEvidence evidence;
   std::vector<float> log_weight;  // [cell], ln of how likely the device is there, by the others
   std::vector<std::complex<double>> since;  // by what factors have changed since the evidence
+  // Of a transmitter whose place is known; null: it may be anywhere, and `evidence` says where.
+  std::shared_ptr<const PlaceModel> known_place = nullptr;
 };
 
 // States that are nearer are one [rad].
@@ -29,6 +32,9 @@ inline constexpr double kSameState = 0.7;
 double distance(const std::vector<std::complex<double>>& a,
                 const std::vector<std::complex<double>>& b);
 std::vector<std::complex<double>> inverses(const std::vector<std::complex<double>>& factors);
+// h: [chain][tone].
+void multiply(const std::vector<std::complex<double>>& factors,
+              std::vector<std::complex<double>>& h);
 
 // From each start, a state against what is believed now, to where it explains most; those that
 // differ then, the best first. REQUIRES: starts and bursts not empty.

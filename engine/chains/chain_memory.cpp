@@ -1,0 +1,77 @@
+#include "engine/chains/chain_memory.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: good enough to look rarely
+
+}  // namespace
+
+ChainMemory::ChainMemory(std::size_t chains, double turned)
+    : belief(chains, turned), level(chains, 1.0) {
+  state.factors = ChainFactors::unity(chains);
+}
+
+bool ChainMemory::is_known() const {
+  return state.knowledge == ChainKnowledge::kLearned ||
+         (state.knowledge == ChainKnowledge::kAsCalibrated && heard.size() >= kLeastBursts &&
+          belief.as_believed() > kSure);
+}
+
+bool ChainMemory::is_settled() const {
+  const auto& sigma = state.factors.sigma;
+  return state.knowledge != ChainKnowledge::kLearning && heard.size() >= kLeastBursts &&
+         belief.as_believed() > kSure &&
+         (*std::max_element(sigma.begin(), sigma.end()) < kFineSigma || heard.size() == kMost);
+}
+
+void ChainMemory::know(ChainKnowledge knowledge, Timestamp time) {
+  state.knowledge = knowledge;
+  state.since = time;
+  state.bursts = 0;
+  state.bursts_needed = 0;
+}
+
+void ChainMemory::remember(RememberedBurst burst) {
+  if (heard.size() == kMost) {
+    heard.erase(heard.begin());
+  }
+  heard.push_back(std::move(burst));
+}
+
+void ChainMemory::forget_until_sure() {
+  const auto after = std::find_if(
+      heard.begin(), heard.end(), [&](const RememberedBurst& one) { return one.time > last_sure; });
+  heard.erase(heard.begin(), after);
+}
+
+void ChainMemory::correct(const ChainFactors& refined) {
+  const std::vector<Value> undoing = inverses(refined.factor);
+  for (RememberedBurst& one : heard) {
+    multiply(undoing, one.h);
+    for (std::size_t m = 0; m < one.since.size(); ++m) {
+      one.since[m] *= refined.factor[m];
+    }
+  }
+  for (std::size_t m = 0; m < level.size(); ++m) {
+    state.factors.factor[m] *= refined.factor[m];
+  }
+  state.factors.sigma = refined.sigma;
+  state.factors.level_sigma = refined.level_sigma;
+  state.factors.log_evidence = refined.log_evidence;
+  std::fill(level.begin(), level.end(), 1.0);
+  favourite.clear();
+}
+
+void ChainMemory::believe(const ChainFactors& refined) {
+  correct(refined);
+  unrefined = 0;
+  belief.settle();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,173 @@
+#include "engine/chains/close_bursts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/chains/chain_belief.h"
+#include "engine/chains/state_comparison.h"
+#include "engine/localize/place_sample.h"
+#include "engine/posterior/access_point_fusion.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+
+constexpr std::size_t kMostKept = 48;    // a count, chosen: bursts of 30 kB each and access point
+constexpr std::size_t kLeastKept = 10;   // a count, chosen: as many as a state is learned from
+constexpr std::size_t kRefineAfter = 4;  // a count, chosen: new ones, before factors are refined
+constexpr std::size_t kSample = 64;      // a count of places, chosen
+constexpr double kStale = 0.05;          // [rad], chosen: places were drawn for other chains
+constexpr double kMostTurn =
+    0.25;  // [rad], chosen, of one step: places drawn hold it back, or lead
+constexpr double kMostElsewhere = 0.5;  // a probability, chosen: more, and it tells nothing
+
+// Of a burst with the chains as they are believed to be.
+double as_believed(const ChainMoments& moments) {
+  return moments.log_likelihood(std::vector<Value>(moments.chains, 1.0));
+}
+
+}  // namespace
+
+void CloseBursts::add(const Localizer& localizer, const RoomObservation& observation) {
+  if (observation.arrays.empty()) {
+    return;
+  }
+  sample_again(localizer);
+  Burst burst;
+  burst.observation.arrays = observation.arrays;
+  if (!sample(localizer, burst)) {
+    return;
+  }
+  if (bursts_.size() == kMostKept) {
+    bursts_.pop_front();
+  }
+  bursts_.push_back(std::move(burst));
+  ++unused_;
+}
+
+// False where the burst says nothing of the places.
+bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
+  const RoomObservation& observation = burst.observation;
+  const Localizer::Evidence evidence = localizer.evidence(observation, Localizer::Look::kPlaces);
+  if (evidence.log_likelihood.empty() || evidence.elsewhere > kMostElsewhere) {
+    return false;
+  }
+  const std::vector<SampledPlace> places = sample_places(localizer, observation, evidence, kSample);
+  burst.log_weight.clear();
+  burst.heard.clear();
+  burst.turned = 0.0;
+  for (const SampledPlace& place : places) {
+    burst.log_weight.push_back(std::log(place.share));
+  }
+  for (const HeardArray& array : observation.arrays) {
+    std::vector<ChainMoments> moments(places.size());
+    parallel_for(places.size(), 1, [&](std::size_t i) {
+      const auto look = array.map->look_at(places[i].cell, places[i].layer, array.observed);
+      moments[i] = chain_moments(look->model_at(places[i].moved),
+                                 array.observed.array,
+                                 std::vector<Value>(array.map->antennas(), 1.0));
+    });
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      burst.log_weight[i] -= likelihood_exponent_ * as_believed(moments[i]);
+    }
+    burst.heard.emplace(array.map->number(), std::move(moments));
+  }
+  return !places.empty();
+}
+
+// The one that needs it most.
+void CloseBursts::sample_again(const Localizer& localizer) {
+  const auto most =
+      std::max_element(bursts_.begin(), bursts_.end(), [](const auto& a, const auto& b) {
+        return a.turned < b.turned;
+      });
+  if (most != bursts_.end() && most->turned > kStale && !sample(localizer, *most)) {
+    bursts_.erase(most);
+  }
+}
+
+void CloseBursts::believe(std::size_t access_point, std::span<const Value> factor) {
+  const std::vector<Value> undoing = inverses({factor.begin(), factor.end()});
+  const double turned =
+      distance({factor.begin(), factor.end()}, std::vector<Value>(factor.size(), 1.0));
+  for (Burst& burst : bursts_) {
+    const auto found = burst.heard.find(access_point);
+    if (found == burst.heard.end()) {
+      continue;
+    }
+    burst.turned += turned;
+    for (ChainMoments& moments : found->second) {
+      moments = moments.multiplied(undoing);
+    }
+    for (HeardArray& array : burst.observation.arrays) {
+      if (array.map->number() == access_point) {
+        multiply(undoing, array.h);
+        array.observed = array.map->observe(array.h, array.observed.array.noise);
+      }
+    }
+  }
+}
+
+// What the others say of its places is in their weight.
+PlacedBurst CloseBursts::placed(const Burst& burst, std::size_t access_point) const {
+  PlacedBurst result;
+  result.places = burst.heard.at(access_point);
+  result.log_weight = burst.log_weight;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < result.places.size(); ++i) {
+    for (const auto& [number, moments] : burst.heard) {
+      if (number != access_point) {
+        result.log_weight[i] += likelihood_exponent_ * as_believed(moments[i]);
+      }
+    }
+    const double value =
+        result.log_weight[i] + likelihood_exponent_ * as_believed(result.places[i]);
+    sum = i == 0 ? value : log_add(sum, value);
+  }
+  result.floor = sum - ChainBelief::kMostOfBurst;
+  return result;
+}
+
+void CloseBursts::clear() {
+  bursts_.clear();
+  unused_ = 0;
+}
+
+bool CloseBursts::is_due() {
+  if (unused_ < kRefineAfter) {
+    return false;
+  }
+  unused_ = 0;
+  return true;
+}
+
+bool CloseBursts::tells_of(std::size_t access_point) const {
+  const auto count = std::count_if(bursts_.begin(), bursts_.end(), [&](const Burst& burst) {
+    return burst.heard.contains(access_point);
+  });
+  return static_cast<std::size_t>(count) >= kLeastKept;
+}
+
+ChainFactors CloseBursts::refined(std::size_t access_point) const {
+  std::vector<PlacedBurst> bursts;
+  for (const Burst& burst : bursts_) {
+    if (burst.heard.contains(access_point)) {
+      bursts.push_back(placed(burst, access_point));
+    }
+  }
+  const std::size_t chains = bursts.front().places.front().chains;
+  ChainFactors refined =
+      refine_chains(bursts, std::vector<Value>(chains, 1.0), likelihood_exponent_);
+  const double turned = distance(refined.factor, std::vector<Value>(chains, 1.0));
+  if (turned > kMostTurn) {
+    for (Value& factor : refined.factor) {
+      factor = std::polar(std::abs(factor), std::arg(factor) * kMostTurn / turned);
+    }
+  }
+  return refined;
+}
+
+}  // namespace rayloc
