@@ -36,6 +36,19 @@ void append(const TextTable& table, std::size_t width, Lines& lines) {
   }
 }
 
+// "core 0 turned by 173 degrees +- 5, core 3 turned by 113 degrees +- 6"
+std::string turns_text(const v1::ChainReport& chains) {
+  std::string text;
+  for (const v1::ChainTurn& turn : chains.turns()) {
+    text += fmt::format("{}core {} turned by {:.0f} degrees +- {:.0f}",
+                        text.empty() ? "" : ", ",
+                        turn.core(),
+                        turn.phase_deg(),
+                        turn.phase_sigma_deg());
+  }
+  return text;
+}
+
 void add_daemon(const TopModel& model, Now now, Lines& lines) {
   if (!model.heartbeat()) {
     lines.emplace_back("no heartbeat yet");
@@ -61,6 +74,11 @@ void add_daemon(const TopModel& model, Now now, Lines& lines) {
   for (const auto* warnings : {&heartbeat.warnings(), &heartbeat.calibration_warnings()}) {
     for (const std::string& warning : *warnings) {
       lines.push_back("warning: " + warning);
+    }
+  }
+  for (const v1::ChainReport& chains : heartbeat.chains()) {
+    if (chains.knowledge() == v1::CHAIN_KNOWLEDGE_LEARNED) {
+      lines.push_back("chains of " + chains.access_point() + " learned: " + turns_text(chains));
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "daemon/health/chain_report.h"
 #include "daemon/publish/proto_time.h"
 
 namespace rayloc {
@@ -259,6 +260,9 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
       heartbeat.add_calibration_warnings(warning.text);
     }
     fill_tracker(*sources.estimator, heartbeat.mutable_tracker());
+    for (const ChainState& state : sources.estimator->chain_states()) {
+      *heartbeat.add_chains() = chain_report(state, sources.estimator->room());
+    }
   }
   if (sources.people != nullptr) {
     fill_person_tracker(*sources.people, heartbeat.mutable_person_tracker());

@@ -100,6 +100,30 @@ void add_source(const v1::SourceReport& source, Families& families) {
   }
 }
 
+void add_chains(const v1::ChainReport& chains, Families& families) {
+  const Labels labels = {{"access_point", chains.access_point()}};
+  const bool is_learning = chains.knowledge() == v1::CHAIN_KNOWLEDGE_LEARNING;
+  families.add("rayloc_chains_learning",
+               "1 while the receive chains of an access point have turned and are not known again",
+               false,
+               labels,
+               is_learning ? 1.0 : 0.0);
+  for (const v1::ChainTurn& turn : chains.turns()) {
+    Labels of_core = labels;
+    of_core.push_back({"core", std::to_string(turn.core())});
+    families.add("rayloc_chain_phase_degrees",
+                 "By how much a receive chain has turned since the calibration, as learned",
+                 false,
+                 of_core,
+                 turn.phase_deg());
+    families.add("rayloc_chain_phase_sigma_degrees",
+                 "Standard deviation of rayloc_chain_phase_degrees",
+                 false,
+                 of_core,
+                 turn.phase_sigma_deg());
+  }
+}
+
 double seconds(const google::protobuf::Timestamp& time) {
   return static_cast<double>(time.seconds()) + time.nanos() * 1e-9;
 }
@@ -134,6 +158,9 @@ std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<Extra
   }
   for (const v1::SourceReport& source : heartbeat.sources()) {
     add_source(source, families);
+  }
+  for (const v1::ChainReport& chains : heartbeat.chains()) {
+    add_chains(chains, families);
   }
   for (const ExtraMetric& metric : extra) {
     for (const ExtraMetric::Sample& sample : metric.samples) {

@@ -104,8 +104,19 @@ export class Model {
 
   beat(heartbeat, sent) {
     if (this.heartbeat && sent > this.heartbeat.sent) this.beatMs = sent - this.heartbeat.sent;
+    if (this.heartbeat) this.chains(this.heartbeat.chains || [], heartbeat.chains || [], sent);
     this.heartbeat = {...heartbeat, sent};
     if (heartbeat.playback) this.play(heartbeat.playback, sent);
+  }
+
+  // What is known of receive chains has changed, as of heartbeat.proto.
+  chains(before, now, sent) {
+    for (const {access_point: id, knowledge} of now) {
+      const known = before.find((one) => one.access_point === id)?.knowledge ?? 'CHAIN_KNOWLEDGE_AS_CALIBRATED';
+      if (knowledge === known) continue;
+      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNING') this.event(`the chains of ${id} have turned`, sent);
+      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNED') this.event(`the chains of ${id} are learned`, sent);
+    }
   }
 
   // playback: as in a heartbeat, known at that time. One that was on its way when somebody asked for

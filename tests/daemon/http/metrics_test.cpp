@@ -50,6 +50,26 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
                         std::to_string(next) + "\n"));
 }
 
+TEST(Metrics, SayWhatIsKnownOfReceiveChains) {
+  v1::Heartbeat heartbeat;
+  heartbeat.add_chains()->set_access_point("ap1");
+  heartbeat.mutable_chains(0)->set_knowledge(v1::CHAIN_KNOWLEDGE_LEARNING);
+  v1::ChainReport& learned = *heartbeat.add_chains();
+  learned.set_access_point("ap2");
+  learned.set_knowledge(v1::CHAIN_KNOWLEDGE_LEARNED);
+  v1::ChainTurn& turn = *learned.add_turns();
+  turn.set_core(3);
+  turn.set_phase_deg(-113.5);
+  turn.set_phase_sigma_deg(4.25);
+  const std::string text = metrics_text(heartbeat, {});
+  EXPECT_THAT(text, HasSubstr("rayloc_chains_learning{access_point=\"ap1\"} 1\n"));
+  EXPECT_THAT(text, HasSubstr("rayloc_chains_learning{access_point=\"ap2\"} 0\n"));
+  EXPECT_THAT(text,
+              HasSubstr("rayloc_chain_phase_degrees{access_point=\"ap2\",core=\"3\"} -113.5\n"));
+  EXPECT_THAT(
+      text, HasSubstr("rayloc_chain_phase_sigma_degrees{access_point=\"ap2\",core=\"3\"} 4.25\n"));
+}
+
 TEST(Metrics, HoldWhatIsAdded) {
   const std::string text = metrics_text(
       {}, {{"rayloc_extra_total", "An extra one", true, {{"kind", "a", 3.0}, {"kind", "b", 4.0}}}});
