@@ -16,6 +16,7 @@
 
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/calibrate/calibration_inputs.h"
+#include "daemon/calibrate/learned_chains.h"
 #include "daemon/recordings/fixed_frames.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/site/calibration_file.h"
@@ -66,8 +67,9 @@ struct Heard {
 
 struct RefitAccessPoint {
   std::size_t index = 0;
-  ChainRefit refit;
+  ChainRefit refit;  // of learned chains gains and sigma
   std::optional<UsualFit> usual;
+  std::size_t learned_from = 0;  // bursts of devices; 0: refitted from known places
 };
 
 Expected<Heard> hear_points(const Site& site,
@@ -94,12 +96,6 @@ Expected<Heard> hear_fixed(const Site& site, const std::vector<CaptureArgument>&
   const auto has_place = [](const SiteTransmitter& transmitter) {
     return transmitter.role == TransmitterRole::kFixed && transmitter.position;
   };
-  if (std::none_of(site.transmitters.begin(), site.transmitters.end(), has_place)) {
-    return make_error(ErrorKind::kUsage,
-                      "the site states no fixed transmitter; give --points with one to three "
-                      "places where a device stood, or add a [[transmitter]] with role = \"fixed\" "
-                      "and its position to site.toml");
-  }
   Heard heard;
   auto frames = read_fixed_frames(site, captures, heard.notes);
   if (!frames) {
@@ -169,6 +165,9 @@ class Rechain {
   Expected<void> refit();
   Expected<void> write();
   std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
+  Expected<RefitAccessPoint> refit(std::size_t access_point, ContentHash& content);
+  const ChainState* learned(std::size_t access_point) const;
+  std::string why_not_learned(std::size_t access_point) const;
   Json report() const;
   Json chains_json(const RefitAccessPoint& result) const;
   void print() const;
@@ -182,6 +181,7 @@ class Rechain {
   CalibrationFile after_;
   Heard heard_;
   Json heldout_;
+  std::vector<ChainState> states_;  // learned from devices; empty with --points
   std::vector<RefitAccessPoint> results_;
 };
 
@@ -230,6 +230,14 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(heard.error()));
   }
   heard_ = *std::move(heard);
+  if (arguments_.points.empty()) {
+    std::vector<std::string> told_before;
+    auto states = learn_chains(site_, room_, *captures, told_before);
+    if (!states) {
+      return tl::make_unexpected(std::move(states.error()));
+    }
+    states_ = *std::move(states);
+  }
   for (const std::string& note : heard_.notes) {
     if (!arguments_.quiet) {
       std::fprintf(stderr, "%s\n", note.c_str());
@@ -265,6 +273,54 @@ std::vector<KnownSpot> Rechain::spots_of(std::size_t access_point, ContentHash& 
   return spots;
 }
 
+const ChainState* Rechain::learned(std::size_t access_point) const {
+  const auto found = std::find_if(states_.begin(), states_.end(), [&](const ChainState& state) {
+    return state.access_point == access_point && state.knowledge == ChainKnowledge::kLearned;
+  });
+  return found == states_.end() ? nullptr : &*found;
+}
+
+std::string Rechain::why_not_learned(std::size_t access_point) const {
+  for (const ChainState& state : states_) {
+    if (state.access_point == access_point) {
+      return fmt::format(
+          "what devices sent is not enough to learn its chains ({} bursts told "
+          "something{}); record a device that walks through the room for a minute",
+          state.bursts,
+          state.bursts_needed > 0 ? fmt::format(" of about {}", state.bursts_needed)
+                                  : std::string());
+    }
+  }
+  return "its recording holds no frame of a device or of a fixed transmitter of the site";
+}
+
+Expected<RefitAccessPoint> Rechain::refit(std::size_t access_point, ContentHash& content) {
+  const RoomAccessPoint& ap = room_.access_points[access_point];
+  if (const ChainState* state = learned(access_point)) {
+    for (const std::complex<double>& factor : state->factors.factor) {
+      content.add(factor.real());
+      content.add(factor.imag());
+    }
+    RefitAccessPoint result{access_point, {}, std::nullopt, state->bursts};
+    result.refit.gains = multiplied(ap.gains, state->factors);
+    result.refit.sigma = state->factors.sigma;
+    return result;
+  }
+  const auto spots = spots_of(access_point, content);
+  if (spots.empty()) {
+    return bad_input(
+        "access point " + ap.id + ": " +
+        (arguments_.points.empty() ? why_not_learned(access_point) : "no known place has frames"));
+  }
+  ChainRefitOptions options;
+  options.usual = usual_fit(heldout_, ap.id);
+  auto refit = refit_chains(room_, access_point, spots, options);
+  if (!refit) {
+    return tl::make_unexpected(std::move(refit.error()));
+  }
+  return RefitAccessPoint{access_point, *std::move(refit), options.usual, 0};
+}
+
 Expected<void> Rechain::refit() {
   after_ = before_;
   ContentHash content;
@@ -277,27 +333,18 @@ Expected<void> Rechain::refit() {
           {ap.id, heard_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
       continue;
     }
-    const auto spots = spots_of(a, content);
-    if (spots.empty()) {
-      return bad_input("access point " + ap.id + ": " +
-                       (arguments_.points.empty() ? "its recording holds no frame of a fixed "
-                                                    "transmitter of the site"
-                                                  : "no known place has frames"));
-    }
-    ChainRefitOptions options;
-    options.usual = usual_fit(heldout_, ap.id);
-    auto refit = refit_chains(room_, a, spots, options);
-    if (!refit) {
-      return tl::make_unexpected(std::move(refit.error()));
+    auto result = refit(a, content);
+    if (!result) {
+      return tl::make_unexpected(std::move(result.error()));
     }
     for (CalibratedAccessPoint& stated : after_.access_points) {
       if (stated.id == ap.id) {
-        stated.gains = refit->gains;
-        stated.gain_sigma = refit->sigma;
-        count_phases(refit->sigma, stated);
+        stated.gains = result->refit.gains;
+        stated.gain_sigma = result->refit.sigma;
+        count_phases(result->refit.sigma, stated);
       }
     }
-    results_.push_back({a, *std::move(refit), options.usual});
+    results_.push_back(*std::move(result));
   }
   after_.id = content.text();
   return {};
@@ -333,9 +380,10 @@ Json Rechain::report() const {
   Json access_points = Json::array();
   for (const RefitAccessPoint& result : results_) {
     access_points.push_back({{"id", room_.access_points[result.index].id},
+                             {"learned_from_bursts", result.learned_from},
                              {"spots", result.refit.spots},
                              {"ripple", result.refit.ripple},
-                             {"fit", result.refit.fit},
+                             {"fit", result.learned_from > 0 ? Json() : Json(result.refit.fit)},
                              {"usual_fit", result.usual ? Json(result.usual->median) : Json()},
                              {"chains", chains_json(result)}});
   }
@@ -348,7 +396,7 @@ Json Rechain::report() const {
           {"site", site_.name},
           {"calibration_id", after_.id},
           {"room_calibration_id", before_.id},
-          {"source", arguments_.points.empty() ? "fixed transmitters" : "points"},
+          {"source", arguments_.points.empty() ? "transmitters" : "points"},
           {"seconds", taken.count()},
           {"access_points", std::move(access_points)},
           {"heldout", heldout_},
@@ -358,14 +406,16 @@ Json Rechain::report() const {
 void Rechain::print() const {
   for (const RefitAccessPoint& result : results_) {
     const std::string& id = room_.access_points[result.index].id;
-    std::fprintf(stderr,
-                 "%s: %zu known places, fit %.3f%s\n",
-                 id.c_str(),
-                 result.refit.spots,
-                 result.refit.fit,
-                 result.usual
-                     ? fmt::format(" ({:.3f} when calibrated)", result.usual->median).c_str()
-                     : "; no report of the calibration to compare with");
+    const std::string text =
+        result.learned_from > 0
+            ? fmt::format("learned from {} bursts of devices", result.learned_from)
+            : fmt::format("{} known places, fit {:.3f}{}",
+                          result.refit.spots,
+                          result.refit.fit,
+                          result.usual
+                              ? fmt::format(" ({:.3f} when calibrated)", result.usual->median)
+                              : "; no report of the calibration to compare with");
+    std::fprintf(stderr, "%s: %s\n", id.c_str(), text.c_str());
     for (const Json& chain : chains_json(result)) {
       std::fprintf(stderr,
                    "  core %d against %d: phase %.1f -> %.1f deg (sigma %.1f), gain %.2f -> %.2f "

@@ -11,15 +11,17 @@ namespace rayloc::cli {
 struct RechainArguments {
   std::string site;                   // calibrated
   std::vector<std::string> captures;  // [AP=]FILE
-  std::string points;                 // csv; empty: the fixed transmitters of the site
+  std::string points;                 // csv; empty: devices anywhere, and fixed transmitters
   std::string out;                    // folder to create
   bool force = false;
   bool quiet = false;
 };
 
 // Writes `out` as a complete site with report.json. Access points without a recording keep their
-// gains. An Error when the site is not calibrated, an access point heard no transmitter at a known
-// place, or what it heard contradicts the calibrated room (refit_chains()).
+// gains. Without points they are learned from devices (learn_chains()), else refitted from the
+// fixed transmitters. An Error when the site is not calibrated, an access point's chains cannot be
+// learned and it heard no transmitter at a known place, or what it heard contradicts the calibrated
+// room (refit_chains()).
 Expected<void> run_rechain(const RechainArguments& arguments);
 
 }  // namespace rayloc::cli

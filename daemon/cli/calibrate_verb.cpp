@@ -88,7 +88,8 @@ RunVerb declare(OptionParser& app) {
   app.add_flag("--rechain",
                options->rechain,
                "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
-               "from the site's fixed transmitters");
+               "from the devices that were recorded, wherever they were, and the site's fixed "
+               "transmitters");
   app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
   app.add_flag(
       "--compare", options->calibrate.compare, "also runs the other method, for the report");

@@ -76,12 +76,13 @@ class RechainVerb : public ::testing::Test {
   }
   // The room shall be known exactly: the tenths of a degree that a survey of 30 points leaves in
   // the yaw are degrees in the phases.
-  void forget_yaw() const {
+  void forget_yaw() const { set_calibrated("yaw_offset", "0"); }
+  void set_calibrated(const std::string& name, const std::string& value) const {
     std::ifstream in(path("calibrated") + "/calibration.toml");
     std::string text{std::istreambuf_iterator<char>(in), {}};
-    const std::string key = "yaw_offset = { value = ";
+    const std::string key = name + " = { value = ";
     const auto begin = text.find(key) + key.size();
-    text.replace(begin, text.find(',', begin) - begin, "0");
+    text.replace(begin, text.find(',', begin) - begin, value);
     std::ofstream(path("calibrated") + "/calibration.toml") << text;
   }
   static json parse_file(const std::string& file) {
@@ -251,10 +252,12 @@ TEST_F(RechainVerb, ThePipelineWarnsOfANewPowerCycleAndNotOfTheOldOne) {
 TEST_F(RechainVerb, RefusesWhatItCannotUse) {
   const std::string one = write("one.csv", std::string(kHeader) + "5000,5001,0.4,-0.2,1.2\n");
   simulate("7", "one", one, "");
-  // The recording holds no fixed transmitter.
+  // The recording holds no fixed transmitter, and a device at one place.
   Finished finished = rechain("one", {});
   EXPECT_EQ(finished.status, 65);
-  EXPECT_THAT(finished.err, HasSubstr("access point ap1"));
+  EXPECT_THAT(finished.err,
+              HasSubstr("access point ap1: what devices sent is not enough to learn its chains"));
+  EXPECT_THAT(finished.err, HasSubstr("a device that walks through the room"));
   EXPECT_FALSE(fs::exists(path("one")));
   finished = RaylocProcess({"calibrate",
                             path("site"),
