@@ -1,0 +1,56 @@
+#include "engine/baselines/paths/level_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace rayloc {
+namespace {
+
+constexpr std::size_t kLeastPlaces = 10;  // a count, chosen: as for RayLoc's own levels
+constexpr double kLeastSpread = 1e-4;     // of log10 r, squared, chosen: all are equally far away
+constexpr double kNearest = 0.1;          // [m], chosen: nearer is no far field
+constexpr double kLeastSigma = 0.5;       // [dB], chosen: receivers state whole dBm
+
+double decades(double distance) { return std::log10(std::max(distance, kNearest)); }
+
+}  // namespace
+
+double LevelLaw::at(double distance) const {
+  return at_1m_dbm - 10.0 * exponent * decades(distance);
+}
+
+std::optional<LevelLaw> fit_level_law(std::span<const LevelAtDistance> places) {
+  if (places.size() < kLeastPlaces) {
+    return std::nullopt;
+  }
+  const auto count = static_cast<double>(places.size());
+  double mean_x = 0.0;
+  double mean_y = 0.0;
+  for (const LevelAtDistance& place : places) {
+    mean_x += decades(place.distance) / count;
+    mean_y += place.level_dbm / count;
+  }
+  double xx = 0.0;
+  double xy = 0.0;
+  for (const LevelAtDistance& place : places) {
+    const double x = decades(place.distance) - mean_x;
+    xx += x * x;
+    xy += x * (place.level_dbm - mean_y);
+  }
+  if (xx < kLeastSpread * count) {
+    return std::nullopt;
+  }
+  LevelLaw law;
+  law.exponent = -0.1 * xy / xx;
+  law.at_1m_dbm = mean_y + 10.0 * law.exponent * mean_x;
+  double squares = 0.0;
+  for (const LevelAtDistance& place : places) {
+    const double off = place.level_dbm - law.at(place.distance);
+    squares += off * off;
+  }
+  law.sigma_db = std::max(kLeastSigma, std::sqrt(squares / (count - 2.0)));
+  return law;
+}
+
+}  // namespace rayloc

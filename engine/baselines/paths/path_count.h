@@ -1,0 +1,30 @@
+// How many paths a set of snapshots holds, by the eigenvalues of its covariance.
+//
+// References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015. [WK] M. Wax, T. Kailath, IEEE Trans.
+// ASSP 33 (1985) 387.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string_view>
+
+namespace rayloc {
+
+enum class PathCountRule {
+  kDrop,  // up to the last large drop from one eigenvalue to the next
+  kMdl,   // minimum description length [WK]
+};
+
+// The names that people write, in the order of the rules.
+std::span<const std::string_view> path_count_rule_names();
+
+inline constexpr std::size_t kFewestPaths = 2;  // a count, that methods look for at least
+inline constexpr std::size_t kMostPaths = 5;    // a count, of a room [SF]
+
+// From kFewestPaths to kMostPaths. `eigenvalues`: descending, not negative; `snapshots`: that they
+// were made of.
+std::size_t count_paths(std::span<const double> eigenvalues,
+                        std::size_t snapshots,
+                        PathCountRule rule = PathCountRule::kDrop);
+
+}  // namespace rayloc

@@ -1,0 +1,185 @@
+#include "engine/baselines/spotfi/spotfi.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "engine/base/constants.h"
+#include "engine/base/parallel.h"
+#include "engine/baselines/paths/turn.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/hear_burst.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kMostWidening = 3.0;  // of sigma, a ratio, chosen: of an unlikely direct path
+// Cells of a room, about a count: as many as RayLoc's own map has.
+constexpr double kMostCells = 12000.0;
+// Probability that the map says nothing of the place, as RayLoc has it with one access point: what
+// a wrong bearing leaves is in the map itself.
+constexpr double kElsewhere = 0.03;
+constexpr std::size_t kMapGrain = 256;  // cells a task, a count
+
+RoomGrid map_of(const RoomModel& room, double step) {
+  RoomGrid grid(room.bounds_min,
+                room.bounds_max,
+                room.device.height,
+                std::max(step, std::sqrt(room.area() / kMostCells)));
+  grid.height_sigma = room.device.height_sigma;
+  return grid;
+}
+
+}  // namespace
+
+// What one access point says.
+struct Spotfi::Heard {
+  std::size_t access_point = 0;
+  DirectPath path;
+  double sigma = 0.0;     // [rad]
+  double outliers = 0.0;  // a share
+  LevelLaw law;
+  bool is_power_constant = false;  // the law tells the distance itself
+};
+
+Spotfi::Spotfi(std::shared_ptr<const RoomModel> room,
+               const SpotfiOptions& options,
+               std::shared_ptr<const Training> training)
+    : room_(std::move(room)),
+      options_(options),
+      training_(std::move(training)),
+      comb_(tone_comb(room_->grid)) {
+  for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+    const RoomAccessPoint& ap = room_->access_points[i];
+    if (const std::string problem = calibration_problem(*room_, ap); !problem.empty()) {
+      warnings_.push_back("access point " + ap.id + " " + problem);
+    } else {
+      usable_.push_back(i);
+    }
+  }
+}
+
+Expected<Spotfi> Spotfi::create(std::shared_ptr<const RoomModel> room,
+                                const SpotfiOptions& options,
+                                std::shared_ptr<const Training> training) {
+  if (auto valid = check_room(room.get()); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  if (tone_comb(room->grid).tone.empty()) {
+    return make_error(ErrorKind::kConfiguration,
+                      "spotfi needs tones in equal steps on both sides of the channel's centre; "
+                      "the site's [carrier] has none");
+  }
+  return Spotfi(std::move(room), options, std::move(training));
+}
+
+std::string Spotfi::refusal(std::span<const Heard> heard) const {
+  if (heard.size() > 1 || options_.range == SpotfiRange::kRoom ||
+      (options_.range == SpotfiRange::kLevel && heard.front().is_power_constant)) {
+    return {};
+  }
+  return "one access point and no learned level: spotfi has a bearing and no range (add access "
+         "points; or declare constant_power, calibrate and train; or --baseline range=room)";
+}
+
+// Of a device whose power is constant the distances; of others what they differ by.
+double Spotfi::level_log_likelihood(std::span<const Heard> heard, const Vec3d& place) const {
+  const bool is_constant = heard.front().is_power_constant;
+  double weights = 0.0;
+  double mean = 0.0;
+  double squares = 0.0;
+  for (const Heard& one : heard) {
+    if (!one.path.burst.level_dbm || one.is_power_constant != is_constant) {
+      continue;
+    }
+    const Vec3d& at = room_->access_points[one.access_point].array.pose.position;
+    const double off = *one.path.burst.level_dbm - one.law.at(norm(place - at));
+    const double weight = 1.0 / (one.law.sigma_db * one.law.sigma_db);
+    weights += weight;
+    mean += weight * off;
+    squares += weight * off * off;
+  }
+  if (weights == 0.0) {
+    return 0.0;
+  }
+  return -0.5 * (is_constant ? squares : squares - mean * mean / weights);
+}
+
+double Spotfi::log_likelihood(std::span<const Heard> heard, const Vec3d& place) const {
+  const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
+  double sum = options_.range == SpotfiRange::kNone ? 0.0 : level_log_likelihood(heard, place);
+  for (const Heard& one : heard) {
+    const AntennaArray& array = room_->access_points[one.access_point].array;
+    const double off = wrapped(one.path.psi - psi_of(array, one.path.line, place, wavelength));
+    const double x = off / one.sigma;
+    const double density = std::exp(-0.5 * x * x) / (one.sigma * std::sqrt(2.0 * std::numbers::pi));
+    sum += std::log((1.0 - one.outliers) * density + one.outliers / (2.0 * std::numbers::pi));
+  }
+  return sum;
+}
+
+LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t repeat) const {
+  LocationEstimate estimate;
+  estimate.warnings = warnings_;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return estimate;
+  }
+  ObservationTally tally;
+  std::vector<Heard> heard;
+  double most = 0.0;
+  for (const std::size_t i : usable_) {
+    const RoomAccessPoint& ap = room_->access_points[i];
+    auto path = find_direct_path(
+        *room_, i, comb_, frames, options_.path, options_.seed + repeat, estimate.warnings);
+    if (!path) {
+      continue;
+    }
+    tally.add(ap, path->burst);
+    most = std::max(most, path->likelihood);
+    Heard one{i, *std::move(path), options_.sigma_psi, options_.outliers, {}};
+    if (const AccessPointTraining* learned = training_ ? training_->find(ap.id) : nullptr) {
+      one.sigma = learned->sigma_psi;
+      one.outliers = learned->outliers;
+      if (learned->level) {
+        const auto& constant = training_->constant_power;
+        one.law = *learned->level;
+        one.is_power_constant =
+            one.path.burst.level_dbm &&
+            std::find(constant.begin(), constant.end(), one.path.burst.transmitter) !=
+                constant.end();
+      }
+    }
+    heard.push_back(std::move(one));
+  }
+  tally.fill(frames, estimate);
+  if (heard.empty()) {
+    estimate.reason = nothing_heard(*room_, estimate.warnings);
+    return estimate;
+  }
+  if (estimate.reason = refusal(heard); !estimate.reason.empty()) {
+    return estimate;
+  }
+  if (heard.size() == 1 && !heard.front().is_power_constant) {
+    estimate.warnings.emplace_back("one bearing and no range: it ends at the walls of the room");
+  }
+  for (Heard& one : heard) {
+    one.sigma *= std::min(kMostWidening, std::sqrt(most / one.path.likelihood));
+  }
+  const RoomGrid grid = map_of(*room_, options_.grid);
+  std::vector<double> map(grid.size());
+  parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {
+    map[cell] = log_likelihood(heard, grid.centre(cell));
+  });
+  estimate.loss = -*std::max_element(map.begin(), map.end());
+  PosteriorOptions posterior;
+  posterior.accuracy_confidence = options_.accuracy_confidence;
+  posterior.outlier = kElsewhere;
+  posterior.least_sigma = room_->least_sigma;
+  summarise_posterior(grid, map, posterior, estimate);
+  return estimate;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,69 @@
+// Spotfi: devices by the bearings of their direct paths, and by level [SF].
+//
+// The published method sums squares of angles over access points. Here each bearing is a likelihood
+// on the circle of phases, with a share of outliers, so that a region can be stated and that
+// aliases of wide arrays stay what they are:
+//
+//   ll(p) = sum over APs of ln[(1 - e) N(wrap(psi - psi(p)); s) + e / (2 pi)] + level
+//
+// with s^2 = s_0^2 max L / L_i, at most 9 s_0^2 (L: how likely the path is direct). The level is
+// -(level - law(r))^2 / (2 sigma^2) for transmitters of constant power with a law that was learned;
+// for others their unknown power is taken out, and differences between access points remain. Level
+// and map are ours. RayLoc's traced level is not used: the method knows no walls.
+//
+// References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015.
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/baselines/paths/tone_comb.h"
+#include "engine/baselines/spotfi/spotfi_options.h"
+#include "engine/baselines/training.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+class Spotfi {
+ public:
+  // `training`: null where nothing was learned. An Error where the room cannot be modelled at all.
+  // An access point without chain gains is left out, with a warning in every estimate.
+  static Expected<Spotfi> create(std::shared_ptr<const RoomModel> room,
+                                 const SpotfiOptions& options,
+                                 std::shared_ptr<const Training> training);
+
+  // `frames`: one transmitter, any access points, in order of time. `repeat`: other draws.
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t repeat = 0) const;
+
+  const RoomModel& room() const { return *room_; }
+
+ private:
+  struct Heard;
+
+  Spotfi(std::shared_ptr<const RoomModel> room,
+         const SpotfiOptions& options,
+         std::shared_ptr<const Training> training);
+  std::string refusal(std::span<const Heard> heard) const;
+  double log_likelihood(std::span<const Heard> heard, const Vec3d& place) const;
+  double level_log_likelihood(std::span<const Heard> heard, const Vec3d& place) const;
+
+  std::shared_ptr<const RoomModel> room_;
+  SpotfiOptions options_;
+  std::shared_ptr<const Training> training_;
+  ToneComb comb_;
+  std::vector<std::size_t> usable_;  // access points
+  std::vector<std::string> warnings_;
+};
+
+// Learns sigma, outliers and, of transmitters of constant power, the law of level of each access
+// point.
+Expected<std::shared_ptr<const Training>> train_spotfi(const TrainingInput& input);
+
+}  // namespace rayloc
