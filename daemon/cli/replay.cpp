@@ -36,6 +36,7 @@
 #include "daemon/site/site.h"
 #include "daemon/site/site_lacks.h"
 #include "daemon/terminal/output_file.h"
+#include "engine/baselines/settings.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/paper/paper_settings.h"
 
@@ -57,6 +58,7 @@ struct Options {
   std::uint64_t seed = 1;
   std::size_t starts = 1;
   std::vector<std::string> paper;
+  std::vector<std::string> baseline;
   int threads = 0;
   std::string target_key;  // file; empty: devices are called by their addresses
   double target_rotate_h = 24.0;
@@ -82,6 +84,17 @@ std::string help_of_likelihoods() {
   std::string help = "what method rayloc compares:";
   for (const LikelihoodName& one : likelihood_names()) {
     help += "\n" + std::string(one.name) + ": " + std::string(one.description);
+  }
+  return help;
+}
+
+std::string help_of_baselines() {
+  std::string help = "KEY=VALUE: settings of the methods that others published, with defaults:";
+  for (const Method* method : methods()) {
+    if (!method->baseline_settings.empty()) {
+      help += "\n" + std::string(method->name) + ":\n" +
+              baseline_settings_help(method->baseline_settings);
+    }
   }
   return help;
 }
@@ -170,6 +183,16 @@ Expected<MethodOptions> method_options(const Options& options, const Method& met
       return make_error(ErrorKind::kUsage, "--paper " + assignment.error().message);
     }
     told.values.insert_or_assign(std::string(assignment->setting->key), assignment->value);
+  }
+  for (const std::string& text : options.baseline) {
+    if (method.baseline_settings.empty()) {
+      return make_error(ErrorKind::kUsage,
+                        "--baseline: method " + options.method + " has no such settings");
+    }
+    if (auto read = read_baseline_value(text, method.name, method.baseline_settings, told.values);
+        !read) {
+      return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
+    }
   }
   if (options.likelihood != likelihood_names().front().name) {
     if (!method.has_setting("likelihood")) {
@@ -390,6 +413,7 @@ void add_method_options(OptionParser& app, Options& options) {
       "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
       "(for people where they differ):\n" +
           paper_settings_help());
+  app.add_option("--baseline", options.baseline, help_of_baselines());
 }
 
 RunVerb declare(OptionParser& app) {
@@ -463,6 +487,7 @@ const Verb kReplay = {
     "  rayloc replay room/ ap1=ring.pcap0 ap1=ring.pcap1 ap1=ring.pcap2 > locations.jsonl\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --paper alpha=0.5 smoothing=false\n"
+    "  rayloc replay room/ ap1=monday.pcap --method spotfi --baseline range=room frames=20\n"
     "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"
     "  rayloc replay room/ ap1=monday.pcap --out locations.jsonl --zone-events zones.jsonl\n"
     "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s\n"

@@ -27,6 +27,7 @@ extern const Verb kSub;          // sub.cpp
 extern const Verb kSurvey;       // survey.cpp
 extern const Verb kTop;          // top.cpp
 extern const Verb kTrace;        // trace.cpp
+extern const Verb kTrain;        // train.cpp
 extern const Verb kWaitReady;    // wait_ready.cpp
 
 std::span<const Verb> verbs() {
@@ -54,6 +55,7 @@ std::span<const Verb> verbs() {
       kSurvey,
       kTop,
       kTrace,
+      kTrain,
       kWaitReady,
   };
   // clang-format on

@@ -24,10 +24,13 @@
 
 namespace rayloc {
 
+struct Training;
+
 struct DeviceMethodInput {
   std::shared_ptr<const RoomModel> room;
   MethodOptions options;
   std::set<MacAddress> listed = {};  // devices that the site names: never refused a track
+  std::shared_ptr<const Training> training = nullptr;  // of this method; null: nothing was learned
 };
 
 class DeviceMethod {

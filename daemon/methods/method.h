@@ -15,7 +15,8 @@ class DeviceMethod;
 struct DeviceMethodInput;
 class PersonMethod;
 struct PersonMethodInput;
-class Training;  // what a method has learned; the first one that learns defines it
+struct BaselineSetting;
+struct Training;  // what a method has learned
 struct TrainingInput;
 
 // What a method can be told beyond what all can (MethodOptions).
@@ -31,11 +32,13 @@ struct Method {
   std::string_view domain;          // what it needs, as "a calibrated room"
   bool is_live = true;              // raylocd offers it; without, only recordings and studies do
   std::span<const MethodSetting> settings = {};
+  std::span<const BaselineSetting> baseline_settings = {};  // by --baseline
   // How it locates devices and people; null: it does not.
   Expected<std::unique_ptr<DeviceMethod>> (*create_device)(DeviceMethodInput) = nullptr;
   Expected<std::unique_ptr<PersonMethod>> (*create_person)(PersonMethodInput) = nullptr;
-  // Learns what it needs before it can locate; null: it needs nothing.
+  // Learns from a survey; null: there is nothing to learn.
   Expected<std::shared_ptr<const Training>> (*train)(const TrainingInput&) = nullptr;
+  bool needs_training = false;  // it cannot locate before
 
   bool has_setting(std::string_view key) const;
 };

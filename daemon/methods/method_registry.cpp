@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <vector>
 
+#include "engine/baselines/settings.h"
+
 namespace rayloc {
 
 bool Method::has_setting(std::string_view key) const {
-  return std::any_of(settings.begin(), settings.end(), [&](const MethodSetting& setting) {
-    return setting.key == key;
-  });
+  return std::any_of(settings.begin(),
+                     settings.end(),
+                     [&](const MethodSetting& setting) { return setting.key == key; }) ||
+         std::any_of(baseline_settings.begin(), baseline_settings.end(), [&](const auto& setting) {
+           return setting.key == key;
+         });
 }
 
 std::span<const Method* const> methods() { return method_table(); }
@@ -44,6 +49,9 @@ std::string methods_help() {
              : devices         ? "; devices"
                                : "; people") +
             "; needs " + std::string(method->domain);
+    if (method->train != nullptr) {
+      help += method->needs_training ? " and `rayloc train`" : ", better with `rayloc train`";
+    }
     if (!method->reference.empty()) {
       help += "; " + std::string(method->reference);
     }

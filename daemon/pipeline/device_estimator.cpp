@@ -8,6 +8,7 @@
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
+#include "daemon/site/training_file.h"
 #include "engine/base/constants.h"
 
 namespace rayloc {
@@ -53,7 +54,22 @@ Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
   for (const SiteTransmitter& transmitter : site_.transmitters) {
     input.listed.insert(transmitter.mac);
   }
-  auto made = options_.method->create_device(std::move(input));
+  const Method& method = *options_.method;
+  if (method.train != nullptr) {
+    auto training = load_training(site_, std::string(method.name), *input.room);
+    if (!training) {
+      return tl::make_unexpected(std::move(training.error()));
+    }
+    input.training = *std::move(training);
+  }
+  if (method.needs_training && input.training == nullptr) {
+    const std::string name(method.name);
+    return make_error(ErrorKind::kConfiguration,
+                      (site_.directory / "site.toml").string() + ": no training of " + name +
+                          ": run rayloc train " + site_.directory.string() + " --method " + name +
+                          " --capture ... --points ...");
+  }
+  auto made = method.create_device(std::move(input));
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }

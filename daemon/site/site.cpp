@@ -38,6 +38,17 @@ void read_file_table(const TomlTable& root, std::string_view key, std::optional<
   }
 }
 
+void read_trainings(const TomlTable& root, Site& site) {
+  for (const TomlTable& table : root.tables("training")) {
+    table.require({{"method", "method = \"spotfi\""}, {"file", "file = \"training/spotfi.toml\""}});
+    const auto method = table.string("method");
+    const auto file = existing_file(table, "file");
+    if (method && file && !site.training_files.emplace(*method, *file).second) {
+      table.error_at("method", "another [[training]] is of method " + *method + "; keep one");
+    }
+  }
+}
+
 void read_root(const TomlTable& root, Site& site) {
   root.require({{"name", "name = \"office\""},
                 {"scene", "scene = \"scene.xml\""},
@@ -66,6 +77,7 @@ void read_root(const TomlTable& root, Site& site) {
   read_zones(root, site);
   read_file_table(root, "calibration", site.calibration_file);
   read_file_table(root, "reference", site.reference_file);
+  read_trainings(root, site);
 }
 
 Expected<Site> read_document(TomlDocument& document) {

@@ -118,6 +118,8 @@ struct Site {
   TargetDefaults targets;
   std::optional<std::filesystem::path> calibration_file;  // [calibration] file
   std::optional<std::filesystem::path> reference_file;    // [reference] file
+  // By method: [[training]] method, file.
+  std::map<std::string, std::filesystem::path> training_files;
 };
 
 // `directory` holds site.toml; a path to a .toml file itself is accepted as well. The scene and the

@@ -47,11 +47,38 @@ Expected<std::map<std::string, std::string>> take_patterns(toml::table& root,
 
 struct SiteFiles {
   std::string toml;
-  std::map<std::string, std::string> patterns;  // content by file, relative to the copy
+  std::map<std::string, std::string> others;  // content by file, relative to the copy
 };
 
-// The original's text with the paths that the copy needs, and the tables of gains.
-Expected<SiteFiles> read_site(const Site& site, bool own_materials) {
+// What was trained with this calibration, as text; of another one it is worth nothing.
+Expected<std::map<std::string, std::string>> take_trainings(const Site& site,
+                                                            const std::string& calibration,
+                                                            toml::table& root) {
+  std::map<std::string, std::string> files;
+  toml::array tables;
+  for (const auto& [method, file] : site.training_files) {
+    auto content = read_file(file);
+    if (!content) {
+      return tl::make_unexpected(std::move(content.error()));
+    }
+    const auto made_with = toml::parse(*content, file.string())["calibration"].value<std::string>();
+    if (made_with && made_with == toml::parse(calibration)["id"].value<std::string>()) {
+      const std::string name = "training/" + method + ".toml";
+      tables.push_back(toml::table{{"method", method}, {"file", name}});
+      files[name] = *std::move(content);
+    }
+  }
+  root.erase("training");
+  if (!tables.empty()) {
+    root.insert_or_assign("training", std::move(tables));
+  }
+  return files;
+}
+
+// The original's text with the paths that the copy needs, the tables of gains and the trainings.
+Expected<SiteFiles> read_site(const Site& site,
+                              const std::string& calibration,
+                              bool own_materials) {
   const fs::path file = site.directory / "site.toml";
   auto text = read_file(file);
   if (!text) {
@@ -73,9 +100,14 @@ Expected<SiteFiles> read_site(const Site& site, bool own_materials) {
     if (!patterns) {
       return tl::make_unexpected(std::move(patterns.error()));
     }
+    auto others = take_trainings(site, calibration, root);
+    if (!others) {
+      return tl::make_unexpected(std::move(others.error()));
+    }
+    others->merge(*patterns);
     std::ostringstream out;
     out << "# A calibrated copy of " << file.string() << "\n" << root << "\n";
-    return SiteFiles{out.str(), *std::move(patterns)};
+    return SiteFiles{out.str(), *std::move(others)};
   } catch (const toml::parse_error& error) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() + ": " + std::string(error.description()));
@@ -221,7 +253,7 @@ Expected<void> write_site(const Site& site,
                           const std::string& calibration,
                           const fs::path& directory,
                           const std::map<std::string, std::string>& refined) {
-  auto stated = read_site(site, refined.empty());
+  auto stated = read_site(site, calibration, refined.empty());
   if (!stated) {
     return tl::make_unexpected(std::move(stated.error()));
   }
@@ -236,7 +268,7 @@ Expected<void> write_site(const Site& site,
   }
   files["site.toml"] = std::move(stated->toml);
   files["calibration.toml"] = calibration;
-  files.merge(stated->patterns);
+  files.merge(stated->others);
   if (site.reference_file) {
     auto reference = read_file(*site.reference_file);
     if (!reference) {

@@ -26,6 +26,7 @@ Expected<void> prepare_output(const std::filesystem::path& directory, bool force
 // `calibration` as calibration.toml. Comments of site.toml are not kept.
 // `refined`: content by file name of the scene to write instead of the original's, "scene.xml" and
 // what it names; site.toml then states no materials of its own. Empty: the original's scene.
+// What was trained goes with it where it is of that calibration, as training/METHOD.toml.
 Expected<void> write_site(const Site& site,
                           const std::string& calibration,
                           const std::filesystem::path& directory,

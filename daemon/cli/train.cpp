@@ -1,0 +1,300 @@
+// `rayloc train`: what a method learns of a site from its survey, beside the calibration.
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "daemon/arguments/capture_argument.h"
+#include "daemon/calibrate/calibration_inputs.h"
+#include "daemon/calibrate/calibration_progress.h"
+#include "daemon/calibrate/holdout.h"
+#include "daemon/command/verb.h"
+#include "daemon/evaluate/error_statistics.h"
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method_registry.h"
+#include "daemon/site/room_model.h"
+#include "daemon/site/site.h"
+#include "daemon/site/site_copy.h"
+#include "daemon/site/training_file.h"
+#include "engine/baselines/settings.h"
+#include "engine/baselines/training.h"
+
+namespace rayloc::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostHeldOut = 0.8;  // of the points, a share: as `rayloc calibrate` has it
+
+struct Options {
+  std::string site;
+  std::string method;
+  std::vector<std::string> captures;
+  std::string points;
+  std::string out;
+  std::vector<std::string> baseline;
+  double holdout = 0.2;
+  std::uint64_t seed = 1;
+  bool force = false;
+  bool quiet = false;
+};
+
+std::vector<std::string> trained_methods() {
+  std::vector<std::string> names;
+  for (const Method* method : methods()) {
+    if (method->train != nullptr) {
+      names.emplace_back(method->name);
+    }
+  }
+  return names;
+}
+
+// A run of the verb.
+class Train {
+ public:
+  explicit Train(const Options& options)
+      : options_(options), method_(*find_method(options.method)) {}
+  Expected<void> run();
+
+ private:
+  Expected<void> read();
+  Expected<void> read_survey();
+  Expected<void> learn();
+  Expected<void> check_held_out();
+  Expected<void> write() const;
+  void say() const;
+
+  const Options& options_;
+  const Method& method_;
+  MethodOptions told_;
+  Site site_;
+  std::shared_ptr<const RoomModel> room_;
+  CalibrationInputs survey_;
+  std::vector<bool> held_;
+  std::shared_ptr<const Training> training_;
+  std::optional<ErrorStatistics> held_out_;  // errors of the points that were not learned from
+  double seconds_ = 0.0;
+};
+
+Expected<void> Train::read() {
+  if (!(options_.holdout >= 0.0 && options_.holdout <= kMostHeldOut)) {
+    return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
+  }
+  for (const std::string& text : options_.baseline) {
+    if (auto read =
+            read_baseline_value(text, method_.name, method_.baseline_settings, told_.values);
+        !read) {
+      return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
+    }
+  }
+  told_.seed = options_.seed;
+  auto site = load_site(options_.site);
+  if (!site) {
+    return tl::make_unexpected(std::move(site.error()));
+  }
+  site_ = *std::move(site);
+  if (!site_.calibration_file) {
+    return make_error(ErrorKind::kConfiguration,
+                      options_.site +
+                          ": is not calibrated, and methods learn in a calibrated room: run "
+                          "`rayloc calibrate` first");
+  }
+  if (auto checked = check_output(options_.out, site_.directory, options_.force); !checked) {
+    return checked;
+  }
+  auto room = load_room_model(site_);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  room_ = std::make_shared<const RoomModel>(*std::move(room));
+  return read_survey();
+}
+
+Expected<void> Train::read_survey() {
+  const auto captures =
+      resolve_captures(options_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
+  if (!captures) {
+    return tl::make_unexpected(captures.error());
+  }
+  auto survey = read_calibration_inputs(with_bounds(site_, *room_), *captures, options_.points);
+  if (!survey) {
+    return tl::make_unexpected(std::move(survey.error()));
+  }
+  survey_ = *std::move(survey);
+  held_ = draw_holdout(survey_.points.size(), options_.holdout, options_.seed);
+  return {};
+}
+
+Expected<void> Train::learn() {
+  CalibrationProgressLine line(options_.quiet);
+  line.begin("train " + options_.method);
+  TrainingInput input;
+  input.room = room_;
+  input.values = told_.values;
+  input.seed = options_.seed;
+  for (const SiteTransmitter& transmitter : site_.transmitters) {
+    if (transmitter.constant_power) {
+      input.constant_power.push_back(transmitter.mac);
+    }
+  }
+  for (std::size_t i = 0; i < survey_.points.size(); ++i) {
+    if (!held_[i] && !survey_.points[i].frames.empty()) {
+      input.points.push_back({survey_.points[i].point.position, survey_.points[i].frames});
+    }
+  }
+  input.progress = [&line](double share) {
+    CalibrationProgress progress;
+    progress.share = share;
+    line.show(progress);
+  };
+  const auto begin = std::chrono::steady_clock::now();
+  auto training = method_.train(input);
+  if (!training) {
+    return tl::make_unexpected(std::move(training.error()));
+  }
+  training_ = *std::move(training);
+  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return check_held_out();
+}
+
+Expected<void> Train::check_held_out() {
+  DeviceMethodInput input{room_, told_};
+  input.training = training_;
+  auto made = method_.create_device(std::move(input));
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  std::vector<PointResult> results;
+  for (std::size_t i = 0; i < survey_.points.size(); ++i) {
+    const SurveyedFrames& spot = survey_.points[i];
+    if (!held_[i] || spot.frames.empty()) {
+      continue;
+    }
+    TruthPoint truth;
+    truth.position = spot.point.position;
+    const LocationEstimate estimate = (*made)->locate(spot.frames, 0);
+    results.push_back(evaluate_point(truth, &estimate));
+  }
+  if (!results.empty()) {
+    held_out_ = compute_statistics(results, {}, {});
+  }
+  return {};
+}
+
+Expected<void> Train::write() const {
+  const fs::path out = options_.out;
+  if (auto prepared = prepare_output(out, options_.force); !prepared) {
+    return prepared;
+  }
+  const auto calibration = read_file(*site_.calibration_file);
+  if (!calibration) {
+    return tl::make_unexpected(calibration.error());
+  }
+  const fs::path file = out / "training" / (options_.method + ".toml");
+  if (auto written = write_file(file, training_toml(*training_, site_, survey_.content));
+      !written) {
+    return written;
+  }
+  Site site = site_;
+  site.training_files.insert_or_assign(options_.method, file);
+  if (auto written = write_site(site, *calibration, out); !written) {
+    return written;
+  }
+  nlohmann::ordered_json report = {{"method", options_.method}, {"seconds", seconds_}};
+  if (held_out_) {
+    report["held_out"] = {{"n", held_out_->n}, {"missed", held_out_->missed}};
+    if (held_out_->missed < held_out_->n) {
+      report["held_out"]["median_m"] = held_out_->median_m;
+      report["held_out"]["in_95"] = held_out_->coverage_95.value_or(0.0);
+    }
+  }
+  return write_file(out / "training" / (options_.method + "-report.json"), report.dump(1) + "\n");
+}
+
+void Train::say() const {
+  std::fprintf(stderr, "%s was trained in %.1f s:\n", options_.method.c_str(), seconds_);
+  for (const AccessPointTraining& ap : training_->access_points) {
+    std::fprintf(stderr,
+                 "%s: %zu points, phases within %.2f rad, %.0f %% outliers, ",
+                 ap.id.c_str(),
+                 ap.points,
+                 ap.sigma_psi,
+                 100.0 * ap.outliers);
+    if (ap.level) {
+      std::fprintf(stderr,
+                   "level %.1f dBm at 1 m, exponent %.2f, within %.1f dB\n",
+                   ap.level->at_1m_dbm,
+                   ap.level->exponent,
+                   ap.level->sigma_db);
+    } else {
+      std::fprintf(stderr,
+                   "no level: no [[transmitter]] of the survey has constant_power = true\n");
+    }
+  }
+  if (held_out_) {
+    std::fprintf(stderr,
+                 "%zu points held out: median error %.2f m, %.0f %% in their 95 %% regions\n",
+                 held_out_->n,
+                 held_out_->median_m,
+                 100.0 * held_out_->coverage_95.value_or(0.0));
+  }
+}
+
+Expected<void> Train::run() {
+  if (auto done = read(); !done) {
+    return done;
+  }
+  if (auto done = learn(); !done) {
+    return done;
+  }
+  if (auto done = write(); !done) {
+    return done;
+  }
+  if (!options_.quiet) {
+    for (const std::string& note : survey_.notes) {
+      std::fprintf(stderr, "%s\n", note.c_str());
+    }
+    say();
+  }
+  return {};
+}
+
+RunVerb declare(OptionParser& app) {
+  const auto options = std::make_shared<Options>();
+  app.add_option("site", options->site, "calibrated site: directory with site.toml")->required();
+  app.add_option("--method", options->method, "that learns")
+      ->check(one_of(trained_methods()))
+      ->required();
+  app.add_option("--capture", options->captures, "recordings of the survey: [AP=]FILE")->required();
+  app.add_option("--points", options->points, "where the device stood: t_start,t_end,x,y,z")
+      ->required();
+  app.add_option("--out", options->out, "folder to create: the site with what was learned")
+      ->required();
+  app.add_option("--baseline",
+                 options->baseline,
+                 "KEY=VALUE: settings of the method, as `rayloc replay` has them");
+  app.add_option("--holdout", options->holdout, "share of the points kept for checking")
+      ->capture_default_str();
+  app.add_option("--seed", options->seed, "of the draw of those points, and of the method's")
+      ->capture_default_str();
+  app.add_flag("--force", options->force, "write into a folder that is not empty");
+  app.add_flag("--quiet", options->quiet, "no words on stderr");
+  return [options] { return Train(*options).run(); };
+}
+
+}  // namespace
+
+extern const Verb kTrain;
+const Verb kTrain = {"train",
+                     "Let a method learn from a survey what it needs beside the calibration",
+                     "rayloc train office-calibrated --method spotfi --capture ap1=survey.pcap "
+                     "--points survey.csv --out office-trained",
+                     declare};
+
+}  // namespace rayloc::cli

@@ -1,0 +1,161 @@
+#include "daemon/site/training_file.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "daemon/site/toml_reader.h"
+
+namespace rayloc {
+namespace {
+
+constexpr std::int64_t kFormat = 1;
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) {
+    text += (text.empty() ? "" : ", ") + word;
+  }
+  return text;
+}
+
+// "40 MHz at 5190000000 Hz".
+std::string carrier_text(double bandwidth_mhz, double centre_hz) {
+  return to_text(bandwidth_mhz) + " MHz at " + to_text(centre_hz) + " Hz";
+}
+
+std::string access_point_text(const AccessPointTraining& ap) {
+  std::string text =
+      "\n[[access_point]]\nid = \"" + ap.id + "\"\npoints = " + std::to_string(ap.points) +
+      "  # surveyed, that it rests on\nsigma_psi = " + to_text(ap.sigma_psi) +
+      "  # [rad] of the phase from antenna to antenna\noutliers = " + to_text(ap.outliers) +
+      "  # share of the bursts\n";
+  if (ap.level) {
+    text += "[access_point.level]  # at_1m_dbm - 10 exponent log10(distance / m)\nat_1m_dbm = " +
+            to_text(ap.level->at_1m_dbm) + "\nexponent = " + to_text(ap.level->exponent) +
+            "\nsigma_db = " + to_text(ap.level->sigma_db) + "\n";
+  }
+  return text;
+}
+
+AccessPointTraining read_access_point(const TomlTable& table) {
+  table.require({{"id", "id = \"ap1\""}, {"sigma_psi", "sigma_psi = 0.4"}, {"outliers", "= 0.1"}});
+  AccessPointTraining ap;
+  ap.id = table.string("id").value_or("");
+  ap.points = static_cast<std::size_t>(table.integer("points", {0.0, 1e9, ""}).value_or(0));
+  ap.sigma_psi = table.number("sigma_psi", {1e-3, 10.0, "rad"}).value_or(1.0);
+  ap.outliers = table.number("outliers", {0.0, 1.0, ""}).value_or(0.0);
+  if (const auto level = table.table("level")) {
+    LevelLaw& law = ap.level.emplace();
+    law.at_1m_dbm = level->number("at_1m_dbm", {-300.0, 300.0, "dBm"}).value_or(0.0);
+    law.exponent = level->number("exponent", {-20.0, 20.0, ""}).value_or(kUsualExponent);
+    law.sigma_db = level->number("sigma_db", {1e-3, 100.0, "dB"}).value_or(kUsualLevelSigma);
+  }
+  return ap;
+}
+
+// What the file was learned with, against the site's.
+void check_radio(const TomlTable& root, const Site& site, const Training& training) {
+  const double bandwidth = root.number("bandwidth_mhz", {0.0, 1e4, "MHz"}).value_or(0.0);
+  const double centre = root.number("centre_hz", {0.0, 1e12, "Hz"}).value_or(0.0);
+  std::vector<std::string> learned;
+  for (const AccessPointTraining& ap : training.access_points) {
+    learned.push_back(ap.id);
+  }
+  const auto stated = access_point_ids(site);
+  const bool all_stated = std::all_of(learned.begin(), learned.end(), [&](const std::string& id) {
+    return std::find(stated.begin(), stated.end(), id) != stated.end();
+  });
+  const auto here = static_cast<double>(site.carrier.bandwidth_mhz);
+  if (bandwidth != here || centre != site.carrier.grid.centre_hz || !all_stated) {
+    root.error_at("bandwidth_mhz",
+                  "trained at " + carrier_text(bandwidth, centre) + " with " + joined(learned) +
+                      "; the site has " + carrier_text(here, site.carrier.grid.centre_hz) +
+                      " with " + joined(stated) + ": train again (rayloc train)");
+  }
+}
+
+Expected<std::shared_ptr<const Training>> read(TomlDocument& document,
+                                               const Site& site,
+                                               const std::string& method,
+                                               const RoomModel& room) {
+  const TomlTable root = document.root();
+  root.require({{"format", "format = 1"}, {"method", "method = \"...\""}, {"calibration", "..."}});
+  if (const auto format = root.integer("format", {}); format && *format != kFormat) {
+    root.error_at("format",
+                  "format " + std::to_string(*format) + " is not known; this program reads " +
+                      std::to_string(kFormat) + ": train again (rayloc train)");
+  }
+  root.ask_for("content");
+  auto training = std::make_shared<Training>();
+  training->method = root.string("method").value_or("");
+  if (training->method != method) {
+    root.error_at("method", "is of method " + training->method + ", not of " + method);
+  }
+  training->calibration_id = root.string("calibration").value_or("");
+  if (training->calibration_id != room.calibration_id) {
+    root.error_at("calibration",
+                  "trained with calibration " + training->calibration_id + ", the site has " +
+                      room.calibration_id + ": train again (rayloc train)");
+  }
+  for (const TomlTable& table : root.tables("access_point")) {
+    training->access_points.push_back(read_access_point(table));
+  }
+  check_radio(root, site, *training);
+  for (const std::string& text : root.strings("constant_power")) {
+    const auto mac = parse_mac_address(text);
+    if (!mac) {
+      root.error_at("constant_power", "'" + text + "' is no address");
+      continue;
+    }
+    if (const SiteTransmitter* stated = find_transmitter(site, *mac);
+        stated != nullptr && stated->constant_power) {
+      training->constant_power.push_back(*mac);
+    }
+  }
+  if (auto finished = document.finish(); !finished) {
+    return tl::make_unexpected(std::move(finished.error()));
+  }
+  return training;
+}
+
+}  // namespace
+
+std::string training_toml(const Training& training, const Site& site, const std::string& content) {
+  std::string text =
+      "# Written by `rayloc train`; it belongs to the calibration of the site. Do not edit: train\n"
+      "# again instead.\nformat = " +
+      std::to_string(kFormat) + "\nmethod = \"" + training.method + "\"\ncontent = \"" + content +
+      "\"  # of the recordings and the points\ncalibration = \"" + training.calibration_id +
+      "\"\nbandwidth_mhz = " + std::to_string(site.carrier.bandwidth_mhz) +
+      "\ncentre_hz = " + to_text(site.carrier.grid.centre_hz) + "\n";
+  if (!training.constant_power.empty()) {
+    text += "constant_power = [";
+    for (std::size_t i = 0; i < training.constant_power.size(); ++i) {
+      text += (i == 0 ? "\"" : ", \"") + to_string(training.constant_power[i]) + "\"";
+    }
+    text += "]  # transmitters that the laws of level hold for\n";
+  }
+  for (const AccessPointTraining& ap : training.access_points) {
+    text += access_point_text(ap);
+  }
+  return text;
+}
+
+Expected<std::shared_ptr<const Training>> load_training(const Site& site,
+                                                        const std::string& method,
+                                                        const RoomModel& room) {
+  const auto file = site.training_files.find(method);
+  if (file == site.training_files.end()) {
+    return nullptr;
+  }
+  const auto document = TomlDocument::read(file->second);
+  if (!document) {
+    return tl::make_unexpected(document.error());
+  }
+  return read(**document, site, method, room);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,25 @@
+// The training file: what `rayloc train` has learned for a method, as TOML, in the folder training/
+// of a site. It says what it was learned from, and is valid for that calibration and radio alone.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "daemon/site/site.h"
+#include "engine/base/expected.h"
+#include "engine/baselines/training.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// `content`: hash of the recordings and points that it was learned from.
+std::string training_toml(const Training& training, const Site& site, const std::string& content);
+
+// Of the file that the site names for the method; null where it names none. An Error
+// (kConfiguration) for a file that is broken, of another method, calibration or radio. Laws of
+// level hold for the transmitters whose power the site still states to be constant.
+Expected<std::shared_ptr<const Training>> load_training(const Site& site,
+                                                        const std::string& method,
+                                                        const RoomModel& room);
+
+}  // namespace rayloc
