@@ -23,7 +23,8 @@ RejectReason unknown(std::span<const std::byte> payload) {
 
 // AX-CSI has no magic number, and an address may begin with that of nexmon: it is asked last.
 std::span<const DecoderRow> decoder_rows() {
-  static const std::array kRows{kNexmonV1Row, kNexmonV2Row, kUbilocateRow, kAxcsiRow};
+  static const std::array kRows{
+      kIntel5300Row, kNexmonV1Row, kNexmonV2Row, kUbilocateRow, kAxcsiRow};
   return kRows;
 }
 

@@ -16,8 +16,8 @@ namespace rayloc {
 // The formats there are.
 std::span<const DecoderRow> decoder_rows();
 
-// Their names, in alphabetical order: "axcsi-v4", "nexmon-v1", "nexmon-v2", "ubilocate". What a
-// site file may name.
+// Their names, in alphabetical order: "axcsi-v4", "intel-5300", "nexmon-v1", "nexmon-v2",
+// "ubilocate". What a site file may name.
 std::span<const std::string_view> wire_formats();
 bool is_wire_format(std::string_view name);
 

@@ -23,6 +23,7 @@ struct DecoderRow {
   AnyDecoder (*make)() = nullptr;
 };
 
+extern const DecoderRow kIntel5300Row;  // intel5300_decoder.cpp
 extern const DecoderRow kNexmonV1Row;   // nexmon_decoder.cpp
 extern const DecoderRow kNexmonV2Row;   // nexmon_decoder.cpp
 extern const DecoderRow kUbilocateRow;  // ubilocate_decoder.cpp

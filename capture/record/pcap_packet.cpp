@@ -165,6 +165,9 @@ tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
   if (!packet.time) {
     return refuse("no_timestamp");
   }
+  if (packet.link_type == kLinkTypeIntel5300) {  // its card wrote it, no network brought it
+    return Datagram{*packet.time, {}, packet.data};
+  }
   const auto ip = after_link_layer(packet);
   if (!ip) {
     return tl::make_unexpected(ip.error());

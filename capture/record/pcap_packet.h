@@ -33,6 +33,8 @@ constexpr std::uint32_t kLinkTypeLinuxSll = 113;
 constexpr std::uint32_t kLinkTypeIpv4 = 228;
 constexpr std::uint32_t kLinkTypeIpv6 = 229;
 constexpr std::uint32_t kLinkTypeLinuxSll2 = 276;
+// Of our own, beyond what a capture can name: a record of an Intel 5300 log, which is the payload.
+constexpr std::uint32_t kLinkTypeIntel5300 = 0x10000;
 
 // The datagram (its payload points into packet.data), or the reason why there is none:
 // "no_timestamp", "link_type", "monitor_mode" (frames of the air), "not_udp", "ipv6",

@@ -38,6 +38,14 @@ constexpr std::uint16_t kOptionTimeOffset = 14;
 // An interface costs memory, and a real file has a handful.
 constexpr std::size_t kMaxInterfaces = 4096;
 
+// The log of the Intel 5300's CSI tool (WIRE_FORMATS 1.9).
+constexpr std::uint8_t kIntelCsi = 0xbb;
+constexpr std::uint8_t kIntelFrame = 0xc1;
+constexpr std::size_t kIntelLengthBytes = 2;     // not counted in the length itself
+constexpr std::size_t kIntelHeaderBytes = 21;    // of a record with CSI, from its code on
+constexpr std::size_t kIntelExtendedBytes = 18;  // more in extended records
+constexpr std::size_t kIntelTellingBytes = kIntelLengthBytes + 11;  // up to the counts of chains
+
 __extension__ using Int128 = __int128;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
@@ -90,6 +98,16 @@ std::string not_a_capture(Bytes data) {
          "); write one with tcpdump -w or rayloc record";
 }
 
+bool begins_intel_log(Bytes data) {
+  const std::size_t length = load16(data, 0);
+  const std::uint8_t code = load8(data, kIntelLengthBytes);
+  const auto is_count = [](std::uint8_t chains) { return chains >= 1 && chains <= 3; };
+  // A copy of a frame begins with the fields that 802.11 has in every frame.
+  return (code == kIntelFrame && length > kIntelTellingBytes) ||
+         (code == kIntelCsi && length >= kIntelHeaderBytes && is_count(load8(data, 11)) &&
+          is_count(load8(data, 12)));
+}
+
 }  // namespace
 
 Step PcapParser::next(Bytes data) {
@@ -100,6 +118,8 @@ Step PcapParser::next(Bytes data) {
       return classic_record(data);
     case Format::kPcapng:
       return block(data);
+    case Format::kIntel5300:
+      return intel_record(data);
   }
   return failure("unknown format");
 }
@@ -122,7 +142,62 @@ Step PcapParser::file_header(Bytes data) {
       return failure("a pcap of the variant 'modified'; convert it: editcap -F pcap IN OUT");
     }
   }
+  const std::uint8_t code = load8(data, kIntelLengthBytes);
+  if (code == kIntelCsi || code == kIntelFrame) {
+    if (data.size() < kIntelTellingBytes) {
+      return need_more();
+    }
+    if (begins_intel_log(data)) {
+      format_ = Format::kIntel5300;
+      return intel_record(data);
+    }
+  }
   return failure(not_a_capture(data));
+}
+
+Step PcapParser::intel_record(Bytes data) {
+  if (data.size() <= kIntelLengthBytes) {
+    return need_more();
+  }
+  const std::size_t length = load16(data, 0);
+  const std::uint8_t code = load8(data, kIntelLengthBytes);
+  if (length == 0 || (code != kIntelCsi && code != kIntelFrame)) {
+    return failure("a record of an Intel 5300 log claims " + std::to_string(length) +
+                   " bytes and the code " + std::to_string(code) +
+                   ", which is neither 187 (CSI) nor 193 (a frame); the file is damaged from here "
+                   "on");
+  }
+  const std::size_t size = kIntelLengthBytes + length;
+  if (data.size() < size) {
+    return need_more();
+  }
+  if (code == kIntelFrame) {
+    return other(size);
+  }
+  Step step{.status = Status::kPacket, .size = size, .packet = {}, .error = {}};
+  step.packet.link_type = kLinkTypeIntel5300;
+  step.packet.original_length = static_cast<std::uint32_t>(length);
+  step.packet.data = data.subspan(kIntelLengthBytes, length);
+  if (length >= kIntelHeaderBytes) {
+    step.packet.time = intel_time(step.packet.data);
+  }
+  return step;
+}
+
+Timestamp PcapParser::intel_time(Bytes record) {
+  constexpr std::uint64_t kTurn = std::uint64_t{1} << 32;  // [us], where the clock overflows
+  const std::size_t csi = load16(record, 17, ByteOrder::kLittle);
+  if (record.size() == kIntelHeaderBytes + kIntelExtendedBytes + csi) {
+    return Timestamp(std::chrono::seconds(load32(record, 21, ByteOrder::kLittle)) +
+                     std::chrono::microseconds(load32(record, 25, ByteOrder::kLittle)));
+  }
+  const std::uint64_t low = load32(record, 1, ByteOrder::kLittle);
+  std::uint64_t clock = card_clock_ / kTurn * kTurn + low;
+  if (clock + kTurn / 2 < card_clock_) {
+    clock += kTurn;
+  }
+  card_clock_ = clock;
+  return Timestamp(std::chrono::microseconds(static_cast<std::int64_t>(clock)));
 }
 
 Step PcapParser::classic_header(Bytes data) {

@@ -5,6 +5,12 @@
 // interfaces (each with its link type, if_tsresol and if_tsoffset), enhanced, simple and old packet
 // blocks, both byte orders; other blocks are passed over.
 //
+// And the log of the Intel 5300's CSI tool: records of a length (two bytes, big-endian), a code and
+// what it says. Those with CSI (0xbb) are packets with the link type kLinkTypeIntel5300, from the
+// code on; copies of frames (0xc1) are passed over. The time is that of the extended header, else
+// the card's clock, whose 32 bits of microseconds begin at 1970 and are counted on where they
+// overflow.
+//
 // References: [PCAP] draft-ietf-opsawg-pcap, [PCAPNG] draft-ietf-opsawg-pcapng.
 #pragma once
 
@@ -40,7 +46,7 @@ class PcapParser {
   bool recognised() const { return format_ != Format::kUnknown; }
 
  private:
-  enum class Format { kUnknown, kClassic, kPcapng };
+  enum class Format { kUnknown, kClassic, kPcapng, kIntel5300 };
   struct Interface {
     std::uint32_t link_type = 0;
     std::uint32_t snap_length = 0;  // 0: no limit
@@ -51,6 +57,8 @@ class PcapParser {
   Step file_header(Bytes data);
   Step classic_header(Bytes data);
   Step classic_record(Bytes data) const;
+  Step intel_record(Bytes data);
+  Timestamp intel_time(Bytes record);
   Step block(Bytes data);
   Step section_header(Bytes data);
   Step interface_description(Bytes body);
@@ -63,6 +71,7 @@ class PcapParser {
   ByteOrder order_ = ByteOrder::kLittle;
   Interface classic_;  // resolution 6 or 9
   std::vector<Interface> interfaces_;
+  std::uint64_t card_clock_ = 0;  // [us], of the last record of an Intel 5300 log
 };
 
 }  // namespace rayloc::pcap

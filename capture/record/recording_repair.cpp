@@ -46,7 +46,8 @@ bool take_records(pcap::PcapParser& parser, pcap::Bytes window, WholePart& whole
     }
     const bool packet = step.status == pcap::PcapParser::Status::kPacket;
     if (step.status == pcap::PcapParser::Status::kError ||
-        (packet && step.size < kLeastRecordBytes)) {
+        (packet && step.size < kLeastRecordBytes) ||
+        (packet && step.packet.link_type == pcap::kLinkTypeIntel5300)) {  // no recording of ours
       return false;
     }
     if (packet) {

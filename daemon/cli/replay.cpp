@@ -419,11 +419,11 @@ void add_method_options(OptionParser& app, Options& options) {
 RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
-  app.add_option(
-         "captures",
-         options->captures,
-         "[AP=]FILE: pcap, pcapng, .gz, or - for stdin; several of one AP are a sequence in "
-         "order of time")
+  app.add_option("captures",
+                 options->captures,
+                 "[AP=]FILE: pcap, pcapng, .gz, the .dat log of an Intel 5300, or - for stdin; "
+                 "several of one AP are a sequence in "
+                 "order of time")
       ->required();
   app.add_option("--method", options->method, methods_help())
       ->check(one_of(names_of_methods()))

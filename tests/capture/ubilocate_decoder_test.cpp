@@ -73,7 +73,7 @@ TEST(DecoderRegistry, TellsADamagedDatagramFromSomethingElse) {
 }
 
 TEST(DecoderRegistry, KnowsItsNames) {
-  EXPECT_EQ(wire_formats().size(), 4U);
+  EXPECT_EQ(wire_formats().size(), 5U);
   EXPECT_TRUE(is_wire_format("axcsi-v4"));
   EXPECT_FALSE(is_wire_format("axcsi"));
   EXPECT_FALSE(is_wire_format(""));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "capture/decode/csi_decoder.h"
+#include "capture/decode/frame_decoder.h"
 #include "engine/base/check.h"
 
 namespace rayloc::fuzz {
@@ -34,6 +35,22 @@ inline void check_decoder(const CsiDecoder& decoder, std::span<const std::uint8_
   std::vector<std::complex<float>> csi(result->tones);
   unpack_csi_words(result->layout, result->words, csi);
   for (const std::complex<float> h : csi) {
+    RAYLOC_CHECK(std::isfinite(std::norm(h)));
+  }
+}
+
+inline void check_decoder(const FrameDecoder& decoder, std::span<const std::uint8_t> input) {
+  const FrameResult result = decoder.decode(std::as_bytes(input));
+  if (!result) {
+    RAYLOC_CHECK(!to_string(result.error()).empty());
+    return;
+  }
+  RAYLOC_CHECK(result->format == decoder.format());
+  RAYLOC_CHECK(!result->cores.empty() && result->cores.size() <= kMaxCores);
+  RAYLOC_CHECK(result->power_dbm.size() == result->cores.size());
+  RAYLOC_CHECK(result->csi.antennas() == result->cores.size());
+  RAYLOC_CHECK(result->csi.tones() == result->tone_index.size());
+  for (const std::complex<float> h : result->csi.values()) {
     RAYLOC_CHECK(std::isfinite(std::norm(h)));
   }
 }

@@ -110,7 +110,8 @@ TEST(Frames, SaysWhatIsWrongByExitStatus) {
   EXPECT_EQ(RaylocProcess({"frames"}).wait().status, 64);
   const Finished format = RaylocProcess({"frames", "--format", "axcsi", recording()}).wait();
   EXPECT_EQ(format.status, 64);
-  EXPECT_NE(format.err.find("axcsi-v4, nexmon-v1, nexmon-v2, ubilocate"), std::string::npos);
+  EXPECT_NE(format.err.find("axcsi-v4, intel-5300, nexmon-v1, nexmon-v2, ubilocate"),
+            std::string::npos);
   EXPECT_NE(RaylocProcess({"frames", "/nonexistent.pcap"}).wait().status, 0);
   const Finished none =
       RaylocProcess({"frames", "--format", "ubilocate", "--json", recording()}).wait();
