@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/Core>
 
 #include "engine/baselines/paths/gaussian_mixture.h"
+#include "engine/baselines/paths/living_line.h"
 #include "engine/baselines/paths/music.h"
 #include "engine/baselines/paths/sanitise.h"
 #include "engine/baselines/paths/smoothed_csi.h"
@@ -18,21 +18,6 @@ namespace rayloc {
 namespace {
 
 constexpr double kDelayUnit = 100e-9;  // [s], so that delays and phases are numbers of one size
-
-// [antenna of the line][tone of the comb].
-Eigen::MatrixXcd on_comb(const BurstObservation& burst,
-                         const AntennaLine& line,
-                         const ToneComb& comb) {
-  Eigen::MatrixXcd h(static_cast<Eigen::Index>(line.element.size()),
-                     static_cast<Eigen::Index>(comb.tone.size()));
-  for (std::size_t m = 0; m < line.element.size(); ++m) {
-    for (std::size_t k = 0; k < comb.tone.size(); ++k) {
-      h(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(k)) =
-          burst.value(line.element[m], comb.tone[k]);
-    }
-  }
-  return h;
-}
 
 // The frames of one access point, evenly from all.
 std::vector<const CsiFrame*> chosen(std::span<const CsiFrame> frames,
@@ -52,29 +37,6 @@ std::vector<const CsiFrame*> chosen(std::span<const CsiFrame> frames,
     some.push_back(own[i * own.size() / most]);
   }
   return some;
-}
-
-// The antennas that can be used, of an array whose chains are alive.
-std::optional<AntennaLine> living_line(const RoomAccessPoint& ap,
-                                       const BurstObservation& burst,
-                                       std::vector<std::string>& warnings) {
-  std::vector<std::size_t> elements(ap.cores.size());
-  std::iota(elements.begin(), elements.end(), std::size_t{0});
-  if (const auto dead = dead_chain(burst)) {
-    elements.erase(elements.begin() + static_cast<std::ptrdiff_t>(dead->row));
-  }
-  if (elements.size() < 2) {
-    warnings.push_back(ap.id + " has " + std::to_string(elements.size()) +
-                       " usable antenna: a bearing needs 2");
-    return std::nullopt;
-  }
-  auto line = antenna_line(ap.array, std::move(elements));
-  if (!line) {
-    warnings.push_back(ap.id +
-                       ": its antennas are not a line of equal steps along its y: no "
-                       "bearing");
-  }
-  return line;
 }
 
 // Of all clusters the most likely direct path.
@@ -128,7 +90,7 @@ std::optional<DirectPath> find_direct_path(const RoomModel& room,
     if (!single) {
       continue;
     }
-    const Eigen::MatrixXcd h = on_comb(*single, *line, comb);
+    const Eigen::MatrixXcd h = along(*line, *single, comb.tone);
     if (!music) {
       MusicOptions how;
       how.count = options.count;

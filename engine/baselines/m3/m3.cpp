@@ -1,0 +1,235 @@
+#include "engine/baselines/m3/m3.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "engine/base/constants.h"
+#include "engine/base/parallel.h"
+#include "engine/baselines/m3/reflectors.h"
+#include "engine/baselines/paths/living_line.h"
+#include "engine/baselines/paths/turn.h"
+#include "engine/observe/alignment.h"
+#include "engine/posterior/posterior.h"
+#include "engine/room/hear_burst.h"
+
+namespace rayloc {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
+constexpr int kAlignments = 5;                     // of the hops to the paths, a count
+constexpr double kLeastSigmaTau = 1e-9;            // [s], of a delay behind the first path
+constexpr double kSigmaOfResolution = 0.1;         // of 1 / band, a ratio
+constexpr double kDelays = 70e-9;                  // [s], over which an unknown path may come
+constexpr double kElsewhere = 0.03;     // probability that the map says nothing, as RayLoc has it
+constexpr double kMostCells = 12000.0;  // of a room, about a count: as many as RayLoc's own map
+constexpr std::size_t kMapGrain = 256;  // cells a task, a count
+
+double normal(double x, double sigma) {
+  return std::exp(-0.5 * x * x / (sigma * sigma)) / (sigma * std::sqrt(kTwoPi));
+}
+
+// Row by row, as Aligner has arrays.
+using Rows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::span<std::complex<double>> values(Rows& h) {
+  return {h.data(), static_cast<std::size_t>(h.size())};
+}
+
+Eigen::MatrixXcd aligned(const OfdmGrid& grid, Rows reference, const Eigen::MatrixXcd& h) {
+  Rows value = h;
+  const Aligner aligner(grid);
+  aligner.apply(aligner.align(values(reference), values(value)), values(value));
+  return value;
+}
+
+std::string one_decimal(double value) {
+  const auto tenths = static_cast<long>(std::lround(10.0 * value));
+  return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
+}
+
+// The bearing that all hops have most of.
+double strongest_bearing(const M3Heard& heard, const SageOptions& options) {
+  double best = 0.0;
+  double most = -1.0;
+  for (std::size_t i = 0; i < options.u_points; ++i) {
+    const double u = 2.0 * static_cast<double>(i) / static_cast<double>(options.u_points - 1) - 1.0;
+    double sum = 0.0;
+    for (const M3Hop& hop : heard.hops) {
+      const double step = kTwoPi * hop.grid.centre_hz * heard.line.spacing * u / kSpeedOfLight;
+      Eigen::RowVectorXcd steering(hop.h.rows());
+      for (Eigen::Index m = 0; m < hop.h.rows(); ++m) {
+        steering(m) = turn(-step * static_cast<double>(m));
+      }
+      sum += (steering * hop.h).squaredNorm();
+    }
+    if (sum > most) {
+      most = sum;
+      best = u;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+M3::M3(std::shared_ptr<const RoomModel> room, const M3Options& options)
+    : room_(std::move(room)), options_(options) {
+  for (std::size_t i = 0; i < room_->access_points.size(); ++i) {
+    const RoomAccessPoint& ap = room_->access_points[i];
+    reflectors_.push_back(reflectors_of(*room_, ap.array.pose.position));
+    if (const std::string problem = calibration_problem(*room_, ap); !problem.empty()) {
+      warnings_.push_back("access point " + ap.id + " " + problem);
+    } else {
+      usable_.push_back(i);
+    }
+  }
+}
+
+Expected<M3> M3::create(std::shared_ptr<const RoomModel> room, const M3Options& options) {
+  if (auto valid = check_room(room.get()); !valid) {
+    return tl::make_unexpected(std::move(valid.error()));
+  }
+  M3 made(std::move(room), options);
+  const auto& mirrors = made.reflectors_.front();
+  if (std::none_of(mirrors.begin(), mirrors.end(), is_vertical)) {
+    return make_error(ErrorKind::kConfiguration,
+                      "no vertical plane of 1 m2 or more of the scene bounds the room: m3 needs "
+                      "reflectors at known places");
+  }
+  return made;
+}
+
+M3Paths M3::find_paths(const M3Heard& heard) const {
+  SageOptions options;
+  options.paths = options_.paths;
+  std::vector<OfdmGrid> grids;
+  double lowest = heard.hops.front().grid.frequency_hz(0);
+  double highest = lowest;
+  for (const M3Hop& hop : heard.hops) {
+    grids.push_back(hop.grid);
+    lowest = std::min(lowest, hop.grid.frequency_hz(0));
+    highest = std::max(highest, hop.grid.frequency_hz(hop.grid.size() - 1));
+  }
+  const Sage sage(std::move(grids), heard.line.spacing, heard.line.element.size(), options);
+  std::vector<Eigen::MatrixXcd> h;
+  const SagePath alone{strongest_bearing(heard, options), 0.0, 1.0};
+  for (std::size_t hop = 0; hop < heard.hops.size(); ++hop) {
+    h.push_back(aligned(sage.hops()[hop], sage.model({&alone, 1}, hop), heard.hops[hop].h));
+  }
+  std::vector<SagePath> paths = sage.paths(h);
+  for (int round = 0; round < kAlignments && heard.hops.size() > 1; ++round) {
+    for (std::size_t hop = 0; hop < h.size(); ++hop) {
+      h[hop] = aligned(sage.hops()[hop], sage.model(paths, hop), h[hop]);
+    }
+    paths = sage.paths(h);
+  }
+  double most = 0.0;
+  for (const SagePath& path : paths) {
+    most = std::max(most, std::abs(path.amplitude));
+  }
+  std::erase_if(paths, [&](const SagePath& path) {
+    return std::abs(path.amplitude) < options_.least_amplitude * most;
+  });
+  std::stable_sort(paths.begin(), paths.end(), [](const SagePath& a, const SagePath& b) {
+    return a.tau < b.tau;
+  });
+  return {heard.access_point,
+          heard.line,
+          kSpeedOfLight / heard.hops.front().grid.centre_hz,
+          highest - lowest,
+          std::move(paths)};
+}
+
+double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
+  const AntennaArray& array = room_->access_points[heard.access_point].array;
+  const Vec3d& at = array.pose.position;
+  const double turns = kTwoPi * heard.line.spacing / heard.wavelength;  // [rad], of u = 1
+  // Between the sine of a path and that of a place, as near as aliases come.
+  const auto off = [&](double u, const Vec3d& from) {
+    return wrapped(turns * u - psi_of(array, heard.line, from, heard.wavelength)) / turns;
+  };
+  const SagePath& first = heard.paths.front();
+  double sum = std::log(normal(off(first.u, place), options_.sigma_u) +
+                        normal(4.0 * options_.sigma_u, options_.sigma_u));
+  const double sigma_tau = std::max(kLeastSigmaTau, kSigmaOfResolution / heard.band);
+  const auto& mirrors = reflectors_[heard.access_point];
+  // A phase of a wide array stands for a part of the circle of sines.
+  const double anywhere = 1.0 / (std::min(2.0, kTwoPi / turns) * kDelays);
+  for (std::size_t i = 1; i < heard.paths.size(); ++i) {
+    double density = 0.0;
+    for (const Plane<double>& mirror : mirrors) {
+      if (distance(mirror, place) * distance(mirror, at) <= 0.0) {
+        continue;  // it stands between them
+      }
+      const Vec3d image = mirrored(mirror, place);
+      const double later = (norm(image - at) - norm(place - at)) / kSpeedOfLight;
+      density += normal(off(heard.paths[i].u, image), options_.sigma_u_later) *
+                 normal(heard.paths[i].tau - first.tau - later, sigma_tau);
+    }
+    sum += std::log(options_.known * density / static_cast<double>(mirrors.size()) +
+                    (1.0 - options_.known) * anywhere);
+  }
+  return sum;
+}
+
+void M3::summarise(std::span<const M3Paths> heard, LocationEstimate& estimate) const {
+  RoomGrid grid(room_->bounds_min,
+                room_->bounds_max,
+                room_->device.height,
+                std::max(options_.grid, std::sqrt(room_->area() / kMostCells)));
+  grid.height_sigma = room_->device.height_sigma;
+  std::vector<double> map(grid.size());
+  parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {
+    map[cell] =
+        std::accumulate(heard.begin(), heard.end(), 0.0, [&](double sum, const M3Paths& paths) {
+          return sum + log_likelihood(paths, grid.centre(cell));
+        });
+  });
+  estimate.loss = -*std::max_element(map.begin(), map.end());
+  PosteriorOptions posterior;
+  posterior.accuracy_confidence = options_.accuracy_confidence;
+  posterior.outlier = kElsewhere;
+  posterior.least_sigma = room_->least_sigma;
+  summarise_posterior(grid, map, posterior, estimate);
+}
+
+LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {
+  LocationEstimate estimate;
+  estimate.warnings = warnings_;
+  if (frames.empty()) {
+    estimate.reason = "no frames";
+    return estimate;
+  }
+  const OfdmGrid& grid = room_->grid;
+  std::vector<std::size_t> tones(grid.size());
+  std::iota(tones.begin(), tones.end(), std::size_t{0});
+  ObservationTally tally;
+  std::vector<M3Paths> heard;
+  for (const std::size_t i : usable_) {
+    const RoomAccessPoint& ap = room_->access_points[i];
+    const auto burst = hear(*room_, i, frames, {}, estimate.warnings);
+    if (!burst) {
+      continue;
+    }
+    if (auto line = living_line(ap, *burst, estimate.warnings)) {
+      tally.add(ap, *burst);
+      heard.push_back(find_paths({i, *line, {{grid, along(*line, *burst, tones)}}}));
+    }
+  }
+  tally.fill(frames, estimate);
+  if (heard.empty()) {
+    estimate.reason = nothing_heard(*room_, estimate.warnings);
+    return estimate;
+  }
+  const double width = grid.offset_hz(grid.size() - 1) - grid.offset_hz(0);
+  estimate.warnings.push_back("m3 without channel hopping: in " + one_decimal(1e-6 * width) +
+                              " MHz it separates paths that differ by " +
+                              one_decimal(kSpeedOfLight / width) + " m");
+  summarise(heard, estimate);
+  return estimate;
+}
+
+}  // namespace rayloc
