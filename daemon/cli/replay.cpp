@@ -1,9 +1,12 @@
 // `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
+#include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -36,6 +39,7 @@
 #include "daemon/site/site.h"
 #include "daemon/site/site_lacks.h"
 #include "daemon/terminal/output_file.h"
+#include "engine/base/vec3.h"
 #include "engine/baselines/settings.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/paper/paper_settings.h"
@@ -59,6 +63,7 @@ struct Options {
   std::size_t starts = 1;
   std::vector<std::string> paper;
   std::vector<std::string> baseline;
+  std::string start;  // "X,Y"; empty: none is told
   int threads = 0;
   std::string target_key;  // file; empty: devices are called by their addresses
   double target_rotate_h = 24.0;
@@ -164,10 +169,36 @@ Expected<void> check_targets(const Method& method, const std::string& kind) {
   return {};
 }
 
+// "X,Y" [m].
+Expected<Vec3d> read_start(const std::string& text, const Method& method) {
+  if (!method.takes_start) {
+    return make_error(ErrorKind::kUsage,
+                      "--start: method " + std::string(method.name) + " begins nowhere");
+  }
+  Vec3d start;
+  const char* const end = text.data() + text.size();
+  const auto x = std::from_chars(text.data(), end, start.x);
+  const bool has_comma = x.ec == std::errc() && x.ptr != end && *x.ptr == ',';
+  const auto y = has_comma ? std::from_chars(x.ptr + 1, end, start.y) : x;
+  if (!has_comma || y.ec != std::errc() || y.ptr != end || !std::isfinite(start.x) ||
+      !std::isfinite(start.y)) {
+    return make_error(ErrorKind::kUsage,
+                      "--start " + text + ": write X,Y in metres, for example --start 0.3,-1.2");
+  }
+  return start;
+}
+
 // What the options say to the method: those of another one are refused.
 Expected<MethodOptions> method_options(const Options& options, const Method& method) {
   MethodOptions told;
   told.seed = options.seed;
+  if (!options.start.empty()) {
+    auto start = read_start(options.start, method);
+    if (!start) {
+      return tl::make_unexpected(std::move(start.error()));
+    }
+    told.start = *start;
+  }
   if (options.starts > 1 || !options.paper.empty()) {
     if (!method.has_setting("multi_start")) {
       const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
@@ -414,6 +445,9 @@ void add_method_options(OptionParser& app, Options& options) {
       "(for people where they differ):\n" +
           paper_settings_help());
   app.add_option("--baseline", options.baseline, help_of_baselines());
+  app.add_option("--start",
+                 options.start,
+                 "X,Y [m] where the first descent of paper begins, instead of a random place");
 }
 
 RunVerb declare(OptionParser& app) {
@@ -487,6 +521,7 @@ const Verb kReplay = {
     "  rayloc replay room/ ap1=ring.pcap0 ap1=ring.pcap1 ap1=ring.pcap2 > locations.jsonl\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --multi-start 8 --seed 7\n"
     "  rayloc replay room/ ap1=monday.pcap --method paper --paper alpha=0.5 smoothing=false\n"
+    "  rayloc replay room/ ap1=monday.pcap --method paper --start 0.3,-1.2\n"
     "  rayloc replay room/ ap1=monday.pcap --method spotfi --baseline range=room frames=20\n"
     "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"
     "  rayloc replay room/ ap1=monday.pcap --out locations.jsonl --zone-events zones.jsonl\n"

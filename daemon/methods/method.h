@@ -31,6 +31,7 @@ struct Method {
   std::string_view reference = {};  // who published it; empty: nobody
   std::string_view domain;          // what it needs, as "a calibrated room"
   bool is_live = true;              // raylocd offers it; without, only recordings and studies do
+  bool takes_start = false;         // MethodOptions::start means something to it
   std::span<const MethodSetting> settings = {};
   std::span<const BaselineSetting> baseline_settings = {};  // by --baseline
   // How it locates devices and people; null: it does not.

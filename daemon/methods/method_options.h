@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+
+#include "engine/base/vec3.h"
 
 namespace rayloc {
 
@@ -20,6 +23,7 @@ struct MethodOptions {
   double accuracy_confidence = 0.95;          // of what is stated as accuracy
   std::uint64_t seed = 1;                     // of what the method draws
   std::shared_ptr<PathGridStore> path_grids;  // keeps traced rooms; null: nothing is kept
+  std::optional<Vec3d> start;  // where a method that takes one (Method::takes_start) begins
   MethodValues values;
 };
 

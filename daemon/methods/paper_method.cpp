@@ -28,6 +28,7 @@ std::span<const MethodSetting> settings() {
 // `defaults`: of the kind of target.
 PaperLocalizerOptions apply(const MethodOptions& told, PaperLocalizerOptions defaults) {
   defaults.seed = told.seed;
+  defaults.start = told.start;
   if (const auto* starts = find_value<double>(told.values, kMultiStart)) {
     defaults.starts = static_cast<std::size_t>(*starts);
   }
@@ -95,6 +96,7 @@ const Method& paper_method() {
       .reference = "arXiv 2501.17881",
       .domain = "a calibrated room",
       .is_live = false,
+      .takes_start = true,
       .settings = settings(),
       .create_device = &create_device,
       .create_person = &create_person};

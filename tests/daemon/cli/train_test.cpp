@@ -190,6 +190,39 @@ TEST_F(TrainVerb, RefusesInWords) {
   EXPECT_FALSE(fs::exists(path("nowhere")));
 }
 
+TEST_F(TrainVerb, BeginsWhereItIsTold) {
+  const auto begun = [](const std::string& method, const std::string& start) {
+    return rayloc({"replay",
+                   path("trained"),
+                   recording("device_los", 1),
+                   "--method",
+                   method,
+                   "--start",
+                   start,
+                   "--quiet",
+                   "--paper",
+                   "iterations=0",
+                   "--out",
+                   path("start.jsonl"),
+                   "--kind",
+                   "device",
+                   "--burst",
+                   "10s"});
+  };
+  const Finished finished = begun("paper", "0.25,-0.5");
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const std::string out = content(path("start.jsonl"));
+  const auto first = nlohmann::json::parse(out.substr(0, out.find('\n')));
+  EXPECT_NEAR(first["position"]["x"].get<double>(), 0.25, 1e-9);
+  EXPECT_NEAR(first["position"]["y"].get<double>(), -0.5, 1e-9);
+  for (const char* wrong : {"0.25", "0.25,", "0.25;1", "a,b", "1,2,3", "nan,1"}) {
+    const Finished refused = begun("paper", wrong);
+    EXPECT_EQ(refused.status, 64);
+    EXPECT_THAT(refused.err, HasSubstr("write X,Y in metres")) << wrong;
+  }
+  EXPECT_THAT(begun("spotfi", "0,0").err, HasSubstr("--start: method spotfi begins nowhere"));
+}
+
 // What was trained with another radio or calibration is worth nothing.
 TEST_F(TrainVerb, RefusesATrainingOfAnotherRadioOrCalibration) {
   fs::copy(path("trained"), path("other"), fs::copy_options::recursive);
