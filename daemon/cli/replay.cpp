@@ -1,12 +1,9 @@
 // `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +16,7 @@
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/arguments/time_arguments.h"
+#include "daemon/cli/method_arguments.h"
 #include "daemon/command/verb.h"
 #include "daemon/feed/no_fix_reasons.h"
 #include "daemon/methods/method_registry.h"
@@ -39,19 +37,17 @@
 #include "daemon/site/site.h"
 #include "daemon/site/site_lacks.h"
 #include "daemon/terminal/output_file.h"
-#include "engine/base/vec3.h"
-#include "engine/baselines/settings.h"
-#include "engine/likelihood/likelihood.h"
-#include "engine/paper/paper_settings.h"
 
 namespace rayloc::cli {
 namespace {
 
+// Frames of a burst at an access point, a count: more than any access point sends in it.
+constexpr std::size_t kEveryFrame = 4096;
+
 struct Options {
   std::string site;
   std::vector<std::string> captures;
-  std::string method{default_method().name};
-  std::string likelihood{likelihood_names().front().name};
+  MethodArguments method;
   std::string kind = "all";
   std::string burst = "0.2s";
   std::string speed = "max";
@@ -59,11 +55,6 @@ struct Options {
   std::string format = "jsonl";
   std::string out = "-";
   std::string zone_events;  // file; empty: not written
-  std::uint64_t seed = 1;
-  std::size_t starts = 1;
-  std::vector<std::string> paper;
-  std::vector<std::string> baseline;
-  std::string start;  // "X,Y"; empty: none is told
   int threads = 0;
   std::string target_key;  // file; empty: devices are called by their addresses
   double target_rotate_h = 24.0;
@@ -72,37 +63,6 @@ struct Options {
   bool no_cache = false;
   bool quiet = false;
 };
-
-std::vector<std::string> names_of_likelihoods() {
-  std::vector<std::string> names;
-  for (const LikelihoodName& one : likelihood_names()) {
-    names.emplace_back(one.name);
-  }
-  return names;
-}
-
-std::vector<std::string> names_of_methods() {
-  return {method_names().begin(), method_names().end()};
-}
-
-std::string help_of_likelihoods() {
-  std::string help = "what method rayloc compares:";
-  for (const LikelihoodName& one : likelihood_names()) {
-    help += "\n" + std::string(one.name) + ": " + std::string(one.description);
-  }
-  return help;
-}
-
-std::string help_of_baselines() {
-  std::string help = "KEY=VALUE: settings of the methods that others published, with defaults:";
-  for (const Method* method : methods()) {
-    if (!method->baseline_settings.empty()) {
-      help += "\n" + std::string(method->name) + ":\n" +
-              baseline_settings_help(method->baseline_settings);
-    }
-  }
-  return help;
-}
 
 // What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
 struct Recordings {
@@ -167,73 +127,6 @@ Expected<void> check_targets(const Method& method, const std::string& kind) {
                       "--method " + name + " locates devices; use --kind device");
   }
   return {};
-}
-
-// "X,Y" [m].
-Expected<Vec3d> read_start(const std::string& text, const Method& method) {
-  if (!method.takes_start) {
-    return make_error(ErrorKind::kUsage,
-                      "--start: method " + std::string(method.name) + " begins nowhere");
-  }
-  Vec3d start;
-  const char* const end = text.data() + text.size();
-  const auto x = std::from_chars(text.data(), end, start.x);
-  const bool has_comma = x.ec == std::errc() && x.ptr != end && *x.ptr == ',';
-  const auto y = has_comma ? std::from_chars(x.ptr + 1, end, start.y) : x;
-  if (!has_comma || y.ec != std::errc() || y.ptr != end || !std::isfinite(start.x) ||
-      !std::isfinite(start.y)) {
-    return make_error(ErrorKind::kUsage,
-                      "--start " + text + ": write X,Y in metres, for example --start 0.3,-1.2");
-  }
-  return start;
-}
-
-// What the options say to the method: those of another one are refused.
-Expected<MethodOptions> method_options(const Options& options, const Method& method) {
-  MethodOptions told;
-  told.seed = options.seed;
-  if (!options.start.empty()) {
-    auto start = read_start(options.start, method);
-    if (!start) {
-      return tl::make_unexpected(std::move(start.error()));
-    }
-    told.start = *start;
-  }
-  if (options.starts > 1 || !options.paper.empty()) {
-    if (!method.has_setting("multi_start")) {
-      const std::string option = options.paper.empty() ? "--multi-start" : "--paper";
-      return make_error(
-          ErrorKind::kUsage,
-          option + " is of method paper, not of " + options.method + "; use --method paper");
-    }
-    told.values.insert_or_assign("multi_start", static_cast<double>(options.starts));
-  }
-  for (const std::string& text : options.paper) {
-    const auto assignment = read_paper_assignment(text);
-    if (!assignment) {
-      return make_error(ErrorKind::kUsage, "--paper " + assignment.error().message);
-    }
-    told.values.insert_or_assign(std::string(assignment->setting->key), assignment->value);
-  }
-  for (const std::string& text : options.baseline) {
-    if (method.baseline_settings.empty()) {
-      return make_error(ErrorKind::kUsage,
-                        "--baseline: method " + options.method + " has no such settings");
-    }
-    if (auto read = read_baseline_value(text, method.name, method.baseline_settings, told.values);
-        !read) {
-      return make_error(ErrorKind::kUsage, "--baseline " + read.error().message);
-    }
-  }
-  if (options.likelihood != likelihood_names().front().name) {
-    if (!method.has_setting("likelihood")) {
-      return make_error(ErrorKind::kUsage,
-                        "--likelihood: method " + options.method +
-                            " has a loss of its own; leave --likelihood out");
-    }
-    told.values.insert_or_assign("likelihood", options.likelihood);
-  }
-  return told;
 }
 
 // Nothing where they are not to be kept, or nobody knows where.
@@ -342,7 +235,8 @@ Expected<void> write_all(const Options& options,
         if (events) {
           write(event_message(event), options.format, *events);
         }
-      });
+      },
+      find_method(options.method.name)->lag);
   Pipeline pipeline(pipeline_options, std::move(recordings.inputs), estimator, sink);
   pipeline.start();
   pipeline.wait();
@@ -385,11 +279,11 @@ void assume_height_sigma(double sigma, Site& site) {
 }
 
 Expected<void> run(const Options& options) {
-  const Method& method = *find_method(options.method);
+  const Method& method = *find_method(options.method.name);
   if (auto checked = check_targets(method, options.kind); !checked) {
     return checked;
   }
-  auto told = method_options(options, method);
+  auto told = method_options(options.method);
   if (!told) {
     return tl::make_unexpected(std::move(told.error()));
   }
@@ -420,6 +314,9 @@ Expected<void> run(const Options& options) {
   PipelineOptions pipeline_options;
   pipeline_options.burst.length = *burst;
   pipeline_options.overflow = Overflow::kWait;
+  if (method.needs_every_frame) {
+    pipeline_options.burst.max_frames = kEveryFrame;
+  }
   ZoneEstimator zones(estimators->all, site->zones);
   const std::vector<int> heard = recordings->access_points;
   Expected<void> written = write_all(options, pipeline_options, std::move(*recordings), zones);
@@ -432,24 +329,6 @@ Expected<void> run(const Options& options) {
   return written;
 }
 
-void add_method_options(OptionParser& app, Options& options) {
-  app.add_option("--seed", options.seed, "of random numbers; rayloc draws none")
-      ->capture_default_str();
-  app.add_option("--multi-start", options.starts, "random starts of paper; the least loss wins")
-      ->check(in_range(1, 10'000))
-      ->capture_default_str();
-  app.add_option(
-      "--paper",
-      options.paper,
-      "KEY=VALUE: hyper-parameters and ablations of method paper, with their defaults for devices "
-      "(for people where they differ):\n" +
-          paper_settings_help());
-  app.add_option("--baseline", options.baseline, help_of_baselines());
-  app.add_option("--start",
-                 options.start,
-                 "X,Y [m] where the first descent of paper begins, instead of a random place");
-}
-
 RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
@@ -459,12 +338,7 @@ RunVerb declare(OptionParser& app) {
                  "several of one AP are a sequence in "
                  "order of time")
       ->required();
-  app.add_option("--method", options->method, methods_help())
-      ->check(one_of(names_of_methods()))
-      ->capture_default_str();
-  app.add_option("--likelihood", options->likelihood, help_of_likelihoods())
-      ->check(one_of(names_of_likelihoods()))
-      ->capture_default_str();
+  add_method_options(app, options->method);
   app.add_option("--kind",
                  options->kind,
                  "targets to locate: device, person (needs `rayloc reference`), or all that the "
@@ -487,7 +361,6 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--zone-events",
                  options->zone_events,
                  "file for who enters and leaves the zones of the site, one ZoneEvent a line");
-  add_method_options(app, *options);
   app.add_option("--height-sigma",
                  options->height_sigma,
                  "standard deviation of the devices' heights [m], instead of the site's "

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
 
 namespace rayloc {
 
@@ -32,6 +33,9 @@ struct Method {
   std::string_view domain;          // what it needs, as "a calibrated room"
   bool is_live = true;              // raylocd offers it; without, only recordings and studies do
   bool takes_start = false;         // MethodOptions::start means something to it
+  // Each frame of a burst tells something; others are told by some of many.
+  bool needs_every_frame = false;
+  Duration lag{};  // by which its tracks may be behind the end of the burst before
   std::span<const MethodSetting> settings = {};
   std::span<const BaselineSetting> baseline_settings = {};  // by --baseline
   // How it locates devices and people; null: it does not.

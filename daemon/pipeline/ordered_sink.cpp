@@ -19,7 +19,7 @@ void OrderedSink::event(ZoneEvent&& event) {
 
 void OrderedSink::advance(Timestamp time) {
   while (!held_.empty() &&
-         (std::get<Timestamp>(held_.begin()->first) < time || time == Timestamp::max())) {
+         (std::get<Timestamp>(held_.begin()->first) + lag_ < time || time == Timestamp::max())) {
     write_(held_.begin()->second);
     held_.erase(held_.begin());
   }

@@ -20,10 +20,11 @@ namespace rayloc {
 
 class OrderedSink : public LocationSink {
  public:
-  // `write_event` may be empty.
+  // `write_event` may be empty. `lag`: by which locations may come later than the pipeline says.
   explicit OrderedSink(std::function<void(const Location&)> write,
-                       std::function<void(const ZoneEvent&)> write_event = {})
-      : write_(std::move(write)), write_event_(std::move(write_event)) {}
+                       std::function<void(const ZoneEvent&)> write_event = {},
+                       Duration lag = {})
+      : write_(std::move(write)), write_event_(std::move(write_event)), lag_(lag) {}
 
   void location(Location&& location) override;
   void event(ZoneEvent&& event) override;
@@ -36,6 +37,7 @@ class OrderedSink : public LocationSink {
 
   std::function<void(const Location&)> write_;
   std::function<void(const ZoneEvent&)> write_event_;
+  Duration lag_;
   std::multimap<Key, Location> held_;
 };
 

@@ -112,7 +112,8 @@ TEST_F(Dummy, IsInHelpAndManualPage) {
   for (const std::string& text : {long_output("replay --help"), long_output("man")}) {
     EXPECT_THAT(text, HasSubstr(row));
   }
-  EXPECT_THAT(long_output("experiment --help"), HasSubstr("rayloc, paper, spotfi, m3, dummy"));
+  EXPECT_THAT(long_output("experiment --help"),
+              HasSubstr("rayloc, paper, spotfi, m3, witraj, dummy"));
 }
 
 TEST_F(Dummy, IsAnAxisOfAnExperiment) {

@@ -33,6 +33,22 @@ TEST(OrderedSink, WritesByTimeThenTarget) {
   EXPECT_EQ(written, "10c 200 20a 20b 30a ");
 }
 
+TEST(OrderedSink, WaitsForWhatLagsBehind) {
+  std::string written;
+  OrderedSink sink([&](const Location& location) { written += location.target.address; },
+                   {},
+                   std::chrono::milliseconds(15));
+  sink.location(location_of(20, "b"));
+  sink.advance(at(30));
+  EXPECT_EQ(written, "");
+  sink.location(location_of(16, "a"));
+  sink.advance(at(36));
+  EXPECT_EQ(written, "ab");
+  sink.location(location_of(40, "c"));
+  sink.finish();
+  EXPECT_EQ(written, "abc");
+}
+
 TEST(OrderedSink, WritesASnapshotBeforeTheTrackersEstimate) {
   std::string written;
   OrderedSink sink([&](const Location& location) {

@@ -1,0 +1,37 @@
+#include "engine/baselines/witraj/witraj_options.h"
+
+#include <array>
+
+namespace rayloc {
+namespace {
+
+// Two words: whether the access point that turns least evenly counts.
+constexpr std::array kWorst = std::to_array<std::string_view>({"drop", "keep"});
+
+std::span<const BaselineSetting> table() {
+  // Each says its unit; chosen but for the windows, which are the paper's (path_rate.h).
+  static const std::array kTable = std::to_array<BaselineSetting>({
+      {"v_max", "of who walks [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
+      {"sigma_v", "standard deviation of a path's rate [m/s]", 0.12, 1e-3, 10.0},
+      {"rate_memory_s", "in which its error stays the same [s]", 0.3, 1e-3, 10.0},
+      {"worst", "of three access points, which turns least evenly", 0.0, 0.0, 0.0, false, kWorst},
+      {"start_sigma", "standard deviation of the start [m]", 0.1, 1e-3, 10.0},
+  });
+  return kTable;
+}
+
+}  // namespace
+
+std::span<const BaselineSetting> witraj_settings() { return table(); }
+
+WitrajOptions witraj_options(const BaselineValues& values) {
+  WitrajOptions options;
+  options.v_max = number_of(table(), values, "v_max");
+  options.sigma_v = number_of(table(), values, "sigma_v");
+  options.rate_memory_s = number_of(table(), values, "rate_memory_s");
+  options.start_sigma = number_of(table(), values, "start_sigma");
+  options.drops_worst = choice_of(table(), values, "worst") == 0;
+  return options;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,23 @@
+// What WiTraj can be told.
+#pragma once
+
+#include <span>
+
+#include "engine/baselines/settings.h"
+
+namespace rayloc {
+
+struct WitrajOptions {
+  double v_max = 1.5;            // [m/s], of who walks
+  double least_rate_hz = 182.0;  // frames/s: five in the shorter window
+  double sigma_v = 0.12;         // [m/s], of a path's rate
+  double rate_memory_s = 0.3;    // [s], in which its error stays the same
+  double start_sigma = 0.1;      // [m], of the start
+  bool drops_worst = true;       // of three access points, as published; else all count
+  double accuracy_confidence = 0.95;
+};
+
+std::span<const BaselineSetting> witraj_settings();
+WitrajOptions witraj_options(const BaselineValues& values);
+
+}  // namespace rayloc

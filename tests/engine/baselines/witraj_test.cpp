@@ -1,0 +1,216 @@
+// Steps from a known start, and the blocks that they are made of.
+#include "engine/baselines/witraj/witraj.h"
+
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "engine/baselines/motion/frame_series.h"
+#include "engine/baselines/motion/path_rate.h"
+#include "engine/baselines/witraj/plan_step.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kStep = 0.0025;         // [s], 400 frames/s
+constexpr double kWavelength = 0.05776;  // [m]
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+const MacAddress kPlug = *parse_mac_address("02:00:00:00:00:09");
+
+// A circle about `centre`, whose path gets longer at `rate` [m/s].
+std::vector<std::complex<double>> circle(std::complex<double> centre, double rate) {
+  std::vector<std::complex<double>> q;
+  for (int i = 0; i < 400; ++i) {
+    q.push_back(centre + std::polar(0.2, -kTwoPi * rate * kStep * i / kWavelength));
+  }
+  return q;
+}
+
+TEST(PathRate, IsThatOfAPureCircleInBothSenses) {
+  for (const double rate : {1.0, -1.0, 0.3, -2.0}) {
+    for (const PathRateOptions& options : {PathRateOptions{0.0275, 0.15}, {0.0425, 0.24}}) {
+      const auto rates = path_rates(circle({0.9, 0.4}, rate), kStep, kWavelength, options);
+      for (std::size_t i = 80; i < 320; ++i) {
+        EXPECT_NEAR(rates[i].rate, rate, 0.01 * std::abs(rate)) << i;
+      }
+    }
+  }
+}
+
+TEST(PathRate, ScoresAnEvenTurningHigher) {
+  auto noisy = circle({0.9, 0.4}, 1.0);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal(0.0, 0.05);
+  for (auto& value : noisy) {
+    const double real = normal(random);
+    value += std::complex<double>(real, normal(random));
+  }
+  const auto even = path_rates(circle({0.9, 0.4}, 1.0), kStep, kWavelength);
+  const auto uneven = path_rates(noisy, kStep, kWavelength);
+  EXPECT_GT(even[200].score, 10.0 * uneven[200].score);
+  EXPECT_NEAR(uneven[200].rate, 1.0, 0.2);
+}
+
+Timestamp at(double seconds) { return Timestamp(from_seconds(seconds)); }
+
+TEST(FrameSeries, InterpolatesAndEndsAtAGap) {
+  FrameSeries series;
+  for (int i = 0; i < 100; ++i) {
+    if (i % 20 != 7) {  // lost
+      EXPECT_TRUE(series.add(at(kStep * i), {std::complex<double>(i, -i)}));
+    }
+  }
+  EXPECT_NEAR(series.rate(), 400.0, 1e-6);
+  EXPECT_NEAR((*series.at(at(kStep * 7.0)))[0].real(), 7.0, 1e-6);
+  EXPECT_NEAR((*series.at(at(kStep * 50.25)))[0].imag(), -50.25, 1e-6);
+  EXPECT_FALSE(series.at(at(-1.0)));
+  EXPECT_FALSE(series.at(at(1.0)));
+  EXPECT_TRUE(series.add(at(kStep * 103.0), {1.0})) << "three lost frames are bridged";
+  EXPECT_FALSE(series.add(at(kStep * 108.0), {1.0})) << "four are a gap";
+  EXPECT_EQ(series.first(), at(kStep * 108.0));
+}
+
+// Rates by the difference of true lengths along a walk of 10 m past the line of sight.
+TEST(PlanStep, FollowsTrueRates) {
+  const Vec3d transmitter{1.2, -0.4, 0.0};
+  const std::vector<Vec3d> receivers = {{-1.4, 1.0, 0.0}, {1.45, 1.0, 0.0}, {-0.2, -1.2, 0.0}};
+  const auto place = [](double s) {
+    return Vec3d{0.9 * std::cos(1.1 * s), 0.6 * std::sin(1.7 * s + 0.4), 0.0};
+  };
+  const auto length = [&](const Vec3d& receiver, double s) {
+    return norm(place(s) - transmitter) + norm(place(s) - receiver);
+  };
+  constexpr double kSeconds = 0.025;
+  double walked = 0.0;
+  double s = 0.0;
+  Vec3d here = place(0.0);
+  while (walked < 10.0) {
+    std::vector<PathRateAt> rates;
+    for (const Vec3d& receiver : receivers) {
+      rates.push_back(
+          {receiver, (length(receiver, s + kSeconds) - length(receiver, s)) / kSeconds});
+    }
+    const PlanStep step = plan_step(transmitter, rates, here, kSeconds);
+    here = here + Vec3d{step.x, step.y, 0.0};
+    walked += norm(place(s + kSeconds) - place(s));
+    s += kSeconds;
+    EXPECT_LT(norm(here - place(s)), 0.03) << s;
+  }
+}
+
+TEST(PlanStep, DoesNotRunOffOnTheLineOfSight) {
+  const std::vector<PathRateAt> rates = {{{-1.0, 0.0, 0.0}, 1.0}, {{-1.5, 0.0, 0.0}, 1.0}};
+  const PlanStep step = plan_step({1.0, 0.0, 0.0}, rates, {0.0, 0.0, 0.0}, 0.025);
+  EXPECT_LT(std::hypot(step.x, step.y), 0.1);
+}
+
+std::shared_ptr<const RoomModel> room() {
+  static const auto kRoom = std::make_shared<const RoomModel>(test::make_room());
+  return kRoom;
+}
+
+const WitrajLink kLink = {kPlug, {1.0, -0.6, 1.2}, {0, 1, 2}};
+
+// What the access points hear of a transmitter in the open and of its echo from a person.
+std::vector<CsiFrame> walk(double seconds, double step, const std::function<Vec3d(double)>& place) {
+  std::vector<CsiFrame> frames;
+  unsigned seed = 1;
+  for (double t = 0.0; t < seconds; t += step) {
+    const Vec3d person = place(t);
+    std::vector<std::vector<std::complex<double>>> channels;
+    for (const RoomAccessPoint& ap : room()->access_points) {
+      auto& h = channels.emplace_back();
+      for (std::size_t m = 0; m < ap.cores.size(); ++m) {
+        const Vec3d antenna = element_position(ap.array, m);
+        const double direct = norm(kLink.position - antenna);
+        const double echo = norm(kLink.position - person) + norm(person - antenna);
+        // A fade on one side, so that the antennas differ as they do in rooms.
+        const double share = 1.0 + 0.6 * static_cast<double>(m);
+        for (std::size_t k = 0; k < room()->grid.size(); ++k) {
+          const double wave = kTwoPi * room()->grid.frequency_hz(k) / 299'792'458.0;
+          h.push_back(share / direct * std::polar(1.0, -wave * direct) +
+                      0.3 / echo * std::polar(1.0, -wave * echo));
+        }
+      }
+    }
+    auto now = test::frames_of(*room(), channels, {.count = 1, .snr_db = 40.0, .seed = seed++});
+    for (CsiFrame& frame : now) {
+      frame.time = frame.time_last = at(t);
+      frame.transmitter = kPlug;
+      frames.push_back(std::move(frame));
+    }
+  }
+  return frames;
+}
+
+std::vector<LocationEstimate> heard(Witraj& witraj, const std::vector<CsiFrame>& frames) {
+  std::vector<LocationEstimate> out;
+  for (std::size_t i = 0; i < frames.size(); i += 240) {  // bursts of 0.2 s
+    witraj.hear(std::span(frames).subspan(i, std::min<std::size_t>(240, frames.size() - i)), out);
+  }
+  return out;
+}
+
+TEST(Witraj, FollowsAWalkFromItsStart) {
+  const auto place = [](double t) { return Vec3d{-0.6 + 0.4 * t, 0.3 * std::sin(1.2 * t), 1.2}; };
+  auto witraj = *Witraj::create(room(), kLink, place(0.0), {});
+  const auto estimates = heard(witraj, walk(3.0, kStep, place));
+  ASSERT_GT(estimates.size(), 90U);
+  double worst = 0.0;
+  for (const LocationEstimate& estimate : estimates) {
+    const Vec3d truth = place(to_seconds(estimate.time.time_since_epoch()));
+    worst =
+        std::max(worst, std::hypot(estimate.position->x - truth.x, estimate.position->y - truth.y));
+  }
+  EXPECT_LT(worst, 0.12) << "of a walk of 1.4 m";
+  EXPECT_GT(estimates.back().accuracy_m, estimates.front().accuracy_m) << "the error grows";
+  EXPECT_EQ(witraj.problem(), "");
+}
+
+TEST(Witraj, HoldsThePlaceOfWhoStandsStill) {
+  const Vec3d start{0.1, 0.2, 1.2};
+  auto witraj = *Witraj::create(room(), kLink, start, {});
+  const auto estimates = heard(witraj, walk(2.0, kStep, [&](double) { return start; }));
+  ASSERT_FALSE(estimates.empty());
+  EXPECT_NEAR(estimates.back().position->x, start.x, 0.25);
+  EXPECT_NEAR(estimates.back().position->y, start.y, 0.25);
+  EXPECT_THAT(estimates.back().warnings, Contains("nothing moves: the place is held"));
+}
+
+TEST(Witraj, RefusesInWords) {
+  const auto without = Witraj::create(room(), kLink, std::nullopt, {});
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().kind, ErrorKind::kUsage);
+  EXPECT_EQ(without.error().message,
+            "--method witraj adds steps to a known start: give --start X,Y");
+  const auto one = Witraj::create(room(), {kPlug, kLink.position, {0}}, Vec3d{}, {});
+  ASSERT_FALSE(one);
+  EXPECT_EQ(one.error().message,
+            "witraj needs 2 access points that hear one transmitter, 3 to drop the worst; the site "
+            "has a");
+  auto slow = *Witraj::create(room(), kLink, Vec3d{}, {});
+  EXPECT_TRUE(heard(slow,
+                    walk(1.5,
+                         0.02,
+                         [](double t) {
+                           return Vec3d{0.3 * t, 0.0, 1.2};
+                         }))
+                  .empty());
+  EXPECT_THAT(slow.problem(),
+              HasSubstr("50 frames/s of 02:00:00:00:00:09 at a: witraj needs 182 (5 frames in a "
+                        "window of 27.5 ms); send more often"));
+}
+
+}  // namespace
+}  // namespace rayloc
