@@ -46,7 +46,7 @@ Eigen::MatrixXcd aligned(const OfdmGrid& grid, Rows reference, const Eigen::Matr
 }
 
 std::string one_decimal(double value) {
-  const auto tenths = static_cast<long>(std::lround(10.0 * value));
+  const auto tenths = std::llround(10.0 * value);
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
 }
 

@@ -65,6 +65,37 @@ std::pair<double, double> direct_cluster(const std::vector<PathAtArray>& paths,
   return best;
 }
 
+struct FramePaths {
+  const AntennaLine& line;
+  PathCountRule count;
+};
+
+// The paths of each frame that can be used.
+std::vector<PathAtArray> paths_of_frames(const RoomModel& room,
+                                         std::size_t access_point,
+                                         const ToneComb& comb,
+                                         const std::vector<const CsiFrame*>& frames,
+                                         const FramePaths& how) {
+  std::vector<PathAtArray> all;
+  std::vector<std::string> of_single_frames;  // the burst's have said it
+  std::optional<Music> music;
+  for (const CsiFrame* frame : frames) {
+    const auto single = hear(room, access_point, {frame, 1}, {}, of_single_frames);
+    if (!single) {
+      continue;
+    }
+    const Eigen::MatrixXcd h = along(how.line, *single, comb.tone);
+    if (!music) {
+      MusicOptions options;
+      options.count = how.count;
+      music.emplace(smoothing_window(h), comb.step_hz, options);
+    }
+    const auto paths = music->paths(sanitised(h));
+    all.insert(all.end(), paths.begin(), paths.end());
+  }
+  return all;
+}
+
 }  // namespace
 
 std::optional<DirectPath> find_direct_path(const RoomModel& room,
@@ -82,23 +113,11 @@ std::optional<DirectPath> find_direct_path(const RoomModel& room,
   if (!line) {
     return std::nullopt;
   }
-  std::vector<PathAtArray> all;
-  std::vector<std::string> of_single_frames;  // the burst's have said it
-  std::optional<Music> music;
-  for (const CsiFrame* frame : chosen(frames, access_point, options.frames)) {
-    const auto single = hear(room, access_point, {frame, 1}, {}, of_single_frames);
-    if (!single) {
-      continue;
-    }
-    const Eigen::MatrixXcd h = along(*line, *single, comb.tone);
-    if (!music) {
-      MusicOptions how;
-      how.count = options.count;
-      music.emplace(smoothing_window(h), comb.step_hz, how);
-    }
-    const auto paths = music->paths(sanitised(h));
-    all.insert(all.end(), paths.begin(), paths.end());
-  }
+  const auto all = paths_of_frames(room,
+                                   access_point,
+                                   comb,
+                                   chosen(frames, access_point, options.frames),
+                                   {*line, options.count});
   if (all.empty()) {
     warnings.push_back(room.access_points[access_point].id + ": no single frame can be used");
     return std::nullopt;

@@ -260,6 +260,7 @@ void Witraj::step(std::span<const Rates> rates,
   }
   still_s_ = moving > 0 ? 0.0 : still_s_ + seconds;
   std::vector<PathRateAt> kept;
+  kept.reserve(means.size());
   for (const Mean& mean : means) {
     kept.push_back(mean.at);
   }
@@ -339,7 +340,7 @@ void Witraj::process(std::vector<LocationEstimate>& out) {
   for (const Receiver& receiver : receivers_) {
     rates.push_back(rates_of(receiver, from, samples));
   }
-  for (std::size_t first = static_cast<std::size_t>(before); *time_ + step_time <= end - kLag;
+  for (auto first = static_cast<std::size_t>(before); *time_ + step_time <= end - kLag;
        first += kStepSamples) {
     step(rates, first, out);
   }
