@@ -100,10 +100,8 @@ std::vector<PathAtArray> paths_of_frames(const RoomModel& room,
 
 std::optional<DirectPath> find_direct_path(const RoomModel& room,
                                            std::size_t access_point,
-                                           const ToneComb& comb,
                                            std::span<const CsiFrame> frames,
-                                           const DirectPathOptions& options,
-                                           std::uint64_t seed,
+                                           const DirectPathSearch& search,
                                            std::vector<std::string>& warnings) {
   auto burst = hear(room, access_point, frames, {}, warnings);
   if (!burst) {
@@ -115,14 +113,14 @@ std::optional<DirectPath> find_direct_path(const RoomModel& room,
   }
   const auto all = paths_of_frames(room,
                                    access_point,
-                                   comb,
-                                   chosen(frames, access_point, options.frames),
-                                   {*line, options.count});
+                                   search.comb,
+                                   chosen(frames, access_point, search.options.frames),
+                                   {*line, search.options.count});
   if (all.empty()) {
     warnings.push_back(room.access_points[access_point].id + ": no single frame can be used");
     return std::nullopt;
   }
-  const auto [psi, likelihood] = direct_cluster(all, options, seed);
+  const auto [psi, likelihood] = direct_cluster(all, search.options, search.seed);
   return DirectPath{psi, likelihood, *std::move(line), *std::move(burst)};
 }
 

@@ -39,14 +39,19 @@ struct DirectPath {
   BurstObservation burst;  // all frames together, chain gains removed
 };
 
+// How it is looked for: `comb`, of the room's tones, outlives it.
+struct DirectPathSearch {
+  const ToneComb& comb;
+  DirectPathOptions options;
+  std::uint64_t seed = 1;
+};
+
 // Nothing where the access point heard nothing that can be used, and the reason is a warning.
-// REQUIRES: calibration_problem() of the access point is empty, a comb of the room's tones.
+// REQUIRES: calibration_problem() of the access point is empty, a comb that is not.
 std::optional<DirectPath> find_direct_path(const RoomModel& room,
                                            std::size_t access_point,
-                                           const ToneComb& comb,
                                            std::span<const CsiFrame> frames,
-                                           const DirectPathOptions& options,
-                                           std::uint64_t seed,
+                                           const DirectPathSearch& search,
                                            std::vector<std::string>& warnings);
 
 }  // namespace rayloc

@@ -133,7 +133,7 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
   for (const std::size_t i : usable_) {
     const RoomAccessPoint& ap = room_->access_points[i];
     auto path = find_direct_path(
-        *room_, i, comb_, frames, options_.path, options_.seed + repeat, estimate.warnings);
+        *room_, i, frames, {comb_, options_.path, options_.seed + repeat}, estimate.warnings);
     if (!path) {
       continue;
     }

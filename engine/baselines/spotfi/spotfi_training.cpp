@@ -45,7 +45,7 @@ AccessPointTraining train_access_point(const TrainingInput& input,
     }
     if (i % kPhaseEvery == 0) {
       if (const auto path = find_direct_path(
-              room, access_point, comb, point.frames, options, input.seed, unused)) {
+              room, access_point, point.frames, {comb, options, input.seed}, unused)) {
         errors.push_back(
             wrapped(path->psi - psi_of(ap.array, path->line, point.position, wavelength)));
       }

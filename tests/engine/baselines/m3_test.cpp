@@ -41,6 +41,7 @@ const std::vector<int> kHops = {36, 40, 44, 48, 52, 56, 60, 64};
 
 std::vector<OfdmGrid> channels() {
   std::vector<OfdmGrid> all;
+  all.reserve(kHops.size());
   for (const int number : kHops) {
     all.push_back(channel(number));
   }

@@ -31,6 +31,7 @@ const MacAddress kPlug = *parse_mac_address("02:00:00:00:00:09");
 // A circle about `centre`, whose path gets longer at `rate` [m/s].
 std::vector<std::complex<double>> circle(std::complex<double> centre, double rate) {
   std::vector<std::complex<double>> q;
+  q.reserve(400);
   for (int i = 0; i < 400; ++i) {
     q.push_back(centre + std::polar(0.2, -kTwoPi * rate * kStep * i / kWavelength));
   }
@@ -97,6 +98,7 @@ TEST(PlanStep, FollowsTrueRates) {
   Vec3d here = place(0.0);
   while (walked < 10.0) {
     std::vector<PathRateAt> rates;
+    rates.reserve(receivers.size());
     for (const Vec3d& receiver : receivers) {
       rates.push_back(
           {receiver, (length(receiver, s + kSeconds) - length(receiver, s)) / kSeconds});
