@@ -27,20 +27,21 @@ struct Condition {
   double access_points = 0;    // the first ones of the plan
   double ap_height_m = 0.0;    // 0: that of the plan
   double device_height_m = 0.0;
-  double height_sigma_m = 0.0;   // of devices about it; the model believes that there is none
-  double tilt_deg = 0.0;         // of the device from upright, at most
-  double power_sigma_db = 0.0;   // of the device, from spot to spot
-  std::string second_day;        // on which the spots are visited: none, default or a file
-  double person_radius_m = 0.0;  // of people; the model believes 0.165 m
-  double boxes = 0;              // of clutter, besides what the plan states
-  double distance_m = 0.0;       // of spots from the first access point; 0: any
-  std::string sight;             // from the first access point: any, los, nlos
-  double layouts = 0;            // with clutter and spots of their own
-  double spots = 0;              // in each layout
-  double frames = 0;             // of each spot
-  double depth = 0;              // reflections of the simulated paths
-  double plan_error_m = 0.0;     // deviation of walls and boxes from what the model believes
-  std::string impairments;       // of the radio: default, none or a file
+  double height_sigma_m = 0.0;        // of devices about it
+  double model_height_sigma_m = 0.0;  // the same, as the model expects it
+  double tilt_deg = 0.0;              // of the device from upright, at most
+  double power_sigma_db = 0.0;        // of the device, from spot to spot
+  std::string second_day;             // on which the spots are visited: none, default or a file
+  double person_radius_m = 0.0;       // of people; the model believes 0.165 m
+  double boxes = 0;                   // of clutter, besides what the plan states
+  double distance_m = 0.0;            // of spots from the first access point; 0: any
+  std::string sight;                  // from the first access point: any, los, nlos
+  double layouts = 0;                 // with clutter and spots of their own
+  double spots = 0;                   // in each layout
+  double frames = 0;                  // of each spot
+  double depth = 0;                   // reflections of the simulated paths
+  double plan_error_m = 0.0;          // deviation of walls and boxes from what the model believes
+  std::string impairments;            // of the radio: default, none or a file
   // The method.
   std::string method;
   std::string likelihood;  // of method rayloc

@@ -200,7 +200,8 @@ class ExperimentReader {
       return false;
     }
     if (condition.kind == "person") {
-      for (const std::string_view key : {"height_sigma_m", "tilt_deg", "power_sigma_db"}) {
+      for (const std::string_view key :
+           {"height_sigma_m", "model_height_sigma_m", "tilt_deg", "power_sigma_db"}) {
         if (condition_number(condition, key) != 0.0) {
           table.error(table.name() + ": '" + std::string(key) +
                       "' is of devices; leave it out where kind is 'person'");

@@ -178,6 +178,7 @@ Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition) 
   room.bounds_max = plan.upper;
   room.grid = plan.carrier.grid;
   room.device.height = condition.device_height_m;
+  room.device.height_sigma = condition.model_height_sigma_m;
   for (const SiteAccessPoint& ap : plan.access_points) {
     ModelError error;
     error.plan_tolerance = std::max(condition.plan_error_m, kLeastTolerance);

@@ -71,7 +71,12 @@ TEST_F(LivedInStudy, HeightsAreDrawnAboutTheOneThatTheModelKnows) {
   EXPECT_NEAR(std::sqrt(squares / 400), 0.3, 3 * 0.3 / 28);
   EXPECT_EQ(layout.spots[0].position.x, flat.spots[0].position.x);
   EXPECT_EQ(layout.model.device.height, 1.2);
+  EXPECT_EQ(layout.model.device.height_sigma, 0.0);
   EXPECT_NE(heard(layout), heard(flat));
+  condition_.model_height_sigma_m = 0.2;
+  const StudyLayout expected = world();
+  EXPECT_EQ(expected.model.device.height_sigma, 0.2);
+  EXPECT_EQ(heard(expected), heard(layout));
 }
 
 TEST_F(LivedInStudy, TiltsAndPowersChangeWhatIsHeardAndNotWhere) {
