@@ -56,16 +56,20 @@ void print_reference(const ReferenceReport& report) {
     }
   }
   const PersonModel& person = report.references.front().person;
-  std::fprintf(stderr,
-               "person %s: radius %.3f m, strength variance %g, diffuse %g, noise %g, "
-               "likelihood_exponent %g\n",
-               report.spots > 0 ? ("from " + std::to_string(report.spots) + " places").c_str()
-                                : "as stated (no --people)",
-               person.body.semi_axes[0],
-               person.strength_variance,
-               person.diffuse,
-               person.noise,
-               person.likelihood_exponent);
+  std::fprintf(
+      stderr,
+      "person %s: radius %.3f m, strength variance %g, way variance %g, front %g m, diffuse %g, "
+      "noise %g, "
+      "likelihood_exponent %g\n",
+      report.spots > 0 ? ("from " + std::to_string(report.spots) + " places").c_str()
+                       : "as stated (no --people)",
+      person.body.semi_axes[0],
+      person.strength_variance,
+      person.way_variance,
+      person.front_sigma,
+      person.diffuse,
+      person.noise,
+      person.likelihood_exponent);
   if (person.second_person) {
     std::fprintf(stderr,
                  "  a second person is believed from a log-likelihood of %.1f on, and with two "

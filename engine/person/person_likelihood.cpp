@@ -13,6 +13,8 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/person/triangle.h"
+#include "engine/person/way_errors.h"
 
 namespace rayloc {
 namespace {
@@ -22,23 +24,6 @@ using Eigen::Index;
 
 constexpr double kDelayStep = 2e-9;       // [s], between the delays that are tried
 constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
-
-// The values of a triangular matrix of n rows, its diagonal with them.
-std::size_t triangle_size(std::size_t n) { return n * (n + 1) / 2; }
-
-// sigma += weight * s s^H, lower triangle by rows.
-void add_outer(double weight,
-               std::span<const Value> s,
-               std::size_t first,
-               std::vector<Value>& sigma) {
-  for (std::size_t i = 0; i < s.size(); ++i) {
-    Value* row = sigma.data() + triangle_size(first + i) + first;
-    const Value left = weight * s[i];
-    for (std::size_t j = 0; j <= i; ++j) {
-      row[j] += left * std::conj(s[j]);
-    }
-  }
-}
 
 constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
@@ -55,6 +40,36 @@ double noise_power(std::span<const Value> h, std::size_t tones) {
     }
   }
   return count == 0 ? 0.0 : sum / (6.0 * static_cast<double>(count));
+}
+
+// What an antenna hears at every sample place: from `first` on, `size` values a place.
+struct SampleRows {
+  Value* first = nullptr;
+  std::size_t size = 0;
+};
+
+// One ray more.
+void add_samples(const ScatteredRay& ray,
+                 Value field,
+                 std::span<const Value> s,
+                 const PatchPlan& plan,
+                 SampleRows samples) {
+  std::vector<Value> turn_x(plan.count);
+  std::vector<Value> turn_y(plan.count);
+  for (std::size_t i = 0; i < plan.count; ++i) {
+    turn_x[i] = field * std::exp(ray.slope_x * plan.at(i));
+    turn_y[i] = std::exp(ray.slope_y * plan.at(i));
+  }
+  for (std::size_t i = 0; i < plan.count; ++i) {
+    for (std::size_t j = 0; j < plan.count; ++j) {
+      const Value here = turn_x[i] * turn_y[j];
+      Value* out = samples.first + (i * plan.count + j) * samples.size;
+      for (std::size_t c = 0; c < s.size(); ++c) {
+        out[c] += Value(here.real() * s[c].real() - here.imag() * s[c].imag(),
+                        here.real() * s[c].imag() + here.imag() * s[c].real());
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -127,7 +142,9 @@ PersonLikelihood::Observed PersonLikelihood::observe(std::span<const Value> h) c
   return observed;
 }
 
-ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays, const PatchPlan& plan) const {
+ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
+                                       const PatchPlan& plan,
+                                       double front_sigma) const {
   RAYLOC_CHECK(rays.size() == antennas_);
   const std::size_t q = basis_.size();
   const std::size_t size = dimension();
@@ -136,9 +153,8 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays, const PatchPla
   std::vector<Value> sample(count * count * size);
   patch.strength.assign(triangle_size(size), 0.0);
   patch.blur.assign(triangle_size(size), 0.0);
+  WayErrors ways(antennas_, q);
   std::vector<Value> s(q);
-  std::vector<Value> turn_x(count);
-  std::vector<Value> turn_y(count);
   // Unit tone vectors times this have the norm of a response of level 1 on all tones.
   const double level = scale_ * std::sqrt(static_cast<double>(grid_.size()));
   for (std::size_t m = 0; m < antennas_; ++m) {
@@ -146,31 +162,23 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays, const PatchPla
       basis_.tone((ray.length - distance_) / kSpeedOfLight, s);
       const Value field = level * ray.amplitude * std::polar(1.0, -wave_number_ * ray.length) *
                           std::exp(ray.slope_x * plan.offset_x + ray.slope_y * plan.offset_y);
-      for (std::size_t i = 0; i < count; ++i) {
-        turn_x[i] = field * std::exp(ray.slope_x * plan.at(i));
-        turn_y[i] = std::exp(ray.slope_y * plan.at(i));
-      }
-      for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t j = 0; j < count; ++j) {
-          const Value here = turn_x[i] * turn_y[j];
-          Value* out = sample.data() + (i * count + j) * size + m * q;
-          for (std::size_t c = 0; c < q; ++c) {
-            out[c] += Value(here.real() * s[c].real() - here.imag() * s[c].imag(),
-                            here.real() * s[c].imag() + here.imag() * s[c].real());
-          }
-        }
-      }
+      const double turn_x = ray.slope_x.imag();
+      const double turn_y = ray.slope_y.imag();
+      const double turn = turn_x * turn_x + turn_y * turn_y;  // [rad^2/m^2]
+      // A front that is nearer by d is as a body that stands nearer by d.
+      const double unknown = -std::expm1(-front_sigma * front_sigma * turn);
+      add_samples(ray, std::sqrt(1.0 - unknown) * field, s, plan, {sample.data() + m * q, size});
       const double power = std::norm(field);
-      const double phase =
-          plan.step() * plan.step() *
-          (ray.slope_x.imag() * ray.slope_x.imag() + ray.slope_y.imag() * ray.slope_y.imag()) /
-          12.0;
+      const double phase = plan.step() * plan.step() * turn / 12.0;
       add_outer(power, s, m * q, patch.strength);
-      add_outer(power * -std::expm1(-phase), s, m * q, patch.blur);
+      add_outer((1.0 - unknown) * power * -std::expm1(-phase), s, m * q, patch.blur);
+      ways.add(m, ray, field, s, unknown);
       patch.power += power;
     }
   }
   patch.sample.assign(sample.begin(), sample.end());
+  patch.ways = ways.all(plan.place_sigma());
+  patch.front = ways.without_phase(plan.place_sigma());
   return patch;
 }
 
@@ -217,7 +225,8 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
   const double gain = std::norm(scale);
   std::vector<Value> sigma(triangle_size(size));
   for (std::size_t i = 0; i < sigma.size(); ++i) {
-    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.blur[i]);
+    sigma[i] = gain * (model.strength_variance * patch.strength[i] + patch.blur[i] +
+                       model.way_variance * patch.ways[i] + patch.front[i]);
   }
   const double diffuse = gain * model.diffuse * patch.power / static_cast<double>(antennas_);
   for (std::size_t m = 0; m < size; m += q) {

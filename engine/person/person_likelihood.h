@@ -3,12 +3,14 @@
 // x0 of power 1 and the person's rays z_p = a dH_p:
 //
 //   mu(P) = x0 + sum_p z_p
-//   Sigma = sum_p (v + u_p) |z_p|^2 s_p s_p^H + d |z|^2 R + n I / D + (sigma_T)^2 x0' x0'^H
+//   Sigma = sum_p (v + u_p) |z_p|^2 s_p s_p^H + w sum_q g_q g_q^H o K_q
+//           + d |z|^2 R + n I / D + (sigma_T)^2 x0' x0'^H
 //
-// u_p is what the phase of a ray loses between two sample places; R a diffuse exponential tail. The
-// measurement is known up to a complex factor, profiled out in closed form as in ObservationModel,
-// and a delay: the burst is aligned to the empty room, a few delays about that are tried, and x0',
-// the change of x0 by a delay, covers those between.
+// g_q are the rays of all antennas over the same surfaces (way_errors.h), and u_p is what the phase
+// of a ray loses between two sample places; R a diffuse exponential tail. The measurement is known
+// up to a complex factor, profiled out in closed form as in ObservationModel, and a delay: the
+// burst is aligned to the empty room, a few delays about that are tried, and x0', the change of x0
+// by a delay, covers those between.
 //
 // A square is known in two ways: closely, by its sample places a fraction of a wavelength apart,
 // and as a whole, by their mean and covariance, which says at once whether to look closely.
@@ -17,6 +19,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <span>
@@ -39,7 +42,10 @@ struct PatchPlan {
   double offset_y = 0.0;
   double size = 0.05;  // [m]
   std::size_t count = 7;
+  // [m], deviation of a place in the square along each axis; 0: it may be anywhere in the square.
+  double known_to = 0.0;
 
+  double place_sigma() const { return known_to > 0.0 ? known_to : size / std::sqrt(12.0); }
   double step() const { return size / static_cast<double>(count); }
   double at(std::size_t i) const {  // from the centre of the square
     return (static_cast<double>(i) + 0.5) * step() - 0.5 * size;
@@ -51,6 +57,8 @@ struct ScatteredPatch {
   std::vector<std::complex<float>> sample;     // [place][coordinate]
   std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
   std::vector<std::complex<double>> blur;      // the same times u_p
+  std::vector<std::complex<double>> ways;      // sum g_q g_q^H o K_q
+  std::vector<std::complex<double>> front;     // the same of what an unknown front leaves no phase
   double power = 0.0;                          // sum |z_p|^2
 };
 
@@ -95,7 +103,10 @@ class PersonLikelihood {
   // h: [core][tone], chain gains removed.
   Observed observe(std::span<const std::complex<double>> h) const;
 
-  ScatteredPatch patch(const ScatteredRays& rays, const PatchPlan& plan) const;
+  // `front_sigma`: PersonModel::front_sigma.
+  ScatteredPatch patch(const ScatteredRays& rays,
+                       const PatchPlan& plan,
+                       double front_sigma = 0.0) const;
 
   PersonPlace place(const ScatteredPatch& patch,
                     std::complex<double> scale,

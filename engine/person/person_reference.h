@@ -29,7 +29,13 @@ namespace rayloc {
 // those of a person of whom nothing was measured.
 struct PersonModel {
   TargetBody body{.semi_axes = {0.165, 0.165}, .yaw = 0.0, .base = 0.0, .height = 1.7};
-  double strength_variance = 0.1;     // v: of each scattered ray, share of its power
+  double strength_variance = 0.1;  // v: of each scattered ray, share of its power
+  // w: the same, of what is wrong alike at all antennas of an array: the body, and the surfaces
+  // before and behind it.
+  double way_variance = 0.0;
+  // [m], of a body's front about the round one's: people are oval, turn, and have arms. What passes
+  // them straight on does not see it.
+  double front_sigma = 0.0;
   double diffuse = 0.1;               // d: scattered power that is not traced, share of the traced
   double noise = 5e-4;                // n: share of the power that nothing explains
   double likelihood_exponent = 0.35;  // exponent of the likelihood

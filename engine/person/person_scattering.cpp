@@ -19,6 +19,35 @@ constexpr double kNegligible = 1e-3;
 // centimetres, and its logarithm has no slope worth believing.
 constexpr double kMostGrowth = 10.0;
 
+// Of the directions in which a ray leaves for two antennas: over the same surfaces before and
+// behind the body. A cosine, 8 degrees, chosen: arrays are small beside their distance.
+constexpr double kSameWay = 0.99;
+
+// The ways that rays of an array take, numbered as they are met.
+class Ways {
+ public:
+  std::size_t number(const Path& path) {
+    const auto same = std::find_if(ways_.begin(), ways_.end(), [&](const Path& way) {
+      return dot(way.departure, path.departure) > kSameWay &&
+             std::equal(way.interactions.begin(),
+                        way.interactions.end(),
+                        path.interactions.begin(),
+                        path.interactions.end(),
+                        [](const Interaction& a, const Interaction& b) {
+                          return a.kind == b.kind && a.surface == b.surface;
+                        });
+    });
+    if (same != ways_.end()) {
+      return static_cast<std::size_t>(same - ways_.begin());
+    }
+    ways_.push_back(path);
+    return ways_.size() - 1;
+  }
+
+ private:
+  std::vector<Path> ways_;
+};
+
 Value log_slope(const PathDerivatives::Derivative& slope, const Value& a, double angular_carrier) {
   const Value relative = Value(slope.a.re, slope.a.im) / a;
   return {std::clamp(relative.real(), -kMostGrowth, kMostGrowth),
@@ -61,6 +90,7 @@ Expected<PersonScattering> PersonScattering::create(const RoomModel& room,
 
 std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) const {
   ScatteredRays rays(links_.size());
+  Ways ways;
   for (std::size_t element = 0; element < links_.size(); ++element) {
     const auto found = links_[element].differentiate(place);
     if (!found) {
@@ -77,7 +107,8 @@ std::optional<ScatteredRays> PersonScattering::at(const TargetPosition& place) c
                              path.tau * kSpeedOfLight,
                              log_slope(found->by_position.at(i, 0), a, angular_carrier_),
                              log_slope(found->by_position.at(i, 1), a, angular_carrier_),
-                             path.departure};
+                             path.departure,
+                             ways.number(path)};
       rays[element].push_back(ray);
     }
   }

@@ -26,6 +26,8 @@ struct ScatteredRay {
   std::complex<double> slope_x;
   std::complex<double> slope_y;
   Vec3d departure;  // unit, the way that the wave leaves the transmitter
+  // A number that rays of several antennas over the same surfaces share.
+  std::size_t way = 0;
 };
 
 inline constexpr int kPersonDepth = 2;  // reflections that are worth following past a person

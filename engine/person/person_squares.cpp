@@ -89,8 +89,11 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
       const Vec3d offset = grid.centre(cell) - middle;
       const PatchPlan plan{
           offset.x, offset.y, std::max(grid.step_x, grid.step_y), squares_.samples};
-      link.cells[cell] = link.likelihood.place(
-          link.likelihood.patch(*rays, plan), reference_.links[number].scale, reference_.person);
+      const PersonModel& person = reference_.person;
+      link.cells[cell] =
+          link.likelihood.place(link.likelihood.patch(*rays, plan, person.front_sigma),
+                                reference_.links[number].scale,
+                                person);
     }
   }
 }

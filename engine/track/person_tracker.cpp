@@ -122,7 +122,8 @@ void PersonTracker::predict(Timestamp time) {
 }
 
 PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) {
-  const double likelihood_exponent = localizer_->reference().person.likelihood_exponent;
+  const PersonModel& person = localizer_->reference().person;
+  const double likelihood_exponent = person.likelihood_exponent;
   const Timestamp time = observation.estimate.time;
   const auto judge = [](const PersonMap& map, double least) {
     if (!map.is_explained || map.is_transmitter_doubtful) {
@@ -144,8 +145,9 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   }
   const double change = life_->last.empty() ? 1.0 : change_of(observation);
   const double credit = life_->credit * (1.0 - change);
-  const double share =
-      std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(options_.evidence_time));
+  const bool is_one_sided = person.front_sigma > 0.0 && observation.arrays.size() == 1;
+  const Duration same = is_one_sided ? options_.one_sided_evidence_time : options_.evidence_time;
+  const double share = std::min(1.0, to_seconds(time - life_->weighed) / to_seconds(same));
   const double weight = share * (1.0 - credit);
   life_->filter.weigh_change(change);
   life_->credit = credit;

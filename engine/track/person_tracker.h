@@ -39,6 +39,9 @@ struct PersonTrackerOptions {
   // For which what is wrong with the model stays the same along a walk: the moments within it weigh
   // as much as one snapshot.
   Duration evidence_time = std::chrono::milliseconds(250);
+  // The same of a body that is not round (PersonModel::front_sigma), heard by one access point:
+  // what is wrong stays as long as the body walks the same way. Several see it from other sides.
+  Duration one_sided_evidence_time = std::chrono::milliseconds(500);
   // Share by which what the person adds must change until it is news; 1: by itself. Shadows change
   // slowly, and are most of what a person adds.
   double moved_change = 0.03;

@@ -22,11 +22,17 @@ constexpr int kPhases = 24;           // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 4 dB apart.
 constexpr std::array<double, 6> kLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
 // Ratios of a ray's power, chosen: 3 dB apart.
-constexpr std::array<double, 6> kVariances = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+constexpr std::array<double, 9> kVariances = {
+    0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+// The same, of a way's.
+constexpr std::array<double, 8> kWayVariances = {0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0};
 // Ratios of the traced power, chosen: 3 dB apart.
-constexpr std::array<double, 6> kDiffuse = {0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+constexpr std::array<double, 9> kDiffuse = {0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
 // Ratios of all the power, chosen: 3 to 4 dB apart.
 constexpr std::array<double, 6> kNoise = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
+// [m], chosen: a wave that comes straight back turns by 0.6 to 6.5 rad.
+constexpr std::array<double, 2> kFronts = {0.0, 0.03};
+constexpr int kErrorRounds = 4;      // a count, chosen: over the errors, one after the other
 constexpr double kLevelSigma = 0.3;  // of the logarithm of |a|
 
 struct HeardSpot {
@@ -35,7 +41,7 @@ struct HeardSpot {
   PersonLikelihood::Observed observed;
 };
 
-// What one link heard of all spots, with a body of one radius.
+// What one link heard of all spots, with one body.
 struct FitLink {
   PersonLikelihood likelihood;
   std::vector<HeardSpot> heard;
@@ -57,7 +63,7 @@ class PersonFitter {
     }
   }
 
-  Expected<std::vector<FitLink>> listen(const TargetBody& body) const;
+  Expected<std::vector<FitLink>> listen(const PersonModel& person) const;
   // Sum over the spots of the log-likelihood of their link alone.
   double of_link(const FitLink& link, Value scale, const PersonModel& model) const;
   // All links of a spot together.
@@ -84,13 +90,14 @@ class PersonFitter {
   std::vector<double> prior_;  // log, of each sample place about a known one
 };
 
-Expected<std::vector<FitLink>> PersonFitter::listen(const TargetBody& body) const {
+Expected<std::vector<FitLink>> PersonFitter::listen(const PersonModel& person) const {
+  const PatchPlan plan{0.0, 0.0, kSquare, kSamples, options_.place_sigma};
   std::vector<FitLink> links;
   for (std::size_t l = 0; l < reference_.links.size(); ++l) {
     const PersonLink& link = reference_.links[l];
     const RoomAccessPoint& ap = room_.access_points[link.access_point];
     const auto scattering = PersonScattering::create(
-        room_, link.access_point, reference_.transmitter, body, options_.depth);
+        room_, link.access_point, reference_.transmitter, person.body, options_.depth);
     if (!scattering) {
       return tl::make_unexpected(scattering.error());
     }
@@ -104,7 +111,7 @@ Expected<std::vector<FitLink>> PersonFitter::listen(const TargetBody& body) cons
       const auto rays = spots_[s].h[l].empty() ? std::nullopt : scattering->at(spots_[s].place);
       if (rays) {
         heard[s] = HeardSpot{s,
-                             fit.likelihood.patch(*rays, {0.0, 0.0, kSquare, kSamples}),
+                             fit.likelihood.patch(*rays, plan, person.front_sigma),
                              fit.likelihood.observe(spots_[s].h[l])};
       }
     });
@@ -202,26 +209,64 @@ Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) co
   return best;
 }
 
+// One after the other until none gets better.
 PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
                                       const std::vector<Value>& scales,
                                       PersonModel model) const {
-  double most = -std::numeric_limits<double>::infinity();
-  PersonModel best = model;
-  for (const double variance : kVariances) {
-    for (const double diffuse : kDiffuse) {
-      for (const double noise : kNoise) {
-        model.strength_variance = variance;
-        model.diffuse = diffuse;
-        model.noise = noise;
-        const double value = of_all(links, scales, model);
-        if (value > most) {
-          most = value;
-          best = model;
-        }
+  double most = of_all(links, scales, model);
+  bool better = false;
+  const auto scan = [&](double PersonModel::*error, std::span<const double> values) {
+    for (const double value : values) {
+      PersonModel tried = model;
+      tried.*error = value;
+      if (const double there = of_all(links, scales, tried); there > most) {
+        most = there;
+        model = tried;
+        better = true;
       }
     }
+  };
+  for (int round = 0; round < kErrorRounds; ++round) {
+    better = false;
+    scan(&PersonModel::way_variance, kWayVariances);
+    scan(&PersonModel::strength_variance, kVariances);
+    scan(&PersonModel::diffuse, kDiffuse);
+    scan(&PersonModel::noise, kNoise);
+    if (!better) {
+      break;
+    }
   }
-  return best;
+  return model;
+}
+
+// The fit of a body that is known.
+Expected<PersonFit> fit_body(const RoomModel& room,
+                             const PersonReference& reference,
+                             std::span<const PersonSpot> spots,
+                             const PersonFitOptions& options) {
+  PersonFit fit{reference, 0.0, 0};
+  PersonModel& person = fit.reference.person;
+  const PersonFitter fitter(room, fit.reference, spots, options);
+  const auto links = fitter.listen(person);
+  if (!links) {
+    return tl::make_unexpected(links.error());
+  }
+  std::vector<Value> scales;
+  for (const FitLink& link : *links) {
+    fit.spots = std::max(fit.spots, link.heard.size());
+    scales.push_back(fitter.best_scale(link, person));
+  }
+  if (fit.spots < kLeastPersonSpots) {
+    return bad_input("people were heard at " + std::to_string(fit.spots) + " places; " +
+                     std::to_string(kLeastPersonSpots) + " are needed to fit what a person does");
+  }
+  person = fitter.best_errors(*links, scales, person);
+  for (std::size_t l = 0; l < scales.size(); ++l) {
+    scales[l] = fitter.best_scale((*links)[l], person);
+    fit.reference.links[l].scale = scales[l];
+  }
+  fit.log_likelihood = fitter.of_all(*links, scales, person);
+  return fit;
 }
 
 }  // namespace
@@ -230,36 +275,28 @@ Expected<PersonFit> fit_person(const RoomModel& room,
                                const PersonReference& reference,
                                std::span<const PersonSpot> spots,
                                const PersonFitOptions& options) {
-  PersonFit fit{reference, 0.0, 0};
-  if (!options.radius_steps.empty()) {
-    const auto geometry = fit_person_geometry(room, reference, spots, options);
-    if (!geometry) {
-      return tl::make_unexpected(geometry.error());
+  if (options.radius_steps.empty()) {
+    return fit_body(room, reference, spots, options);
+  }
+  const auto geometry = fit_person_geometry(room, reference, spots, options);
+  if (!geometry) {
+    return tl::make_unexpected(geometry.error());
+  }
+  PersonReference tried = reference;
+  tried.person.body.semi_axes = {geometry->radius, geometry->radius};
+  tried.transmitter.position = reference.transmitter.position + geometry->shift;
+  std::optional<PersonFit> best;
+  for (const double front : kFronts) {
+    tried.person.front_sigma = front;
+    auto fit = fit_body(room, tried, spots, options);
+    if (!fit) {
+      return fit;
     }
-    fit.reference.person.body.semi_axes = {geometry->radius, geometry->radius};
-    fit.reference.transmitter.position = reference.transmitter.position + geometry->shift;
+    if (!best || fit->log_likelihood > best->log_likelihood) {
+      best = *std::move(fit);
+    }
   }
-  const PersonFitter fitter(room, fit.reference, spots, options);
-  const auto links = fitter.listen(fit.reference.person.body);
-  if (!links) {
-    return tl::make_unexpected(links.error());
-  }
-  std::vector<Value> scales;
-  for (const FitLink& link : *links) {
-    fit.spots = std::max(fit.spots, link.heard.size());
-    scales.push_back(fitter.best_scale(link, fit.reference.person));
-  }
-  if (fit.spots < kLeastPersonSpots) {
-    return bad_input("people were heard at " + std::to_string(fit.spots) + " places; " +
-                     std::to_string(kLeastPersonSpots) + " are needed to fit what a person does");
-  }
-  fit.reference.person = fitter.best_errors(*links, scales, fit.reference.person);
-  for (std::size_t l = 0; l < scales.size(); ++l) {
-    scales[l] = fitter.best_scale((*links)[l], fit.reference.person);
-    fit.reference.links[l].scale = scales[l];
-  }
-  fit.log_likelihood = fitter.of_all(*links, scales, fit.reference.person);
-  return fit;
+  return *std::move(best);
 }
 
 }  // namespace rayloc

@@ -269,5 +269,38 @@ TEST_F(PersonTracking, NumbersTracksAsItIsTold) {
   EXPECT_EQ(updates.back().track, 5U);
 }
 
+// What is wrong with a body that is not round stays while one access point sees one side of it.
+TEST_F(PersonTracking, BelievesOneSideOfABodyLess) {
+  PersonReference reference = test::learn_reference(*room());
+  reference.person.front_sigma = 0.03;
+  const auto uneven = std::make_shared<const PersonLocalizer>(
+      *PersonLocalizer::create(room(), std::move(reference), {}));
+  const auto walk = [&](Duration one_sided, bool is_one) {
+    PersonTracker tracker(uneven, {.one_sided_evidence_time = one_sided});
+    Updates updates;
+    for (int i = 0; i < 8; ++i) {
+      auto frames = moment(*room(), {{-0.6 + 0.09 * i, 0.3}}, 0.1 * i);
+      frames.erase(
+          std::remove_if(frames.begin(),
+                         frames.end(),
+                         [&](const CsiFrame& frame) { return is_one && frame.access_point != 0; }),
+          frames.end());
+      tracker.hear(frames, updates);
+    }
+    return updates;
+  };
+  using std::chrono::milliseconds;
+  expect_same(walk(milliseconds(250), false), walk(milliseconds(2000), false));
+  const auto brief = walk(milliseconds(250), true);
+  const auto lasting = walk(milliseconds(2000), true);
+  ASSERT_FALSE(brief.empty());
+  ASSERT_EQ(brief.size(), lasting.size());
+  const auto width = [](const Updates& updates) {
+    const auto& covariance = updates.back().estimate.location.covariance;
+    return covariance[0] + covariance[4];
+  };
+  EXPECT_GT(width(lasting), width(brief));
+}
+
 }  // namespace
 }  // namespace rayloc

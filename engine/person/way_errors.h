@@ -1,0 +1,58 @@
+// WayErrors: the covariance of what is wrong with a way past a person, the surfaces before and
+// behind the body being the same for all antennas of an array: phase and strength are wrong alike
+// at all of them, and the direction that the wave comes from is right.
+//
+//   sum_q g_q g_q^H o K_q
+//
+// g_q holds the rays of way q at all antennas. They were traced for one place, and turn against
+// each other where the body stands elsewhere in its square: K_q is what of their coherence is left,
+// in the mean over the places.
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/person/person_scattering.h"
+
+namespace rayloc {
+
+class WayErrors {
+ public:
+  // `numbers`: coordinates of each antenna.
+  WayErrors(std::size_t antennas, std::size_t numbers);
+
+  // A ray of an antenna: `field` times the vector s, of which the share `unknown` of the power has
+  // no phase.
+  void add(std::size_t antenna,
+           const ScatteredRay& ray,
+           std::complex<double> field,
+           std::span<const std::complex<double>> s,
+           double unknown);
+
+  // Lower triangles by rows, of all of the rays and of what has no phase. `sigma`: deviation of the
+  // body's place along x and y [m].
+  std::vector<std::complex<double>> all(double sigma) const;
+  std::vector<std::complex<double>> without_phase(double sigma) const;
+
+ private:
+  using Values = std::vector<std::complex<double>>;
+
+  struct Way {
+    Values all;      // [antenna][number]
+    Values unknown;  // the same
+    // Of each antenna, the power and its mean turn by the place [rad/m].
+    std::vector<double> power;
+    std::vector<double> turn_x;
+    std::vector<double> turn_y;
+  };
+
+  Values covariance(Values Way::*part, double sigma) const;
+
+  std::size_t antennas_;
+  std::size_t numbers_;
+  std::vector<Way> ways_;
+};
+
+}  // namespace rayloc
