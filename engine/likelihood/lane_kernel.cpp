@@ -98,27 +98,47 @@ void whiten(const std::complex<float>* whitener,
   }
 }
 
+// Of `kCount` coordinates from the first on, whose sums stay in registers.
+template <std::size_t kCount>
+HWY_INLINE void add_turned_to(
+    std::span<const TurnedMean> terms, std::size_t first, std::size_t t, LaneRow* re, LaneRow* im) {
+  Vector sum_re[kCount];
+  Vector sum_im[kCount];
+  for (std::size_t i = 0; i < kCount; ++i) {
+    sum_re[i] = hn::LoadU(kLanes, re[first + i].data() + t);
+    sum_im[i] = hn::LoadU(kLanes, im[first + i].data() + t);
+  }
+  for (const TurnedMean& term : terms) {
+    const Vector a = hn::Set(kLanes, term.turn.real());
+    const Vector b = hn::Set(kLanes, term.turn.imag());
+    const Vector y_re = hn::LoadU(kLanes, term.turns->re.data() + t);
+    const Vector y_im = hn::LoadU(kLanes, term.turns->im.data() + t);
+    const Vector turn_re = hn::NegMulAdd(b, y_im, hn::Mul(a, y_re));
+    const Vector turn_im = hn::MulAdd(b, y_re, hn::Mul(a, y_im));
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const Vector c = hn::Set(kLanes, term.mean[first + i].real());
+      const Vector d = hn::Set(kLanes, term.mean[first + i].imag());
+      sum_re[i] = hn::NegMulAdd(turn_im, d, hn::MulAdd(turn_re, c, sum_re[i]));
+      sum_im[i] = hn::MulAdd(turn_im, c, hn::MulAdd(turn_re, d, sum_im[i]));
+    }
+  }
+  for (std::size_t i = 0; i < kCount; ++i) {
+    hn::StoreU(sum_re[i], kLanes, re[first + i].data() + t);
+    hn::StoreU(sum_im[i], kLanes, im[first + i].data() + t);
+  }
+}
+
 void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
   for (std::size_t t = 0; t < kLaneCount; t += hn::Lanes(kLanes)) {
-    for (const TurnedMean& term : terms) {
-      const Vector a = hn::Set(kLanes, term.turn.real());
-      const Vector b = hn::Set(kLanes, term.turn.imag());
-      const Vector y_re = hn::LoadU(kLanes, term.turns->re.data() + t);
-      const Vector y_im = hn::LoadU(kLanes, term.turns->im.data() + t);
-      const Vector turn_re = hn::NegMulAdd(b, y_im, hn::Mul(a, y_re));
-      const Vector turn_im = hn::MulAdd(b, y_re, hn::Mul(a, y_im));
-      for (std::size_t i = 0; i < re.size(); ++i) {
-        const Vector c = hn::Set(kLanes, term.mean[i].real());
-        const Vector d = hn::Set(kLanes, term.mean[i].imag());
-        float* out_re = re[i].data() + t;
-        float* out_im = im[i].data() + t;
-        hn::StoreU(hn::NegMulAdd(turn_im, d, hn::MulAdd(turn_re, c, hn::LoadU(kLanes, out_re))),
-                   kLanes,
-                   out_re);
-        hn::StoreU(hn::MulAdd(turn_im, c, hn::MulAdd(turn_re, d, hn::LoadU(kLanes, out_im))),
-                   kLanes,
-                   out_im);
-      }
+    std::size_t first = 0;
+    for (; first + 6 <= re.size(); first += 6) {
+      add_turned_to<6>(terms, first, t, re.data(), im.data());
+    }
+    for (; first + 2 <= re.size(); first += 2) {
+      add_turned_to<2>(terms, first, t, re.data(), im.data());
+    }
+    if (first < re.size()) {
+      add_turned_to<1>(terms, first, t, re.data(), im.data());
     }
   }
 }

@@ -219,9 +219,31 @@ PlaceModel NearbyLikelihood::model_at(const Vec3d& moved) const {
 }
 
 std::vector<double> NearbyLikelihood::on(const Lattice& lattice, double raised) const {
+  return on(lattice, Heights{raised, 0.0, 1});
+}
+
+std::vector<double> NearbyLikelihood::on(const Lattice& lattice, const Heights& heights) const {
   const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
-  const Turns turns = turns_on(lattice, rows, raised);
-  std::vector<double> values(lattice.size());
+  std::vector<Turning> turnings;
+  turnings.reserve(sources_.size());
+  for (const Source& source : sources_) {
+    turnings.push_back(turning_of(source, lattice, heights));
+  }
+  Turns turns{std::vector<std::complex<float>>(sources_.size() * lattice.count_x),
+              std::vector<LaneSums>(sources_.size() * rows)};
+  std::vector<double> values(heights.count * lattice.size());
+  for (std::size_t h = 0; h < heights.count; ++h) {
+    take_turns(lattice, turnings, turns);
+    values_on(lattice, turns, std::span(values).subspan(h * lattice.size(), lattice.size()));
+  }
+  return values;
+}
+
+// At one height.
+void NearbyLikelihood::values_on(const Lattice& lattice,
+                                 const Turns& turns,
+                                 std::span<double> values) const {
+  const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
   std::vector<LaneRow> re(size_);
   std::vector<LaneRow> im(size_);
   std::vector<TurnedMean> terms(sources_.size());
@@ -252,38 +274,70 @@ std::vector<double> NearbyLikelihood::on(const Lattice& lattice, double raised) 
       }
     }
   }
-  return values;
 }
 
-// exp(-j k (length - first)) of every source along both axes, the first with that of the middle;
-// from place to place by turning, which is cheaper than a sine each.
-NearbyLikelihood::Turns NearbyLikelihood::turns_on(const Lattice& lattice,
-                                                   std::size_t rows,
-                                                   double raised) const {
-  Turns turns;
-  turns.by_x.reserve(sources_.size() * lattice.count_x);
-  turns.by_y.resize(sources_.size() * rows);
-  for (std::size_t s = 0; s < sources_.size(); ++s) {
-    const Vec3d image = sources_[s].image - Vec3d{0.0, 0.0, raised};
+// exp(-j k (length - first)) at the first place and from place to place: by turning, which is
+// cheaper than a sine for each of them.
+NearbyLikelihood::Turning NearbyLikelihood::turning_of(const Source& source,
+                                                       const Lattice& lattice,
+                                                       const Heights& heights) const {
+  struct At {
+    double phase;
+    Vec3d slope;  // [rad/m]
+  };
+  const Vec3d corner = lattice.offset(0, 0);
+  const auto at = [&](double raised) -> At {
+    const Vec3d image = source.image - Vec3d{0.0, 0.0, raised};
     const double length = norm(image);
-    const double phase = -wave_number_ * (length - first_length_);
     const Vec3d slope = (wave_number_ / length) * image;
-    Value turn = std::polar(1.0, phase + slope.x * lattice.offset(0, 0).x);
-    const Value step_x = std::polar(1.0, slope.x * lattice.step_x);
+    return {-wave_number_ * (length - first_length_) + slope.x * corner.x + slope.y * corner.y,
+            slope};
+  };
+  const At first = at(heights.first);
+  Turning turning;
+  turning.at = std::polar(1.0, first.phase);
+  turning.step_x = std::polar(1.0, first.slope.x * lattice.step_x);
+  turning.step_y = std::polar(1.0, first.slope.y * lattice.step_y);
+  if (heights.count == 1) {
+    return turning;
+  }
+  // phase(n) = first + a n + b n (n - 1), with n = last at the last height.
+  const auto last = static_cast<double>(heights.count - 1);
+  const At middle = at(heights.first + 0.5 * last * heights.step);
+  const At end = at(heights.first + last * heights.step);
+  const double square = 2.0 * (end.phase - 2.0 * middle.phase + first.phase) / (last * last);
+  const double linear = (end.phase - first.phase) / last - square * last;
+  turning.raised = std::polar(1.0, linear + square);
+  turning.raised_again = std::polar(1.0, 2.0 * square);
+  turning.raised_x = std::polar(1.0, (end.slope.x - first.slope.x) / last * lattice.step_x);
+  turning.raised_y = std::polar(1.0, (end.slope.y - first.slope.y) / last * lattice.step_y);
+  return turning;
+}
+
+// Those of one height; the next call gives those of the next.
+void NearbyLikelihood::take_turns(const Lattice& lattice,
+                                  std::vector<Turning>& turnings,
+                                  Turns& turns) {
+  const std::size_t rows = (lattice.count_y + kLaneCount - 1) / kLaneCount;
+  for (std::size_t s = 0; s < turnings.size(); ++s) {
+    Turning& turning = turnings[s];
+    Value turn = turning.at;
     for (std::size_t x = 0; x < lattice.count_x; ++x) {
-      turns.by_x.emplace_back(turn);
-      turn = times(turn, step_x);
+      turns.by_x[s * lattice.count_x + x] = std::complex<float>(turn);
+      turn = times(turn, turning.step_x);
     }
-    turn = std::polar(1.0, slope.y * lattice.offset(0, 0).y);
-    const Value step_y = std::polar(1.0, slope.y * lattice.step_y);
+    turn = 1.0;
     for (std::size_t y = 0; y < rows * kLaneCount; ++y) {
       LaneSums& row = turns.by_y[s * rows + y / kLaneCount];
       row.re[y % kLaneCount] = static_cast<float>(turn.real());
       row.im[y % kLaneCount] = static_cast<float>(turn.imag());
-      turn = times(turn, step_y);
+      turn = times(turn, turning.step_y);
     }
+    turning.at = times(turning.at, turning.raised);
+    turning.raised = times(turning.raised, turning.raised_again);
+    turning.step_x = times(turning.step_x, turning.raised_x);
+    turning.step_y = times(turning.step_y, turning.raised_y);
   }
-  return turns;
 }
 
 LaneRow NearbyLikelihood::log_likelihoods(std::span<const LaneRow> re,

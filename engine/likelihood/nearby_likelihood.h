@@ -67,6 +67,14 @@ class NearbyLikelihood {
   // At all places of the lattice, [x][y], `raised` [m] above the middle: lengths to first order in
   // x and y, in single precision.
   std::vector<double> on(const Lattice& lattice, double raised = 0.0) const;
+  // The same at several heights, equally far apart, [height][x][y]: lengths are exact at the first,
+  // at the last and half-way, quadratic in between.
+  struct Heights {
+    double first = 0.0;  // [m] above the middle
+    double step = 0.0;
+    std::size_t count = 1;
+  };
+  std::vector<double> on(const Lattice& lattice, const Heights& heights) const;
 
  private:
   struct Source {  // of one ray at one antenna
@@ -81,12 +89,20 @@ class NearbyLikelihood {
 
   // Phasors of the sources on a lattice, whose rows are filled up to whole LaneRows.
   struct Turns {
-    std::vector<std::complex<float>> by_x;  // [source][x]
+    std::vector<std::complex<float>> by_x;  // [source][x], with that of the first place
     std::vector<LaneSums> by_y;             // [source][row of lanes]
+  };
+  // The phasor of a source at the first place of a lattice and those from place to place, and what
+  // each is turned by from one height to the next; the first turn changes with the height itself.
+  struct Turning {
+    std::complex<double> at, step_x, step_y;
+    std::complex<double> raised, raised_again, raised_x, raised_y;
   };
 
   void keep_strongest(const ObservationModel::Place& place, std::vector<double> power);
-  Turns turns_on(const Lattice& lattice, std::size_t rows, double raised) const;
+  Turning turning_of(const Source& source, const Lattice& lattice, const Heights& heights) const;
+  static void take_turns(const Lattice& lattice, std::vector<Turning>& turnings, Turns& turns);
+  void values_on(const Lattice& lattice, const Turns& turns, std::span<double> values) const;
   struct Direct {                                       // the way that may be covered
     std::vector<std::vector<std::complex<double>>> of;  // [antenna], w_m
     std::vector<std::complex<float>> observed;          // [delay][antenna], w_m^H W y
