@@ -36,6 +36,11 @@ class CloseLook {
   }
   // Of a device at a place that is `moved` [m] from the middle of the cell and the layer.
   PlaceModel model_at(const Vec3d& moved) const { return nearby_->model_at(moved); }
+  // The same at several heights, [height][x][y].
+  using Heights = NearbyLikelihood::Heights;
+  std::vector<double> on(const Lattice& lattice, const Heights& heights) const {
+    return nearby_->on(lattice, heights);
+  }
 
  private:
   friend class AccessPointMap;

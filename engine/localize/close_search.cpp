@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "engine/base/check.h"
 #include "engine/base/highest.h"
 #include "engine/base/parallel.h"
 #include "engine/posterior/cell_places.h"
@@ -38,16 +39,26 @@ std::vector<std::size_t> best_of(const std::vector<double>& score,
   return order;
 }
 
-// Log-likelihoods of the places of a lattice at one height, [place][array].
-using Places = std::vector<std::vector<double>>;
+using Looks = std::vector<std::unique_ptr<const CloseLook>>;
+
+// Log-likelihoods of places, [place][array].
+struct Places {
+  std::size_t arrays = 0;
+  std::vector<double> value;
+
+  std::size_t size() const { return value.size() / arrays; }
+  std::span<const double> of(std::size_t place) const {
+    return std::span(value).subspan(place * arrays, arrays);
+  }
+};
 
 class Searcher {
  public:
   explicit Searcher(const CloseSearch& search) : search_(search) {}
 
   // Access points hear a device in a layer of a cell: null where no ray arrives.
-  std::vector<std::unique_ptr<const CloseLook>> look(std::size_t cell, std::size_t layer) const {
-    std::vector<std::unique_ptr<const CloseLook>> looks(search_.heard.size());
+  Looks look(std::size_t cell, std::size_t layer) const {
+    Looks looks(search_.heard.size());
     for (std::size_t i = 0; i < looks.size(); ++i) {
       const HeardArray& one = search_.heard[i];
       if (one.map->is_reachable(cell)) {
@@ -57,7 +68,7 @@ class Searcher {
     return looks;
   }
   // Whether the likelihood tells places apart.
-  bool tells(std::size_t cell, const std::vector<std::unique_ptr<const CloseLook>>& looks) const {
+  bool tells(std::size_t cell, const Looks& looks) const {
     for (std::size_t i = 0; i < looks.size(); ++i) {
       if (looks[i] == nullptr && search_.heard[i].map->is_reachable(cell)) {
         return false;
@@ -69,27 +80,28 @@ class Searcher {
     return log_likelihood - search_.nowhere[i] +
            search_.heard[i].level_at(cell, search_.likelihood_exponent);
   }
+  // At the places of a lattice at each of the heights.
   Places on(std::size_t cell,
-            const std::vector<std::unique_ptr<const CloseLook>>& looks,
+            const Looks& looks,
             const Lattice& lattice,
-            double height) const {
-    Places places(lattice.size(), std::vector<double>(looks.size()));
+            const CloseLook::Heights& heights) const {
+    Places places{looks.size(), {}};
+    places.value.resize(heights.count * lattice.size() * looks.size());
     for (std::size_t i = 0; i < looks.size(); ++i) {
       if (looks[i] == nullptr) {
         continue;
       }
-      const auto values = looks[i]->on(lattice, height);
-      for (std::size_t j = 0; j < places.size(); ++j) {
-        places[j][i] = above(i, cell, values[j]);
+      const auto values = looks[i]->on(lattice, heights);
+      for (std::size_t j = 0; j < values.size(); ++j) {
+        places.value[j * looks.size() + i] = above(i, cell, values[j]);
       }
     }
     return places;
   }
   std::vector<double> fused(const Places& places) const {
-    std::vector<double> result;
-    result.reserve(places.size());
-    for (const std::vector<double>& place : places) {
-      result.push_back(search_.fusion.log_likelihood(place));
+    std::vector<double> result(places.size());
+    for (std::size_t j = 0; j < result.size(); ++j) {
+      result[j] = search_.fusion.log_likelihood(places.of(j));
     }
     return result;
   }
@@ -98,45 +110,58 @@ class Searcher {
   const CloseSearch& search_;
 };
 
+// Of the cells that may be looked at closely.
+std::vector<double> scores(const CloseSearch& search, const RoomMap& map, double exponent) {
+  const auto close = static_cast<std::ptrdiff_t>(search.compared.close);
+  std::vector<double> score(map.log_likelihood.begin(), map.log_likelihood.begin() + close);
+  for (double& one : score) {
+    one *= exponent;
+  }
+  for (std::size_t n = 0; n < search.focus.log_prior.size(); ++n) {
+    score[n] += search.focus.log_prior[n];
+  }
+  return score;
+}
+
 // At the one height: cell by cell.
 void search_cells(const CloseSearch& search, RoomMap& map) {
   const double exponent = search.likelihood_exponent;
-  std::vector<double>& cells = map.log_likelihood;
-  std::vector<double> score = cells;
-  for (std::size_t i = 0; i < search.focus.log_prior.size(); ++i) {
-    score[i] += search.focus.log_prior[i] / exponent;
-  }
-  const std::vector<std::size_t> order = best_of(score, kMostRefined, kRefinedMargin / exponent);
+  std::vector<double>& values = map.log_likelihood;
+  const std::vector<std::size_t> order =
+      best_of(scores(search, map, exponent), kMostRefined, kRefinedMargin);
   const CellMoments uniform = uniform_moments(search.grid);
-  for (const std::size_t cell : order) {
-    map.within.push_back({cell, {uniform, uniform, 1.0, {}}});
+  for (const std::size_t n : order) {
+    map.within.push_back({search.compared.cell(n), {uniform, uniform, 1.0, {}}});
   }
   const double finer = order.size() <= kMostFine ? 0.5 : 1.0;
   const Lattice lattice = places_of_cell(search.grid, finer * search.wavelength);
   const Searcher searcher(search);
-  parallel_for(order.size(), 1, [&](std::size_t n) {
-    const std::size_t cell = order[n];
+  parallel_for(order.size(), 1, [&](std::size_t rank) {
+    const std::size_t n = order[rank];
+    const std::size_t cell = search.compared.cell(n);
     const auto looks = searcher.look(cell, 0);
     if (!searcher.tells(cell, looks)) {
       return;
     }
-    const Places places = searcher.on(cell, looks, lattice, 0.0);
+    const Places places = searcher.on(cell, looks, lattice, {});
     const std::vector<double> fused = searcher.fused(places);
     const auto [log_mean, mass] = summarise_places(lattice, fused, exponent);
-    cells[cell] = log_mean;
-    map.within[n].second = mass;
+    values[n] = log_mean;
+    map.within[rank].second = mass;
     for (std::size_t i = 0; i < looks.size(); ++i) {
       double doubt = 0.0;
       for (std::size_t j = 0; j < places.size(); ++j) {
-        doubt += std::exp(exponent * (fused[j] - log_mean)) * search.fusion.faulty(i, places[j][i]);
+        doubt +=
+            std::exp(exponent * (fused[j] - log_mean)) * search.fusion.faulty(i, places.of(j)[i]);
       }
-      map.doubt[i][cell] = doubt / static_cast<double>(places.size());
+      map.doubt[i][n] = doubt / static_cast<double>(places.size());
     }
   });
 }
 
 // A cell and a layer of heights: probability masses are e^(log_mass).
 struct Box {
+  std::size_t number = 0;  // of the cell, in the map
   std::size_t cell = 0;
   std::size_t layer = 0;
   double log_mass = 0.0;      // of the box, its prior with it
@@ -161,18 +186,14 @@ class BoxSearch {
   }
 
   void run(RoomMap& map) const {
-    const double exponent = search_.likelihood_exponent;
-    std::vector<double> score(map.log_likelihood.size());
-    for (std::size_t cell = 0; cell < score.size(); ++cell) {
-      score[cell] = exponent * map.log_likelihood[cell] + prior(cell);
-    }
-    const std::vector<std::size_t> cells = best_of(score, kMostColumns, kColumnMargin);
+    const std::vector<std::size_t> cells =
+        best_of(scores(search_, map, search_.likelihood_exponent), kMostColumns, kColumnMargin);
     const std::size_t layers = weight_.size();
     std::vector<Box> boxes(cells.size() * layers);
     std::vector<double> box_score(boxes.size());
     parallel_for(boxes.size(), 4, [&](std::size_t n) {
       boxes[n] = as_a_whole(cells[n / layers], n % layers);
-      box_score[n] = boxes[n].log_mass + prior(boxes[n].cell);
+      box_score[n] = boxes[n].log_mass + prior(boxes[n].number);
     });
     const std::vector<std::size_t> closely =
         best_of(box_score, std::max<std::size_t>(1, kMostBoxes / search_.heard.size()), kBoxMargin);
@@ -183,12 +204,14 @@ class BoxSearch {
   }
 
  private:
-  double prior(std::size_t cell) const {
-    return search_.focus.log_prior.empty() ? 0.0 : search_.focus.log_prior[cell];
+  double prior(std::size_t number) const {
+    return search_.focus.log_prior.empty() ? 0.0 : search_.focus.log_prior[number];
   }
 
-  Box as_a_whole(std::size_t cell, std::size_t layer) const {
+  Box as_a_whole(std::size_t number, std::size_t layer) const {
+    const std::size_t cell = search_.compared.cell(number);
     Box box;
+    box.number = number;
     box.cell = cell;
     box.layer = layer;
     box.doubt.resize(search_.heard.size());
@@ -220,34 +243,39 @@ class BoxSearch {
       return;
     }
     const double exponent = search_.likelihood_exponent;
+    const std::vector<HeightSlice>& slices = slices_[box.layer];
+    const double step = slices.size() > 1 ? (slices.back().offset - slices.front().offset) /
+                                                static_cast<double>(slices.size() - 1)
+                                          : 0.0;
+    const double lowest = slices.front().offset - search_.heights.offset[box.layer];
+    const Places places = searcher_.on(box.cell, looks, lattice_, {lowest, step, slices.size()});
+    const std::vector<double> fused = searcher_.fused(places);
     std::vector<PlacesAtHeight> at_heights;
-    std::vector<Places> places;
-    for (const HeightSlice& slice : slices_[box.layer]) {
-      const double above = slice.offset - search_.heights.offset[box.layer];
-      places.push_back(searcher_.on(box.cell, looks, lattice_, above));
+    for (std::size_t h = 0; h < slices.size(); ++h) {
+      const auto begin = fused.begin() + static_cast<std::ptrdiff_t>(h * lattice_.size());
       PlacesAtHeight& at = at_heights.emplace_back();
-      at.height = slice.offset;
-      at.log_mass = searcher_.fused(places.back());
+      at.height = slices[h].offset;
+      at.log_mass.assign(begin, begin + static_cast<std::ptrdiff_t>(lattice_.size()));
+      const double share = std::log(slices[h].weight / static_cast<double>(lattice_.size()));
       for (double& one : at.log_mass) {
-        one = exponent * one + std::log(slice.weight / static_cast<double>(lattice_.size()));
+        one = exponent * one + share;
       }
     }
     auto [log_sum, mass] = summarise_box(lattice_, at_heights);
     box.log_mass = std::log(weight_[box.layer]) + log_sum;
     box.mass = mass;
     std::fill(box.doubt.begin(), box.doubt.end(), 0.0);
-    for (std::size_t h = 0; h < places.size(); ++h) {
-      for (std::size_t j = 0; j < places[h].size(); ++j) {
-        const double share = std::exp(at_heights[h].log_mass[j] - log_sum);
-        for (std::size_t i = 0; i < looks.size(); ++i) {
-          box.doubt[i] += share * search_.fusion.faulty(i, places[h][j][i]);
-        }
+    for (std::size_t j = 0; j < places.size(); ++j) {
+      const double share =
+          std::exp(at_heights[j / lattice_.size()].log_mass[j % lattice_.size()] - log_sum);
+      for (std::size_t i = 0; i < looks.size(); ++i) {
+        box.doubt[i] += share * search_.fusion.faulty(i, places.of(j)[i]);
       }
     }
   }
 
   void put_together(std::span<const Box> boxes, RoomMap& map) const {
-    const std::size_t cell = boxes.front().cell;
+    const std::size_t number = boxes.front().number;
     const auto best = std::max_element(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
       return a.log_mass + std::log(a.mass.best_share) < b.log_mass + std::log(b.mass.best_share);
     });
@@ -270,10 +298,10 @@ class BoxSearch {
       for (std::size_t layer = 0; layer < boxes.size(); ++layer) {
         doubt += parts[layer].share * boxes[layer].doubt[i];
       }
-      map.doubt[i][cell] = doubt;
+      map.doubt[i][number] = doubt;
     }
-    map.log_likelihood[cell] = (best->log_mass + std::log(sum)) / search_.likelihood_exponent;
-    map.within.emplace_back(cell, std::move(mass));
+    map.log_likelihood[number] = (best->log_mass + std::log(sum)) / search_.likelihood_exponent;
+    map.within.emplace_back(boxes.front().cell, std::move(mass));
   }
 
   const CloseSearch& search_;
@@ -284,6 +312,22 @@ class BoxSearch {
 };
 
 }  // namespace
+
+ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus) {
+  ComparedCells compared;
+  if (focus.cells.empty()) {
+    compared.close = grid.size();
+    return compared;
+  }
+  RAYLOC_CHECK(!focus.others.empty() && focus.cells.size() < grid.size());
+  compared.cells = focus.cells;
+  compared.cells.insert(compared.cells.end(), focus.others.begin(), focus.others.end());
+  compared.close = focus.cells.size();
+  compared.weights = {focus.cells.size(),
+                      static_cast<double>(grid.size() - focus.cells.size()) /
+                          static_cast<double>(focus.others.size())};
+  return compared;
+}
 
 void search_closely(const CloseSearch& search, RoomMap& map) {
   if (search.heights.is_known()) {

@@ -19,9 +19,25 @@ namespace rayloc {
 
 // What is known of a place before a burst; empty: nothing but the room's priors.
 struct SearchFocus {
-  std::vector<double> log_prior;     // [cell], natural logarithm
+  std::vector<double> log_prior;     // of `cells`, natural logarithm
   std::vector<double> layer_weight;  // [layer], probability
+  std::vector<std::size_t> cells;    // where the device may be; empty: in all cells of the room
+  // Of all other cells a sample, which stands for them. REQUIRES: not empty where `cells` is not.
+  std::vector<std::size_t> others;
 };
+
+// The cells that a burst is compared with, by their numbers in a map.
+struct ComparedCells {
+  std::vector<std::size_t> cells;  // empty: all cells of the room, in their order
+  std::size_t close = 0;           // so many of the first may be looked at closely
+  CellWeights weights;
+
+  std::size_t cell(std::size_t n) const { return cells.empty() ? n : cells[n]; }
+  std::size_t size(const RoomGrid& grid) const {
+    return cells.empty() ? grid.size() : cells.size();
+  }
+};
+ComparedCells compared_cells(const RoomGrid& grid, const SearchFocus& focus);
 
 struct CloseSearch {
   const RoomGrid& grid;
@@ -32,6 +48,7 @@ struct CloseSearch {
   const AccessPointFusion& fusion;
   double likelihood_exponent;
   const SearchFocus& focus;
+  const ComparedCells& compared;  // what the map is of
 };
 
 // The log-likelihood of cells that are looked at becomes that of the mean over their places.

@@ -94,12 +94,14 @@ class Localizer::Impl {
                                      LocationEstimate& estimate) const;
   AccessPointMaps maps_of(const std::vector<HeardArray>& heard,
                           double likelihood_exponent,
-                          double far_below) const;
+                          double far_below,
+                          const ComparedCells& compared) const;
   CloseSearch close_search(const std::vector<HeardArray>& heard,
                            const AccessPointMaps& maps,
                            const AccessPointFusion& fusion,
                            double likelihood_exponent,
-                           const SearchFocus& focus) const;
+                           const SearchFocus& focus,
+                           const ComparedCells& compared) const;
   void keep_explained(std::vector<HeardArray>& heard,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
@@ -171,28 +173,32 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
 // closely; far_below is taken from the others.
 AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
                                          double likelihood_exponent,
-                                         double far_below) const {
+                                         double far_below,
+                                         const ComparedCells& compared) const {
+  const std::size_t count = compared.size(grid_);
   AccessPointMaps maps;
   for (const HeardArray& one : heard) {
     maps.nowhere.push_back(one.map->nowhere(one.observed));
   }
-  maps.cell.assign(heard.size(), std::vector<double>(grid_.size()));
-  std::vector<std::vector<std::uint8_t>> windows(heard.size(),
-                                                 std::vector<std::uint8_t>(grid_.size()));
-  std::vector<double> sum(grid_.size());
+  maps.cell.assign(heard.size(), std::vector<double>(count));
+  std::vector<std::vector<std::uint8_t>> windows(heard.size(), std::vector<std::uint8_t>(count));
+  std::vector<double> sum(count);
   const auto above = [&](std::size_t i, std::size_t cell, double log_likelihood) {
     return log_likelihood - maps.nowhere[i] + heard[i].level_at(cell, likelihood_exponent);
   };
-  parallel_for(grid_.size(), 64, [&](std::size_t cell) {
+  parallel_for(count, 64, [&](std::size_t n) {
+    const std::size_t cell = compared.cell(n);
     for (std::size_t i = 0; i < heard.size(); ++i) {
       const AccessPointMap& ap = *heard[i].map;
-      ap.fetch(cell + 1);
+      if (n + 1 < count) {
+        ap.fetch(compared.cell(n + 1));
+      }
       if (ap.is_reachable(cell)) {
         const auto coarse = ap.coarse(cell, heard[i].observed);
-        windows[i][cell] = coarse.windows;
-        maps.cell[i][cell] = above(i, cell, coarse.log_likelihood);
+        windows[i][n] = coarse.windows;
+        maps.cell[i][n] = above(i, cell, coarse.log_likelihood);
       }
-      sum[cell] += maps.cell[i][cell];
+      sum[n] += maps.cell[i][n];
     }
   });
   const double least = *std::max_element(sum.begin(), sum.end()) - kCoarseMargin;
@@ -200,16 +206,17 @@ AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
   for (const std::vector<double>& one : maps.cell) {
     least_of_one.push_back(*std::max_element(one.begin(), one.end()) - kCoarseMargin);
   }
-  parallel_for(grid_.size(), 64, [&](std::size_t cell) {
+  parallel_for(count, 64, [&](std::size_t n) {
+    const std::size_t cell = compared.cell(n);
     for (std::size_t i = 0; i < heard.size(); ++i) {
-      if (cell + 1 < sum.size() && sum[cell + 1] >= least) {
-        heard[i].map->fetch(cell + 1);
+      if (n + 1 < count && sum[n + 1] >= least) {
+        heard[i].map->fetch(compared.cell(n + 1));
       }
-      double& value = maps.cell[i][cell];
-      if (sum[cell] < least && value < least_of_one[i]) {
+      double& value = maps.cell[i][n];
+      if (sum[n] < least && value < least_of_one[i]) {
         value -= far_below;
       } else if (heard[i].map->is_reachable(cell)) {
-        const double fine = heard[i].map->log_likelihood(cell, heard[i].observed, windows[i][cell]);
+        const double fine = heard[i].map->log_likelihood(cell, heard[i].observed, windows[i][n]);
         value = above(i, cell, fine);
       }
     }
@@ -221,7 +228,8 @@ CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
                                           const AccessPointMaps& maps,
                                           const AccessPointFusion& fusion,
                                           double likelihood_exponent,
-                                          const SearchFocus& focus) const {
+                                          const SearchFocus& focus,
+                                          const ComparedCells& compared) const {
   return {grid_,
           heights_,
           kSpeedOfLight / room_->grid.centre_hz,
@@ -229,7 +237,8 @@ CloseSearch Localizer::Impl::close_search(const std::vector<HeardArray>& heard,
           maps.nowhere,
           fusion,
           likelihood_exponent,
-          focus};
+          focus,
+          compared};
 }
 
 double Localizer::Impl::model_residual(const std::vector<HeardArray>& heard,
@@ -309,7 +318,9 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   if (observation.arrays.empty()) {
     return std::move(estimate);
   }
-  AccessPointMaps maps = maps_of(observation.arrays, likelihood_exponent, kFarBelow);
+  const SearchFocus anywhere;
+  const ComparedCells compared = compared_cells(grid_, anywhere);
+  AccessPointMaps maps = maps_of(observation.arrays, likelihood_exponent, kFarBelow, compared);
   keep_explained(observation.arrays, maps, estimate);
   if (observation.arrays.empty()) {
     return std::move(estimate);
@@ -318,7 +329,8 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
   const std::vector<double> faulty(observation.arrays.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
   RoomMap map = fuse(maps.cell, fusion);
-  search_closely(close_search(observation.arrays, maps, fusion, likelihood_exponent, {}), map);
+  search_closely(
+      close_search(observation.arrays, maps, fusion, likelihood_exponent, anywhere, compared), map);
   const double contradicted = fusion.elsewhere(
       log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
@@ -356,24 +368,29 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
                                               const SearchFocus& focus) const {
   std::vector<HeardArray> heard = observation.arrays;
   const double likelihood_exponent = room_->likelihood_exponent;
-  AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0);
+  const ComparedCells compared = compared_cells(grid_, focus);
+  AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0, compared);
   LocationEstimate unused;
   keep_explained(heard, maps, unused);
   if (heard.empty()) {
     return {};
   }
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
-  const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty);
+  const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
   Evidence result;
   if (look == Look::kPlaces) {
-    search_closely(close_search(heard, maps, fusion, likelihood_exponent, focus), map);
+    search_closely(close_search(heard, maps, fusion, likelihood_exponent, focus, compared), map);
     result.within = std::move(map.within);
   }
   result.log_likelihood = std::move(map.log_likelihood);
-  const double contradicted = fusion.elsewhere(
-      log_mean_exp(result.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
-  const double outside = take_outside(area_, likelihood_exponent, result.log_likelihood);
+  const double contradicted =
+      fusion.elsewhere(log_mean_exp(result.log_likelihood, likelihood_exponent, compared.weights),
+                       options_.faults.elsewhere);
+  const double outside = take_outside(
+      area_, likelihood_exponent, result.log_likelihood, compared.cells, compared.weights);
+  result.cells = compared.cells;
+  result.weights = compared.weights;
   result.elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
   return result;
 }

@@ -68,11 +68,14 @@ class Localizer {
     // divided by RoomModel::likelihood_exponent, which does not apply to it); empty when no place
     // explains the burst.
     std::vector<double> log_likelihood;
+    // Those that it is of, where the focus says where to look; empty: all of grid().
+    std::vector<std::size_t> cells;
+    CellWeights weights;
     double elsewhere = 0.0;  // probability that the burst says nothing of the place
     KnownCells within;       // where in the best cells; empty with kCells
   };
-  // `focus`: what is known of the place before the burst; it says where to look closely, and how
-  // high the device may be, and is not in the evidence.
+  // `focus`: what is known of the place before the burst; it says where to look, where to look
+  // closely and how high the device may be, and is not in the evidence.
   Evidence evidence(const RoomObservation& observation,
                     Look look = Look::kCells,
                     const SearchFocus& focus = {}) const;

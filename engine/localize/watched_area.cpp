@@ -57,7 +57,9 @@ WatchedArea watched_area(const RoomModel& room) {
 
 double take_outside(const WatchedArea& area,
                     double likelihood_exponent,
-                    std::vector<double>& log_likelihood) {
+                    std::vector<double>& log_likelihood,
+                    std::span<const std::size_t> cells,
+                    const CellWeights& weights) {
   if (area.inside.empty()) {
     return 0.0;
   }
@@ -65,9 +67,9 @@ double take_outside(const WatchedArea& area,
   double all = 0.0;
   double outside = 0.0;
   for (std::size_t i = 0; i < log_likelihood.size(); ++i) {
-    const double mass = std::exp(likelihood_exponent * (log_likelihood[i] - top));
+    const double mass = weights.of(i) * std::exp(likelihood_exponent * (log_likelihood[i] - top));
     all += mass;
-    if (area.inside[i] == 0) {
+    if (area.inside[cells.empty() ? i : cells[i]] == 0) {
       outside += mass;
       log_likelihood[i] = AccessPointFusion::kNothing;
     }

@@ -7,8 +7,10 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
+#include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/room_model.h"
 
@@ -24,9 +26,11 @@ struct WatchedArea {
 WatchedArea watched_area(const RoomModel& room);
 
 // The probability of the cells that are not in the area, by a map of log-likelihoods; their cells
-// become AccessPointFusion::kNothing.
+// become AccessPointFusion::kNothing. cells: those that the map is of; empty: all.
 double take_outside(const WatchedArea& area,
                     double likelihood_exponent,
-                    std::vector<double>& log_likelihood);
+                    std::vector<double>& log_likelihood,
+                    std::span<const std::size_t> cells = {},
+                    const CellWeights& weights = {});
 
 }  // namespace rayloc

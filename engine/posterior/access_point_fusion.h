@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -27,13 +28,23 @@ struct FaultPrior {
   double elsewhere = 0.015;     // the device is not in the area
 };
 
+// How many cells of a room each value of a map stands for: 1 for the first `ones` of them, which
+// are looked at themselves, and `others` for those behind, which are a sample of the rest.
+struct CellWeights {
+  std::size_t ones = std::numeric_limits<std::size_t>::max();
+  double others = 1.0;
+
+  double of(std::size_t n) const { return n < ones ? 1.0 : others; }
+};
+
 class AccessPointFusion {
  public:
-  // maps: [access point][cell], log-likelihoods of all cells of the room; not empty.
-  // faulty: of each access point, e_i; in (0, 1).
+  // maps: [access point][cell], log-likelihoods of all cells of the room, or of some that stand for
+  // it; not empty. faulty: of each access point, e_i; in (0, 1).
   AccessPointFusion(std::span<const std::vector<double>> maps,
                     double likelihood_exponent,
-                    std::span<const double> faulty);
+                    std::span<const double> faulty,
+                    const CellWeights& weights = {});
 
   std::size_t size() const { return log_mean_.size(); }
 
@@ -49,14 +60,17 @@ class AccessPointFusion {
 
  private:
   double likelihood_exponent_;
-  std::vector<double> faulty_;    // e_i
-  std::vector<double> log_mean_;  // ln Z_i
+  std::vector<double> log_mean_;   // ln Z_i
+  std::vector<double> log_right_;  // ln (1 - e_i)
+  std::vector<double> log_wrong_;  // ln (e_i Z_i)
   double log_nothing_ = 0.0;      // ln prod e_i Z_i
 };
 
 // ln (e^a + e^b).
 double log_add(double a, double b);
 // ln of the mean of exp(likelihood_exponent l).
-double log_mean_exp(std::span<const double> log_likelihood, double likelihood_exponent);
+double log_mean_exp(std::span<const double> log_likelihood,
+                    double likelihood_exponent,
+                    const CellWeights& weights = {});
 
 }  // namespace rayloc

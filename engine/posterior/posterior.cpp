@@ -396,7 +396,8 @@ void summarise_posterior(const RoomGrid& grid,
                       of_cells,
                       uniform_moments(grid),
                       options.least_sigma};
-  if (effective_cells(masses.mass) > kMostSpread * static_cast<double>(grid.size())) {
+  const double cells = std::max(static_cast<double>(grid.size()), options.cells_of_room);
+  if (effective_cells(masses.mass) > kMostSpread * cells) {
     estimate.reason = "the likelihood is flat: the frames fit everywhere in the room";
     return;
   }

@@ -66,6 +66,9 @@ struct PosteriorOptions {
   // Probability that the map says nothing of the place: left over, whatever the map says.
   double outlier = 0.0;
   double least_sigma = 0.01;  // [m], added to what the map says (RoomModel::least_sigma)
+  // Of the room, where the grid is a part of it that holds all but `outlier` of the mass; 0: the
+  // grid is all of it.
+  double cells_of_room = 0.0;
 };
 
 // Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the

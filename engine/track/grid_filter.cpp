@@ -1,6 +1,7 @@
 #include "engine/track/grid_filter.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -14,24 +15,9 @@ namespace {
 constexpr int kDirections = 8;  // a count, METHODS B6: 45 degrees apart
 // Probability below which a cell is empty; keeps the arithmetic out of the subnormal numbers.
 constexpr float kEmpty = 1e-30F;
-
-// Moves `share` of each cell's mass over the link to the cell `stride` further, or back from it.
-// The order of the cells is such that no mass moves twice.
-void move(const std::vector<std::uint8_t>& links,
-          std::size_t stride,
-          double share,
-          std::vector<float>& mass) {
-  const auto part = static_cast<float>(std::abs(share));
-  const std::size_t count = mass.size() - stride;
-  for (std::size_t n = 0; n < count; ++n) {
-    const std::size_t i = share > 0.0 ? count - 1 - n : n;
-    const std::size_t from = share > 0.0 ? i : i + stride;
-    const std::size_t to = share > 0.0 ? i + stride : i;
-    const float flow = links[i] != 0 ? part * mass[from] : 0.0F;
-    mass[from] -= flow;
-    mass[to] += flow;
-  }
-}
+// Probability, chosen, below which that of being outside of a window never falls: the window may be
+// wrong, and what bursts say of the rest of the room is a sample's word.
+constexpr double kLeastAway = 1e-4;
 
 double sum_of(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
@@ -40,7 +26,9 @@ double sum_of(const std::vector<float>& values) {
 }  // namespace
 
 GridFilter::GridFilter(std::shared_ptr<const FreeSpace> space, MotionModel motion)
-    : space_(std::move(space)), motion_(std::move(motion)) {
+    : space_(std::move(space)),
+      motion_(std::move(motion)),
+      window_(CellWindow::all_of(space_->grid)) {
   RAYLOC_CHECK(!motion_.walking_speeds.empty());
   modes_.push_back({0.0, 0.0, {space_->free.begin(), space_->free.end()}});
   const auto walks = static_cast<float>(kDirections * motion_.walking_speeds.size());
@@ -62,6 +50,11 @@ void GridFilter::normalise() {
   double sum = 0.0;
   for (const Mode& mode : modes_) {
     sum += sum_of(mode.mass);
+  }
+  if (!window_.is_all_of(space_->grid)) {
+    away_ = std::max(away_, kLeastAway * (sum + away_));
+    sum += away_;
+    away_ /= sum;
   }
   const auto scale = static_cast<float>(1.0 / sum);
   for (Mode& mode : modes_) {
@@ -93,14 +86,50 @@ void GridFilter::change_modes(double seconds) {
   }
 }
 
+// Moves `share` of each cell's mass over the link to the next cell in x, or back from it. The order
+// of the cells is such that no mass moves twice.
+void GridFilter::move_x(double share, std::vector<float>& mass) const {
+  const auto part = static_cast<float>(std::abs(share));
+  const std::size_t columns = window_.count_y;
+  for (std::size_t n = 0; n + 1 < window_.count_x; ++n) {
+    const std::size_t x = share > 0.0 ? window_.count_x - 2 - n : n;
+    const std::uint8_t* links = space_->link_x.data() + window_.cell(x * columns, space_->grid);
+    float* from = mass.data() + (share > 0.0 ? x : x + 1) * columns;
+    float* to = mass.data() + (share > 0.0 ? x + 1 : x) * columns;
+    for (std::size_t y = 0; y < columns; ++y) {
+      const float flow = links[y] != 0 ? part * from[y] : 0.0F;
+      from[y] -= flow;
+      to[y] += flow;
+    }
+  }
+}
+
+// The same in y.
+void GridFilter::move_y(double share, std::vector<float>& mass) const {
+  const auto part = static_cast<float>(std::abs(share));
+  const std::size_t columns = window_.count_y;
+  for (std::size_t x = 0; x < window_.count_x; ++x) {
+    const std::uint8_t* links = space_->link_y.data() + window_.cell(x * columns, space_->grid);
+    float* row = mass.data() + x * columns;
+    for (std::size_t n = 0; n + 1 < columns; ++n) {
+      const std::size_t y = share > 0.0 ? columns - 2 - n : n;
+      const std::size_t from = share > 0.0 ? y : y + 1;
+      const std::size_t to = share > 0.0 ? y + 1 : y;
+      const float flow = links[y] != 0 ? part * row[from] : 0.0F;
+      row[from] -= flow;
+      row[to] += flow;
+    }
+  }
+}
+
 void GridFilter::carry(Mode& mode, double seconds) const {
   const RoomGrid& grid = space_->grid;
   const double cells_x = mode.velocity_x * seconds / grid.step_x;
   const double cells_y = mode.velocity_y * seconds / grid.step_y;
   const double steps = std::max(1.0, std::ceil(std::max(std::abs(cells_x), std::abs(cells_y))));
   for (auto left = static_cast<std::size_t>(steps); left > 0; --left) {
-    move(space_->link_x, grid.count_y, cells_x / steps, mode.mass);
-    move(space_->link_y, 1, cells_y / steps, mode.mass);
+    move_x(cells_x / steps, mode.mass);
+    move_y(cells_y / steps, mode.mass);
   }
 }
 
@@ -120,6 +149,10 @@ void GridFilter::predict(Duration elapsed) {
 void GridFilter::weigh_change(double change) {
   const auto stand = static_cast<float>(std::pow(motion_.change_odds, -change));
   const auto walk = static_cast<float>(std::pow(motion_.change_odds, change - 1.0));
+  if (away_ > 0.0) {  // where it is says nothing of how it moves
+    const double standing = this->standing();
+    away_ *= standing * static_cast<double>(stand) + (1.0 - standing) * static_cast<double>(walk);
+  }
   for (Mode& mode : modes_) {
     const float weight = &mode == &modes_.front() ? stand : walk;
     for (float& value : mode.mass) {
@@ -129,33 +162,142 @@ void GridFilter::weigh_change(double change) {
   normalise();
 }
 
-void GridFilter::update(std::span<const double> log_likelihood, double exponent, double elsewhere) {
-  RAYLOC_CHECK(log_likelihood.size() == space_->grid.size() && exponent >= 0.0);
-  const double top = *std::max_element(log_likelihood.begin(), log_likelihood.end());
-  std::vector<double> likelihood(log_likelihood.size());
+GridFilter::Relative GridFilter::relative(const Sampled& burst,
+                                          double exponent,
+                                          double outlier) const {
+  const double top = *std::max_element(burst.log_likelihood.begin(), burst.log_likelihood.end());
+  Relative result;
+  result.of.resize(burst.log_likelihood.size());
   double sum = 0.0;
   double cells = 0.0;
-  for (std::size_t i = 0; i < likelihood.size(); ++i) {
-    if (space_->free[i] != 0) {
-      likelihood[i] = std::exp(exponent * (log_likelihood[i] - top));
-      sum += likelihood[i];
-      cells += 1.0;
+  for (std::size_t n = 0; n < result.of.size(); ++n) {
+    if (space_->free[burst.cells.empty() ? n : burst.cells[n]] != 0) {
+      const double weight = burst.weights.of(n);
+      result.of[n] = std::exp(exponent * (burst.log_likelihood[n] - top));
+      sum += weight * result.of[n];
+      cells += weight;
     }
   }
-  const double outlier = std::clamp(elsewhere, motion_.outlier, 1.0);
   // Over the mean of the free cells, so that numbers stay near 1.
-  const double scale = sum > 0.0 ? (1.0 - outlier) * cells / sum : 0.0;
-  for (std::size_t i = 0; i < likelihood.size(); ++i) {
-    const auto value = static_cast<float>(scale * likelihood[i] + outlier);
-    for (Mode& mode : modes_) {
-      mode.mass[i] *= value;
+  result.scale = sum > 0.0 ? (1.0 - outlier) * cells / sum : 0.0;
+  return result;
+}
+
+void GridFilter::update(std::span<const double> log_likelihood, double exponent, double elsewhere) {
+  RAYLOC_CHECK(log_likelihood.size() == space_->grid.size());
+  update(Sampled{log_likelihood, {}, {}}, exponent, elsewhere);
+}
+
+void GridFilter::update(const Sampled& burst, double exponent, double elsewhere) {
+  RAYLOC_CHECK(exponent >= 0.0 && !burst.log_likelihood.empty());
+  const double outlier = std::clamp(elsewhere, motion_.outlier, 1.0);
+  const Relative likelihood = relative(burst, exponent, outlier);
+  std::vector<float> values(window_.size(), 1.0F);
+  for (std::size_t n = 0; n < likelihood.of.size(); ++n) {
+    const auto at = window_.number(burst.cells.empty() ? n : burst.cells[n], space_->grid);
+    if (at) {
+      values[*at] = static_cast<float>(likelihood.scale * likelihood.of[n] + outlier);
+    }
+  }
+  for (Mode& mode : modes_) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      mode.mass[i] *= values[i];
     }
   }
   normalise();
 }
 
+// Mass outside of the window is away, what was away stays so; cells that come in are empty.
+void GridFilter::take(const CellWindow& window) {
+  const RoomGrid& grid = space_->grid;
+  for (Mode& mode : modes_) {
+    std::vector<float> mass(window.size());
+    double kept = 0.0;
+    const double before = sum_of(mode.mass);
+    for (std::size_t n = 0; n < mass.size(); ++n) {
+      if (const auto from = window_.number(window.cell(n, grid), grid)) {
+        mass[n] = mode.mass[*from];
+        kept += static_cast<double>(mass[n]);
+      }
+    }
+    away_ += std::max(0.0, before - kept);
+    mode.mass = std::move(mass);
+  }
+  window_ = window;
+}
+
+void GridFilter::narrow(double share, Duration reach) {
+  const RoomGrid& grid = space_->grid;
+  std::vector<double> by_x(window_.count_x);
+  std::vector<double> by_y(window_.count_y);
+  double all = 0.0;
+  for (const Mode& mode : modes_) {
+    for (std::size_t i = 0; i < mode.mass.size(); ++i) {
+      const auto mass = static_cast<double>(mode.mass[i]);
+      by_x[i / window_.count_y] += mass;
+      by_y[i % window_.count_y] += mass;
+      all += mass;
+    }
+  }
+  const double fastest =
+      *std::max_element(motion_.walking_speeds.begin(), motion_.walking_speeds.end());
+  // From the first on and behind the last, of the room.
+  const auto kept = [&](const std::vector<double>& masses,
+                        std::size_t first,
+                        std::size_t most,
+                        double step) -> std::array<std::size_t, 2> {
+    const double out = 0.25 * share * all;  // of what may be left out, on each of four sides
+    std::size_t begin = 0;
+    std::size_t end = masses.size();
+    for (double sum = masses[begin]; sum <= out && begin + 1 < end; sum += masses[begin]) {
+      ++begin;
+    }
+    for (double sum = masses[end - 1]; sum <= out && begin + 1 < end; sum += masses[end - 1]) {
+      --end;
+    }
+    const auto beside = static_cast<std::size_t>(std::ceil(fastest * to_seconds(reach) / step)) + 1;
+    begin += first;
+    end += first;
+    return {begin - std::min(begin, beside), std::min(end + beside, most)};
+  };
+  const auto x = kept(by_x, window_.first_x, grid.count_x, grid.step_x);
+  const auto y = kept(by_y, window_.first_y, grid.count_y, grid.step_y);
+  const CellWindow next{x[0], y[0], x[1] - x[0], y[1] - y[0]};
+  if (next.is_all_of(grid)) {
+    widen();
+  } else {
+    take(next);
+  }
+}
+
+void GridFilter::widen() {
+  const RoomGrid& grid = space_->grid;
+  if (window_.is_all_of(grid)) {
+    return;
+  }
+  const CellWindow before = window_;
+  const auto is_other = [&](std::size_t cell) {
+    return space_->free[cell] != 0 && !before.number(cell, grid);
+  };
+  double others = 0.0;
+  for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+    others += is_other(cell) ? 1.0 : 0.0;
+  }
+  take(CellWindow::all_of(grid));
+  const double each = others > 0.0 ? away_ / others : 0.0;
+  const auto walks = static_cast<double>(modes_.size() - 1);
+  for (Mode& mode : modes_) {
+    const auto of_mode = static_cast<float>(0.5 * each / (&mode == &modes_.front() ? 1.0 : walks));
+    for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+      mode.mass[cell] += is_other(cell) ? of_mode : 0.0F;
+    }
+  }
+  away_ = 0.0;
+  normalise();
+}
+
 std::vector<double> GridFilter::mass() const {
-  std::vector<double> mass(space_->grid.size());
+  std::vector<double> mass(window_.size());
   for (const Mode& mode : modes_) {
     for (std::size_t cell = 0; cell < mass.size(); ++cell) {
       mass[cell] += static_cast<double>(mode.mass[cell]);
@@ -168,6 +310,8 @@ std::vector<double> GridFilter::mass() const {
   return mass;
 }
 
-double GridFilter::standing() const { return sum_of(modes_.front().mass); }
+double GridFilter::standing() const {
+  return sum_of(modes_.front().mass) / std::max(1.0 - away_, kLeastAway);
+}
 
 }  // namespace rayloc

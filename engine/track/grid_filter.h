@@ -4,13 +4,20 @@
 // directions at two speeds. A walking mass moves over the open links of FreeSpace, so that it
 // passes no wall; what a step carries only part of the way to the next cell spreads it, which
 // stands for the speeds between. A walk keeps its direction for about a second.
+//
+// A filter may narrow itself to a window of the room that holds nearly all of its mass: it then
+// costs and takes what the window does, whatever the size of the room. The rest of the mass is one
+// number, away(), of a target that is anywhere else. The window moves and grows with the mass.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "engine/base/timestamp.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/track/cell_window.h"
 #include "engine/track/free_space.h"
 
 namespace rayloc {
@@ -40,23 +47,49 @@ class GridFilter {
 
   // What a burst says of every cell; `exponent` tempers it.
   void update(std::span<const double> log_likelihood, double exponent, double elsewhere = 0.0);
+  // What it says of some cells that stand for the room. Of cells that it was not compared with it
+  // says no more than of the room in the mean.
+  struct Sampled {
+    std::span<const double> log_likelihood;
+    std::span<const std::size_t> cells;  // empty: all
+    CellWeights weights;
+  };
+  void update(const Sampled& burst, double exponent, double elsewhere);
 
-  std::vector<double> mass() const;  // of all modes, sums to 1
-  double standing() const;           // probability
+  // To the least window that leaves out no more than `share` of the mass, and beside it whatever a
+  // walk reaches within `reach`. For predict(reach) to come.
+  void narrow(double share, Duration reach);
+  // To the whole room: the mass that is away is anywhere else in it.
+  void widen();
+  const CellWindow& window() const { return window_; }
+  double away() const { return away_; }  // probability
+
+  std::vector<double> mass() const;  // [cell of window()], of all modes, sums to 1
+  double standing() const;           // probability, of a target in the window
 
  private:
   struct Mode {
     double velocity_x = 0.0;  // [m/s]
     double velocity_y = 0.0;
-    std::vector<float> mass;
+    std::vector<float> mass;  // [cell of window_]
+  };
+  struct Relative {  // likelihoods over the mean of the free cells
+    std::vector<double> of;
+    double scale = 0.0;
   };
 
   void normalise();
   void change_modes(double seconds);
   void carry(Mode& mode, double seconds) const;
+  void move_x(double share, std::vector<float>& mass) const;
+  void move_y(double share, std::vector<float>& mass) const;
+  void take(const CellWindow& window);
+  Relative relative(const Sampled& burst, double exponent, double outlier) const;
 
   std::shared_ptr<const FreeSpace> space_;
   MotionModel motion_;
+  CellWindow window_;
+  double away_ = 0.0;
   std::vector<Mode> modes_;  // the first stands
 };
 

@@ -4,12 +4,20 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/base/highest.h"
+
 namespace rayloc {
 namespace {
 
 constexpr double kLeastWeight = 0.02;   // of a burst that is worth working out the map for
 constexpr double kLeastMass = 1e-300;   // a probability, chosen: keeps its logarithm finite
 constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
+// Probabilities, chosen: what a window leaves out, and what of it no burst is compared with ...
+constexpr double kOutOfWindow = 1e-4;
+constexpr double kNotCompared = 1e-3;
+// ... and of being out of the window, from which on the whole room is looked at.
+constexpr double kMostAway = 0.02;
+constexpr std::size_t kOthers = 128;  // a count, chosen: cells that stand for the rest of the room
 // [s], chosen: a step or two of a walk.
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
@@ -20,6 +28,18 @@ std::vector<double> logarithm(std::vector<double> mass) {
   return mass;
 }
 
+// Of a cell; 0 of one that the burst was not compared with. The first of its cells are in order.
+double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
+  if (evidence.cells.empty()) {
+    return evidence.log_likelihood[cell];
+  }
+  const auto end = evidence.cells.begin() + static_cast<std::ptrdiff_t>(evidence.weights.ones);
+  const auto found = std::lower_bound(evidence.cells.begin(), end, cell);
+  return found != end && *found == cell
+             ? evidence.log_likelihood[static_cast<std::size_t>(found - evidence.cells.begin())]
+             : 0.0;
+}
+
 }  // namespace
 
 Track::Track(std::shared_ptr<const Localizer> localizer,
@@ -28,7 +48,8 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
     : localizer_(std::move(localizer)),
       options_(options),
       aligner_(localizer_->room().grid),
-      filter_(std::move(space), options.motion) {}
+      space_(std::move(space)),
+      filter_(space_, options.motion) {}
 
 // Share of the power that differs from the last burst, mean over the access points that heard both.
 std::optional<double> Track::change_of(const RoomObservation& observation) const {
@@ -70,7 +91,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+    evidence = look(observation);
     if (map.empty()) {
       return false;
     }
@@ -80,26 +101,98 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   }
   credit_ = credit;
   if (!map.empty()) {
-    filter_.update(map, weight * localizer_->room().likelihood_exponent, evidence.elsewhere);
+    filter_.update(GridFilter::Sampled{map, evidence.cells, evidence.weights},
+                   weight * localizer_->room().likelihood_exponent,
+                   evidence.elsewhere);
     within_ = std::move(evidence.within);
     credit_ += weight;
     const auto mass = filter_.mass();
     learn_height(mass, weight);
-    const auto peak = std::max_element(mass.begin(), mass.end()) - mass.begin();
-    loss_ = -map[static_cast<std::size_t>(peak)];
+    const auto peak =
+        static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
+    loss_ = -value_of(evidence, filter_.window().cell(peak, space_->grid));
   }
   last_ = observation.arrays;
   ++bursts_;
   return true;
 }
 
-// Where the filter has the device, and how high: what is said of the burst does not depend on it,
-// but where the burst is looked at closely.
-SearchFocus Track::focus() const {
-  if (localizer_->heights().is_known() || layers_.empty()) {
-    return {};
+// At the whole room where the filter has it, and where nothing in the window explains the burst.
+Localizer::Evidence Track::look(const RoomObservation& observation) {
+  if (filter_.away() > kMostAway) {
+    filter_.widen();
   }
-  return {logarithm(filter_.mass()), layers_};
+  auto evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+  if (evidence.log_likelihood.empty() && !filter_.window().is_all_of(space_->grid)) {
+    filter_.widen();
+    evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+  }
+  return evidence;
+}
+
+// Where the filter has the device, and how high: what is said of the burst does not depend on it,
+// but where the burst is looked at, and where closely.
+SearchFocus Track::focus() const {
+  SearchFocus focus;
+  const CellWindow& window = filter_.window();
+  if (!localizer_->heights().is_known()) {
+    focus.layer_weight = layers_;
+  }
+  if (window.is_all_of(space_->grid)) {
+    if (!layers_.empty()) {
+      focus.log_prior = logarithm(filter_.mass());
+    }
+    return focus;
+  }
+  const std::vector<double> mass = filter_.mass();
+  const std::vector<std::size_t> order = highest(mass, mass.size());
+  double left = 1.0;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < order.size() && left > kNotCompared; ++i) {
+    numbers.push_back(order[i]);
+    left -= mass[order[i]];
+  }
+  std::sort(numbers.begin(), numbers.end());
+  for (const std::size_t number : numbers) {
+    focus.cells.push_back(window.cell(number, space_->grid));
+    focus.log_prior.push_back(std::log(std::max(mass[number], kLeastMass)));
+  }
+  focus.others = sample_of_others(focus.cells);
+  if (focus.others.empty()) {
+    focus.cells.clear();
+    focus.log_prior.clear();
+  }
+  return focus;
+}
+
+// A lattice over the room, another one with every burst, so that in time all of it is looked at.
+// `cells`: in order.
+std::vector<std::size_t> Track::sample_of_others(const std::vector<std::size_t>& cells) const {
+  const RoomGrid& grid = space_->grid;
+  const auto stride = static_cast<std::size_t>(
+      std::max(1.0, std::round(std::sqrt(static_cast<double>(grid.size()) / kOthers))));
+  // From one lattice to the next by about the golden section of their number.
+  const std::size_t lattices = stride * stride;
+  const std::size_t turn = bursts_ % lattices *
+                           static_cast<std::size_t>(0.618 * static_cast<double>(lattices)) %
+                           lattices;
+  std::vector<std::size_t> others;
+  for (std::size_t x = turn / stride; x < grid.count_x; x += stride) {
+    for (std::size_t y = turn % stride; y < grid.count_y; y += stride) {
+      const std::size_t cell = x * grid.count_y + y;
+      if (space_->free[cell] != 0 && !std::binary_search(cells.begin(), cells.end(), cell)) {
+        others.push_back(cell);
+      }
+    }
+  }
+  return others;
+}
+
+// To where the device may be when `reach` has gone by. The first bursts are of the whole room.
+void Track::narrow(Duration reach) {
+  if (!options_.is_exhaustive && bursts_ > 0) {
+    filter_.narrow(kOutOfWindow, reach);
+  }
 }
 
 // The height is a probability of each layer, the same wherever the device is. A burst of which only
@@ -115,10 +208,14 @@ void Track::learn_height(const std::vector<double>& mass, double weight) {
   std::vector<double> said(layers_.size());
   double known = 0.0;
   for (const auto& [cell, of_cell] : within_) {
-    for (std::size_t layer = 0; layer < said.size(); ++layer) {
-      said[layer] += mass[cell] * static_cast<double>(of_cell.layers[layer]);
+    const auto number = filter_.window().number(cell, space_->grid);
+    if (!number) {
+      continue;
     }
-    known += mass[cell];
+    for (std::size_t layer = 0; layer < said.size(); ++layer) {
+      said[layer] += mass[*number] * static_cast<double>(of_cell.layers[layer]);
+    }
+    known += mass[*number];
   }
   double sum = 0.0;
   for (std::size_t layer = 0; layer < said.size(); ++layer) {
@@ -156,6 +253,7 @@ void Track::spread_height(double seconds) {
 
 void Track::advance(Timestamp time) {
   if (state_) {
+    narrow(time - time_);
     filter_.predict(time - time_);
     spread_height(to_seconds(time - time_));
   }
@@ -176,15 +274,23 @@ void Track::enter(TrackState state,
 FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& within) const {
   FilteredEstimate estimate;
   location.reason.clear();
-  summarise_posterior(localizer_->grid(),
+  const CellWindow& window = filter_.window();
+  KnownCells in_window;
+  for (const auto& [cell, mass] : within) {
+    if (const auto number = window.number(cell, space_->grid)) {
+      in_window.emplace_back(*number, mass);
+    }
+  }
+  summarise_posterior(window.grid_of(space_->grid),
                       logarithm(filter_.mass()),
                       {1.0,
                        location.accuracy_confidence,
                        localizer_->options().max_hypotheses,
-                       0.0,
-                       localizer_->room().least_sigma},
+                       filter_.away(),
+                       localizer_->room().least_sigma,
+                       static_cast<double>(space_->grid.size())},
                       location,
-                      within);
+                      in_window);
   location.loss = loss_;
   estimate.location = std::move(location);
   estimate.standing = filter_.standing();

@@ -47,6 +47,9 @@ struct TrackOptions {
   // [1/s], by which a height is less known again: of being another than before.
   double height_change_rate = 0.05;
   double height_speed = 0.1;  // [m/s], of a device that is carried
+  // Every burst is compared with the whole room, and the filter keeps all of it: the reference of
+  // what is compared where the device may be.
+  bool is_exhaustive = false;
 };
 
 // Why a moment gave no estimate.
@@ -85,8 +88,11 @@ class Track {
   double motion_of(double change, const RoomObservation& observation) const;
   bool weigh(const RoomObservation& observation, Duration elapsed);
   SearchFocus focus() const;
+  std::vector<std::size_t> sample_of_others(const std::vector<std::size_t>& cells) const;
+  Localizer::Evidence look(const RoomObservation& observation);
   void spread_height(double seconds);
   void learn_height(const std::vector<double>& mass, double weight);
+  void narrow(Duration reach);
   void enter(TrackState state, Timestamp time, std::string reason, FilteredEstimate& estimate);
   void advance(Timestamp time);
   FilteredEstimate predict(Timestamp time);
@@ -96,6 +102,7 @@ class Track {
   std::shared_ptr<const Localizer> localizer_;
   TrackOptions options_;
   Aligner aligner_;
+  std::shared_ptr<const FreeSpace> space_;
   GridFilter filter_;
   std::optional<TrackState> state_;  // nothing before the first usable burst
   Timestamp time_;                   // of the filter

@@ -78,6 +78,35 @@ Walk walk(const Localizer& localizer, DeviceTracker& tracker) {
   return result;
 }
 
+// The place that the whole room says is likeliest stays among those of the window.
+TEST(DeviceTracker, WindowKeepsTheFirstHypothesisOfTheWholeRoom) {
+  for (const std::size_t access_points : {std::size_t{1}, std::size_t{2}}) {
+    DeviceTrackerOptions whole;
+    whole.track.is_exhaustive = true;
+    DeviceTracker exhaustive(localizer(access_points), whole);
+    DeviceTracker tracker(localizer(access_points), {});
+    const auto expected = walk(*localizer(access_points), exhaustive).updates;
+    const auto found = walk(*localizer(access_points), tracker).updates;
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const LocationEstimate& all = expected[i].estimate.location;
+      const LocationEstimate& part = found[i].estimate.location;
+      ASSERT_EQ(all.position.has_value(), part.position.has_value()) << i;
+      if (all.hypotheses.empty()) {
+        continue;
+      }
+      const Vec3d& first = all.hypotheses.front().position;
+      EXPECT_TRUE(std::any_of(part.hypotheses.begin(),
+                              part.hypotheses.end(),
+                              [&](const auto& one) {
+                                return std::hypot(one.position.x - first.x,
+                                                  one.position.y - first.y) < 0.15;
+                              }))
+          << access_points << ' ' << i;
+    }
+  }
+}
+
 TEST(DeviceTracker, FollowsAWalkBetterThanSnapshots) {
   DeviceTracker tracker(localizer(), {});
   const Walk result = walk(*localizer(), tracker);

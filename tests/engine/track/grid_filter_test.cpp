@@ -195,6 +195,29 @@ TEST(GridFilter, ChangeTellsAWalkFromAStand) {
   EXPECT_NEAR(filter.standing(), 0.5, 1e-6);
 }
 
+TEST(GridFilter, WindowHoldsWhatTheWholeRoomHolds) {
+  const auto space = empty_room();
+  GridFilter whole(space, {});
+  put_at(whole, space->grid, 1.0, -1.0);
+  put_at(whole, space->grid, 1.0, -1.0);
+  GridFilter narrowed = whole;
+  const Duration time = std::chrono::milliseconds(200);
+  narrowed.narrow(1e-3, time);
+  EXPECT_LT(narrowed.window().size(), space->grid.size() / 4);
+  whole.predict(time);
+  narrowed.predict(time);
+  EXPECT_LT(narrowed.away(), 2e-3);
+  const auto all = whole.mass();
+  const auto part = narrowed.mass();
+  for (std::size_t n = 0; n < part.size(); ++n) {
+    EXPECT_NEAR(part[n], all[narrowed.window().cell(n, space->grid)], 2e-3);
+  }
+  narrowed.widen();
+  EXPECT_EQ(narrowed.window().size(), space->grid.size());
+  EXPECT_EQ(narrowed.away(), 0.0);
+  EXPECT_NEAR(mean_x(narrowed, space->grid), mean_x(whole, space->grid), 0.01);
+}
+
 TEST(GridFilter, OneWrongBurstIsForgiven) {
   const auto space = empty_room();
   GridFilter filter(space, {});

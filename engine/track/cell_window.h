@@ -1,0 +1,42 @@
+// CellWindow: a rectangle of the cells of a room's grid.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "engine/posterior/posterior.h"
+
+namespace rayloc {
+
+struct CellWindow {
+  std::size_t first_x = 0;
+  std::size_t first_y = 0;
+  std::size_t count_x = 0;
+  std::size_t count_y = 0;
+
+  static CellWindow all_of(const RoomGrid& grid) { return {0, 0, grid.count_x, grid.count_y}; }
+  bool is_all_of(const RoomGrid& grid) const { return size() == grid.size(); }
+  std::size_t size() const { return count_x * count_y; }
+
+  // Of the room, by its number in the window; and back, nothing where it is not in there.
+  std::size_t cell(std::size_t number, const RoomGrid& grid) const {
+    return (first_x + number / count_y) * grid.count_y + first_y + number % count_y;
+  }
+  std::optional<std::size_t> number(std::size_t cell, const RoomGrid& grid) const {
+    const std::size_t x = cell / grid.count_y - first_x;  // wraps below the first
+    const std::size_t y = cell % grid.count_y - first_y;
+    return x < count_x && y < count_y ? std::optional(x * count_y + y) : std::nullopt;
+  }
+
+  // A grid of these cells alone.
+  RoomGrid grid_of(const RoomGrid& grid) const {
+    RoomGrid part = grid;
+    part.first.x += grid.step_x * static_cast<double>(first_x);
+    part.first.y += grid.step_y * static_cast<double>(first_y);
+    part.count_x = count_x;
+    part.count_y = count_y;
+    return part;
+  }
+};
+
+}  // namespace rayloc
