@@ -67,6 +67,7 @@ Expected<MethodOptions> method_options(const MethodArguments& options) {
   const Method& method = *find_method(options.name);
   MethodOptions told;
   told.seed = options.seed;
+  told.is_exhaustive = options.exhaustive;
   if (!options.start.empty()) {
     auto start = read_start(options.start, method);
     if (!start) {
@@ -133,6 +134,9 @@ void add_method_options(OptionParser& app, MethodArguments& options) {
   app.add_option("--start",
                  options.start,
                  "X,Y [m] where the first descent of paper begins, instead of a random place");
+  app.add_flag("--exhaustive",
+               options.exhaustive,
+               "compare every burst of a track with the whole room; else with where it may be");
 }
 
 }  // namespace rayloc::cli

@@ -22,10 +22,11 @@ struct MethodArguments {
   std::vector<std::string> paper;     // KEY=VALUE
   std::vector<std::string> baseline;  // KEY=VALUE
   std::string start;                  // "X,Y"; empty: none is told
+  bool exhaustive = false;            // MethodOptions::is_exhaustive
 };
 
-// The options --method, --likelihood, --seed, --multi-start, --paper, --baseline and --start.
-// `options` outlives the parser.
+// The options --method, --likelihood, --seed, --multi-start, --paper, --baseline, --start and
+// --exhaustive. `options` outlives the parser.
 void add_method_options(OptionParser& app, MethodArguments& options);
 
 // Those of another method than the one that is named are refused (kUsage).

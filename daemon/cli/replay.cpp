@@ -60,6 +60,7 @@ struct Options {
   double target_rotate_h = 24.0;
   std::optional<double> height_sigma;  // [m]; nothing: those of the site
   ChainKeeper::Options chains;
+  std::string snapshots = "always";
   bool no_cache = false;
   bool quiet = false;
 };
@@ -182,6 +183,8 @@ Expected<Estimators> make_estimators(const Options& options,
     estimation.settings = told;
     estimation.settings.path_grids = path_grids(options);
     estimation.chains = options.chains;
+    estimation.snapshots =
+        options.snapshots == "acquire" ? Snapshots::kAcquire : Snapshots::kAlways;
     auto devices = DeviceEstimator::create(site, estimation);
     if (!devices) {
       return tl::make_unexpected(devices.error());
@@ -377,6 +380,12 @@ RunVerb declare(OptionParser& app) {
       ->capture_default_str();
   app.add_option("--chains", options->chains.read, "file with what was learned of chains before");
   app.add_option("--chains-out", options->chains.write, "file for what is learned of them");
+  app.add_option("--snapshots",
+                 options->snapshots,
+                 "a burst as a whole, anywhere in the room: of every burst (always), or of devices "
+                 "that no track follows yet (acquire)")
+      ->check(one_of({"always", "acquire"}))
+      ->capture_default_str();
   app.add_flag("--no-cache",
                options->no_cache,
                "trace the room anew; else its rays are kept in $XDG_CACHE_HOME/rayloc");

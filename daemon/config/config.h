@@ -56,6 +56,7 @@ struct EngineConfig {
   const Method* method = nullptr;    // null: nothing is located
   Duration burst{};                  // length of a burst
   double accuracy_confidence = 0.0;  // of Location.accuracy_m
+  bool snapshots_always = true;      // also of devices that a track follows
 };
 
 struct LimitsConfig {

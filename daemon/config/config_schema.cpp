@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
 constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
+constexpr std::array<std::string_view, 2> kSnapshots = {"always", "acquire"};
 constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
 
 // Those for a daemon, and that which does nothing.
@@ -245,6 +246,15 @@ const std::array kOptions = {
                  .range = {0.5, 0.999},
                  .description = "Probability that a target is within the published accuracy_m",
                  .store = [](C& c, const V& v) { c.engine.accuracy_confidence = number(v); }},
+    ConfigOption{
+        .section = "engine",
+        .key = "snapshots",
+        .type = T::kChoice,
+        .preset = "\"always\"",
+        .choices = kSnapshots,
+        .description = "Bursts as a whole, anywhere in the room: of every burst, or of devices "
+                       "that no track follows yet",
+        .store = [](C& c, const V& v) { c.engine.snapshots_always = text(v) == "always"; }},
     ConfigOption{.section = "limits",
                  .key = "ring_frames",
                  .type = T::kInteger,

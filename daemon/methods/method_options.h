@@ -20,8 +20,10 @@ class PathGridStore;
 using MethodValues = std::map<std::string, std::variant<double, std::string>, std::less<>>;
 
 struct MethodOptions {
-  double accuracy_confidence = 0.95;          // of what is stated as accuracy
-  std::uint64_t seed = 1;                     // of what the method draws
+  double accuracy_confidence = 0.95;  // of what is stated as accuracy
+  std::uint64_t seed = 1;             // of what the method draws
+  // Every burst is compared with the whole room: the reference of looking where a device may be.
+  bool is_exhaustive = false;
   std::shared_ptr<PathGridStore> path_grids;  // keeps traced rooms; null: nothing is kept
   std::optional<Vec3d> start;  // where a method that takes one (Method::takes_start) begins
   MethodValues values;

@@ -24,12 +24,15 @@ constexpr std::array kSettings = std::to_array<MethodSetting>({
 class RaylocDevices : public DeviceMethod {
  public:
   // Chains are learned from Gaussian likelihoods alone.
-  RaylocDevices(std::shared_ptr<const Localizer> localizer, std::set<MacAddress> listed)
+  RaylocDevices(std::shared_ptr<const Localizer> localizer,
+                std::set<MacAddress> listed,
+                bool is_exhaustive)
       : localizer_(std::move(localizer)),
         tracker_(localizer_,
                  [&] {
                    DeviceTrackerOptions options;
                    options.always = std::move(listed);
+                   options.track.is_exhaustive = is_exhaustive;
                    return options;
                  }()),
         chains_(localizer_),
@@ -109,7 +112,8 @@ Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
     return tl::make_unexpected(std::move(made.error()));
   }
   return std::make_unique<RaylocDevices>(std::make_shared<const Localizer>(*std::move(made)),
-                                         std::move(input.listed));
+                                         std::move(input.listed),
+                                         input.options.is_exhaustive);
 }
 
 Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {

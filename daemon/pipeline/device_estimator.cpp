@@ -239,15 +239,22 @@ void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
   const std::size_t first = out.locations.size();
   std::vector<CsiFrame> kept;
   const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  LocationEstimate snapshot = frames.empty() ? unbelieved(burst, chains_.reason(room->room()))
-                                             : room->method->locate(frames, 0);
-  Target target = target_of(burst.transmitter, snapshot.time);
-  out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
-  show_channel(frames, *room, out.locations.back());
+  if (frames.empty() || options_.snapshots == Snapshots::kAlways ||
+      !room->method->follows(burst.transmitter)) {
+    LocationEstimate snapshot = frames.empty() ? unbelieved(burst, chains_.reason(room->room()))
+                                               : room->method->locate(frames, 0);
+    Target target = target_of(burst.transmitter, snapshot.time);
+    out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
+    show_channel(frames, *room, out.locations.back());
+  }
   if (!frames.empty()) {
     std::vector<DeviceUpdate> updates;
     room->method->track(burst.transmitter, frames, burst.heard_since, updates);
+    const bool has_snapshot = out.locations.size() > first;
     append(updates, *room, out);
+    if (!has_snapshot && out.locations.size() > first) {
+      show_channel(frames, *room, out.locations.back());
+    }
     publish_counters();
   }
   for (const CalibrationWarning& warning : calibration_warnings()) {

@@ -30,6 +30,12 @@
 
 namespace rayloc {
 
+// When a burst as a whole is compared with the whole room: what a track does not need.
+enum class Snapshots : std::uint8_t {
+  kAlways,
+  kAcquire,  // of devices that no track follows yet
+};
+
 class DeviceEstimator : public Estimator {
  public:
   struct Options {
@@ -39,6 +45,7 @@ class DeviceEstimator : public Estimator {
     // What devices are called; null: by their addresses.
     std::shared_ptr<TargetNames> names;
     ChainKeeper::Options chains;
+    Snapshots snapshots = Snapshots::kAlways;
   };
 
   // Reads the scene and prepares the room: seconds. Devices of different height or antenna need

@@ -233,6 +233,8 @@ Expected<void> Service::open_estimators(std::shared_ptr<PathGridStore> path_grid
     devices.method = method;
     devices.settings = settings;
     devices.names = names_;
+    devices.snapshots =
+        setup_.config.engine.snapshots_always ? Snapshots::kAlways : Snapshots::kAcquire;
     if (const auto folder = state_folder(); !folder.empty()) {
       devices.chains = {(folder / kChainFile).string(), (folder / kChainFile).string()};
     }
