@@ -121,8 +121,7 @@ const std::array kOptions = {
                  .key = "url",
                  .type = T::kUrl,
                  .example = "\"udp:0.0.0.0:5500\"",
-                 .description = "Kind and address in one, instead of kind, listen, file, interface "
-                                "and path",
+                 .description = "Kind and address in one, instead of kind and the key of its kind",
                  .only_kinds = kUrl,
                  .store_source = [](S& s, const V& v) { s.url = text(v); }},
     ConfigOption{.section = "source",
@@ -252,9 +251,8 @@ const std::array kOptions = {
         .type = T::kChoice,
         .preset = "\"always\"",
         .choices = kSnapshots,
-        .description = "Bursts as a whole, anywhere in the room: of every burst, or of devices "
-                       "that no track follows yet",
-        .store = [](C& c, const V& v) { c.engine.snapshots_always = text(v) == "always"; }},
+        .description = "Fixes of single bursts: of all, or until a track follows a device",
+        .store = [](C& c, const V& v) { c.engine.snapshots_always = text(v) == kSnapshots[0]; }},
     ConfigOption{.section = "limits",
                  .key = "ring_frames",
                  .type = T::kInteger,
@@ -350,8 +348,7 @@ const std::array kOptions = {
                  .type = T::kFile,
                  .example = "\"/etc/raylocd/http.token\"",
                  .description = "File with the token that all but health and metrics ask for; a "
-                                "browser as user rayloc; "
-                                "systemd's credential http.token when left out, where there is one",
+                                "browser as user rayloc; else systemd's credential http.token",
                  .store = [](C& c, const V& v) { c.http.token_file = text(v); }},
     ConfigOption{.section = "http",
                  .key = "insecure",
@@ -375,14 +372,13 @@ const std::array kOptions = {
                      "Where browsers find the map by a name or through another server: "
                      "that Host is answered, and pages from there may control recordings",
                  .store = [](C& c, const V& v) { c.http.front.origins = texts(v); }},
-    ConfigOption{.section = "http",
-                 .key = "frame_ancestors",
-                 .type = T::kTexts,
-                 .example = "[\"http://homeassistant.local:8123\"]",
-                 .description =
-                     "Pages that may show the map in a frame, by origin, \"self\" or \"*\"; "
-                     "none when left out",
-                 .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
+    ConfigOption{
+        .section = "http",
+        .key = "frame_ancestors",
+        .type = T::kTexts,
+        .example = "[\"http://homeassistant.local:8123\"]",
+        .description = "Pages that may show the map in a frame: origins, \"self\" or \"*\"",
+        .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
 
     ConfigOption{.section = "record",
                  .key = "directory",

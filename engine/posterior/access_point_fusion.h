@@ -63,7 +63,7 @@ class AccessPointFusion {
   std::vector<double> log_mean_;   // ln Z_i
   std::vector<double> log_right_;  // ln (1 - e_i)
   std::vector<double> log_wrong_;  // ln (e_i Z_i)
-  double log_nothing_ = 0.0;      // ln prod e_i Z_i
+  double log_nothing_ = 0.0;       // ln prod e_i Z_i
 };
 
 // ln (e^a + e^b).

@@ -14,7 +14,7 @@ constexpr double kLeastMass = 1e-300;   // a probability, chosen: keeps its loga
 constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
 // Probabilities, chosen: what a window leaves out, and what of it no burst is compared with ...
 constexpr double kOutOfWindow = 1e-4;
-constexpr double kNotCompared = 1e-3;
+constexpr double kNotCompared = 1e-3;  // a probability, chosen
 // ... and of being out of the window, from which on the whole room is looked at.
 constexpr double kMostAway = 0.02;
 constexpr std::size_t kOthers = 128;  // a count, chosen: cells that stand for the rest of the room

@@ -108,6 +108,7 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_EQ(config->sources[0].stall_after, std::chrono::milliseconds(7500));
   EXPECT_EQ(config->sources[1].max_gap, std::chrono::seconds(20));
   EXPECT_EQ(config->engine.method, nullptr);
+  EXPECT_FALSE(config->engine.snapshots_always);
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
   EXPECT_EQ(config->record.rotate_bytes, 3 * kMebibyte);

@@ -98,6 +98,7 @@ file = "two.pcap"
 max_gap_s = 20
 [engine]
 method = "none"
+snapshots = "acquire"
 [publish]
 csi = true
 [record]
