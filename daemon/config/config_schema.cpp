@@ -372,13 +372,12 @@ const std::array kOptions = {
                      "Where browsers find the map by a name or through another server: "
                      "that Host is answered, and pages from there may control recordings",
                  .store = [](C& c, const V& v) { c.http.front.origins = texts(v); }},
-    ConfigOption{
-        .section = "http",
-        .key = "frame_ancestors",
-        .type = T::kTexts,
-        .example = "[\"http://homeassistant.local:8123\"]",
-        .description = "Pages that may show the map in a frame: origins, \"self\" or \"*\"",
-        .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
+    ConfigOption{.section = "http",
+                 .key = "frame_ancestors",
+                 .type = T::kTexts,
+                 .example = "[\"http://homeassistant.local:8123\"]",
+                 .description = "Pages that may show the map in a frame: origins, self or *",
+                 .store = [](C& c, const V& v) { c.http.front.frame_ancestors = texts(v); }},
 
     ConfigOption{.section = "record",
                  .key = "directory",

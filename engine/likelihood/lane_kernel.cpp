@@ -102,8 +102,8 @@ void whiten(const std::complex<float>* whitener,
 template <std::size_t kCount>
 HWY_INLINE void add_turned_to(
     std::span<const TurnedMean> terms, std::size_t first, std::size_t t, LaneRow* re, LaneRow* im) {
-  Vector sum_re[kCount];
-  Vector sum_im[kCount];
+  std::array<Vector, kCount> sum_re;
+  std::array<Vector, kCount> sum_im;
   for (std::size_t i = 0; i < kCount; ++i) {
     sum_re[i] = hn::LoadU(kLanes, re[first + i].data() + t);
     sum_im[i] = hn::LoadU(kLanes, im[first + i].data() + t);
