@@ -1,4 +1,6 @@
 // `rayloc train` and `rayloc replay --method` as processes, on the bundled site.
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -64,7 +66,10 @@ class TrainVerb : public ::testing::Test {
   }
   static void TearDownTestSuite() { fs::remove_all(folder()); }
 
-  static std::string folder() { return ::testing::TempDir() + "/train_verb"; }
+  // Of this process: others run tests of this file at the same time.
+  static std::string folder() {
+    return ::testing::TempDir() + "/train_verb_" + std::to_string(::getpid());
+  }
   static std::string path(const std::string& name) { return folder() + "/" + name; }
   static Finished& trained() {
     static Finished finished;
