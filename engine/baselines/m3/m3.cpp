@@ -7,12 +7,11 @@
 #include <utility>
 
 #include "engine/base/constants.h"
-#include "engine/base/parallel.h"
 #include "engine/baselines/m3/reflectors.h"
 #include "engine/baselines/paths/living_line.h"
 #include "engine/baselines/paths/turn.h"
+#include "engine/baselines/plan_map.h"
 #include "engine/observe/alignment.h"
-#include "engine/posterior/posterior.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc {
@@ -23,9 +22,6 @@ constexpr int kAlignments = 5;                     // of the hops to the paths, 
 constexpr double kLeastSigmaTau = 1e-9;            // [s], of a delay behind the first path
 constexpr double kSigmaOfResolution = 0.1;         // of 1 / band, a ratio
 constexpr double kDelays = 70e-9;                  // [s], over which an unknown path may come
-constexpr double kElsewhere = 0.03;     // probability that the map says nothing, as RayLoc has it
-constexpr double kMostCells = 12000.0;  // of a room, about a count: as many as RayLoc's own map
-constexpr std::size_t kMapGrain = 256;  // cells a task, a count
 
 double normal(double x, double sigma) {
   return std::exp(-0.5 * x * x / (sigma * sigma)) / (sigma * std::sqrt(kTwoPi));
@@ -176,24 +172,16 @@ double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
 }
 
 void M3::summarise(std::span<const M3Paths> heard, LocationEstimate& estimate) const {
-  RoomGrid grid(room_->bounds_min,
-                room_->bounds_max,
-                room_->device.height,
-                std::max(options_.grid, std::sqrt(room_->area() / kMostCells)));
-  grid.height_sigma = room_->device.height_sigma;
-  std::vector<double> map(grid.size());
-  parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {
-    map[cell] =
-        std::accumulate(heard.begin(), heard.end(), 0.0, [&](double sum, const M3Paths& paths) {
-          return sum + log_likelihood(paths, grid.centre(cell));
-        });
-  });
-  estimate.loss = -*std::max_element(map.begin(), map.end());
-  PosteriorOptions posterior;
-  posterior.accuracy_confidence = options_.accuracy_confidence;
-  posterior.outlier = kElsewhere;
-  posterior.least_sigma = room_->least_sigma;
-  summarise_posterior(grid, map, posterior, estimate);
+  summarise_plan(
+      *room_,
+      {options_.grid, options_.accuracy_confidence},
+      [&](const Vec3d& place) {
+        return std::accumulate(
+            heard.begin(), heard.end(), 0.0, [&](double sum, const M3Paths& paths) {
+              return sum + log_likelihood(paths, place);
+            });
+      },
+      estimate);
 }
 
 LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {

@@ -7,30 +7,14 @@
 #include <utility>
 
 #include "engine/base/constants.h"
-#include "engine/base/parallel.h"
 #include "engine/baselines/paths/turn.h"
-#include "engine/posterior/posterior.h"
+#include "engine/baselines/plan_map.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kMostWidening = 3.0;  // of sigma, a ratio, chosen: of an unlikely direct path
-// Cells of a room, about a count: as many as RayLoc's own map has.
-constexpr double kMostCells = 12000.0;
-// Probability that the map says nothing of the place, as RayLoc has it with one access point: what
-// a wrong bearing leaves is in the map itself.
-constexpr double kElsewhere = 0.03;
-constexpr std::size_t kMapGrain = 256;  // cells a task, a count
-
-RoomGrid map_of(const RoomModel& room, double step) {
-  RoomGrid grid(room.bounds_min,
-                room.bounds_max,
-                room.device.height,
-                std::max(step, std::sqrt(room.area() / kMostCells)));
-  grid.height_sigma = room.device.height_sigma;
-  return grid;
-}
 
 }  // namespace
 
@@ -168,17 +152,11 @@ LocationEstimate Spotfi::locate(std::span<const CsiFrame> frames, std::uint64_t 
   for (Heard& one : heard) {
     one.sigma *= std::min(kMostWidening, std::sqrt(most / one.path.likelihood));
   }
-  const RoomGrid grid = map_of(*room_, options_.grid);
-  std::vector<double> map(grid.size());
-  parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {
-    map[cell] = log_likelihood(heard, grid.centre(cell));
-  });
-  estimate.loss = -*std::max_element(map.begin(), map.end());
-  PosteriorOptions posterior;
-  posterior.accuracy_confidence = options_.accuracy_confidence;
-  posterior.outlier = kElsewhere;
-  posterior.least_sigma = room_->least_sigma;
-  summarise_posterior(grid, map, posterior, estimate);
+  summarise_plan(
+      *room_,
+      {options_.grid, options_.accuracy_confidence},
+      [&](const Vec3d& place) { return log_likelihood(heard, place); },
+      estimate);
   return estimate;
 }
 

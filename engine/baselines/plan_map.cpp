@@ -1,0 +1,42 @@
+#include "engine/baselines/plan_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "engine/base/parallel.h"
+#include "engine/posterior/posterior.h"
+
+namespace rayloc {
+namespace {
+
+// Probability that the map says nothing of the place, as RayLoc has it with one access point: what
+// a wrong path leaves is in the map itself.
+constexpr double kElsewhere = 0.03;
+constexpr double kMostCells = 12000.0;  // of a room, about a count: as many as RayLoc's own map
+constexpr std::size_t kMapGrain = 256;  // cells a task, a count
+
+}  // namespace
+
+void summarise_plan(const RoomModel& room,
+                    const PlanMapOptions& options,
+                    const std::function<double(const Vec3d& place)>& log_likelihood,
+                    LocationEstimate& estimate) {
+  RoomGrid grid(room.bounds_min,
+                room.bounds_max,
+                room.device.height,
+                std::max(options.step, std::sqrt(room.area() / kMostCells)));
+  grid.height_sigma = room.device.height_sigma;
+  std::vector<double> map(grid.size());
+  parallel_for(grid.size(), kMapGrain, [&](std::size_t cell) {
+    map[cell] = log_likelihood(grid.centre(cell));
+  });
+  estimate.loss = -*std::max_element(map.begin(), map.end());
+  PosteriorOptions posterior;
+  posterior.accuracy_confidence = options.accuracy_confidence;
+  posterior.outlier = kElsewhere;
+  posterior.least_sigma = room.least_sigma;
+  summarise_posterior(grid, map, posterior, estimate);
+}
+
+}  // namespace rayloc
