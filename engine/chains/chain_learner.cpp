@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/base/check.h"
-#include "engine/base/parallel.h"
 #include "engine/chains/chain_evidence.h"
 
 namespace rayloc {
@@ -69,6 +67,13 @@ std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
 // Without a chain that is dead the states are others.
 bool has_all_antennas(const HeardArray& heard) {
   return heard.map->antennas() == heard.map->access_point().cores.size();
+}
+
+// What was heard with the levels of the favourite state taken out, which the grid does not know.
+ObservedBurst level_undone(const HeardArray& heard, const ChainMemory& ap) {
+  std::vector<Value> h = heard.h;
+  rayloc::multiply(inverses(ap.level), h);
+  return heard.map->observe(h, heard.observed.array.noise);
 }
 
 }  // namespace
@@ -234,45 +239,39 @@ void ChainLearner::weigh(const HeardArray& heard,
                          std::span<const double> log_weight,
                          Timestamp time,
                          ChainMemory& ap) {
-  std::vector<Value> level_undone = heard.h;
-  multiply(inverses(ap.level), level_undone);
   RememberedBurst burst;
-  burst.h = heard.h;
-  burst.time = time;
-  burst.noise = heard.observed.array.noise;
   burst.evidence = turn_evidence(*heard.map,
-                                 heard.map->observe(level_undone, burst.noise),
+                                 level_undone(heard, ap),
                                  ap.belief.grid(),
                                  localizer_->room().likelihood_exponent,
                                  log_weight);
   burst.log_weight.assign(log_weight.begin(), log_weight.end());
-  remember(std::move(burst), *heard.map, ap);
+  remember(std::move(burst), heard, time, ap);
 }
 
 void ChainLearner::weigh_known(const HeardArray& heard,
                                const Vec3d& place,
                                Timestamp time,
                                ChainMemory& ap) {
-  std::vector<Value> level_undone = heard.h;
-  multiply(inverses(ap.level), level_undone);
   RememberedBurst burst;
-  burst.h = heard.h;
-  burst.time = time;
-  burst.noise = heard.observed.array.noise;
   burst.known_place = std::make_shared<const PlaceModel>(
       heard.map->model_of(heard.map->rays_to(place), kKnownPlaceSigma));
   if (!burst.known_place->reachable) {
     return;
   }
   burst.evidence = turn_evidence_at(*burst.known_place,
-                                    heard.map->observe(level_undone, burst.noise).array,
+                                    level_undone(heard, ap).array,
                                     ap.belief.grid(),
                                     localizer_->room().likelihood_exponent,
                                     heard.map->nowhere(heard.observed));
-  remember(std::move(burst), *heard.map, ap);
+  remember(std::move(burst), heard, time, ap);
 }
 
-void ChainLearner::remember(RememberedBurst burst, const AccessPointMap& map, ChainMemory& ap) {
+// `burst` has its evidence, and what belongs to it.
+void ChainLearner::remember(RememberedBurst burst,
+                            const HeardArray& heard,
+                            Timestamp time,
+                            ChainMemory& ap) {
   const std::vector<double>& log_evidence = burst.evidence.log_evidence;
   const double most = *std::max_element(log_evidence.begin(), log_evidence.end());
   if (most < kLeastEvidence) {
@@ -282,14 +281,14 @@ void ChainLearner::remember(RememberedBurst burst, const AccessPointMap& map, Ch
   ++changes_;
   ++ap.state.bursts;
   ++ap.unrefined;
-  burst.floor =
-      most +
-      localizer_->room().likelihood_exponent * map.nowhere(map.observe(burst.h, burst.noise)) -
-      ChainBelief::kMostOfBurst;
+  burst.h = heard.h;
+  burst.time = time;
+  burst.noise = heard.observed.array.noise;
+  burst.floor = most + localizer_->room().likelihood_exponent * heard.map->nowhere(heard.observed) -
+                ChainBelief::kMostOfBurst;
   burst.since.assign(ap.level.size(), 1.0);
-  const Timestamp time = burst.time;
   ap.remember(std::move(burst));
-  decide(map, time, ap);
+  decide(*heard.map, time, ap);
 }
 
 void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap) {
@@ -362,6 +361,7 @@ void ChainLearner::refine_closely() {
         ap.belief.as_believed() > ChainMemory::kSure) {
       const ChainFactors refined = close_.refined(access_point);
       ap.correct(refined);
+      ++changes_;
       close_.believe(access_point, refined.factor);
     }
   }

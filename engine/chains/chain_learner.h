@@ -85,7 +85,7 @@ class ChainLearner {
              Timestamp time,
              ChainMemory& ap);
   void weigh_known(const HeardArray& heard, const Vec3d& place, Timestamp time, ChainMemory& ap);
-  void remember(RememberedBurst burst, const AccessPointMap& map, ChainMemory& ap);
+  void remember(RememberedBurst burst, const HeardArray& heard, Timestamp time, ChainMemory& ap);
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
   void believe(const ChainFactors& refined, ChainMemory& ap);
   void refine_closely();

@@ -29,6 +29,18 @@ double as_believed(const ChainMoments& moments) {
   return moments.log_likelihood(std::vector<Value>(moments.chains, 1.0));
 }
 
+// Of places that follow each other in one cell and layer the first; the end is the last.
+std::vector<std::size_t> first_of_each_box(const std::vector<SampledPlace>& places) {
+  std::vector<std::size_t> first;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (i == 0 || places[i].cell != places[i - 1].cell || places[i].layer != places[i - 1].layer) {
+      first.push_back(i);
+    }
+  }
+  first.push_back(places.size());
+  return first;
+}
+
 }  // namespace
 
 void CloseBursts::add(const Localizer& localizer, const RoomObservation& observation) {
@@ -62,13 +74,16 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   for (const SampledPlace& place : places) {
     burst.log_weight.push_back(std::log(place.share));
   }
+  const std::vector<std::size_t> boxes = first_of_each_box(places);
   for (const HeardArray& array : observation.arrays) {
+    const std::vector<Value> undoing(array.map->antennas(), 1.0);
     std::vector<ChainMoments> moments(places.size());
-    parallel_for(places.size(), 1, [&](std::size_t i) {
-      const auto look = array.map->look_at(places[i].cell, places[i].layer, array.observed);
-      moments[i] = chain_moments(look->model_at(places[i].moved),
-                                 array.observed.array,
-                                 std::vector<Value>(array.map->antennas(), 1.0));
+    parallel_for(boxes.size() - 1, 1, [&](std::size_t box) {
+      const SampledPlace& first = places[boxes[box]];
+      const auto look = array.map->look_at(first.cell, first.layer, array.observed);
+      for (std::size_t i = boxes[box]; i < boxes[box + 1]; ++i) {
+        moments[i] = chain_moments(look->model_at(places[i].moved), array.observed.array, undoing);
+      }
     });
     for (std::size_t i = 0; i < places.size(); ++i) {
       burst.log_weight[i] -= likelihood_exponent_ * as_believed(moments[i]);
