@@ -186,20 +186,15 @@ class Rechain {
 };
 
 Expected<void> Rechain::read() {
-  auto site = load_site(arguments_.site);
+  auto site = load_calibrated_site(arguments_.site,
+                                   "; --rechain only renews the chain gains of a calibrated site: "
+                                   "run `rayloc calibrate` with a survey first",
+                                   arguments_.out,
+                                   arguments_.force);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
   site_ = *std::move(site);
-  if (!site_.calibration_file) {
-    return make_error(ErrorKind::kConfiguration,
-                      arguments_.site +
-                          ": is not calibrated; --rechain only renews the chain gains of a "
-                          "calibrated site: run `rayloc calibrate` with a survey first");
-  }
-  if (auto checked = check_output(arguments_.out, site_.directory, arguments_.force); !checked) {
-    return checked;
-  }
   auto room = load_room_model(site_);
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));

@@ -124,20 +124,15 @@ Expected<Reference::Frames> Reference::read_captures(const std::vector<std::stri
 }
 
 Expected<void> Reference::read() {
-  auto site = load_site(options_.site);
+  auto site = load_calibrated_site(options_.site,
+                                   ", and a person is found in a calibrated room only: "
+                                   "run `rayloc calibrate` first",
+                                   options_.out,
+                                   options_.force);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
   site_ = *std::move(site);
-  if (!site_.calibration_file) {
-    return make_error(ErrorKind::kConfiguration,
-                      options_.site +
-                          ": is not calibrated, and a person is found in a calibrated room only: "
-                          "run `rayloc calibrate` first");
-  }
-  if (auto checked = check_output(options_.out, site_.directory, options_.force); !checked) {
-    return checked;
-  }
   if (std::none_of(site_.transmitters.begin(), site_.transmitters.end(), [](const auto& one) {
         return one.role == TransmitterRole::kFixed;
       })) {

@@ -94,20 +94,15 @@ Expected<void> Train::read() {
     }
   }
   told_.seed = options_.seed;
-  auto site = load_site(options_.site);
+  auto site = load_calibrated_site(options_.site,
+                                   ", and methods learn in a calibrated room: run "
+                                   "`rayloc calibrate` first",
+                                   options_.out,
+                                   options_.force);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
   site_ = *std::move(site);
-  if (!site_.calibration_file) {
-    return make_error(ErrorKind::kConfiguration,
-                      options_.site +
-                          ": is not calibrated, and methods learn in a calibrated room: run "
-                          "`rayloc calibrate` first");
-  }
-  if (auto checked = check_output(options_.out, site_.directory, options_.force); !checked) {
-    return checked;
-  }
   auto room = load_room_model(site_);
   if (!room) {
     return tl::make_unexpected(std::move(room.error()));

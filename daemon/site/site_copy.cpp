@@ -218,6 +218,23 @@ Expected<void> check_output(const fs::path& directory, const fs::path& input, bo
   return {};
 }
 
+Expected<Site> load_calibrated_site(const std::string& directory,
+                                    const std::string& why,
+                                    const fs::path& output,
+                                    bool force) {
+  auto site = load_site(directory);
+  if (!site) {
+    return site;
+  }
+  if (!site->calibration_file) {
+    return make_error(ErrorKind::kConfiguration, directory + ": is not calibrated" + why);
+  }
+  if (auto checked = check_output(output, site->directory, force); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return site;
+}
+
 Expected<void> prepare_output(const fs::path& directory, bool force) {
   if (auto checked = check_output(directory, {}, force); !checked) {
     return checked;

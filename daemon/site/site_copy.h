@@ -17,6 +17,13 @@ Expected<void> check_output(const std::filesystem::path& directory,
                             const std::filesystem::path& input,
                             bool force);
 
+// The site that a verb makes another one of, in `output`. An Error where it is not calibrated,
+// which ends with what calibration is needed for (`why`), and as of check_output().
+Expected<Site> load_calibrated_site(const std::string& directory,
+                                    const std::string& why,
+                                    const std::filesystem::path& output,
+                                    bool force);
+
 // Creates `directory`. An error when it exists and is not empty, unless `force`: then files of the
 // same names are replaced, others stay.
 Expected<void> prepare_output(const std::filesystem::path& directory, bool force);
