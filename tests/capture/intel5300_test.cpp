@@ -1,6 +1,8 @@
 // The log of the Intel 5300's CSI tool: as a file, record by record, and what a record says. The
 // records are written here bit by bit, from the published layout; no code is shared with the
 // reader.
+#include <unistd.h>
+
 #include <array>
 #include <complex>
 #include <cstdint>
@@ -152,9 +154,13 @@ Read read_file(const std::string& file) {
 }
 
 Read read_log(const Bytes& bytes) {
-  const std::string file = ::testing::TempDir() + "/intel5300.dat";
+  // Of this process: others run tests of this file at the same time.
+  const std::string file =
+      ::testing::TempDir() + "/intel5300_" + std::to_string(::getpid()) + ".dat";
   std::ofstream(file, std::ios::binary) << bytes;
-  return read_file(file);
+  Read read = read_file(file);
+  std::filesystem::remove(file);
+  return read;
 }
 
 TEST(Intel5300, GivesEveryValueOfARecord) {
