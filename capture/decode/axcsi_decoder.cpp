@@ -179,8 +179,13 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
          header.sequence_control == header.receive_sequence;
 }
 
-const DecoderRow kAxcsiRow{.name = "axcsi-v4",
-                           .resembles = resembles_axcsi,
-                           .make = []() -> AnyDecoder { return std::make_unique<AxcsiDecoder>(); }};
+const DecoderRow kAxcsiRow{
+    .name = "axcsi-v4",
+    .resembles = resembles_axcsi,
+    .make = []() -> AnyDecoder { return std::make_unique<AxcsiDecoder>(); },
+    .channel =
+        [](std::span<const std::byte> payload) {
+          return channel_of_chanspec(read_fields(ByteReader(payload)).chanspec);
+        }};
 
 }  // namespace rayloc

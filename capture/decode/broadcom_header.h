@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
+#include "capture/decode/radio_channel.h"
 #include "capture/transport/byte_reader.h"
 #include "engine/channel/mac_address.h"
 
@@ -23,6 +25,11 @@ inline MacAddress nexmon_transmitter(const ByteReader& reader) {
     mac.octets[i] = reader.u8(4 + i);
   }
   return mac;
+}
+
+// REQUIRES: kNexmonHeaderBytes or more.
+inline std::optional<RadioChannel> nexmon_channel(std::span<const std::byte> payload) {
+  return channel_of_chanspec(ByteReader(payload).u16(14));
 }
 
 // Tones of a datagram of `size` bytes with `extra` bytes after the CSI, or 0: 64, 128 or 256.

@@ -146,7 +146,8 @@ const DecoderRow kNexmonV1Row{
         [](std::span<const std::byte> payload) {
           return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV1;
         },
-    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV1); }};
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV1); },
+    .channel = nexmon_channel};
 
 const DecoderRow kNexmonV2Row{
     .name = "nexmon-v2",
@@ -154,6 +155,7 @@ const DecoderRow kNexmonV2Row{
         [](std::span<const std::byte> payload) {
           return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV2;
         },
-    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV2); }};
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV2); },
+    .channel = nexmon_channel};
 
 }  // namespace rayloc

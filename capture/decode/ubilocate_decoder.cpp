@@ -102,8 +102,9 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
 }
 
 const DecoderRow kUbilocateRow{
-    .name = "ubilocate", .resembles = resembles_ubilocate, .make = []() -> AnyDecoder {
-      return std::make_unique<UbilocateDecoder>();
-    }};
+    .name = "ubilocate",
+    .resembles = resembles_ubilocate,
+    .make = []() -> AnyDecoder { return std::make_unique<UbilocateDecoder>(); },
+    .channel = nexmon_channel};
 
 }  // namespace rayloc

@@ -96,13 +96,64 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
               comes_back(before.latest, run.latest, stamp, limits_);
   }
   if (new_run) {
-    runs_.push_back({place, place.packet, 0, stamp, stamp, stamp});
+    if (!runs_.empty() && tail_outlies(runs_.back(), stamp)) {
+      cut_tail();
+    }
+    runs_.push_back({place, place.packet, 0, stamp, stamp, stamp, {}, 0, {}, 0, {}, false});
   }
   Run& run = runs_.back();
+  look_ahead(run, stamp, place);
   run.last_packet = place.packet;
   ++run.records;
   run.earliest = std::min(run.earliest, stamp);
   run.latest = std::max(run.latest, stamp);
+}
+
+// Within a run time goes ahead by as much as a silence may last: as well by a stamp that is
+// damaged.
+void StampJudge::look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const {
+  if (run.records > 0 && stamp > run.latest + limits_.disorder) {
+    run.tail_place = place;
+    run.tail_records = 0;
+    run.tail_first = stamp;
+    run.packet_before_tail = run.last_packet;
+    run.latest_before_tail = run.latest;
+  }
+  run.tail_records += run.packet_before_tail > 0 ? 1U : 0U;
+}
+
+// Whether the last few records of a run went ahead, and `stamp` goes on where they did not: far
+// nearer to what came before than the jump is long. A clock that is set back after a pause seldom
+// hits that place.
+bool StampJudge::tail_outlies(const Run& run, Timestamp stamp) const {
+  constexpr int kFarNearer = 4;
+  const Timestamp before = run.latest_before_tail;
+  return run.tail_records > 0 && run.tail_records <= kMostDamaged &&
+         stamp >= before - limits_.disorder && stamp < run.tail_first - limits_.disorder &&
+         kFarNearer * (stamp - before) <= run.tail_first - before;
+}
+
+// The tail of the last run becomes a run of its own, which is damaged.
+void StampJudge::cut_tail() {
+  Run& run = runs_.back();
+  Run tail{run.tail_place,
+           run.last_packet,
+           run.tail_records,
+           run.tail_first,
+           run.tail_first,
+           run.latest,
+           {},
+           0,
+           {},
+           0,
+           {},
+           true};
+  run.records -= run.tail_records;
+  run.last_packet = run.packet_before_tail;
+  run.latest = run.latest_before_tail;
+  run.tail_records = 0;
+  run.packet_before_tail = 0;
+  runs_.push_back(tail);
 }
 
 bool StampJudge::continues(std::size_t before, std::size_t run) const {
@@ -177,8 +228,8 @@ RecordTimes StampJudge::finish() const {
   }
   std::vector<std::size_t> kept = {before};
   for (std::size_t run = before + 1; run < runs_.size(); ++run) {
-    if (!continues(before, run)) {
-      if (is_damaged(before, run) || is_odd_end(before, run)) {
+    if (runs_[run].outlies || !continues(before, run)) {
+      if (runs_[run].outlies || is_damaged(before, run) || is_odd_end(before, run)) {
         times.damaged.push_back(damaged(run, run + 1, runs_[before].latest));
         continue;
       }

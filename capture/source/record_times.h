@@ -90,8 +90,18 @@ class StampJudge {
     Timestamp first;
     Timestamp earliest;
     Timestamp latest;
+    // Its records since time last went ahead within it; none while it never did.
+    RecordPlace tail_place;
+    std::uint64_t tail_records = 0;
+    Timestamp tail_first;
+    std::uint64_t packet_before_tail = 0;
+    Timestamp latest_before_tail;
+    bool outlies = false;  // what comes behind it goes on from what came before it
   };
 
+  void look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const;
+  bool tail_outlies(const Run& run, Timestamp stamp) const;
+  void cut_tail();
   bool continues(std::size_t before, std::size_t run) const;
   bool is_damaged(std::size_t before, std::size_t run) const;
   bool is_odd_end(std::size_t before, std::size_t run) const;

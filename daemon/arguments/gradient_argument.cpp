@@ -27,6 +27,8 @@ constexpr std::array kEnds = {
     EndParameter{"tx", Kind::kTransmitterPosition, 3},
     EndParameter{"rx_orientation", Kind::kReceiverOrientation, 3},
     EndParameter{"tx_orientation", Kind::kTransmitterOrientation, 3},
+    EndParameter{"rx_array_turn", Kind::kReceiverArrayTurn, 3},
+    EndParameter{"tx_array_turn", Kind::kTransmitterArrayTurn, 3},
     EndParameter{"rx_gain", Kind::kReceiverGain, 1},
     EndParameter{"tx_gain", Kind::kTransmitterGain, 1},
 };
@@ -39,12 +41,13 @@ constexpr std::array kMaterials = {
     MaterialParameter{"eps_r.", Kind::kRelativePermittivity},
     MaterialParameter{"sigma.", Kind::kConductivity},
     MaterialParameter{"thickness.", Kind::kThickness},
+    MaterialParameter{"scattering.", Kind::kScatteringCoefficient},
 };
 
 using Parameters = std::vector<NamedParameter>;
 
 tl::unexpected<Error> refuse(const std::string& what) {
-  return make_error(ErrorKind::kUsage, "--gradient: " + what);
+  return make_error(ErrorKind::kUsage, what);
 }
 
 // "rx.0" is axis 0 of "rx"; without such an ending all axes are meant.
@@ -158,20 +161,30 @@ class GradientParser {
 
 }  // namespace
 
-Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene) {
-  if (!text.starts_with(kLoss) || text.size() == kLoss.size()) {
-    return refuse("'" + text + "'; write power:WHAT, for example power:rx");
-  }
+Expected<std::vector<NamedParameter>> parse_parameters(const std::string& what,
+                                                       const Scene& scene) {
   const GradientParser parser(scene);
   Parameters found;
-  for (std::size_t begin = kLoss.size(); begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    if (auto added = parser.add(text.substr(begin, end - begin), found); !added) {
+  for (std::size_t begin = 0; begin <= what.size();) {
+    const std::size_t end = std::min(what.find(',', begin), what.size());
+    if (auto added = parser.add(what.substr(begin, end - begin), found); !added) {
       return tl::make_unexpected(added.error());
     }
     begin = end + 1;
   }
   return found;
+}
+
+Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene) {
+  const auto named = [](Error error) {
+    error.message = "--gradient: " + error.message;
+    return error;
+  };
+  if (!text.starts_with(kLoss) || text.size() == kLoss.size()) {
+    return make_error(ErrorKind::kUsage,
+                      "--gradient: '" + text + "'; write power:WHAT, for example power:rx");
+  }
+  return parse_parameters(text.substr(kLoss.size()), scene).map_error(named);
 }
 
 }  // namespace rayloc::cli

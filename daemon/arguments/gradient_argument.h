@@ -3,6 +3,7 @@
 // WHAT is one or more of, separated by commas:
 //   rx, tx                              position, x y z [1/m]
 //   rx_orientation, tx_orientation      yaw pitch roll [1/rad]
+//   rx_array_turn, tx_array_turn        the same about the origin of the antenna's array [1/rad]
 //   NAME (or object.NAME)               translation of that object, x y z [1/m]
 // each with ".0", ".1" or ".2" behind it for one of the three only, and
 //   rx_gain, tx_gain                    amplitude factor of the antenna
@@ -27,5 +28,8 @@ struct NamedParameter {
 
 // Errors (kUsage) name what is unknown and the closest known name.
 Expected<std::vector<NamedParameter>> parse_gradient(const std::string& text, const Scene& scene);
+
+// The same of WHAT alone; errors do not speak of the option.
+Expected<std::vector<NamedParameter>> parse_parameters(const std::string& what, const Scene& scene);
 
 }  // namespace rayloc::cli

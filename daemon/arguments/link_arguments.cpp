@@ -76,22 +76,39 @@ Expected<RadioDevice> parse_end(const EndText& text) {
 
 }  // namespace
 
-void declare_link(OptionParser& app, LinkArguments& arguments) {
-  app.add_option("SCENE", arguments.scene, "Mitsuba XML, or a site: a directory with site.toml")
-      ->required();
-  app.add_option("--tx", arguments.tx, "Position of the transmitter, x,y,z [m]");
-  app.add_option("--rx", arguments.rx, "Position of the receiver, x,y,z [m]");
+void declare_scene(OptionParser& app, std::string& scene, std::optional<double>& frequency) {
+  app.add_option("SCENE", scene, "Mitsuba XML, or a site: a directory with site.toml")->required();
   app.add_option("--frequency",
-                 arguments.frequency,
+                 frequency,
                  "Carrier, where materials and antennas are evaluated [Hz]; default: of the site, "
                  "else 5.18e9")
       ->check(positive());
-  app.add_option("--depth", arguments.options.max_depth, "Most interactions of a path")
+}
+
+void declare_paths(OptionParser& app, TraceOptions& options) {
+  app.add_option("--depth", options.max_depth, "Most interactions of a path")
       ->check(in_range(0, kMostDepth))
       ->capture_default_str();
   app.add_flag("--transmission",
-               arguments.options.transmission,
+               options.transmission,
                "Also through objects; each face that is crossed counts for the depth");
+  const ParserOption* const one = app.add_flag(
+      "--diffraction",
+      options.diffraction,
+      "Also round one edge, with up to two other interactions before it and after it; the edge "
+      "counts for the depth. Not with --soft");
+  app.add_flag("--double-diffraction",
+               options.double_diffraction,
+               "With --diffraction: also round two edges in a row, which both count; takes longer "
+               "as the number of edges squared")
+      ->needs(one);
+}
+
+void declare_link(OptionParser& app, LinkArguments& arguments) {
+  declare_scene(app, arguments.scene, arguments.frequency);
+  app.add_option("--tx", arguments.tx, "Position of the transmitter, x,y,z [m]");
+  app.add_option("--rx", arguments.rx, "Position of the receiver, x,y,z [m]");
+  declare_paths(app, arguments.options);
   app.add_option("--soft",
                  arguments.options.softness,
                  "Soft visibility: distance from its edge over which a face begins to reflect and "
@@ -116,6 +133,10 @@ void declare_antennas(OptionParser& app, LinkArguments& arguments) {
 Expected<Link> parse_link(const LinkArguments& arguments) {
   if (!std::isfinite(arguments.options.softness)) {  // no range of CLI11 excludes NaN
     return make_error(ErrorKind::kUsage, "--soft must be a number of metres");
+  }
+  if (arguments.options.softness > 0.0 && arguments.options.diffraction) {
+    return make_error(ErrorKind::kUsage,
+                      "--diffraction goes with hard edges only: leave --soft out");
   }
   const auto [pattern_tx, pattern_rx] = of_both_ends(arguments.pattern);
   const auto [polarization_tx, polarization_rx] = of_both_ends(arguments.polarization);

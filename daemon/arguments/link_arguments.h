@@ -27,7 +27,12 @@ struct LinkArguments {
   std::string orientation_rx;
 };
 
-// Adds SCENE, --frequency, --tx, --rx, --depth, --transmission and --soft; the first is required.
+// Adds SCENE and --frequency; the first is required.
+void declare_scene(OptionParser& app, std::string& scene, std::optional<double>& frequency);
+// Adds --depth, --transmission, --diffraction and --double-diffraction.
+void declare_paths(OptionParser& app, TraceOptions& options);
+// Adds SCENE, --frequency, --tx, --rx, --depth, --transmission, --diffraction and --soft; the first
+// is required.
 void declare_link(OptionParser& app, LinkArguments& arguments);
 // Adds --pattern, --polarization, --orientation-tx and --orientation-rx.
 void declare_antennas(OptionParser& app, LinkArguments& arguments);

@@ -82,6 +82,28 @@ std::string path_line(const Path& path, const Scene& scene) {
       objects);
 }
 
+// By delay, in bins of a nanosecond from the first echo on.
+std::string diffuse_json(const DiffuseDensity& density) {
+  constexpr double kBin = 1e-9;           // [s]
+  constexpr double kMostBins = 10'000.0;  // a count, chosen: 3 km
+  double first = density.echoes().empty() ? 0.0 : density.echoes().front().tau;
+  double last = first;
+  for (const DiffuseEcho& echo : density.echoes()) {
+    first = std::min(first, echo.tau);
+    last = std::max(last, echo.tau);
+  }
+  const PowerDelay found = density.power_delay();
+  const double bins = std::min(std::floor((last - first) / kBin) + 1.0, kMostBins);
+  return fmt::format(
+      R"({{"power":{},"mean_delay":{},"delay_spread":{},"first":{},"step":{},"profile":{}}})",
+      number(found.power),
+      number(found.mean_delay),
+      number(found.delay_spread),
+      number(first),
+      number(kBin),
+      array(density.profile(first, kBin, static_cast<std::size_t>(bins)), number));
+}
+
 }  // namespace
 
 std::string trace_json(const TraceReport& report, const Scene& scene) {
@@ -101,6 +123,9 @@ std::string trace_json(const TraceReport& report, const Scene& scene) {
       text += (i > 0 ? "," : "") + quoted(name) + ":" + number(value);
     }
     text += "}";
+  }
+  if (report.diffuse) {
+    text += ",\"diffuse\":" + diffuse_json(*report.diffuse);
   }
   return text + (report.note.empty() ? "" : ",\"note\":" + quoted(report.note)) + "}\n";
 }
@@ -138,6 +163,13 @@ std::string trace_table(const TraceReport& report, const Scene& scene) {
     text += fmt::format("mean of |h|^2 over {} tones: {:.2f} dB\n",
                         report.cfr->size(),
                         10.0 * std::log10(power / static_cast<double>(report.cfr->size())));
+  }
+  if (report.diffuse) {
+    const PowerDelay found = report.diffuse->power_delay();
+    text += fmt::format("scattered: {:.2f} dB, mean delay {:.2f} ns, delay spread {:.2f} ns\n",
+                        10.0 * std::log10(found.power),
+                        found.mean_delay * 1e9,
+                        found.delay_spread * 1e9);
   }
   for (const auto& [name, value] : report.gradient) {
     text += fmt::format("d power / d {:<24} {:.9g}\n", name, value);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/scene/scene.h"
+#include "engine/trace/diffuse/diffuse_density.h"
 #include "engine/trace/paths.h"
 
 namespace rayloc::cli {
@@ -18,6 +19,7 @@ struct TraceReport {
   // Of the sum of |h|^2 over the grid, by parameter.
   std::optional<double> power;
   std::vector<std::pair<std::string, double>> gradient;
+  std::optional<DiffuseDensity> diffuse;
   std::string note;  // what is remarkable about the link, may be empty
 };
 

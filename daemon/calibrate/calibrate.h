@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,12 +18,13 @@ struct CalibrateArguments {
   std::string out;                    // folder to create
   std::string method = "joint";       // or "paper", "gains-only"
   double holdout = 0.2;
-  double survey_error = CalibrationPriors().survey;  // [m]
+  std::optional<double> survey_error;  // [m]; nothing: the joint method finds it
   std::uint64_t seed = 1;
   bool compare = false;
   bool resume = false;
   bool force = false;  // into a folder that is not empty, and what is no success
   bool quiet = false;
+  bool progress = false;  // lines of it on stderr, for programs
 };
 
 enum class CalibrationOutcome : std::uint8_t {

@@ -10,9 +10,9 @@ namespace rayloc::cli {
 
 struct PlanArguments {
   std::string site;
-  std::string out = "-";  // the csv (planned_points.h); "-" is standard output
-  std::string picture;    // .svg or .png; empty: beside the csv as .svg, none for "-"
-  std::size_t points = 60;
+  std::string out = "-";    // the csv (planned_points.h); "-" is standard output
+  std::string picture;      // .svg or .png; empty: beside the csv as .svg, none for "-"
+  std::size_t points = 12;  // half an hour on foot; 36 and 143 say more of one access point
   bool quiet = false;
 };
 

@@ -17,6 +17,7 @@
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/calibrate/learned_chains.h"
+#include "daemon/calibrate/unsurveyed/plan_calibration.h"
 #include "daemon/recordings/fixed_frames.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/site/calibration_file.h"
@@ -162,6 +163,7 @@ class Rechain {
 
  private:
   Expected<void> read();
+  Expected<void> read_calibration();
   Expected<void> refit();
   Expected<void> write();
   std::vector<KnownSpot> spots_of(std::size_t access_point, ContentHash& content);
@@ -185,12 +187,33 @@ class Rechain {
   std::vector<RefitAccessPoint> results_;
 };
 
+// What was known of the chains and the model; of a plan, what plans are like.
+Expected<void> Rechain::read_calibration() {
+  if (arguments_.unsurveyed) {
+    before_ = plan_calibration(room_);
+    for (std::size_t a = 0; a < room_.access_points.size(); ++a) {
+      room_.access_points[a].gains = before_.access_points[a].gains;
+    }
+  } else {
+    auto calibration = load_calibration_file(*site_.calibration_file);
+    if (!calibration) {
+      return tl::make_unexpected(std::move(calibration.error()));
+    }
+    before_ = *std::move(calibration);
+    heldout_ = usual_fits(site_);
+  }
+  return {};
+}
+
 Expected<void> Rechain::read() {
-  auto site = load_calibrated_site(arguments_.site,
-                                   "; --rechain only renews the chain gains of a calibrated site: "
-                                   "run `rayloc calibrate` with a survey first",
-                                   arguments_.out,
-                                   arguments_.force);
+  auto site = arguments_.unsurveyed
+                  ? load_uncalibrated_site(arguments_.site, arguments_.out, arguments_.force)
+                  : load_calibrated_site(
+                        arguments_.site,
+                        "; --rechain only renews the chain gains of a calibrated site: run "
+                        "`rayloc calibrate` with a survey first, or with --unsurveyed",
+                        arguments_.out,
+                        arguments_.force);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
@@ -208,12 +231,9 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(std::move(references.error()));
   }
   references_ = *std::move(references);
-  auto calibration = load_calibration_file(*site_.calibration_file);
-  if (!calibration) {
-    return tl::make_unexpected(std::move(calibration.error()));
+  if (auto known = read_calibration(); !known) {
+    return known;
   }
-  before_ = *std::move(calibration);
-  heldout_ = usual_fits(site_);
   const auto captures =
       resolve_captures(arguments_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
   if (!captures) {
@@ -328,6 +348,10 @@ Expected<void> Rechain::refit() {
           {ap.id, heard_.recorded[a] ? "was not calibrated" : "no recording: keeps its gains"});
       continue;
     }
+    if (arguments_.unsurveyed && learned(a) == nullptr) {
+      heard_.refused.push_back({ap.id, why_not_learned(a)});  // raylocd may learn them later
+      continue;
+    }
     auto result = refit(a, content);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
@@ -342,6 +366,10 @@ Expected<void> Rechain::refit() {
     results_.push_back(*std::move(result));
   }
   after_.id = content.text();
+  if (arguments_.unsurveyed && results_.empty()) {
+    const RefusedInput& first = heard_.refused.front();
+    return bad_input("access point " + first.what + ": " + first.reason);
+  }
   return {};
 }
 
@@ -399,6 +427,11 @@ Json Rechain::report() const {
 }
 
 void Rechain::print() const {
+  if (arguments_.unsurveyed) {
+    for (const RefusedInput& one : heard_.refused) {
+      std::fprintf(stderr, "%s: %s\n", one.what.c_str(), one.reason.c_str());
+    }
+  }
   for (const RefitAccessPoint& result : results_) {
     const std::string& id = room_.access_points[result.index].id;
     const std::string text =
@@ -449,19 +482,11 @@ Expected<void> Rechain::write() {
 }
 
 Expected<void> Rechain::run() {
-  if (auto done = read(); !done) {
-    return done;
-  }
-  if (auto done = refit(); !done) {
-    return done;
-  }
-  if (auto done = write(); !done) {
-    return done;
-  }
-  if (!arguments_.quiet) {
+  Expected<void> done = read().and_then([&] { return refit(); }).and_then([&] { return write(); });
+  if (done && !arguments_.quiet) {
     print();
   }
-  return {};
+  return done;
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct RechainArguments {
   std::string out;                    // folder to create
   bool force = false;
   bool quiet = false;
+  bool unsurveyed = false;  // the site is not calibrated: its plan and devices anywhere are all
 };
 
 // Writes `out` as a complete site with report.json. Access points without a recording keep their

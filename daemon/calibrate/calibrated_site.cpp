@@ -163,7 +163,8 @@ std::map<std::string, std::string> refined_scene(const Scene& scene) {
                                 "",
                                 material.relative_permittivity,
                                 material.conductivity,
-                                material.thickness});
+                                material.thickness,
+                                material.scattering});
   }
   for (const SceneObject& object : scene.objects()) {
     stated.objects.push_back({object.name, scene.materials()[object.material].name, object.mesh});

@@ -86,7 +86,16 @@ Expected<void> read_recording(const Site& site,
       spot->frames.push_back(std::move(frame));
     }
   };
-  return for_each_frame(site, recording, use, inputs.notes);
+  ChannelTally channels;
+  if (auto read = for_each_frame(site, recording, use, inputs.notes, &channels); !read) {
+    return read;
+  }
+  if (const auto channel = channels.most()) {
+    if (auto text = other_channel_text(site, recording.access_point, *channel); !text.empty()) {
+      inputs.other_channels.push_back(std::move(text));
+    }
+  }
+  return {};
 }
 
 bool is_listed(const Site& site, const MacAddress& mac) {

@@ -68,7 +68,10 @@ CalibrationReport Calibration::report_of(
   report.site = site_.name;
   report.calibration_id = id_;
   report.holdout = options_.holdout;
-  report.survey_error = options_.survey_error;
+  report.survey_error = survey_error_;
+  report.survey_error_is = options_.survey_error                            ? "stated"
+                           : methods.front().calibration.survey_sigma > 0.0 ? "found"
+                                                                            : "assumed";
   report.seed = options_.seed;
   for (const RoomAccessPoint& ap : plan_.access_points) {
     report.access_points.push_back(ap.id);

@@ -54,13 +54,16 @@ std::string progress_text(const std::string& method,
                    columns);
 }
 
-CalibrationProgressLine::CalibrationProgressLine(bool quiet)
-    : silent_(quiet || isatty(STDERR_FILENO) == 0), begin_(std::chrono::steady_clock::now()) {}
+CalibrationProgressLine::CalibrationProgressLine(bool quiet, bool for_programs)
+    : for_programs_(for_programs && !quiet),
+      silent_(quiet || (!for_programs && isatty(STDERR_FILENO) == 0)),
+      begin_(std::chrono::steady_clock::now()) {}
 
 void CalibrationProgressLine::begin(std::string part) {
   part_ = std::move(part);
   begin_ = std::chrono::steady_clock::now();
   first_.reset();
+  share_ = 0.0;
   print(part_ + " ...");
 }
 
@@ -69,15 +72,28 @@ void CalibrationProgressLine::show(const CalibrationProgress& progress) {
     return;
   }
   first_ = first_.value_or(progress.share);
+  share_ = progress.share;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
   print(progress_text(part_,
                       progress,
                       seconds_left(elapsed.count(), *first_, progress.share),
-                      columns_of_terminal()));
+                      for_programs_ ? std::string::npos : columns_of_terminal()));
+}
+
+void CalibrationProgressLine::show(double share, const std::string& what) {
+  first_ = first_.value_or(share);
+  share_ = share;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+  const auto left = seconds_left(elapsed.count(), *first_, share);
+  print(part_ + ": " + (left ? fmt::format("about {:.0f} s left, ", *left) : "") + what);
 }
 
 void CalibrationProgressLine::print(const std::string& text) {
   if (silent_) {
+    return;
+  }
+  if (for_programs_) {
+    std::fprintf(stderr, "progress %.3f %s\n", share_, text.c_str());
     return;
   }
   std::fprintf(stderr, "\r\033[K%s", shortened(text, columns_of_terminal()).c_str());

@@ -23,8 +23,9 @@ std::string progress_text(const std::string& method,
 
 class CalibrationProgressLine {
  public:
-  // Silent where `quiet` or where stderr is no terminal.
-  explicit CalibrationProgressLine(bool quiet);
+  // Silent where `quiet` or where stderr is no terminal. `for_programs`: "progress SHARE TEXT", a
+  // line each, wherever stderr leads.
+  explicit CalibrationProgressLine(bool quiet, bool for_programs = false);
   ~CalibrationProgressLine() { clear(); }
   CalibrationProgressLine(const CalibrationProgressLine&) = delete;
   CalibrationProgressLine& operator=(const CalibrationProgressLine&) = delete;
@@ -33,6 +34,8 @@ class CalibrationProgressLine {
   void begin(std::string part);
   // How far it is.
   void show(const CalibrationProgress& progress);
+  // The same of work that is told in words: `share` of it, 0 to 1.
+  void show(double share, const std::string& what);
   // Takes the line away, before other words or none.
   void clear();
 
@@ -40,7 +43,9 @@ class CalibrationProgressLine {
   void print(const std::string& text);
 
   std::string part_;
+  bool for_programs_;
   bool silent_;
+  double share_ = 0.0;
   bool shown_ = false;
   std::chrono::steady_clock::time_point begin_;
   std::optional<double> first_;  // share where show() began

@@ -86,7 +86,7 @@ Expected<void> Calibration::measure() {
     }
   }
   const CalibrationRequest request{
-      options_.method, options_.holdout, options_.seed, options_.survey_error};
+      options_.method, options_.holdout, options_.seed, options_.survey_error.value_or(0.0)};
   id_ = inputs_hash(site_, plan_, request, inputs_.content);
   return {};
 }
@@ -96,7 +96,7 @@ Expected<void> Calibration::measure() {
 // report, and with --force all goes on.
 Expected<void> Calibration::check_inputs() {
   const InputCheck check = check_calibration_inputs(plan_, points_);
-  verdict_ = verdict_of_inputs(check);
+  verdict_ = verdict_of_inputs(check, inputs_.other_channels);
   const bool of_survey =
       !check.found.empty() && check.found.front().kind != TriedMistake::Kind::kArray;
   if (of_survey && !options_.force) {
@@ -159,7 +159,8 @@ Expected<RoomCalibration> Calibration::jointly(const CalibrationObserver& observ
   };
   JointCalibrationOptions joint;
   joint.seed = options_.seed;
-  joint.priors.survey = options_.survey_error;
+  joint.finds_survey = !options_.survey_error;
+  joint.priors.survey = options_.survey_error.value_or(joint.priors.survey);
   StoredCheckpoint from;
   if (options_.resume) {
     auto loaded = load_checkpoint(checkpoint(), id_, start_, points_.size());
@@ -237,7 +238,7 @@ Expected<void> Calibration::fit_errors(const CalibrationMethodResult& method) {
   const RoomModel& room = method.calibration.room;
   const ArrayFit array = method.method == "joint" ? ArrayFit::kHeld : ArrayFit::kFitted;
   for (const AccessPointResult& gains : gains_) {
-    auto result = fit_access_point(room, gains.index, points_, options_.survey_error, array);
+    auto result = fit_access_point(room, gains.index, points_, survey_error_, array);
     if (!result) {
       return tl::make_unexpected(std::move(result.error()));
     }
@@ -279,7 +280,7 @@ Expected<void> Calibration::fit_certainty(const RoomModel& room) {
     apply(result.train, trained->access_points[result.index]);
     trained->access_points[result.index].levels = result.levels;
   }
-  auto fixes = fit_certainty_of(std::move(trained), spots(false), options_.survey_error);
+  auto fixes = fit_certainty_of(std::move(trained), spots(false), survey_error_);
   if (!fixes) {
     return tl::make_unexpected(std::move(fixes.error()));
   }
@@ -315,6 +316,9 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
     inputs_.refused.push_back(
         {place_of(odd.point), odd.reason + " (after the calibration; used all the same)"});
   }
+  if (methods.front().calibration.survey_sigma > 0.0) {  // as stated, or found
+    survey_error_ = methods.front().calibration.survey_sigma;
+  }
   line_.begin("fitting the errors of the model");
   if (auto fitted = fit_errors(methods.front()); !fitted) {
     return fitted;
@@ -327,7 +331,7 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
 // as well: under the plan alone they say too little to be asked before.
 void Calibration::judge(CalibrationReport& report) {
   judge_held_out(report, verdict_);
-  if (!verdict_.is_success() && verdict_.found.empty()) {
+  if (!verdict_.is_success() && verdict_.found.empty() && !verdict_.was_told) {
     line_.begin("trying other channels");
     add_carriers(try_carriers(plan_, points_), verdict_);
     line_.clear();

@@ -23,7 +23,9 @@ namespace rayloc::cli {
 
 class Calibration {
  public:
-  explicit Calibration(const CalibrateArguments& options) : options_(options) {}
+  explicit Calibration(const CalibrateArguments& options)
+      : options_(options),
+        survey_error_(options.survey_error.value_or(CalibrationPriors().survey)) {}
 
   Expected<CalibrationOutcome> run();
 
@@ -69,6 +71,7 @@ class Calibration {
   }
 
   const CalibrateArguments& options_;
+  double survey_error_;  // [m], as stated, or assumed and then found
   Site site_;
   CalibrationInputs inputs_;
   RoomModel plan_;   // as surveyed
@@ -79,7 +82,7 @@ class Calibration {
   std::vector<AccessPointResult> results_;  // in the calibrated room
   std::vector<HeldOutFixes> fixes_;
   std::string id_;  // of all inputs
-  CalibrationProgressLine line_{options_.quiet};
+  CalibrationProgressLine line_{options_.quiet, options_.progress};
   bool unkept_ = false;        // the last state could not be written
   bool told_to_stop_ = false;  // and said so
 };

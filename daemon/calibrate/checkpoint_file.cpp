@@ -49,7 +49,8 @@ std::string to_json_text(const StoredCheckpoint& stored, const std::string& inpu
               {"survey", std::move(survey)},
               {"gains", std::move(gains)},
               {"other_cycles", std::move(cycles)},
-              {"history", std::move(history)}}
+              {"history", std::move(history)},
+              {"survey_sigma", checkpoint.survey_sigma}}
              .dump() +
          "\n";
 }
@@ -81,6 +82,7 @@ Expected<StoredCheckpoint> load_checkpoint(const std::filesystem::path& file,
     for (const Json& error : json.at("survey")) {
       checkpoint.state.survey.push_back({error.at(0), error.at(1), error.at(2)});
     }
+    checkpoint.survey_sigma = json.at("survey_sigma");
     for (std::size_t a = 0; a < room.access_points.size(); ++a) {
       const RoomAccessPoint& ap = room.access_points[a];
       ChainGains gains{ap.gains.grid, ap.cores, {}, ap.gains.coupling};

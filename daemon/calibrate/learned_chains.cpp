@@ -1,91 +1,44 @@
 #include "daemon/calibrate/learned_chains.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
-#include <map>
+#include <cstddef>
 #include <memory>
-#include <set>
 #include <utility>
 
-#include "daemon/recordings/recorded_frames.h"
-#include "daemon/site/room_model.h"
+#include "daemon/calibrate/device_bursts.h"
 #include "engine/chains/chain_learner.h"
 #include "engine/localize/localizer.h"
 
 namespace rayloc::cli {
 namespace {
 
-constexpr auto kBurst = std::chrono::milliseconds(200);  // as of a device that raylocd tracks
-
-// Frames of one transmitter that belong together.
-using Frames = std::vector<CsiFrame>;
-
-bool is_device(const Site& site, const MacAddress& transmitter) {
-  const SiteTransmitter* stated = find_transmitter(site, transmitter);
-  return stated == nullptr ? site.targets.track_unlisted : stated->role == TransmitterRole::kDevice;
+std::size_t learned_of(const std::vector<ChainState>& states) {
+  return static_cast<std::size_t>(
+      std::count_if(states.begin(), states.end(), [](const ChainState& state) {
+        return state.knowledge == ChainKnowledge::kLearned;
+      }));
 }
 
-// In the order in which they end.
-std::vector<Frames> bursts_of(Frames frames) {
-  std::stable_sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
-    return a.time < b.time;
-  });
-  std::vector<Frames> bursts;
-  std::map<MacAddress, std::size_t> open;
-  for (CsiFrame& frame : frames) {
-    const auto found = open.find(frame.transmitter);
-    if (found == open.end() || frame.time - bursts[found->second].front().time >= kBurst) {
-      open[frame.transmitter] = bursts.size();
-      bursts.emplace_back();
-    }
-    bursts[open[frame.transmitter]].push_back(std::move(frame));
-  }
-  std::stable_sort(bursts.begin(), bursts.end(), [](const Frames& a, const Frames& b) {
-    return a.back().time < b.back().time;
-  });
-  return bursts;
-}
-
-}  // namespace
-
-Expected<std::vector<ChainState>> learn_chains(const Site& site,
-                                               const RoomModel& room,
-                                               const std::vector<CaptureArgument>& captures,
-                                               std::vector<std::string>& notes) {
-  Frames frames;
-  std::set<std::size_t> heard;
-  bool is_any_device = false;
-  for (const RecordingArgument& recording : recordings_of(captures)) {
-    const auto keep = [&](CsiFrame&& frame) {
-      const SiteTransmitter* fixed = find_fixed_transmitter(site, frame.transmitter);
-      const bool is_of_device = is_device(site, frame.transmitter);
-      if (is_of_device || (fixed != nullptr && fixed->position)) {
-        is_any_device |= is_of_device;
-        heard.insert(static_cast<std::size_t>(frame.access_point));
-        frames.push_back(std::move(frame));
-      }
-    };
-    if (auto read = for_each_frame(site, recording, keep, notes); !read) {
-      return tl::make_unexpected(std::move(read.error()));
+// All bursts, from what was learned of them before: access points that are known say where devices
+// are, which early bursts did not know when they were heard first.
+std::vector<ChainState> heard_once_more(const Site& site,
+                                        const std::shared_ptr<const Localizer>& localizer,
+                                        const DeviceBursts& heard,
+                                        const std::vector<ChainState>& before) {
+  ChainLearner learner(localizer);
+  for (const std::size_t access_point : heard.heard) {
+    const auto known = std::find_if(before.begin(), before.end(), [&](const ChainState& state) {
+      return state.access_point == access_point && state.knowledge == ChainKnowledge::kLearned;
+    });
+    if (known != before.end()) {
+      learner.adopt(*known);
+    } else {
+      learner.power_cycled(access_point, heard.bursts.front().front().time);
     }
   }
-  if (!is_any_device) {
-    return std::vector<ChainState>();
-  }
-  RoomModel of_devices = room;
-  of_devices.device = unlisted_device(site);
-  auto localizer = Localizer::create(std::make_shared<const RoomModel>(std::move(of_devices)), {});
-  if (!localizer) {
-    return tl::make_unexpected(std::move(localizer.error()));
-  }
-  ChainLearner learner(std::make_shared<const Localizer>(*std::move(localizer)));
-  const std::vector<Frames> bursts = bursts_of(std::move(frames));
-  for (const std::size_t access_point : heard) {
-    learner.power_cycled(access_point, bursts.front().front().time);
-  }
-  for (const Frames& burst : bursts) {
+  for (const std::vector<CsiFrame>& burst : heard.bursts) {
     const SiteTransmitter* fixed = find_fixed_transmitter(site, burst.front().transmitter);
     if (fixed != nullptr && fixed->position) {
       learner.hear(burst, *fixed->position);
@@ -94,6 +47,35 @@ Expected<std::vector<ChainState>> learn_chains(const Site& site,
     }
   }
   return learner.states();
+}
+
+}  // namespace
+
+Expected<std::vector<ChainState>> learn_chains(const Site& site,
+                                               const RoomModel& room,
+                                               const std::vector<CaptureArgument>& captures,
+                                               std::vector<std::string>& notes) {
+  const auto heard = read_device_bursts(site, captures, notes);
+  if (!heard) {
+    return tl::make_unexpected(heard.error());
+  }
+  if (!heard->is_any_device) {
+    return std::vector<ChainState>();
+  }
+  const auto localizer = device_localizer(site, room);
+  if (!localizer) {
+    return tl::make_unexpected(localizer.error());
+  }
+  std::vector<ChainState> states;
+  std::size_t known = 0;
+  do {
+    known = learned_of(states);
+    std::vector<ChainState> again = heard_once_more(site, *localizer, *heard, states);
+    if (states.empty() || learned_of(again) > known) {
+      states = std::move(again);
+    }
+  } while (learned_of(states) > known && learned_of(states) < heard->heard.size());
+  return states;
 }
 
 ChainGains multiplied(const ChainGains& gains, const ChainFactors& factors) {

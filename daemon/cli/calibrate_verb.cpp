@@ -5,6 +5,7 @@
 #include "daemon/calibrate/calibrate.h"
 #include "daemon/calibrate/calibrate_plan.h"
 #include "daemon/calibrate/calibrate_rechain.h"
+#include "daemon/calibrate/unsurveyed/calibrate_unsurveyed.h"
 #include "daemon/command/verb.h"
 #include "daemon/terminal/exit_status.h"
 
@@ -16,6 +17,7 @@ struct Options {
   PlanArguments plan;
   bool make_plan = false;
   bool rechain = false;
+  bool unsurveyed = false;
   bool gains_only = false;
 };
 
@@ -31,6 +33,17 @@ Expected<int> run(const Options& options) {
     plan.out = calibrate.out.empty() ? "-" : calibrate.out;
     plan.quiet = calibrate.quiet;
     return done(run_plan(plan));
+  }
+  if (options.unsurveyed) {
+    if (calibrate.out.empty() || !calibrate.points.empty()) {
+      return make_error(ErrorKind::kUsage, "--unsurveyed needs --out, and no --points");
+    }
+    return done(run_unsurveyed({calibrate.site,
+                                calibrate.captures,
+                                calibrate.out,
+                                calibrate.seed,
+                                calibrate.force,
+                                calibrate.quiet}));
   }
   if (options.rechain && !calibrate.captures.empty() && !calibrate.out.empty()) {
     return done(run_rechain({calibrate.site,
@@ -52,7 +65,7 @@ Expected<int> run(const Options& options) {
     return make_error(ErrorKind::kUsage, "--holdout is a share of the points from 0 to 0.8");
   }
   // Below, the survey would be told to be better than a wave can tell.
-  if (!(calibrate.survey_error >= 0.0005 && calibrate.survey_error <= 0.1)) {
+  if (const auto& error = calibrate.survey_error; error && !(*error >= 0.0005 && *error <= 0.1)) {
     return make_error(ErrorKind::kUsage, "--survey-error is from 0.0005 to 0.1 m");
   }
   if (options.gains_only) {
@@ -82,7 +95,9 @@ RunVerb declare(OptionParser& app) {
       ->capture_default_str();
   app.add_flag(
       "--plan", options->make_plan, "says where to stand in a survey, before there is one");
-  app.add_option("--plan-points", options->plan.points, "how many points to plan")
+  app.add_option("--plan-points",
+                 options->plan.points,
+                 "how many points to plan: 12 for a first day, 36 and 143 for more")
       ->capture_default_str();
   app.add_option("--picture", options->plan.picture, "of the plan: .svg or .png");
   app.add_flag("--rechain",
@@ -90,6 +105,11 @@ RunVerb declare(OptionParser& app) {
                "only new chain gains, after a power cycle: from 1 to 3 --points, or without them "
                "from the devices that were recorded, wherever they were, and the site's fixed "
                "transmitters");
+  app.add_flag(
+      "--unsurveyed",
+      options->unsurveyed,
+      "no survey: from the plan and the devices that were recorded, wherever they were; without "
+      "--capture raylocd learns the chains itself");
   app.add_flag("--gains-only", options->gains_only, "chain gains and yaw; the floor plan stays");
   app.add_flag(
       "--compare", options->calibrate.compare, "also runs the other method, for the report");
@@ -98,8 +118,7 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--survey-error",
                  options->calibrate.survey_error,
                  "standard deviation of the points from where they are said to be, along each axis "
-                 "[m]: 0.005 is careful work with a tape")
-      ->capture_default_str();
+                 "[m]: 0.005 is careful work with a tape; without it the joint method finds it");
   app.add_option("--seed", options->calibrate.seed, "of the draw of those points")
       ->capture_default_str();
   app.add_flag("--resume", options->calibrate.resume, "goes on with what was interrupted in --out");
@@ -108,6 +127,9 @@ RunVerb declare(OptionParser& app) {
       options->calibrate.force,
       "write into a folder that is not empty, and write a site that explains its survey no "
       "better than the plan does (the exit status is 79 all the same)");
+  app.add_flag("--progress",
+               options->calibrate.progress,
+               "for programs: lines \"progress SHARE TEXT\" on stderr, though it is no terminal");
   app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
   return [options] { return run(*options); };
 }
@@ -122,6 +144,8 @@ const Verb kCalibrate = {"calibrate",
                          "--out office-calibrated\n"
                          "  rayloc calibrate office-calibrated --rechain --capture ap1=now.pcap "
                          "--out office-today\n"
+                         "  rayloc calibrate office --unsurveyed --capture ap1=walk1.pcap "
+                         "ap2=walk2.pcap --out office-calibrated\n"
                          "Exit status 79: the calibration explains the survey no better than the "
                          "plan does, or the site contradicts it; standard error and report.json "
                          "say why, and without --force no site is written",

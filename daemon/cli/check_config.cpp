@@ -11,6 +11,7 @@
 #include <string>
 #include <system_error>
 
+#include "daemon/cli/site_check.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/file_error.h"
 #include "daemon/command/verb.h"
@@ -88,11 +89,7 @@ Expected<void> check_secrets_of(const DaemonConfig& config) {
 Expected<std::string> check(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
-    const Expected<Site> site = load_site(path);
-    if (!site) {
-      return tl::make_unexpected(site.error());
-    }
-    return check_room(*site, [&](const RoomModel& read) { return site_lacks(*site, read); });
+    return check_site(path);
   }
   const Expected<DaemonSetup> setup = load_daemon_setup(path);
   if (!setup) {
@@ -101,12 +98,16 @@ Expected<std::string> check(const std::filesystem::path& path) {
   if (const Expected<void> secrets = check_secrets_of(setup->config); !secrets) {
     return tl::make_unexpected(secrets.error());
   }
-  Expected<std::string> room =
-      check_room(setup->site, [&](const RoomModel& read) { return lacks_of(*setup, read); });
-  if (!room) {
-    return room;
+  std::string good;
+  for (const SiteSetup& site : setup->sites) {
+    Expected<std::string> room =
+        check_room(site.site, [&](const RoomModel& read) { return lacks_of(site, read); });
+    if (!room) {
+      return room;
+    }
+    good += (good.empty() ? "" : "; ") + *room;
   }
-  return *room + ", " + count_of(setup->config.sources.size(), "source", "sources");
+  return good + ", " + count_of(setup->config.sources.size(), "source", "sources");
 }
 
 Expected<void> run(const Arguments& arguments) {
@@ -129,6 +130,14 @@ RunVerb declare(OptionParser& app) {
 }
 
 }  // namespace
+
+Expected<std::string> check_site(const std::filesystem::path& folder) {
+  const Expected<Site> site = load_site(folder);
+  if (!site) {
+    return tl::make_unexpected(site.error());
+  }
+  return check_room(*site, [&](const RoomModel& read) { return site_lacks(*site, read); });
+}
 
 extern const Verb kCheckConfig;
 const Verb kCheckConfig = {"check-config",

@@ -1,4 +1,5 @@
-// `rayloc config default|schema|man|show FILE`: raylocd's configuration in words.
+// `rayloc config default|schema|man|show FILE`: raylocd's configuration in words, and what a site
+// may state.
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -7,6 +8,7 @@
 #include "daemon/command/file_error.h"
 #include "daemon/command/verb.h"
 #include "daemon/config/config_schema.h"
+#include "daemon/config/site_reference.h"
 
 namespace rayloc::cli {
 namespace {
@@ -21,30 +23,42 @@ Expected<void> print(const Expected<std::string>& text) {
 
 RunVerb declare(OptionParser& app) {
   const auto file = std::make_shared<std::string>();
+  const auto of = std::make_shared<std::string>("raylocd.toml");
   const OptionParser* example = app.add_subcommand(
       "default", "Print every key with its default and what it means, as a file to start from");
-  const OptionParser* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
-  const OptionParser* manual = app.add_subcommand("man", "Print the manual page raylocd.toml(5)");
+  OptionParser* schema = app.add_subcommand("schema", "Print a JSON schema, for editors");
+  OptionParser* manual =
+      app.add_subcommand("man", "Print the manual page raylocd.toml(5) or site.toml(5)");
+  for (OptionParser* printed : {schema, manual}) {
+    printed->add_option("OF", *of, "raylocd.toml or site.toml")
+        ->check(one_of({"raylocd.toml", "site.toml"}))
+        ->capture_default_str();
+  }
   OptionParser* show = app.add_subcommand("show", "Print the values that hold with a file");
   show->add_option("FILE", *file, "raylocd.toml")->required();
   app.require_subcommand(1);
-  return [file, example, schema, manual] {
+  return [file, of, example, schema, manual] {
+    const bool is_site = *of == "site.toml";
     if (example->parsed()) {
       return print(config_example());
     }
     if (manual->parsed()) {
-      return print(config_manual_page());
+      return print(is_site ? site_manual_page() : config_manual_page());
     }
-    return print(schema->parsed() ? config_json_schema() : effective_config(*file));
+    if (schema->parsed()) {
+      return print(is_site ? site_json_schema() : config_json_schema());
+    }
+    return print(effective_config(*file));
   };
 }
 
 }  // namespace
 
 extern const Verb kConfig;
-const Verb kConfig = {"config",
-                      "Print the configuration of raylocd: defaults, in effect, schema",
-                      "rayloc config default > raylocd.toml",
-                      declare};
+const Verb kConfig = {
+    "config",
+    "Print the configuration of raylocd: defaults, in effect, schema; keys of site.toml",
+    "rayloc config default > raylocd.toml",
+    declare};
 
 }  // namespace rayloc::cli

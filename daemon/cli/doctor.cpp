@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "daemon/arguments/http_options.h"
+#include "daemon/cli/findings.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/file_error.h"
 #include "daemon/command/verb.h"
@@ -27,18 +27,6 @@
 
 namespace rayloc::cli {
 namespace {
-
-const char* word(Finding::Kind kind) {
-  switch (kind) {
-    case Finding::Kind::kOk:
-      return "ok";
-    case Finding::Kind::kWarning:
-      return "warning";
-    case Finding::Kind::kProblem:
-      return "problem";
-  }
-  return "";
-}
 
 // What a running daemon says of its sources. False when it does not say (a token is asked for).
 bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
@@ -61,7 +49,7 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
 }
 
 // What the site lacks to locate.
-void check_site(const DaemonSetup& setup, std::vector<Finding>& findings) {
+void check_site(const SiteSetup& setup, std::vector<Finding>& findings) {
   const Expected<RoomModel> room = load_room_model(setup.site);
   if (!room) {
     findings.push_back({Finding::Kind::kProblem, room.error().message, ""});
@@ -92,12 +80,17 @@ void add_said(const nlohmann::json& list,
 }
 
 // What a running daemon says of itself; that none answers is no finding, ports are.
-void ask_daemon(const HttpQuery& query, const Site& site, std::vector<Finding>& findings) {
+// Of several sites /readyz tells each trouble with its site, and no single list of sources is
+// asked.
+void ask_daemon(const HttpQuery& query,
+                const Site& site,
+                bool has_site_list,
+                std::vector<Finding>& findings) {
   const Expected<JsonResult> ready = get_json(query, "/readyz");
   if (!ready) {
     return;
   }
-  const bool sources_told = ask_for_sources(query, site, findings);
+  const bool sources_told = !has_site_list && ask_for_sources(query, site, findings);
   const nlohmann::json none = nlohmann::json::array();
   const auto is_of_source = [&](const std::string& words) {
     return sources_told && words.rfind("source ", 0) == 0;
@@ -150,20 +143,13 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
   if (silent) {
     findings.push_back(silent_daemon(*silent, setup->config.http.enabled));
   }
-  check_site(*setup, findings);
+  for (const SiteSetup& site : setup->sites) {
+    check_site(site, findings);
+  }
   if (answers) {
-    ask_daemon(*query, setup->site, findings);
+    ask_daemon(*query, setup->sites.front().site, setup->config.has_site_list, findings);
   }
-  bool problem = false;
-  for (const Finding& finding : findings) {
-    problem = problem || finding.kind == Finding::Kind::kProblem;
-    std::printf("%-8s %s%s%s\n",
-                word(finding.kind),
-                finding.what.c_str(),
-                finding.advice.empty() ? "" : "; ",
-                finding.advice.c_str());
-  }
-  return problem ? Expected<void>(exit_silently(ErrorKind::kUnavailable)) : Expected<void>();
+  return print_findings(findings);
 }
 
 RunVerb declare(OptionParser& app) {

@@ -1,25 +1,17 @@
 // `rayloc evaluate`: how far estimates are from surveyed truth.
-#include <algorithm>
+#include <chrono>
 #include <cstdio>
-#include <filesystem>
-#include <map>
 #include <memory>
-#include <optional>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/cli/verbs.h"
-#include "daemon/draw/svg.h"
+#include "daemon/evaluate/comparison.h"
+#include "daemon/evaluate/comparison_plots.h"
 #include "daemon/evaluate/error_statistics.h"
-#include "daemon/evaluate/estimates_file.h"
-#include "daemon/evaluate/evaluate_fingerprints.h"
 #include "daemon/evaluate/evaluate_report.h"
-#include "daemon/evaluate/evaluation_plots.h"
-#include "daemon/evaluate/truth.h"
-#include "daemon/site/room_model.h"
-#include "daemon/site/site.h"
 #include "daemon/site/site_copy.h"
 #include "daemon/survey/csv_table.h"
 
@@ -42,32 +34,6 @@ struct EvaluateArguments {
   bool force = false;
 };
 
-// What is compared with what.
-struct Comparison {
-  std::optional<Site> site;
-  std::vector<TruthPoint> recorded;          // by the clock of the recordings
-  std::vector<TruthPoint> truth;             // by the clock of the estimates
-  std::vector<PublishedEstimate> estimates;  // those asked for
-  std::vector<const LocationEstimate*> matches;
-  std::vector<PointResult> results;
-  Controls controls;
-};
-
-// The estimates that are asked for.
-std::vector<PublishedEstimate> select(const std::vector<PublishedEstimate>& estimates,
-                                      const EvaluateArguments& arguments) {
-  std::vector<PublishedEstimate> selected;
-  std::copy_if(estimates.begin(),
-               estimates.end(),
-               std::back_inserter(selected),
-               [&](const PublishedEstimate& e) {
-                 return e.person == (arguments.kind == "person") &&
-                        e.filtered == (arguments.estimate == "filtered") &&
-                        (arguments.target.empty() || e.target == arguments.target);
-               });
-  return selected;
-}
-
 // Several devices answer for one truth: somebody should know. One person is as many targets as
 // tracks.
 void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
@@ -83,35 +49,6 @@ void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
   }
 }
 
-std::string iso_time(Timestamp time) {
-  const auto seconds = std::chrono::floor<std::chrono::milliseconds>(time).time_since_epoch();
-  return std::to_string(seconds.count() / 1000) + "." +
-         std::to_string(1000 + seconds.count() % 1000).substr(1);
-}
-
-// Why no estimate answers for any point, with what to do.
-Error nothing_matches(const std::vector<PublishedEstimate>& estimates,
-                      const std::vector<PublishedEstimate>& selected,
-                      const std::vector<TruthPoint>& truth,
-                      const EvaluateArguments& arguments) {
-  std::string message = arguments.estimates + ": ";
-  if (selected.empty()) {
-    message += "none of " + std::to_string(estimates.size()) + " estimates is a " +
-               arguments.estimate + (arguments.estimate == "filtered" ? " estimate" : "") +
-               " of a " + arguments.kind + "; see --estimate, --kind and --target";
-    return {ErrorKind::kBadInput, message};
-  }
-  const auto by_time = [](const PublishedEstimate& a, const PublishedEstimate& b) {
-    return a.estimate.time < b.estimate.time;
-  };
-  const auto [first, last] = std::minmax_element(selected.begin(), selected.end(), by_time);
-  message += "no estimate lies in the times of the truth: estimates from " +
-             iso_time(first->estimate.time) + " to " + iso_time(last->estimate.time) +
-             ", truth from " + iso_time(truth.front().begin) + " to " + iso_time(truth.back().end) +
-             "; --time-offset is added to the truth (rayloc send prints it)";
-  return {ErrorKind::kBadInput, message};
-}
-
 Expected<Duration> time_offset(const std::string& text) {
   const auto offset = parse_decimal_seconds(text);
   constexpr auto kMostOffset = std::chrono::hours(24 * 365 * 100);
@@ -123,155 +60,39 @@ Expected<Duration> time_offset(const std::string& text) {
   return *offset;
 }
 
-// What belongs together, before anything is read.
-Expected<void> check(const EvaluateArguments& arguments) {
-  const std::size_t given = (arguments.fingerprints.empty() ? 0U : 1U) +
-                            (arguments.points.empty() ? 0U : 1U) +
-                            (arguments.captures.empty() ? 0U : 1U);
-  if (given != 0 && (given != 3 || arguments.site.empty())) {
-    return make_error(ErrorKind::kUsage,
-                      "the control by fingerprints needs all of --fingerprints, --points (the "
-                      "survey's recordings and csv), --capture (the recordings that the estimates "
-                      "were made of) and --site");
+Expected<void> write_plots(const EvaluateArguments& arguments, const Comparison& comparison) {
+  if (auto prepared = prepare_output(arguments.plot, arguments.force); !prepared) {
+    return prepared;
   }
-  return {};
+  if (!comparison.site) {
+    std::fputs("rayloc evaluate: no map of the room without --site\n", stderr);
+  }
+  return write_comparison_plots(arguments.plot, comparison);
 }
 
-Expected<Comparison> compare(const EvaluateArguments& arguments) {
+Expected<void> run_evaluate(const EvaluateArguments& arguments) {
   const auto offset = time_offset(arguments.time_offset);
   if (!offset) {
     return tl::make_unexpected(offset.error());
   }
-  Comparison comparison;
-  auto loaded = load_truth(arguments.truth);
-  if (!loaded) {
-    return tl::make_unexpected(loaded.error());
-  }
-  const auto estimates = load_estimates(arguments.estimates);
-  if (!estimates) {
-    return tl::make_unexpected(estimates.error());
-  }
-  comparison.recorded = *std::move(loaded);
-  comparison.truth = shifted(comparison.recorded, *offset);
-  comparison.estimates = select(*estimates, arguments);
-  comparison.matches = match(comparison.truth, comparison.estimates);
-  if (std::all_of(comparison.matches.begin(), comparison.matches.end(), [](const auto* m) {
-        return m == nullptr;
-      })) {
-    return tl::make_unexpected(
-        nothing_matches(*estimates, comparison.estimates, comparison.truth, arguments));
-  }
-  for (std::size_t i = 0; i < comparison.truth.size(); ++i) {
-    comparison.results.push_back(evaluate_point(comparison.truth[i], comparison.matches[i]));
-  }
-  return comparison;
-}
-
-Expected<void> add_controls(const EvaluateArguments& arguments, Comparison& comparison) {
-  if (arguments.site.empty()) {
-    return {};
-  }
-  auto site = load_site(arguments.site);
-  if (!site) {
-    return tl::make_unexpected(std::move(site.error()));
-  }
-  comparison.site = *std::move(site);
-  if (!comparison.site->has_bounds) {
-    return make_error(ErrorKind::kConfiguration,
-                      arguments.site +
-                          ": the site states no [bounds], which the room-centre control "
-                          "needs; add them to site.toml or leave --site out");
-  }
-  const Vec3d centre = 0.5 * (comparison.site->bounds_min + comparison.site->bounds_max);
-  for (const TruthPoint& point : comparison.truth) {
-    comparison.controls.room_centre.push_back(horizontal_distance(centre, point.position));
-  }
-  if (arguments.fingerprints.empty()) {
-    return {};
-  }
-  const bool person = arguments.kind == "person";
-  const FingerprintRequest request{arguments.fingerprints,
-                                   arguments.points,
-                                   arguments.captures,
-                                   person,
-                                   person ? "" : arguments.target};
-  auto errors = fingerprint_errors(*comparison.site, request, comparison.recorded);
-  if (!errors) {
-    return tl::make_unexpected(std::move(errors.error()));
-  }
-  comparison.controls.fingerprint = *std::move(errors);
-  return {};
-}
-
-Expected<draw::Drawing> error_map(const Comparison& comparison) {
-  const auto room = load_room_model(*comparison.site);
-  if (!room) {
-    return tl::make_unexpected(room.error());
-  }
-  std::vector<draw::MapAntenna> antennas;
-  for (const RoomAccessPoint& ap : room->access_points) {
-    antennas.push_back({ap.id, ap.array.pose.position});
-  }
-  return draw_error_map(*room->scene, std::move(antennas), comparison.truth, comparison.matches);
-}
-
-std::vector<NamedErrors> error_curves(const Comparison& comparison) {
-  std::vector<NamedErrors> curves(1);
-  curves.front().name = "estimates";
-  for (const PointResult& result : comparison.results) {
-    curves.front().errors.push_back(result.error);
-  }
-  if (!comparison.controls.room_centre.empty()) {
-    curves.push_back({"room centre", comparison.controls.room_centre});
-  }
-  if (!comparison.controls.fingerprint.empty()) {
-    curves.push_back({"nearest fingerprint", comparison.controls.fingerprint});
-  }
-  return curves;
-}
-
-Expected<void> write_plots(const std::filesystem::path& directory, const Comparison& comparison) {
-  std::map<std::string, draw::Drawing> plots;
-  plots["cdf.svg"] = draw_error_distributions(error_curves(comparison));
-  plots["coverage.svg"] = draw_coverage(comparison.results);
-  plots["reliability.svg"] =
-      draw_reliability(stated_outcomes(comparison.truth, comparison.matches));
-  if (comparison.site) {
-    auto map = error_map(comparison);
-    if (!map) {
-      return tl::make_unexpected(std::move(map.error()));
-    }
-    plots["map.svg"] = *std::move(map);
-  } else {
-    std::fputs("rayloc evaluate: no map of the room without --site\n", stderr);
-  }
-  for (const auto& [name, drawing] : plots) {
-    if (auto written = write_file(directory / name, draw::to_svg(drawing)); !written) {
-      return written;
-    }
-  }
-  return {};
-}
-
-Expected<void> run_evaluate(const EvaluateArguments& arguments) {
-  if (auto checked = check(arguments); !checked) {
-    return checked;
-  }
-  auto comparison = compare(arguments);
+  const auto comparison = compare_with_truth({arguments.estimates,
+                                              arguments.truth,
+                                              arguments.kind == "person",
+                                              arguments.estimate == "filtered",
+                                              arguments.target,
+                                              *offset,
+                                              arguments.site,
+                                              arguments.fingerprints,
+                                              arguments.points,
+                                              arguments.captures});
   if (!comparison) {
-    return tl::make_unexpected(std::move(comparison.error()));
+    return tl::make_unexpected(comparison.error());
   }
   if (arguments.kind == "device") {
     warn_of_several_targets(comparison->estimates);
   }
-  if (auto added = add_controls(arguments, *comparison); !added) {
-    return added;
-  }
   if (!arguments.plot.empty()) {
-    if (auto prepared = prepare_output(arguments.plot, arguments.force); !prepared) {
-      return prepared;
-    }
-    if (auto written = write_plots(arguments.plot, *comparison); !written) {
+    if (auto written = write_plots(arguments, *comparison); !written) {
       return written;
     }
   }

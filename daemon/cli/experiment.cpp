@@ -6,9 +6,11 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/cli/verbs.h"
 #include "daemon/command/file_error.h"
+#include "daemon/experiment/condition_store.h"
 #include "daemon/experiment/experiment_file.h"
 #include "daemon/experiment/experiment_report.h"
 #include "daemon/experiment/run_experiment.h"
@@ -20,6 +22,8 @@ namespace {
 struct Arguments {
   std::string file;
   std::string out;
+  std::vector<std::string> studies;  // names; none: all
+  bool resume = false;
   bool force = false;
   bool quiet = false;
 };
@@ -35,31 +39,31 @@ void show_progress(const Study& study, std::size_t done, const ConditionResult& 
 }
 
 Expected<void> run(const Arguments& arguments) {
-  const auto experiment = load_experiment(arguments.file);
+  auto experiment = load_experiment(arguments.file);
   if (!experiment) {
     return report_file_error(experiment.error());
   }
+  if (auto kept = keep_studies(arguments.studies, *experiment); !kept) {
+    return kept;
+  }
   const std::filesystem::path directory = arguments.out;
-  if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
+  if (auto prepared = prepare_output(directory, arguments.force || arguments.resume); !prepared) {
     return prepared;
   }
   const bool shown = !arguments.quiet && ::isatty(STDERR_FILENO) == 1;
   const auto results = run_experiment(
-      *experiment, [&](const Study& study, std::size_t done, const ConditionResult& result) {
+      *experiment,
+      [&](const Study& study, std::size_t done, const ConditionResult& result) {
         if (shown) {
           show_progress(study, done, result);
         }
-      });
+      },
+      condition_store(directory, arguments.resume));
   if (!results) {
     return tl::make_unexpected(results.error());
   }
-  for (const auto& [name, content] :
-       {std::pair{"report.json", experiment_json(*experiment, *results)},
-        std::pair{"report.csv", experiment_csv(*results)},
-        std::pair{"report.html", experiment_html(*experiment, *results)}}) {
-    if (auto written = write_file(directory / name, content); !written) {
-      return written;
-    }
+  if (auto written = write_experiment_report(directory, *experiment, *results); !written) {
+    return written;
   }
   if (!arguments.quiet) {
     std::fprintf(stderr, "%s\n", (directory / "report.html").c_str());
@@ -70,8 +74,15 @@ Expected<void> run(const Arguments& arguments) {
 RunVerb declare(OptionParser& app) {
   const auto arguments = std::make_shared<Arguments>();
   app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
-  app.add_option("--out", arguments->out, "Directory for report.html, report.json and report.csv")
+  app.add_option("--out",
+                 arguments->out,
+                 "Directory for report.html, report.json, report.csv and errors.csv")
       ->required();
+  app.add_option("--study", arguments->studies, "Run these studies of the file alone, by name");
+  app.add_flag(
+      "--resume",
+      arguments->resume,
+      "Go on with what was interrupted in --out: a condition that is done is not run again");
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
   app.add_flag("--quiet", arguments->quiet, "No words on standard error");
   app.footer(app.get_footer() + R"(

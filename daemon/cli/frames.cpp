@@ -1,7 +1,9 @@
 // `rayloc frames`: the CSI frames of recordings, a line each.
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -14,7 +16,9 @@
 #include "capture/decode/decoder_registry.h"
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
+#include "daemon/arrays/npz_file.h"
 #include "daemon/command/verb.h"
+#include "daemon/recordings/frame_arrays.h"
 
 namespace rayloc::cli {
 namespace {
@@ -176,7 +180,7 @@ std::string summary_line(const Summary& summary, bool json) {
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 Expected<File> open_output(const std::string& path) {
-  if (path.empty()) {
+  if (path.empty() || is_npz(path)) {
     return File(stdout, [](std::FILE*) { return 0; });
   }
   File file(std::fopen(path.c_str(), "w"), std::fclose);
@@ -212,10 +216,29 @@ Expected<void> print_frames(const std::vector<CsiFrame>& frames,
   return {};
 }
 
+// What an .npz is made of, once all is read.
+struct Collected {
+  std::vector<CsiFrame> frames;
+  std::vector<std::string> access_points;
+};
+
+Expected<void> take_frames(std::vector<CsiFrame>& frames,
+                           const std::string& access_point,
+                           const FramesOptions& options,
+                           std::FILE* out,
+                           Collected& collected) {
+  if (!is_npz(options.out)) {
+    return print_frames(frames, access_point, options, out);
+  }
+  std::move(frames.begin(), frames.end(), std::back_inserter(collected.frames));
+  return {};
+}
+
 Expected<void> run_recording(const RecordingArgument& recording,
                              const FramesOptions& options,
                              std::FILE* out,
-                             Summary& summary) {
+                             Summary& summary,
+                             Collected& collected) {
   auto source = RecordedSource::open(recording.files, as_stamped_options());
   if (!source) {
     return tl::make_unexpected(source.error());
@@ -223,9 +246,11 @@ Expected<void> run_recording(const RecordingArgument& recording,
   CsiReceiverOptions receiver_options;
   receiver_options.format = options.format;
   receiver_options.raw = options.raw;
+  receiver_options.access_point = static_cast<int>(collected.access_points.size());
   CsiReceiver receiver(receiver_options);
   const std::string access_point =
       recording.access_point.empty() ? recording.files.front() : recording.access_point;
+  collected.access_points.push_back(access_point);
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   Expected<void> result;
@@ -240,7 +265,7 @@ Expected<void> run_recording(const RecordingArgument& recording,
     if (!result || batch.ended) {
       receiver.flush(frames);
     }
-    Expected<void> printed = print_frames(frames, access_point, options, out);
+    Expected<void> printed = take_frames(frames, access_point, options, out, collected);
     if (!printed) {
       return printed;
     }
@@ -271,12 +296,16 @@ Expected<void> run(const FramesOptions& options) {
     return tl::make_unexpected(out.error());
   }
   Summary summary;
+  Collected collected;
   Expected<void> result;
   for (const RecordingArgument& recording : recordings_of_any(options.captures)) {
-    result = run_recording(recording, options, out->get(), summary);
+    result = run_recording(recording, options, out->get(), summary, collected);
     if (!result) {
       break;
     }
+  }
+  if (result && is_npz(options.out)) {
+    result = write_npz(frame_arrays(collected.frames), collected.access_points, options.out);
   }
   Expected<void> printed =
       print_line(out->get(), summary_line(summary, options.json || options.values));
@@ -303,7 +332,12 @@ RunVerb declare(OptionParser& app) {
   app.add_flag(
       "--raw", options->raw, "CSI as on the wire: FFT order, rotated, with unusable tones");
   app.add_option("--format", options->format, "wire format, instead of recognising it");
-  app.add_option("--out", options->out, "write there instead of to stdout");
+  app.add_option(
+      "--out",
+      options->out,
+      "write there instead of to stdout; FILE.npz: all frames as arrays of numpy (csi and mask "
+      "[frame][core][tone] of the first stream, headers, power_dbm, cores, tone_index, "
+      "access_points)");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
   return [options] { return run(*options); };
 }

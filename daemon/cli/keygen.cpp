@@ -1,49 +1,68 @@
-// `rayloc keygen FILE`: makes a pair of CURVE keys: the secret one into FILE, which only its owner
-// may read, the public one on standard output.
+// `rayloc keygen FILE`: makes a pair of keys, of CURVE or for NATS: the secret one into FILE, which
+// only its owner may read, the public one on standard output.
 #include <cstdio>
 #include <memory>
 #include <string>
 
 #include "daemon/cli/verbs.h"
+#include "daemon/cluster/operate/nkey.h"
 #include "daemon/command/file_error.h"
 #include "daemon/command/verb.h"
 #include "daemon/publish/socket/curve_keys.h"
+#include "daemon/publish/socket/secret_file.h"
 
 namespace rayloc::cli {
 namespace {
 
-Expected<void> print_public(const CurveKeyPair& keys) {
-  std::printf("%s\n", keys.public_key.c_str());
+struct Arguments {
+  std::string file;
+  bool of_existing = false;
+  bool of_nats = false;
+};
+
+Expected<std::string> public_key_of(const Arguments& arguments) {
+  if (arguments.of_nats) {
+    return read_nkey(arguments.file);
+  }
+  const Expected<CurveKeyPair> keys = read_curve_secret(arguments.file);
+  return keys ? Expected<std::string>(keys->public_key) : tl::make_unexpected(keys.error());
+}
+
+Expected<void> run(const Arguments& arguments) {
+  if (!arguments.of_existing) {
+    const std::string secret = arguments.of_nats ? make_nkey_seed() : make_curve_keys().secret_key;
+    if (const Expected<void> written = write_secret(arguments.file, secret); !written) {
+      return report_file_error(written.error());
+    }
+  }
+  const Expected<std::string> key = public_key_of(arguments);
+  if (!key) {
+    return report_file_error(key.error());
+  }
+  std::printf("%s\n", key->c_str());
   return {};
 }
 
-Expected<void> run(const std::string& file, bool of_existing) {
-  if (of_existing) {
-    const Expected<CurveKeyPair> keys = read_curve_secret(file);
-    return keys ? print_public(*keys) : report_file_error(keys.error());
-  }
-  const CurveKeyPair keys = make_curve_keys();
-  if (const Expected<void> written = write_curve_secret(file, keys.secret_key); !written) {
-    return report_file_error(written.error());
-  }
-  return print_public(keys);
-}
-
 RunVerb declare(OptionParser& app) {
-  const auto file = std::make_shared<std::string>();
-  const auto of_existing = std::make_shared<bool>(false);
-  app.add_option("FILE", *file, "Where the secret key goes; a file that exists is never changed")
+  const auto arguments = std::make_shared<Arguments>();
+  app.add_option(
+         "FILE", arguments->file, "Where the secret key goes; a file that exists is never changed")
       ->required();
-  app.add_flag("--public", *of_existing, "Make nothing: print the public key of the one in FILE");
-  return [file, of_existing] { return run(*file, *of_existing); };
+  app.add_flag(
+      "--public", arguments->of_existing, "Make nothing: print the public key of the one in FILE");
+  app.add_flag("--nkey",
+               arguments->of_nats,
+               "Who a machine of a cluster is to its NATS servers ([cluster] nkey_seed_file)");
+  return [arguments] { return run(*arguments); };
 }
 
 }  // namespace
 
 extern const Verb kKeygen;
-const Verb kKeygen = {"keygen",
-                      "Make the keys of encrypted publishing: secret into a file, public printed",
-                      "rayloc keygen /etc/raylocd/curve.secret",
-                      declare};
+const Verb kKeygen = {
+    "keygen",
+    "Make the keys of encrypted publishing, or of a cluster: secret into a file, public printed",
+    "rayloc keygen /etc/raylocd/curve.secret",
+    declare};
 
 }  // namespace rayloc::cli

@@ -20,7 +20,7 @@ RunVerb declare(OptionParser&) {
 
 extern const Verb kMan;
 const Verb kMan = {"man",
-                   "Print the manual page rayloc(1); that of the configuration: rayloc config man",
+                   "Print the manual page rayloc(1); those of files: rayloc config man",
                    "rayloc man | man -l -",
                    declare};
 

@@ -1,6 +1,7 @@
 // `rayloc replay`: a recording through exactly the pipeline that raylocd runs.
 #include <cstdint>
 #include <cstdio>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,23 +17,22 @@
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/arguments/time_arguments.h"
+#include "daemon/cli/cluster_verbs.h"
 #include "daemon/cli/method_arguments.h"
+#include "daemon/cli/replay_cluster.h"
+#include "daemon/cli/replay_estimators.h"
+#include "daemon/cli/warm_replay.h"
 #include "daemon/command/verb.h"
 #include "daemon/feed/no_fix_reasons.h"
 #include "daemon/methods/method_registry.h"
-#include "daemon/pipeline/device_estimator.h"
-#include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/ordered_sink.h"
-#include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/playback/later_source.h"
 #include "daemon/pipeline/playback/paced_source.h"
-#include "daemon/pipeline/zone_estimator.h"
+#include "daemon/pipeline/zones/zone_estimator.h"
 #include "daemon/publish/json.h"
 #include "daemon/publish/location_message.h"
-#include "daemon/publish/target_names.h"
 #include "daemon/recordings/replay_report.h"
-#include "daemon/scene/scene_notes.h"
-#include "daemon/site/path_grid_files.h"
 #include "daemon/site/receiver_options.h"
 #include "daemon/site/site.h"
 #include "daemon/site/site_lacks.h"
@@ -44,11 +44,15 @@ namespace {
 // Frames of a burst at an access point, a count: more than any access point sends in it.
 constexpr std::size_t kEveryFrame = 4096;
 
-struct Options {
+struct Options : EstimatorArguments {
   std::string site;
   std::vector<std::string> captures;
   MethodArguments method;
-  std::string kind = "all";
+  std::string stream;    // address of a broker; empty: of captures
+  BrokerOptions broker;  // how it lets us in
+  bool uninterrupted = false;
+  bool fill = false;
+  std::string stream_site;  // what it is called there; empty: as in site.toml
   std::string burst = "0.2s";
   std::string speed = "max";
   double max_gap = to_seconds(kMaxGap);
@@ -56,13 +60,8 @@ struct Options {
   std::string out = "-";
   std::string zone_events;  // file; empty: not written
   int threads = 0;
-  std::string target_key;  // file; empty: devices are called by their addresses
-  double target_rotate_h = 24.0;
   std::optional<double> height_sigma;  // [m]; nothing: those of the site
-  ChainKeeper::Options chains;
-  std::string snapshots = "always";
-  bool no_cache = false;
-  bool quiet = false;
+  WarmReplayArguments warm;
 };
 
 // What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
@@ -72,7 +71,9 @@ struct Recordings {
   std::vector<int> access_points;              // of the inputs, indices in the site
 };
 
-Expected<Recordings> open_captures(const Options& options, const Site& site) {
+Expected<Recordings> open_captures(const Options& options,
+                                   const Site& site,
+                                   Timestamp listen_from) {
   const auto captures =
       resolve_captures(options.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   if (!captures) {
@@ -97,6 +98,9 @@ Expected<Recordings> open_captures(const Options& options, const Site& site) {
     all.sources.push_back(source->get());
     all.access_points.push_back(index);
     input.source = std::move(*source);
+    if (listen_from != Timestamp::min()) {
+      input.source = std::make_unique<LaterSource>(std::move(input.source), listen_from);
+    }
     if (pace) {
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
@@ -130,86 +134,42 @@ Expected<void> check_targets(const Method& method, const std::string& kind) {
   return {};
 }
 
-// Nothing where they are not to be kept, or nobody knows where.
-std::shared_ptr<PathGridStore> path_grids(const Options& options) {
-  const auto directory = options.no_cache ? std::nullopt : cache_directory();
-  if (!directory) {
-    return nullptr;
-  }
-  PathGridFiles::Options files;
-  files.directory = *directory;
-  if (!options.quiet) {
-    files.log = [](const std::string& line) {
-      std::fprintf(stderr, "rayloc replay: cache: %s\n", line.c_str());
-    };
-  }
-  return std::make_shared<PathGridFiles>(std::move(files));
-}
-
-Expected<std::shared_ptr<TargetNames>> target_names(const Options& options) {
-  TargetNames::Options names;
-  if (!options.target_key.empty()) {
-    Expected<std::string> key = TargetNames::read_key(options.target_key);
-    if (!key) {
-      return tl::make_unexpected(key.error());
+// Writes what is carried beside what is said.
+class ReplaySink : public OrderedSink {
+ public:
+  using OrderedSink::OrderedSink;
+  void write_carried_to(OutputFile* file) { carried_ = file; }
+  void carried(Carried&& carried) override {
+    if (carried_ != nullptr) {
+      carried_->write(carried_line(carried));
     }
-    names.hashed = true;
-    names.key = *std::move(key);
-    names.period = from_seconds(3600.0 * options.target_rotate_h);
   }
-  return std::make_shared<TargetNames>(std::move(names));
-}
 
-// Of the kinds of targets that are asked for.
-struct Estimators {
-  std::unique_ptr<DeviceEstimator> devices;
-  std::unique_ptr<PersonEstimator> people;
-  EstimatorList all;
+ private:
+  OutputFile* carried_ = nullptr;
 };
 
-Expected<Estimators> make_estimators(const Options& options,
-                                     const Site& site,
-                                     const Method& method,
-                                     const MethodOptions& told) {
-  Estimators estimators;
-  if (options.kind != "person" && method.create_device != nullptr) {
-    DeviceEstimator::Options estimation;
-    auto names = target_names(options);
-    if (!names) {
-      return tl::make_unexpected(names.error());
-    }
-    estimation.names = *std::move(names);
-    estimation.method = &method;
-    estimation.settings = told;
-    estimation.settings.path_grids = path_grids(options);
-    estimation.chains = options.chains;
-    estimation.snapshots =
-        options.snapshots == "acquire" ? Snapshots::kAcquire : Snapshots::kAlways;
-    auto devices = DeviceEstimator::create(site, estimation);
-    if (!devices) {
-      return tl::make_unexpected(devices.error());
-    }
-    estimators.devices = *std::move(devices);
-    estimators.all.add(*estimators.devices);
+// Nothing where there is no name.
+Expected<std::optional<OutputFile>> open_optional(const std::string& file) {
+  if (file.empty()) {
+    return std::optional<OutputFile>();
   }
-  // Without a reference nobody can be seen; who asks for people alone is told so.
-  if (options.kind == "person" || estimators.devices == nullptr ||
-      (options.kind == "all" && method.create_person != nullptr && site.reference_file)) {
-    PersonEstimator::Options estimation;
-    estimation.method = &method;
-    estimation.settings = told;
-    auto people = PersonEstimator::create(site, estimation);
-    if (!people) {
-      return tl::make_unexpected(people.error());
+  Expected<OutputFile> opened = OutputFile::open(file);
+  if (!opened) {
+    return tl::make_unexpected(opened.error());
+  }
+  return std::optional<OutputFile>(std::move(*opened));
+}
+
+Expected<void> close_all(std::initializer_list<OutputFile*> files) {
+  for (OutputFile* const file : files) {
+    if (file != nullptr) {
+      if (Expected<void> closed = file->close(); !closed) {
+        return closed;
+      }
     }
-    estimators.people = *std::move(people);
-    estimators.all.add(*estimators.people);
   }
-  if (!options.quiet) {
-    print_scene_notes(
-        *(estimators.devices ? estimators.devices->room() : estimators.people->room()).scene);
-  }
-  return estimators;
+  return {};
 }
 
 Expected<void> write_all(const Options& options,
@@ -220,37 +180,34 @@ Expected<void> write_all(const Options& options,
   if (!out) {
     return tl::make_unexpected(out.error());
   }
-  std::optional<OutputFile> events;
-  if (!options.zone_events.empty()) {
-    Expected<OutputFile> opened = OutputFile::open(options.zone_events);
-    if (!opened) {
-      return tl::make_unexpected(opened.error());
+  auto events = open_optional(options.zone_events);
+  auto carried = open_optional(options.warm.carried_out);
+  for (const auto* const opened : {&events, &carried}) {
+    if (!*opened) {
+      return tl::make_unexpected(opened->error());
     }
-    events = std::move(*opened);
   }
   NoFixReasons reasons;
-  OrderedSink sink(
+  ReplaySink sink(
       [&](const Location& location) {
         reasons.count(location);
         write(location_message(location), options.format, *out);
       },
       [&](const ZoneEvent& event) {
-        if (events) {
-          write(event_message(event), options.format, *events);
+        if (*events) {
+          write(event_message(event), options.format, **events);
         }
       },
       find_method(options.method.name)->lag);
+  sink.write_carried_to(*carried ? &**carried : nullptr);
   Pipeline pipeline(pipeline_options, std::move(recordings.inputs), estimator, sink);
   pipeline.start();
   pipeline.wait();
   sink.finish();
-  if (Expected<void> closed = out->close(); !closed) {
+  if (Expected<void> closed =
+          close_all({&*out, *events ? &**events : nullptr, *carried ? &**carried : nullptr});
+      !closed) {
     return closed;
-  }
-  if (events) {
-    if (Expected<void> closed = events->close(); !closed) {
-      return closed;
-    }
   }
   Expected<void> reported = report_replay(pipeline, recordings.sources, options.quiet);
   if (const std::string text = reasons.text(); !text.empty() && !options.quiet) {
@@ -281,7 +238,92 @@ void assume_height_sigma(double sigma, Site& site) {
   }
 }
 
+PipelineOptions pipeline_options(const Method& method, Duration burst) {
+  PipelineOptions options;
+  options.burst.length = burst;
+  options.overflow = Overflow::kWait;
+  if (method.needs_every_frame) {
+    options.burst.max_frames = kEveryFrame;
+  }
+  return options;
+}
+
+// One owner of the site after the other, each with estimators of its own.
+Expected<void> run_stream(const Options& options,
+                          const Site& site,
+                          const MethodOptions& told,
+                          Duration burst) {
+  const Method& method = *find_method(options.method.name);
+  Expected<OutputFile> out = OutputFile::open(options.out);
+  auto events = open_optional(options.zone_events);
+  if (!out || !events) {
+    return tl::make_unexpected(out ? events.error() : out.error());
+  }
+  StreamReplay replay;
+  replay.site = site.name;
+  replay.uninterrupted = options.uninterrupted;
+  replay.access_points = access_point_ids(site);
+  replay.say = [&](const v1::OutputItem& item) {
+    if (item.has_location()) {
+      write(item.location(), options.format, *out);
+    } else if (item.has_zone() && *events) {
+      write(item.zone(), options.format, **events);
+    }
+  };
+  replay.run = [&](const SiteStart& start,
+                   std::vector<std::unique_ptr<DatagramSource>> sources,
+                   LocationSink& sink) -> Expected<void> {
+    auto estimators = make_estimators(options, site, method, told, start.carried);
+    if (!estimators) {
+      return tl::make_unexpected(estimators.error());
+    }
+    std::vector<SourceWorker::Input> inputs(sources.size());
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      inputs[i].access_point = site.access_points[i].id;
+      inputs[i].source = std::move(sources[i]);
+      inputs[i].receiver = receiver_options(site, static_cast<int>(i));
+    }
+    PipelineOptions all = pipeline_options(method, burst);
+    all.from = start.from;
+    all.promises_are_kept = true;
+    if (start.carried) {
+      all.open = start.carried->open;
+    }
+    ZoneEstimator zones(estimators->all, site.zones, start.carried.get());
+    Pipeline pipeline(all, std::move(inputs), zones, sink);
+    pipeline.start();
+    pipeline.wait();
+    return {};
+  };
+  BrokerOptions broker = options.broker;
+  broker.servers = {options.stream};
+  broker.name = "rayloc replay";
+  Expected<void> replayed = replay_cluster(broker, replay, options.fill, options.quiet);
+  if (Expected<void> closed = close_all({&*out, *events ? &**events : nullptr}); !closed) {
+    return closed;
+  }
+  return replayed;
+}
+
+// As it is called in the cluster, and with the heights that were told.
+Expected<Site> site_of(const Options& options) {
+  Expected<Site> site = load_site(options.site);
+  if (site && !options.stream_site.empty()) {
+    site->name = options.stream_site;
+  }
+  if (site && options.height_sigma) {
+    assume_height_sigma(*options.height_sigma, *site);
+  }
+  return site;
+}
+
 Expected<void> run(const Options& options) {
+  if (options.fill && (options.stream.empty() || options.uninterrupted)) {
+    return make_error(ErrorKind::kUsage, "--fill goes with --stream, and without --uninterrupted");
+  }
+  if (options.captures.empty() == options.stream.empty()) {
+    return make_error(ErrorKind::kUsage, "name recordings, or a broker by --stream");
+  }
   const Method& method = *find_method(options.method.name);
   if (auto checked = check_targets(method, options.kind); !checked) {
     return checked;
@@ -294,35 +336,39 @@ Expected<void> run(const Options& options) {
   if (!burst) {
     return tl::make_unexpected(burst.error());
   }
-  Expected<Site> site = load_site(options.site);
+  Expected<Site> site = site_of(options);
   if (!site) {
     return tl::make_unexpected(site.error());
-  }
-  if (options.height_sigma) {
-    assume_height_sigma(*options.height_sigma, *site);
   }
   // Of the engine's parallel loops; the results are the same for any number.
   const oneapi::tbb::global_control threads(
       oneapi::tbb::global_control::max_allowed_parallelism,
       static_cast<std::size_t>(options.threads > 0 ? options.threads
                                                    : oneapi::tbb::info::default_concurrency()));
-  auto recordings = open_captures(options, *site);
+  if (!options.stream.empty()) {
+    return run_stream(options, *site, *told, *burst);
+  }
+  const auto start = warm_start_of(options.warm);
+  if (!start) {
+    return tl::make_unexpected(start.error());
+  }
+  auto recordings = open_captures(options, *site, start->listen_from);
   if (!recordings) {
     return tl::make_unexpected(recordings.error());
   }
-  auto estimators = make_estimators(options, *site, method, *told);
+  auto estimators = make_estimators(options, *site, method, *told, start->carried);
   if (!estimators) {
     return tl::make_unexpected(estimators.error());
   }
-  PipelineOptions pipeline_options;
-  pipeline_options.burst.length = *burst;
-  pipeline_options.overflow = Overflow::kWait;
-  if (method.needs_every_frame) {
-    pipeline_options.burst.max_frames = kEveryFrame;
+  PipelineOptions all = pipeline_options(method, *burst);
+  all.open = start->open;
+  all.from = start->from;
+  if (!options.warm.carried_out.empty()) {
+    all.carry_every = from_seconds(options.warm.carried_every);
   }
-  ZoneEstimator zones(estimators->all, site->zones);
+  ZoneEstimator zones(estimators->all, site->zones, start->carried.get());
   const std::vector<int> heard = recordings->access_points;
-  Expected<void> written = write_all(options, pipeline_options, std::move(*recordings), zones);
+  Expected<void> written = write_all(options, all, std::move(*recordings), zones);
   if (estimators->devices && !options.quiet) {
     for (const std::string& line : estimators->devices->chain_news()) {
       std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
@@ -332,6 +378,41 @@ Expected<void> run(const Options& options) {
   return written;
 }
 
+void add_stream_options(OptionParser& app, Options& options) {
+  app.add_option("--stream",
+                 options.stream,
+                 "instead of recordings the streams of a cluster's broker, \"nats://HOST:4222\": "
+                 "what its workers published of the site, again");
+  app.add_option("--stream-site",
+                 options.stream_site,
+                 "what the cluster calls the site, where that is not the name in site.toml");
+  app.add_flag(
+      "--uninterrupted",
+      options.uninterrupted,
+      "of a --stream: as if one worker had located all of it, which tells the same instants");
+  app.add_flag("--fill",
+               options.fill,
+               "of a --stream: what an absent broker kept from the workers and came later");
+  add_identity_options(app, options.broker);
+}
+
+void add_output_options(OptionParser& app, Options& options) {
+  app.add_option("--target-key",
+                 options.target_key,
+                 "hash devices' addresses as raylocd does with this [privacy] key_file");
+  app.add_option("--target-rotate-h", options.target_rotate_h, "its rotate_h")
+      ->check(in_range(0.01, 8760.0))
+      ->capture_default_str();
+  app.add_option("--chains", options.chains.read, "file with what was learned of chains before");
+  app.add_option("--chains-out", options.chains.write, "file for what is learned of them");
+  app.add_option("--snapshots",
+                 options.snapshots,
+                 "a burst as a whole, anywhere in the room: of every burst (always), or of devices "
+                 "that no track follows yet (acquire)")
+      ->check(one_of({"always", "acquire"}))
+      ->capture_default_str();
+}
+
 RunVerb declare(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
@@ -339,8 +420,8 @@ RunVerb declare(OptionParser& app) {
                  options->captures,
                  "[AP=]FILE: pcap, pcapng, .gz, the .dat log of an Intel 5300, or - for stdin; "
                  "several of one AP are a sequence in "
-                 "order of time")
-      ->required();
+                 "order of time");
+  add_stream_options(app, *options);
   add_method_options(app, options->method);
   app.add_option("--kind",
                  options->kind,
@@ -372,20 +453,8 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--threads", options->threads, "of the engine; 0 takes one per core")
       ->check(in_range(0, 1024))
       ->capture_default_str();
-  app.add_option("--target-key",
-                 options->target_key,
-                 "hash devices' addresses as raylocd does with this [privacy] key_file");
-  app.add_option("--target-rotate-h", options->target_rotate_h, "its rotate_h")
-      ->check(in_range(0.01, 8760.0))
-      ->capture_default_str();
-  app.add_option("--chains", options->chains.read, "file with what was learned of chains before");
-  app.add_option("--chains-out", options->chains.write, "file for what is learned of them");
-  app.add_option("--snapshots",
-                 options->snapshots,
-                 "a burst as a whole, anywhere in the room: of every burst (always), or of devices "
-                 "that no track follows yet (acquire)")
-      ->check(one_of({"always", "acquire"}))
-      ->capture_default_str();
+  add_output_options(app, *options);
+  add_warm_replay_options(app, options->warm);
   app.add_flag("--no-cache",
                options->no_cache,
                "trace the room anew; else its rays are kept in $XDG_CACHE_HOME/rayloc");
@@ -407,6 +476,9 @@ const Verb kReplay = {
     "  rayloc replay room/ ap1=monday.pcap --method spotfi --baseline range=room frames=20\n"
     "  rayloc replay room/ ap1=monday.pcap --likelihood ratio_complex --burst 1.2s\n"
     "  rayloc replay room/ ap1=monday.pcap --out locations.jsonl --zone-events zones.jsonl\n"
+    "  rayloc replay room/ ap1=monday.pcap --carried-out carried.jsonl > locations.jsonl\n"
+    "  rayloc replay room/ ap1=monday.pcap --carried carried.jsonl --from 2024-06-10T06:13:35Z\n"
+    "  rayloc replay room/ --stream nats://127.0.0.1:4222 > locations.jsonl\n"
     "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s\n"
     "  rayloc replay room-people/ ap1=monday.pcap --kind person --method paper --seed 7",
     &declare};

@@ -1,4 +1,4 @@
-// `rayloc scene check|room|show`: scenes inspected, made and drawn.
+// `rayloc scene check|import|map|room|show`: scenes inspected, made and drawn.
 #include <array>
 #include <utility>
 #include <vector>
@@ -19,6 +19,8 @@ constexpr std::array kParts = {
     Part{"check",
          "Summarize a scene or site, and warn of what is probably a mistake",
          declare_scene_check},
+    Part{"import", "Make a scene from a drawing or scan of another program", declare_scene_import},
+    Part{"map", "Say how access points are heard over a room", declare_scene_map},
     Part{"room",
          "Make a scene from a few lines of TOML: a room, its walls and furniture",
          declare_scene_room},

@@ -6,6 +6,7 @@
 
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/command/file_error.h"
+#include "daemon/scene/access_point_presets.h"
 #include "daemon/scene/build_room.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/scene/room_site.h"
@@ -45,12 +46,32 @@ office.toml (metres; materials of ITU-R P.2040-3):
   [materials.plasterboard]     # 0.1 m thick unless stated; every face is one such slab
   thickness_m = 0.0125
 
+A room of any outline, in place of `size`; its walls are wall_1, from corner 1 to corner 2, ...:
+  outline = [[0, 0], [6, 0], [6, 4], [3, 5.5], [0, 4]]
+  height = 2.7
+  wall_3 = "glass"
+
+  [[partition]]                # within the room, an opening may name it
+  name = "partition"
+  from = [3, 0]
+  to = [3, 2.5]
+  material = "plasterboard"
+
+  [[slope]]                    # three points of a ceiling that slopes
+  from = [0, 0, 1.2]
+  to = [0, 4, 1.2]
+  through = [2, 0, 2.7]
+
+Several rooms are [[room]] tables with `name` and `outline`; their walls are kitchen_wall_1, ...
+
 [carrier] and [[access_point]] may follow as in site.toml; with an access point the output is a
-site, without one it lacks only that.)";
+site, without one it lacks only that. --access-point writes one of a known model into a corner of
+the room: say where it is in site.toml.)";
 
 struct Arguments {
   std::string plan;
   std::string out;
+  std::string model;
   bool force = false;
   bool quiet = false;
 };
@@ -60,13 +81,18 @@ Expected<void> run(const Arguments& arguments) {
   if (!plan) {
     return report_file_error(plan.error());
   }
+  if (!arguments.model.empty() && !plan->access_points.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "--access-point: " + arguments.plan +
+                          " has access points of its own; leave the option out");
+  }
   const std::filesystem::path directory = arguments.out;
   if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
     return prepared;
   }
   const StatedScene scene = build_room(*plan);
   auto files = scene_files(scene);
-  files["site.toml"] = room_site(*plan);
+  files["site.toml"] = room_site(*plan, arguments.model);
   for (const auto& [name, original] : room_pattern_files(*plan)) {
     auto content = read_file(original);
     if (!content) {
@@ -85,7 +111,8 @@ Expected<void> run(const Arguments& arguments) {
                  directory.c_str(),
                  scene.objects.size(),
                  scene.materials.size(),
-                 plan->access_points.empty()
+                 !arguments.model.empty() ? "a site; say in its site.toml where the access point is"
+                 : plan->access_points.empty()
                      ? "to make it a site, name an access point in its site.toml"
                      : "a site");
   }
@@ -99,6 +126,8 @@ RunVerb declare_scene_room(OptionParser& app) {
   app.add_option("FILE", arguments->plan, "The plan of the room, TOML")->required();
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml")
       ->required();
+  app.add_option("--access-point", arguments->model, "Write an access point of that model")
+      ->check(one_of(preset_models()));
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
   app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
   app.footer(kExample);

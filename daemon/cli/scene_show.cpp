@@ -14,17 +14,14 @@
 #include "daemon/arguments/link_arguments.h"
 #include "daemon/cli/scene_verbs.h"
 #include "daemon/command/file_error.h"
-#include "daemon/draw/png.h"
+#include "daemon/draw/picture_bytes.h"
 #include "daemon/draw/scene_picture.h"
-#include "daemon/draw/svg.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/site/site_copy.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {
 namespace {
-
-constexpr double kPngScale = 2.0;  // pixels of the image for one of the drawing
 
 struct Arguments {
   LinkArguments link;
@@ -34,17 +31,13 @@ struct Arguments {
   std::string view = "plan";
 };
 
-enum class Format : std::uint8_t { kSvg, kPng };
-
-Expected<Format> format_of(const std::string& file) {
-  if (file.ends_with(".svg")) {
-    return Format::kSvg;
+// Before anything is traced.
+Expected<void> check_ending(const std::string& file) {
+  if (!file.ends_with(".svg") && !file.ends_with(".png")) {
+    return make_error(ErrorKind::kUsage,
+                      "--out " + file + ": pictures are .svg or .png; choose one by the ending");
   }
-  if (file.ends_with(".png")) {
-    return Format::kPng;
-  }
-  return make_error(ErrorKind::kUsage,
-                    "--out " + file + ": pictures are .svg or .png; choose one by the ending");
+  return {};
 }
 
 std::vector<draw::Mark> marks_of(const SceneSource& source) {
@@ -154,18 +147,9 @@ void add_paths(const Arguments& arguments,
   }
 }
 
-Expected<void> write_picture(const draw::Drawing& drawing, Format format, const std::string& file) {
-  if (format == Format::kSvg) {
-    return write_file(file, draw::to_svg(drawing));
-  }
-  const auto png = draw::to_png(drawing, kPngScale);
-  return png ? write_file(file, *png) : tl::make_unexpected(png.error());
-}
-
 Expected<void> run(const Arguments& arguments) {
-  const auto format = format_of(arguments.out);
-  if (!format) {
-    return tl::make_unexpected(format.error());
+  if (auto checked = check_ending(arguments.out); !checked) {
+    return checked;
   }
   const auto source = load_scene_source(arguments.link.scene, arguments.link.frequency);
   if (!source) {
@@ -203,7 +187,8 @@ Expected<void> run(const Arguments& arguments) {
     std::fprintf(stderr, "rayloc scene show: %s\n", note.c_str());
   }
   const auto view = arguments.view == "plan" ? draw::View::kPlan : draw::View::k3d;
-  return write_picture(draw::draw_scene(picture, view), *format, arguments.out);
+  const auto bytes = draw::picture_bytes(draw::draw_scene(picture, view), arguments.out);
+  return bytes ? write_file(arguments.out, *bytes) : tl::make_unexpected(bytes.error());
 }
 
 }  // namespace

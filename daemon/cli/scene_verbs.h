@@ -6,6 +6,8 @@
 namespace rayloc::cli {
 
 RunVerb declare_scene_check(OptionParser& app);
+RunVerb declare_scene_import(OptionParser& app);
+RunVerb declare_scene_map(OptionParser& app);
 RunVerb declare_scene_room(OptionParser& app);
 RunVerb declare_scene_show(OptionParser& app);
 

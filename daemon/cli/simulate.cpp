@@ -21,6 +21,7 @@
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
 #include "daemon/survey/csv_table.h"
+#include "engine/trace/diffuse/rough_materials.h"
 
 namespace rayloc::cli {
 namespace {
@@ -184,6 +185,11 @@ Expected<Simulation> prepare(const Arguments& arguments) {
   simulation.room = *std::move(room);
   if (!arguments.quiet) {
     print_scene_notes(*simulation.room.scene);
+  }
+  if (arguments.trace.diffuse) {
+    if (auto scatters = check_scatters(*simulation.room.scene); !scatters) {
+      return tl::make_unexpected(std::move(scatters.error()));
+    }
   }
   if (auto lived = live(arguments, simulation); !lived) {
     return tl::make_unexpected(std::move(lived.error()));
@@ -379,6 +385,12 @@ RunVerb declare(OptionParser& app) {
           ->capture_default_str();
   ParserOption* const transmission = app.add_flag(
       "--transmission", arguments->trace.transmission, "Waves also go through objects");
+  ParserOption* const diffuse =
+      app.add_flag("--diffuse",
+                   arguments->trace.diffuse,
+                   "Also what rough materials scatter once (scattering_coefficient of the scene or "
+                   "of the site), "
+                   "with phases by --seed; they reflect that much less");
   app.add_flag("--model-error",
                arguments->model_error,
                "Channels differ from the traced ones as the calibration of the site found them to, "
@@ -386,7 +398,8 @@ RunVerb declare(OptionParser& app) {
                "these explains. Paths are those of the calibration, with its corrections")
       ->excludes(person)
       ->excludes(depth)
-      ->excludes(transmission);
+      ->excludes(transmission)
+      ->excludes(diffuse);
   declare_life(app, *arguments, person);
   app.add_option("--seed", arguments->transmissions.seed, "Of everything that is drawn")
       ->capture_default_str();

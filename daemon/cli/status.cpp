@@ -1,9 +1,12 @@
 // `rayloc status`: how a running raylocd is: readiness, sources, estimates, losses.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -83,7 +86,17 @@ std::string to_the_second(const std::string& time) {
   return point == std::string::npos ? time : time.substr(0, point) + "Z";
 }
 
-void print_state(const Json& ready, const Json& status) {
+// What all sites share.
+std::string publisher_of(const Json& status) {
+  const Json& publisher = status.at("publisher");
+  return fmt::format("{} messages to {} subscriptions, {} times one was slow",
+                     count_of(publisher, "published"),
+                     count_of(publisher, "subscriptions"),
+                     count_of(publisher, "slow_episodes"));
+}
+
+// `end`: of the last line.
+void print_state(const Json& ready, const Json& status, const std::string& end) {
   fmt::print("raylocd {} since {}: {}\n",
              status.at("software_version").get<std::string>(),
              to_the_second(status.at("started").get<std::string>()),
@@ -101,47 +114,121 @@ void print_state(const Json& ready, const Json& status) {
     print_source(source);
   }
   const Json& estimation = status.at("estimation");
-  const Json& publisher = status.at("publisher");
   fmt::print(
-      "{} fixes, {} without a position, {}; {} bursts gave way to newer ones, {} were left out; {} "
-      "messages to {} subscriptions, {} times one was slow\n",
+      "{} fixes, {} without a position, {}; {} bursts gave way to newer ones, {} were left out{}\n",
       count_of(estimation, "fixes"),
       count_of(estimation, "no_fixes"),
       tracks_of(status),
       count_of(estimation, "bursts_merged"),
       count_of(estimation, "bursts_dropped"),
-      count_of(publisher, "published"),
-      count_of(publisher, "subscriptions"),
-      count_of(publisher, "slow_episodes"));
+      end);
+  const Json reloads = status.value("reloads", Json::object());
+  if (count_of(reloads, "exchanges") > 0) {
+    fmt::print("prepared anew {} times since the start: {} datagrams lost, {} frames left\n",
+               count_of(reloads, "exchanges"),
+               count_of(reloads, "datagrams_lost"),
+               count_of(reloads, "frames_left"));
+  }
 }
 
-Expected<void> run(const HttpOptions& options, bool json) {
+struct State {
+  std::string site;  // empty: the only one
+  Json readiness;
+  Json status;  // an error where the site has never begun
+  bool has_begun() const { return status.contains("sources"); }
+};
+
+// `path`: "" or that of a site, "/site/office".
+Expected<State> ask(const HttpQuery& query, const std::string& site, const std::string& path) {
+  const Expected<JsonResult> ready = get_json(query, path + "/readyz");
+  if (!ready) {
+    return tl::make_unexpected(ready.error());
+  }
+  const Expected<JsonResult> status = get_json(query, path + "/api/v1/status");
+  if (!status) {
+    return tl::make_unexpected(status.error());
+  }
+  return State{site, ready->json, status->json};
+}
+
+// Of the sites of [[site]], or of the one of [site].
+Expected<std::vector<State>> ask_all(const HttpQuery& query, const std::string& only) {
+  const Expected<JsonResult> sites = get_json(query, "/api/v1/sites");
+  if (!sites) {
+    return tl::make_unexpected(sites.error());
+  }
+  std::vector<State> states;
+  std::string names;
+  for (const Json& site : sites->json) {
+    const std::string name = site.at("name").get<std::string>();
+    names += (names.empty() ? "" : ", ") + name;
+    if (!only.empty() && name != only) {
+      continue;
+    }
+    const bool listed = site.at("listed").get<bool>();
+    std::string path = "/" + site.at("path").get<std::string>();
+    path.pop_back();
+    Expected<State> state = ask(query, listed ? name : "", listed ? path : "");
+    if (!state) {
+      return tl::make_unexpected(state.error());
+    }
+    states.push_back(std::move(*state));
+  }
+  if (states.empty()) {
+    return make_error(ErrorKind::kUsage,
+                      "no site is called '" + only + "' there; there are: " + names);
+  }
+  return states;
+}
+
+Expected<void> run(const HttpOptions& options, const std::string& site, bool json) {
   const Expected<HttpQuery> query = query_of(options);
   if (!query) {
     return tl::make_unexpected(query.error());
   }
-  const Expected<JsonResult> ready = get_json(*query, "/readyz");
-  if (!ready) {
-    return tl::make_unexpected(ready.error());
+  const Expected<std::vector<State>> states = ask_all(*query, site);
+  if (!states) {
+    return tl::make_unexpected(states.error());
   }
-  const Expected<JsonResult> status = get_json(*query, "/api/v1/status");
-  if (!status) {
-    return tl::make_unexpected(status.error());
+  for (const State& state : *states) {
+    if (json) {
+      Json line = {{"readiness", state.readiness}, {"status", state.status}};
+      if (!state.site.empty()) {
+        line["site"] = state.site;
+      }
+      fmt::print("{}\n", line.dump());
+      continue;
+    }
+    if (state.site.empty()) {
+      print_state(state.readiness, state.status, "; " + publisher_of(state.status));
+      continue;
+    }
+    fmt::print("{}site {}\n", &state == &states->front() ? "" : "\n", state.site);
+    if (state.has_begun()) {
+      print_state(state.readiness, state.status, "");
+    } else {
+      fmt::print("not ready: {}\n", state.status.value("error", "it says nothing"));
+    }
   }
-  if (json) {
-    const Json both = {{"readiness", ready->json}, {"status", status->json}};
-    fmt::print("{}\n", both.dump());
-  } else {
-    print_state(ready->json, status->json);
+  const auto some = std::find_if(states->begin(), states->end(), [](const State& state) {
+    return !state.site.empty() && state.has_begun();
+  });
+  if (!json && some != states->end()) {
+    fmt::print("\n{}\n", publisher_of(some->status));
   }
   return {};
 }
 
 RunVerb declare(OptionParser& app) {
   const auto options = add_http_options(app);
+  const auto site = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
-  app.add_flag("--json", *json, "One line of JSON: readiness, and the heartbeat as status");
-  return [options, json] { return run(*options, *json); };
+  app.add_option("--site", *site, "Of several sites only the one that is called so");
+  app.add_flag("--json",
+               *json,
+               "A line of JSON for each site: readiness, the heartbeat as status, and of several "
+               "the name as site");
+  return [options, site, json] { return run(*options, *site, *json); };
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -29,6 +32,7 @@
 #include "daemon/terminal/line_input.h"
 #include "daemon/terminal/stop_signal.h"
 #include "engine/base/printable.h"
+#include "engine/base/suggestion.h"
 
 namespace rayloc::cli {
 namespace {
@@ -41,6 +45,7 @@ struct Arguments {
   std::string out;
   std::string plan;
   std::string config;
+  std::string name;  // of several sites in `config`
   std::vector<std::string> listen;
   std::vector<std::string> record;
   std::size_t frames = 20;
@@ -49,9 +54,45 @@ struct Arguments {
 
 Timestamp now() { return std::chrono::system_clock::now(); }
 
-// The live sources of raylocd's configuration as they would be written after --listen.
-Expected<std::vector<std::string>> configured_ports(const std::string& file) {
-  const auto setup = load_daemon_setup(file);
+// Which of a raylocd's sites is surveyed: the only one, the one that is named, or else the one of
+// that directory or, where the survey is of another copy of it, of that name.
+Expected<SiteSetup> configured_site(const Arguments& arguments, const Site& site) {
+  auto setup = load_daemon_setup(arguments.config);
+  if (!setup) {
+    return tl::make_unexpected(setup.error());
+  }
+  std::vector<std::function<bool(const SiteSetup&)>> ways;
+  if (arguments.name.empty()) {
+    ways = {[&](const SiteSetup&) { return setup->sites.size() == 1; },
+            [&](const SiteSetup& one) {
+              std::error_code ignored;
+              return std::filesystem::equivalent(one.directory, arguments.site, ignored);
+            },
+            [&](const SiteSetup& one) { return one.site.name == site.name; }};
+  } else {
+    ways = {[&](const SiteSetup& one) { return one.site.name == arguments.name; }};
+  }
+  for (const auto& is_meant : ways) {
+    const auto found = std::find_if(setup->sites.begin(), setup->sites.end(), is_meant);
+    if (found != setup->sites.end() &&
+        std::none_of(std::next(found), setup->sites.end(), is_meant)) {
+      return std::move(*found);
+    }
+  }
+  std::vector<std::string_view> names;
+  names.reserve(setup->sites.size());
+  for (const SiteSetup& one : setup->sites) {
+    names.emplace_back(one.site.name);
+  }
+  return make_error(
+      ErrorKind::kUsage,
+      arguments.config +
+          ": which of its sites is surveyed? Write --site with one of: " + list_of(names));
+}
+
+// The live sources of a site of raylocd's configuration as they would be written after --listen.
+Expected<std::vector<std::string>> configured_ports(const Arguments& arguments, const Site& site) {
+  const auto setup = configured_site(arguments, site);
   if (!setup) {
     return tl::make_unexpected(setup.error());
   }
@@ -74,7 +115,7 @@ Expected<std::vector<SurveyPort>> ports_of(const Arguments& arguments, const Sit
                       "raylocd.toml (one of the two)");
   }
   auto listen = arguments.config.empty() ? Expected<std::vector<std::string>>(arguments.listen)
-                                         : configured_ports(arguments.config);
+                                         : configured_ports(arguments, site);
   if (!listen) {
     return tl::make_unexpected(std::move(listen.error()));
   }
@@ -325,6 +366,10 @@ RunVerb declare(OptionParser& app) {
                  "Where access points send to: [AP=]HOST:PORT, or [AP=] and " +
                      transport_syntax(transport_schemes(), TransportUse::kLiveSource));
   app.add_option("--config", arguments->config, "Take the live sources of raylocd's configuration");
+  app.add_option(
+      "--site",
+      arguments->name,
+      "Of several sites there the one that is called so; else the one of this directory");
   app.add_option("--record", arguments->record, "Also record what arrives: [AP=]FILE.pcap");
   app.add_option("--plan",
                  arguments->plan,

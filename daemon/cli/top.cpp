@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,16 +15,21 @@
 #include "daemon/feed/top_model.h"
 #include "daemon/feed/top_snapshot.h"
 #include "daemon/feed/top_view.h"
+#include "daemon/publish/topic.h"
 #include "daemon/terminal/stop_signal.h"
 #include "daemon/terminal/terminal_screen.h"
+#include "engine/base/printable.h"
 
 namespace rayloc::cli {
 namespace {
 
 using Clock = TopModel::Clock;
+// By the site of the topics; several where a raylocd has several.
+using Models = std::map<std::string, TopModel>;
 
 struct Arguments {
   MessageSource from;
+  std::string site;  // of several; empty: all
   bool once = false;
   double interval = 1.0;  // [s] between two pictures
   double timeout = 10.0;  // [s] to wait for heartbeats, with `once`
@@ -31,17 +37,43 @@ struct Arguments {
 
 // Takes what comes until `until`; returns early when `stop` holds.
 template <typename Stop>
-void collect(const Receive& receive, Clock::time_point until, TopModel& model, Stop stop) {
+void collect(const Receive& receive, Clock::time_point until, Models& models, Stop stop) {
   constexpr auto kPoll = std::chrono::milliseconds(100);
   for (auto now = Clock::now(); now < until && !stop(); now = Clock::now()) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now);
     if (const auto message = receive(std::min(kPoll, left))) {
       v1::Envelope envelope;
       if (envelope.ParseFromString(message->payload)) {
-        model.add(message->topic, envelope, Clock::now(), message->from_snapshot);
+        models[std::string(topic_site(message->topic))].add(
+            message->topic, envelope, Clock::now(), message->from_snapshot);
       }
     }
   }
+}
+
+bool is_wanted(const std::string& component, const std::string& only) {
+  return only.empty() || decoded_component(component) == only;
+}
+
+// One below the other, each with its name where there are several.
+std::vector<std::string> lines_of(const Models& models,
+                                  const std::string& only,
+                                  std::size_t width = kAnyWidth) {
+  std::vector<std::string> lines;
+  for (const auto& [site, model] : models) {
+    const std::string name = decoded_component(site);
+    if (!is_wanted(site, only)) {
+      continue;
+    }
+    if (models.size() > 1 && only.empty()) {
+      lines.insert(lines.end(), lines.empty() ? 0U : 1U, "");
+      lines.push_back("site " + printable(name));
+    }
+    for (std::string& line : top_lines(model, Clock::now(), width)) {
+      lines.push_back(std::move(line));
+    }
+  }
+  return lines.empty() ? top_lines(TopModel(), Clock::now(), width) : lines;
 }
 
 Clock::duration seconds(double count) {
@@ -52,23 +84,34 @@ Clock::duration seconds(double count) {
 Expected<void> print_once(const Receive& receive, const Arguments& arguments) {
   constexpr std::uint64_t kHeartbeats = 2;
   StopSignal::install();
-  TopModel model;
-  collect(receive, Clock::now() + seconds(arguments.timeout), model, [&] {
-    return StopSignal::requested() || model.heartbeats() >= kHeartbeats || model.goodbye();
+  Models models;
+  collect(receive, Clock::now() + seconds(arguments.timeout), models, [&] {
+    return StopSignal::requested() ||
+           (!models.empty() && std::all_of(models.begin(), models.end(), [&](const auto& one) {
+             return !is_wanted(one.first, arguments.site) ||
+                    one.second.heartbeats() >= kHeartbeats || one.second.goodbye();
+           }));
   });
-  if (!model.heartbeat()) {
+  if (std::none_of(models.begin(), models.end(), [](const auto& one) {
+        return one.second.heartbeat().has_value();
+      })) {
     return make_error(
         ErrorKind::kUnavailable,
         "no heartbeat from " + arguments.from.endpoint + "; is raylocd running there?");
   }
-  for (const std::string& line : top_lines(model, Clock::now())) {
+  if (std::none_of(models.begin(), models.end(), [&](const auto& one) {
+        return is_wanted(one.first, arguments.site);
+      })) {
+    return make_error(ErrorKind::kUsage, "no site is called '" + arguments.site + "' there");
+  }
+  for (const std::string& line : lines_of(models, arguments.site)) {
     std::printf("%s\n", line.c_str());
   }
   return {};
 }
 
 void show(const Receive& receive, const Arguments& arguments) {
-  TopModel model;
+  Models models;
   TerminalScreen screen;
   bool is_wanted = true;
   const auto heed_keys = [&] {
@@ -78,13 +121,13 @@ void show(const Receive& receive, const Arguments& arguments) {
     return !is_wanted || screen.ended() || screen.is_stale();
   };
   while (is_wanted && !screen.ended()) {
-    std::vector<std::string> lines = top_lines(model, Clock::now(), TerminalScreen::columns());
+    std::vector<std::string> lines = lines_of(models, arguments.site, TerminalScreen::columns());
     lines.emplace_back();
     lines.emplace_back("q ends");
     if (!screen.draw(lines)) {
       return;
     }
-    collect(receive, Clock::now() + seconds(arguments.interval), model, heed_keys);
+    collect(receive, Clock::now() + seconds(arguments.interval), models, heed_keys);
   }
 }
 
@@ -126,6 +169,7 @@ RunVerb declare(OptionParser& app) {
       ->description(
           "Where the last message of each topic is asked for; unless told, at port 5561 where the "
           "endpoint's is 5560");
+  app.add_option("--site", arguments->site, "Of several sites only the one that is called so");
   app.add_flag("--once",
                arguments->once,
                "Print one table after the second heartbeat and end; so it is where standard output "

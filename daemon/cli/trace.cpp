@@ -10,11 +10,14 @@
 #include "daemon/arguments/gradient_argument.h"
 #include "daemon/arguments/link_arguments.h"
 #include "daemon/arguments/number_list.h"
+#include "daemon/arguments/trace_arrays.h"
 #include "daemon/arguments/trace_report.h"
+#include "daemon/arrays/npz_file.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/file_error.h"
 #include "daemon/scene/scene_notes.h"
 #include "engine/base/printable.h"
+#include "engine/trace/diffuse/diffuse_tracer.h"
 #include "engine/trace/path_tracer.h"
 
 namespace rayloc::cli {
@@ -24,6 +27,8 @@ struct TraceArguments {
   LinkArguments link;
   std::string cfr;
   std::string gradient;
+  std::string out;
+  DiffuseOptions diffuse;
   bool json = false;
 };
 
@@ -98,6 +103,13 @@ Expected<TraceReport> trace(const TraceArguments& arguments,
   if (report.paths.empty()) {
     report.note += (report.note.empty() ? "" : "; ") + std::string("no path");
   }
+  if (arguments.link.options.diffuse) {
+    if (auto scatters = check_scatters(*scene); !scatters) {
+      return tl::make_unexpected(scatters.error());
+    }
+    report.diffuse = DiffuseTracer(scene, arguments.link.options, arguments.diffuse)
+                         .density(link.transmitter, link.receiver);
+  }
   if (!arguments.cfr.empty()) {
     report.cfr = report.paths.cfr(grid);
   }
@@ -125,6 +137,9 @@ Expected<void> run(const TraceArguments& arguments) {
   if (!source) {
     return report_file_error(source.error());
   }
+  if (!arguments.out.empty() && !is_npz(arguments.out)) {
+    return make_error(ErrorKind::kUsage, "--out " + arguments.out + ": the name ends with .npz");
+  }
   const Scene& scene = *source->scene;
   print_scene_notes(scene);
   if (arguments.cfr.empty()) {
@@ -136,6 +151,9 @@ Expected<void> run(const TraceArguments& arguments) {
   }
   if (!report->note.empty()) {
     std::fprintf(stderr, "rayloc trace: %s\n", printable(report->note).c_str());
+  }
+  if (!arguments.out.empty()) {
+    return write_npz(*report, *grid, scene, arguments.out);
   }
   std::fputs(
       (arguments.json ? trace_json(*report, scene) : printable(trace_table(*report, scene), '\n'))
@@ -158,14 +176,33 @@ RunVerb declare(OptionParser& app) {
       arguments->gradient,
       "power:WHAT: also the derivatives of the sum of |h|^2 over the tones of --cfr (the "
       "carrier alone without it) by rx, tx, rx_orientation, tx_orientation, rx_gain, "
-      "tx_gain, the name of an object (its translation), offset.OBJECT (each of its "
-      "surfaces), eps_r.MATERIAL, sigma.MATERIAL, thickness.MATERIAL; several with "
+      "tx_gain, rx_array_turn, tx_array_turn, the name of an object (its translation), "
+      "offset.OBJECT (each of its "
+      "surfaces), eps_r.MATERIAL, sigma.MATERIAL, thickness.MATERIAL, scattering.MATERIAL (with "
+      "--diffuse); several with "
       "commas; rx.0 is one axis of rx");
+  ParserOption* const diffuse = app.add_flag("--diffuse",
+                                             arguments->link.options.diffuse,
+                                             "Rough materials (scattering_coefficient) reflect "
+                                             "less; also what they scatter once, as power "
+                                             "by delay. The scattering counts for the depth");
+  app.add_option("--diffuse-reflections",
+                 arguments->diffuse.reflections,
+                 "Reflections before or after the scattering")
+      ->check(in_range(0, 2))
+      ->needs(diffuse)
+      ->capture_default_str();
+  app.add_option("--out",
+                 arguments->out,
+                 "FILE.npz: write arrays of numpy instead (a, tau, angles, interactions, objects, "
+                 "vertices, object_names, and frequencies with cfr, gradient with gradient_names)");
   app.add_flag(
       "--json",
       arguments->json,
       "One JSON object, 17 significant digits: frequency, paths (kinds: a letter an "
-      "interaction, R reflection, T transmission, S an edge passed with --soft), cfr, power "
+      "interaction, R reflection, T transmission, D diffraction, S an edge passed with --soft), "
+      "cfr, diffuse (power, mean_delay, delay_spread, and profile: the power in bins of step from "
+      "first on [s]), power "
       "(the sum of |h|^2 that --gradient differentiates), gradient, note (what is remarkable "
       "about the link, as on stderr)");
   return [arguments] { return run(*arguments); };

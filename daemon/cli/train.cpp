@@ -10,18 +10,21 @@
 
 #include <nlohmann/json.hpp>
 
-#include "daemon/arguments/capture_argument.h"
-#include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/calibrate/calibration_progress.h"
 #include "daemon/calibrate/holdout.h"
+#include "daemon/cli/train_survey.h"
+#include "daemon/cli/training_checkpoint.h"
 #include "daemon/command/verb.h"
 #include "daemon/evaluate/error_statistics.h"
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
+#include "daemon/methods/person_method.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site.h"
 #include "daemon/site/site_copy.h"
 #include "daemon/site/training_file.h"
+#include "daemon/site/weights_file.h"
+#include "engine/base/content_hash.h"
 #include "engine/baselines/settings.h"
 #include "engine/baselines/training.h"
 
@@ -35,12 +38,12 @@ constexpr double kMostHeldOut = 0.8;  // of the points, a share: as `rayloc cali
 struct Options {
   std::string site;
   std::string method;
-  std::vector<std::string> captures;
-  std::string points;
+  SurveyArguments survey;
   std::string out;
   std::vector<std::string> baseline;
   double holdout = 0.2;
   std::uint64_t seed = 1;
+  bool resume = false;
   bool force = false;
   bool quiet = false;
 };
@@ -65,7 +68,10 @@ class Train {
  private:
   Expected<void> read();
   Expected<void> read_survey();
+  TrainingInput input_of(CalibrationProgressLine& line) const;
   Expected<void> learn();
+  std::string inputs_hash() const;
+  Expected<LocationEstimate> locate(const std::vector<CsiFrame>& frames) const;
   Expected<void> check_held_out();
   Expected<void> write() const;
   void say() const;
@@ -75,7 +81,7 @@ class Train {
   MethodOptions told_;
   Site site_;
   std::shared_ptr<const RoomModel> room_;
-  CalibrationInputs survey_;
+  TrainSurvey survey_;
   std::vector<bool> held_;
   std::shared_ptr<const Training> training_;
   std::optional<ErrorStatistics> held_out_;  // errors of the points that were not learned from
@@ -98,7 +104,7 @@ Expected<void> Train::read() {
                                    ", and methods learn in a calibrated room: run "
                                    "`rayloc calibrate` first",
                                    options_.out,
-                                   options_.force);
+                                   options_.force || options_.resume);
   if (!site) {
     return tl::make_unexpected(std::move(site.error()));
   }
@@ -112,12 +118,12 @@ Expected<void> Train::read() {
 }
 
 Expected<void> Train::read_survey() {
-  const auto captures =
-      resolve_captures(options_.captures, access_point_ids(site_), PerAccessPoint::kSeveral);
-  if (!captures) {
-    return tl::make_unexpected(captures.error());
+  if (!options_.survey.empty.empty() && method_.create_person == nullptr) {
+    return make_error(ErrorKind::kUsage, "--empty is of methods that locate people; leave it out");
   }
-  auto survey = read_calibration_inputs(with_bounds(site_, *room_), *captures, options_.points);
+  auto survey = method_.create_device != nullptr
+                    ? read_device_survey(site_, *room_, options_.survey)
+                    : read_people_survey(site_, options_.survey);
   if (!survey) {
     return tl::make_unexpected(std::move(survey.error()));
   }
@@ -126,55 +132,109 @@ Expected<void> Train::read_survey() {
   return {};
 }
 
-Expected<void> Train::learn() {
-  CalibrationProgressLine line(options_.quiet);
-  line.begin("train " + options_.method);
+// Of everything that the training starts from.
+std::string Train::inputs_hash() const {
+  ContentHash hash;
+  hash.add(survey_.content);
+  hash.add(room_->calibration_id);
+  hash.add(options_.method);
+  hash.add(options_.holdout);
+  hash.add(options_.seed);
+  for (const std::string& text : options_.baseline) {
+    hash.add(text);
+  }
+  return hash.text();
+}
+
+TrainingInput Train::input_of(CalibrationProgressLine& line) const {
   TrainingInput input;
   input.room = room_;
   input.values = told_.values;
   input.seed = options_.seed;
+  input.empty = survey_.empty;
+  input.transmitter = survey_.transmitter;
   for (const SiteTransmitter& transmitter : site_.transmitters) {
     if (transmitter.constant_power) {
       input.constant_power.push_back(transmitter.mac);
     }
   }
   for (std::size_t i = 0; i < survey_.points.size(); ++i) {
-    if (!held_[i] && !survey_.points[i].frames.empty()) {
-      input.points.push_back({survey_.points[i].point.position, survey_.points[i].frames});
+    if (!held_[i]) {
+      input.points.push_back(survey_.points[i]);
     }
   }
-  input.progress = [&line](double share) {
-    CalibrationProgress progress;
-    progress.share = share;
-    line.show(progress);
+  input.progress = [&line](const TrainingProgress& progress) {
+    line.show(progress.share, progress.what);
+  };
+  return input;
+}
+
+Expected<void> Train::learn() {
+  CalibrationProgressLine line(options_.quiet);
+  line.begin("train " + options_.method);
+  TrainingInput input = input_of(line);
+  const fs::path folder = fs::path(options_.out) / "training";
+  const std::string inputs = inputs_hash();
+  if (options_.resume) {
+    auto reached = read_checkpoint(folder, options_.method, inputs);
+    if (!reached) {
+      return tl::make_unexpected(std::move(reached.error()));
+    }
+    input.resume = *std::move(reached);
+  }
+  Expected<void> kept;
+  input.keep = [&](const TrainingCheckpoint& checkpoint) {
+    if (kept) {
+      kept = write_checkpoint(folder, options_.method, inputs, checkpoint);
+    }
   };
   const auto begin = std::chrono::steady_clock::now();
   auto training = method_.train(input);
+  line.clear();
   if (!training) {
     return tl::make_unexpected(std::move(training.error()));
+  }
+  if (!kept) {
+    std::fprintf(stderr,
+                 "warning: %s; after an interruption --resume could not have gone on\n",
+                 kept.error().message.c_str());
   }
   training_ = *std::move(training);
   seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return check_held_out();
 }
 
-Expected<void> Train::check_held_out() {
-  DeviceMethodInput input{room_, told_};
-  input.training = training_;
-  auto made = method_.create_device(std::move(input));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
+// By the method with what was learned.
+Expected<LocationEstimate> Train::locate(const std::vector<CsiFrame>& frames) const {
+  if (method_.create_device != nullptr) {
+    DeviceMethodInput input{room_, told_};
+    input.training = training_;
+    auto made = method_.create_device(std::move(input));
+    return made ? Expected<LocationEstimate>((*made)->locate(frames, 0))
+                : tl::make_unexpected(std::move(made.error()));
   }
+  PersonReference reference{};
+  reference.mac = survey_.transmitter.value_or(MacAddress{});
+  PersonMethodInput input{room_, std::move(reference), told_};
+  input.training = training_;
+  auto made = method_.create_person(std::move(input));
+  return made ? Expected<LocationEstimate>((*made)->locate(frames, 0).front())
+              : tl::make_unexpected(std::move(made.error()));
+}
+
+Expected<void> Train::check_held_out() {
   std::vector<PointResult> results;
   for (std::size_t i = 0; i < survey_.points.size(); ++i) {
-    const SurveyedFrames& spot = survey_.points[i];
-    if (!held_[i] || spot.frames.empty()) {
+    if (!held_[i]) {
       continue;
     }
     TruthPoint truth;
-    truth.position = spot.point.position;
-    const LocationEstimate estimate = (*made)->locate(spot.frames, 0);
-    results.push_back(evaluate_point(truth, &estimate));
+    truth.position = survey_.points[i].position;
+    const auto estimate = locate(survey_.points[i].frames);
+    if (!estimate) {
+      return tl::make_unexpected(estimate.error());
+    }
+    results.push_back(evaluate_point(truth, &*estimate));
   }
   if (!results.empty()) {
     held_out_ = compute_statistics(results, {}, {});
@@ -184,9 +244,6 @@ Expected<void> Train::check_held_out() {
 
 Expected<void> Train::write() const {
   const fs::path out = options_.out;
-  if (auto prepared = prepare_output(out, options_.force); !prepared) {
-    return prepared;
-  }
   const auto calibration = read_file(*site_.calibration_file);
   if (!calibration) {
     return tl::make_unexpected(calibration.error());
@@ -195,6 +252,12 @@ Expected<void> Train::write() const {
   if (auto written = write_file(file, training_toml(*training_, site_, survey_.content));
       !written) {
     return written;
+  }
+  if (training_->network) {
+    const std::string bytes = weights_bytes(training_->network->parameters);
+    if (auto written = write_file(out / "training" / (options_.method + ".f32"), bytes); !written) {
+      return written;
+    }
   }
   Site site = site_;
   site.training_files.insert_or_assign(options_.method, file);
@@ -209,12 +272,20 @@ Expected<void> Train::write() const {
       report["held_out"]["in_95"] = held_out_->coverage_95.value_or(0.0);
     }
   }
+  if (training_->network) {
+    report["epochs"] = training_->network->loss;
+  }
+  remove_checkpoint(out / "training", options_.method);
   return write_file(out / "training" / (options_.method + "-report.json"), report.dump(1) + "\n");
 }
 
 void Train::say() const {
   std::fprintf(stderr, "%s was trained in %.1f s:\n", options_.method.c_str(), seconds_);
   for (const AccessPointTraining& ap : training_->access_points) {
+    if (training_->network) {
+      std::fprintf(stderr, "%s: %zu places\n", ap.id.c_str(), ap.points);
+      continue;
+    }
     std::fprintf(stderr,
                  "%s: %zu points, phases within %.2f rad, %.0f %% outliers, ",
                  ap.id.c_str(),
@@ -245,6 +316,9 @@ Expected<void> Train::run() {
   if (auto done = read(); !done) {
     return done;
   }
+  if (auto done = prepare_output(options_.out, options_.force || options_.resume); !done) {
+    return done;
+  }
   if (auto done = learn(); !done) {
     return done;
   }
@@ -266,9 +340,15 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--method", options->method, "that learns")
       ->check(one_of(trained_methods()))
       ->required();
-  app.add_option("--capture", options->captures, "recordings of the survey: [AP=]FILE")->required();
-  app.add_option("--points", options->points, "where the device stood: t_start,t_end,x,y,z")
+  app.add_option("--capture", options->survey.captures, "recordings of the survey: [AP=]FILE")
       ->required();
+  app.add_option("--points",
+                 options->survey.points,
+                 "where the device, or the person, stood: t_start,t_end,x,y,z")
+      ->required();
+  app.add_option("--empty",
+                 options->survey.empty,
+                 "recordings of the empty room, of methods that locate people: [AP=]FILE");
   app.add_option("--out", options->out, "folder to create: the site with what was learned")
       ->required();
   app.add_option("--baseline",
@@ -278,6 +358,7 @@ RunVerb declare(OptionParser& app) {
       ->capture_default_str();
   app.add_option("--seed", options->seed, "of the draw of those points, and of the method's")
       ->capture_default_str();
+  app.add_flag("--resume", options->resume, "goes on with what was interrupted in --out");
   app.add_flag("--force", options->force, "write into a folder that is not empty");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
   return [options] { return Train(*options).run(); };

@@ -7,6 +7,7 @@ namespace rayloc::cli {
 // One row a verb, in the order of `rayloc --help`; one a line, so that branches merge.
 extern const Verb kCalibrate;    // calibrate_verb.cpp
 extern const Verb kCheckConfig;  // check_config.cpp
+extern const Verb kCluster;      // cluster.cpp
 extern const Verb kCompletion;   // completion.cpp
 extern const Verb kConfig;       // config.cpp
 extern const Verb kDoctor;       // doctor.cpp
@@ -15,6 +16,7 @@ extern const Verb kExperiment;   // experiment.cpp
 extern const Verb kFrames;       // frames.cpp
 extern const Verb kKeygen;       // keygen.cpp
 extern const Verb kMan;          // man.cpp
+extern const Verb kPredict;      // predict.cpp
 extern const Verb kRecord;       // record.cpp
 extern const Verb kReference;    // reference.cpp
 extern const Verb kReplay;       // replay.cpp
@@ -23,6 +25,7 @@ extern const Verb kSend;         // send.cpp
 extern const Verb kSimulate;     // simulate.cpp
 extern const Verb kSnapshot;     // snapshot.cpp
 extern const Verb kStatus;       // status.cpp
+extern const Verb kStudio;       // studio.cpp
 extern const Verb kSub;          // sub.cpp
 extern const Verb kSurvey;       // survey.cpp
 extern const Verb kTop;          // top.cpp
@@ -35,6 +38,7 @@ std::span<const Verb> verbs() {
   static const std::array kVerbs = {
       kCalibrate,
       kCheckConfig,
+      kCluster,
       kCompletion,
       kConfig,
       kDoctor,
@@ -43,6 +47,7 @@ std::span<const Verb> verbs() {
       kFrames,
       kKeygen,
       kMan,
+      kPredict,
       kRecord,
       kReference,
       kReplay,
@@ -51,6 +56,7 @@ std::span<const Verb> verbs() {
       kSimulate,
       kSnapshot,
       kStatus,
+      kStudio,
       kSub,
       kSurvey,
       kTop,

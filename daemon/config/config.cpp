@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "capture/transport/address_range.h"
+#include "daemon/config/config_cluster.h"
 #include "daemon/config/config_http.h"
 #include "daemon/config/config_reader.h"
 #include "daemon/config/endpoint.h"
@@ -11,7 +13,6 @@
 #include "daemon/config/source_transport.h"
 #include "daemon/publish/socket/curve_keys.h"
 #include "engine/base/check.h"
-#include "engine/base/suggestion.h"
 
 namespace rayloc {
 namespace {
@@ -108,6 +109,42 @@ std::string assignment(const ConfigOption& option) {
          std::string(option.example.empty() ? option.preset : option.example);
 }
 
+void read_site(const TomlTable& table, ConfigReading& reading) {
+  SiteConfig site;
+  site.place = table.place();
+  ConfigSection& entries = reading.sections.emplace_back();
+  entries.name = "site";
+  for (const ConfigOption& option : config_options()) {
+    if (option.section != entries.name) {
+      continue;
+    }
+    if (option.required) {
+      table.require({{option.key, assignment(option)}});
+    }
+    if (const std::optional<ConfigEntry> entry = read_entry(table, option)) {
+      option.store_site(site, entry->value);
+      entries.entries.push_back(*entry);
+    }
+  }
+  reading.config.sites.push_back(std::move(site));
+  reading.site_tables.push_back(table);
+}
+
+// [site], or each [[site]].
+void read_sites(const TomlTable& root, ConfigReading& reading) {
+  reading.config.has_site_list = root.is_array("site");
+  if (reading.config.has_site_list) {
+    for (const TomlTable& table : root.tables("site")) {
+      read_site(table, reading);
+    }
+    if (reading.config.sites.empty()) {
+      root.error_at("site", "'site' lists none; write [[site]] with directory = \"site\"");
+    }
+  } else if (const std::optional<TomlTable> table = root.table("site")) {
+    read_site(*table, reading);
+  }
+}
+
 void read_section(const TomlTable& table, std::string_view section, ConfigReading& reading) {
   ConfigSection& entries = reading.sections.emplace_back();
   entries.name = section;
@@ -199,44 +236,6 @@ void read_source(const TomlTable& table, ConfigReading& reading) {
   reading.source_tables.push_back(table);
 }
 
-// Resolves each source to an access point of the site.
-void resolve_access_points(const Site& site, ConfigReading& reading) {
-  std::vector<std::string_view> ids;
-  for (const SiteAccessPoint& access_point : site.access_points) {
-    ids.emplace_back(access_point.id);
-  }
-  for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
-    SourceConfig& source = reading.config.sources[i];
-    const TomlTable& table = reading.source_tables[i];
-    if (source.access_point.empty() && !table.has("access_point") && ids.size() == 1) {
-      source.access_point = ids.front();
-    }
-    if (source.access_point.empty()) {
-      if (!table.has("access_point")) {
-        table.error("[[source]] lacks 'access_point', and the site has several; write one of: " +
-                    list_of(ids));
-      }
-      continue;
-    }
-    const auto found = std::find(ids.begin(), ids.end(), source.access_point);
-    if (found == ids.end()) {
-      table.error_at("access_point",
-                     "the site has no access point '" + source.access_point + "'" +
-                         suggestion(source.access_point, ids));
-      continue;
-    }
-    source.access_point_index = static_cast<int>(found - ids.begin());
-    for (std::size_t j = 0; j < i; ++j) {
-      if (reading.config.sources[j].access_point_index == source.access_point_index) {
-        table.error_at(
-            "access_point",
-            "access point '" + source.access_point + "' has a source already; give each its own");
-        break;
-      }
-    }
-  }
-}
-
 std::string file_of_both(const SourceConfig& a, const SourceConfig& b) {
   const auto both =
       std::find_first_of(a.files.begin(), a.files.end(), b.files.begin(), b.files.end());
@@ -263,15 +262,10 @@ std::string shared_input(const SourceConfig& a, const SourceConfig& b) {
                  : "";
     case SourceKind::kOther:
       return a.url == b.url ? a.url : "";
+    case SourceKind::kCluster:
+      return "";
   }
   return {};
-}
-
-// "raylocd.toml:4", of "/etc/raylocd/raylocd.toml:4:1: ".
-std::string line_of(const SourceConfig& source) {
-  const std::size_t slash = source.place.rfind('/') + 1;  // 0 where there is none
-  const std::size_t column = source.place.rfind(':', source.place.size() - 3);
-  return source.place.substr(slash, column - slash);
 }
 
 void check_allowed_senders(const TomlTable& table, const SourceConfig& source) {
@@ -282,25 +276,25 @@ void check_allowed_senders(const TomlTable& table, const SourceConfig& source) {
   }
 }
 
-// Recordings share one clock.
+// Recordings of a site share one clock.
 void check_clocks(const ConfigReading& reading) {
-  std::optional<std::size_t> first;
+  std::map<std::string, std::size_t> firsts;
   for (std::size_t i = 0; i < reading.config.sources.size(); ++i) {
     const SourceConfig& source = reading.config.sources[i];
     if (source.kind != SourceKind::kPcap) {
       continue;
     }
-    first = first.value_or(i);
-    const SourceConfig& other = reading.config.sources[*first];
+    const std::size_t first = firsts.try_emplace(source.site, i).first->second;
+    const SourceConfig& other = reading.config.sources[first];
     for (const auto& [key, differs] : {std::pair("speed", source.speed != other.speed),
                                        std::pair("max_gap_s", source.max_gap != other.max_gap)}) {
       if (!differs) {
         continue;
       }
       const bool here = reading.source_tables[i].has(key);
-      reading.source_tables[here ? i : *first].error_at(
+      reading.source_tables[here ? i : first].error_at(
           key,
-          "recordings are played together, and that of " + line_of(here ? other : source) +
+          "recordings are played together, and that of " + line_of((here ? other : source).place) +
               " has another '" + key + "'; write the same in each of them");
       return;
     }
@@ -329,7 +323,7 @@ void check_sources(const ConfigReading& reading) {
         constexpr std::array<std::string_view, 5> kInputs = {
             "listen", "file", "interface", "path", "url"};
         table.error_at(table.has("url") ? "url" : kInputs.at(static_cast<std::size_t>(source.kind)),
-                       "a second source on " + shared + " (the first: " + line_of(other) +
+                       "a second source on " + shared + " (the first: " + line_of(other.place) +
                            "); every access point sends from the same address, only the port, "
                            "file, interface or socket tells them apart");
         break;
@@ -405,12 +399,20 @@ Expected<DaemonConfig> finish_config(TomlDocument& document) {
 
 }  // namespace
 
+std::string line_of(const std::string& place) {
+  const std::size_t slash = place.rfind('/') + 1;  // 0 where there is none
+  const std::size_t column = place.rfind(':', place.size() - 3);
+  return place.substr(slash, column - slash);
+}
+
 ConfigReading read_config(TomlDocument& document) {
   ConfigReading reading;
   reading.config.file = document.file();
   const TomlTable root = document.root();
-  root.require(
-      {{"site", "[site] with directory = \"site\""}, {"source", "[[source]] with kind = \"udp\""}});
+  root.require({{"site", "[site] with directory = \"site\""}});
+  if (!has_no_sources(root)) {
+    root.require({{"source", "[[source]] with kind = \"udp\""}});
+  }
   std::string_view section = "none";
   for (const ConfigOption& option : config_options()) {
     if (option.section == section) {
@@ -423,9 +425,11 @@ ConfigReading read_config(TomlDocument& document) {
       for (const TomlTable& table : root.tables(section)) {
         read_source(table, reading);
       }
+    } else if (section == "site") {
+      read_sites(root, reading);
     } else if (const std::optional<TomlTable> table = root.table(section)) {
       read_section(*table, section, reading);
-    } else if (!root.has(section) && section != "site") {
+    } else if (!root.has(section)) {
       // All defaults.
       read_section(document.empty_table(std::string(section)), section, reading);
     }
@@ -439,6 +443,7 @@ ConfigReading read_config(TomlDocument& document) {
   check_endpoint(root, "snapshot", publish.snapshot, may_be_reached);
   check_curve(root, reading.config.curve);
   check_http(root, reading.config.http);
+  check_cluster(root, reading.config.cluster);
   return reading;
 }
 
@@ -458,35 +463,6 @@ Expected<std::unique_ptr<TomlDocument>> read_files(const fs::path& file) {
     (*document)->include("include");
   }
   return document;
-}
-
-Expected<DaemonSetup> load_daemon_setup(const fs::path& file) {
-  const auto document = read_files(file);
-  if (!document) {
-    return tl::make_unexpected(document.error());
-  }
-  ConfigReading reading = read_config(**document);
-  std::string site_errors;
-  DaemonSetup setup;
-  if (!reading.config.site_directory.empty()) {
-    Expected<Site> site = load_site(reading.config.site_directory);
-    if (site) {
-      resolve_access_points(*site, reading);
-      setup.site = std::move(*site);
-    } else {
-      site_errors = site.error().message;
-    }
-  }
-  if (const Expected<void> result = (*document)->finish(); !result) {
-    return make_error(ErrorKind::kConfiguration,
-                      result.error().message + (site_errors.empty() ? "" : "\n") + site_errors);
-  }
-  if (!site_errors.empty()) {
-    return make_error(ErrorKind::kConfiguration, site_errors);
-  }
-  setup.values = ConfigValues::of(reading);
-  setup.config = std::move(reading.config);
-  return setup;
 }
 
 }  // namespace rayloc

@@ -1,7 +1,7 @@
 // DaemonConfig: what raylocd is told to do, read from a TOML file (`raylocd --config FILE`).
 //
 // Every key, with type, default, range and one line of description, is a row of the table in
-// config_schema.cpp: it drives reading, checking, `rayloc config default|schema` and
+// config_schema.cpp: it drives reading, checking, `rayloc config default|schema`,
 // deploy/raylocd.toml. Relative paths are taken from the folder of the file that states them.
 // Errors name file:line:column and what to write instead; all errors of a file are reported.
 #pragma once
@@ -11,10 +11,12 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "daemon/config/cluster_config.h"
 #include "daemon/http/http_front.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
@@ -22,8 +24,8 @@
 
 namespace rayloc {
 
-// kOther: a transport that has no keys of its own; `url` says which.
-enum class SourceKind { kUdp, kPcap, kInterface, kUnix, kOther };
+// kOther: without keys of its own, `url` says which. kCluster: a worker's, the stream of its site.
+enum class SourceKind { kUdp, kPcap, kInterface, kUnix, kOther, kCluster };
 
 // [[source]]: where the datagrams of one access point come from.
 struct SourceConfig {
@@ -33,6 +35,11 @@ struct SourceConfig {
   // the id as written and the index at -1.
   std::string access_point;
   int access_point_index = -1;
+  // Its site by name (as written without [[site]]), and its position in DaemonConfig::sites.
+  std::string site;
+  int site_index = -1;
+  // What names it among the sources of all sites: "ap1", or with [[site]] "office-ap1".
+  std::string instance;
   std::string format;              // name of a wire format, empty: recognised
   std::string listen_host;         // udp: numeric IPv4 address, "0.0.0.0" for all
   std::uint16_t listen_port = 0;   // udp
@@ -51,6 +58,16 @@ struct SourceConfig {
 };
 
 struct Method;
+
+// [site], or one [[site]] of several: a place, and what is done there.
+struct SiteConfig {
+  std::filesystem::path directory;
+  std::string name;                // empty: as in site.toml
+  bool has_method = false;         // else that of [engine]
+  const Method* method = nullptr;  // null: nothing is located
+  bool record = true;              // where [record] says so
+  std::string place;               // of its table: "raylocd.toml:4:1: ", for messages
+};
 
 struct EngineConfig {
   const Method* method = nullptr;    // null: nothing is located
@@ -87,6 +104,7 @@ struct HttpConfig {
   // Or systemd's credential "http.token", where there is one; empty: no token is asked for.
   std::filesystem::path token_file;
   bool insecure = false;  // beyond loopback without a token
+  bool edit = false;      // the site can be drawn and named in the map
   HttpFront front;        // what browsers see before it
 };
 
@@ -121,9 +139,13 @@ struct CacheConfig {
 };
 
 struct DaemonConfig {
-  std::filesystem::path file;            // that it was read from
-  std::filesystem::path site_directory;  // [site] directory
-  std::vector<SourceConfig> sources;     // at least one, in the order of the file
+  std::filesystem::path file;  // that it was read from
+  // At least one, in the order of the file. Stated as [[site]] they have paths, folders and labels
+  // by their names, even where there is one; [site] has none of that.
+  std::vector<SiteConfig> sites;
+  bool has_site_list = false;
+  // At least one, in the order of the file. A worker has one of each access point of its sites.
+  std::vector<SourceConfig> sources;
   EngineConfig engine;
   LimitsConfig limits;
   PublishConfig publish;
@@ -133,6 +155,7 @@ struct DaemonConfig {
   PrivacyConfig privacy;
   CacheConfig cache;
   LogConfig log;
+  ClusterConfig cluster;
 };
 
 // The file and what it includes: syntax, keys, types, ranges, and that sources do not get in each
@@ -146,10 +169,12 @@ Expected<DaemonConfig> parse_config(std::string_view text, const std::filesystem
 Expected<std::string> effective_config(const std::filesystem::path& file);
 
 // The keys whose values differ between two files, as "publish.endpoint" or "source 2.listen"; a
-// source that came or went is "source".
+// source that came or went is "source". With [[site]]: "site office.method", "source
+// office-ap1.listen".
 struct ConfigChanges {
   std::vector<std::string> applicable;     // while the daemon runs
   std::vector<std::string> needs_restart;  // by a restart only
+  std::set<std::string> sites;             // of [[site]]: whose keys or sources differ
 };
 
 struct ConfigReading;  // config_reader.h
@@ -157,7 +182,8 @@ struct ConfigReading;  // config_reader.h
 // What holds with a file, key by key; kept to be compared with the same file later.
 class ConfigValues {
  public:
-  static ConfigValues of(const ConfigReading& reading);
+  // `names`: of the sites of [[site]], in their order.
+  static ConfigValues of(const ConfigReading& reading, const std::vector<std::string>& names = {});
   ConfigChanges changes_to(const ConfigValues& newer) const;
   // Takes the values of the keys that a reload applies.
   void adopt_applicable(const ConfigValues& newer);
@@ -168,17 +194,42 @@ class ConfigValues {
   struct Entry {
     std::string value;  // in TOML
     bool reload = false;
+    std::string site = {};  // of [[site]]: whose key it is
   };
   std::map<std::string, Entry> values_;
 };
 
-// A configuration and the site that it names, checked against each other: every source is resolved
-// to an access point, and no access point has two. An Error lists what is wrong in both files.
+// One site, and the configuration as it holds for it: with its own sources alone.
+struct SiteSetup {
+  DaemonConfig config;
+  Site site;                        // called as the configuration calls it
+  std::filesystem::path directory;  // as stated
+  // With [[site]]: its folder below those of [record] and $STATE_DIRECTORY, its component of paths
+  // and topics. Empty for [site].
+  std::string folder;
+  // Why its files cannot be used; then `site` has its name alone (see load_daemon_setup).
+  std::string trouble;
+
+  // "site 'office': " with [[site]], else empty: how lines about it begin.
+  std::string label() const { return folder.empty() ? "" : "site '" + site.name + "': "; }
+};
+
+// Checked against each other: every source is resolved to an access point, and no access point has
+// two. An Error lists what is wrong in all files.
 struct DaemonSetup {
   DaemonConfig config;
-  ConfigValues values;  // that `config` was made of
-  Site site;
+  ConfigValues values;           // of the files
+  std::vector<SiteSetup> sites;  // at least one
 };
 Expected<DaemonSetup> load_daemon_setup(const std::filesystem::path& file);
+
+// The same for a daemon that runs: keys that need a restart are as there, and with [[site]] files
+// of a site that cannot be used are its own SiteSetup::trouble and no Error.
+struct RunningSetup {
+  DaemonConfig config;                                 // that it was started with
+  std::map<std::filesystem::path, std::string> names;  // of its sites, by directory
+};
+Expected<DaemonSetup> reload_daemon_setup(const std::filesystem::path& file,
+                                          const RunningSetup& running);
 
 }  // namespace rayloc

@@ -29,6 +29,17 @@ void check_listen(const TomlTable& root, const HttpConfig& http) {
   }
 }
 
+// Who writes files must have been let in; `insecure` lets everyone read.
+void check_edit(const TomlTable& root, const HttpConfig& http) {
+  const std::optional<TomlTable> table = root.table("http");
+  if (table && http.enabled && http.edit && !http.host.empty() && !is_loopback(http.host) &&
+      http.token_file.empty()) {
+    table->error_at("edit",
+                    "'edit' would let everyone on the network write the files of the site; set "
+                    "token_file, or listen = \"127.0.0.1:PORT\"");
+  }
+}
+
 void check_front(const TomlTable& root, const HttpFront& front) {
   const std::optional<TomlTable> table = root.table("http");
   if (!table) {
@@ -61,6 +72,7 @@ void check_front(const TomlTable& root, const HttpFront& front) {
 
 void check_http(const TomlTable& root, const HttpConfig& http) {
   check_listen(root, http);
+  check_edit(root, http);
   check_front(root, http.front);
 }
 

@@ -103,6 +103,9 @@ std::string config_json_schema() {
     }
     add_option(option, section == "source" ? sections[section]["items"] : sections[section]);
   }
+  Json site = std::move(sections["site"]);
+  sections["site"] = {
+      {"anyOf", Json::array({site, {{"type", "array"}, {"minItems", 1}, {"items", site}}})}};
   return schema.dump(2) + "\n";
 }
 

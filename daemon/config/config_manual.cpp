@@ -25,6 +25,19 @@ When anything in it is wrong nothing changes.
 Changes of keys marked
 .I reload
 apply at once; changes of others are named in the log and wait for a restart.
+.P
+One
+.B [site]
+is all that most need.
+Several sites are stated as
+.BR [[site]] ,
+and each
+.B [[source]]
+names its own.
+Each then has topics, paths below /site/NAME/, a folder of its name below those of [record] and of
+$STATE_DIRECTORY, and the label site of its metrics.
+A reload prepares those sites anew whose keys, sources or files have changed, begins new ones and ends
+those that are gone; the others go on as they were, and so does one whose files cannot be used.
 )";
 
 constexpr std::string_view kTail = R"(.SH FILES
@@ -119,6 +132,7 @@ std::string config_manual_page() {
       page += ".SH " +
               (name.empty()       ? "TOP OF THE FILE"
                : name == "source" ? "\"[[source]], once for each access point\""
+               : name == "site"   ? "\"[site], or [[site]] once for each of several\""
                                   : "[" + name + "]") +
               "\n";
     }

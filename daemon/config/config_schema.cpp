@@ -1,21 +1,15 @@
 #include "daemon/config/config_schema.h"
 
+#include <algorithm>
 #include <array>
 
-#include "capture/decode/decoder_registry.h"
+#include "daemon/config/config_schema_rows.h"
 #include "daemon/config/endpoint.h"
 #include "daemon/methods/method_registry.h"
 
 namespace rayloc {
-namespace {
 
-constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
-constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
-constexpr std::array<std::string_view, 2> kSnapshots = {"always", "acquire"};
-constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
-
-// Those for a daemon, and that which does nothing.
-std::span<const std::string_view> engine_methods() {
+std::span<const std::string_view> config_rows::engine_methods() {
   static const std::vector<std::string_view> kNames = [] {
     std::vector<std::string_view> names;
     for (const Method* method : methods()) {
@@ -29,41 +23,23 @@ std::span<const std::string_view> engine_methods() {
   return kNames;
 }
 
-const std::string& text(const ConfigValue& value) { return std::get<std::string>(value); }
-const std::vector<std::string>& texts(const ConfigValue& value) {
-  return std::get<std::vector<std::string>>(value);
-}
-std::size_t count(const ConfigValue& value) {
-  return static_cast<std::size_t>(std::get<std::int64_t>(value));
-}
-std::uint64_t mebibytes(const ConfigValue& value) { return std::uint64_t{count(value)} << 20U; }
-double number(const ConfigValue& value) { return std::get<double>(value); }
+namespace {
 
-// Position of a choice among its names, which are in the order of the enumeration.
-template <typename Enum, std::size_t kCount>
-Enum chosen(const ConfigValue& value, const std::array<std::string_view, kCount>& names) {
-  for (std::size_t i = 0; i < kCount; ++i) {
-    if (names.at(i) == text(value)) {
-      return static_cast<Enum>(i);
-    }
-  }
-  return {};
-}
+using config_rows::C;
+using config_rows::chosen;
+using config_rows::count;
+using config_rows::engine_methods;
+using config_rows::input_options;
+using config_rows::mebibytes;
+using config_rows::number;
+using config_rows::T;
+using config_rows::text;
+using config_rows::texts;
+using config_rows::V;
 
-constexpr std::string_view kUdp = "udp";
-constexpr std::string_view kPcap = "pcap";
-constexpr std::string_view kInterface = "interface";
-constexpr std::string_view kUnix = "unix";
-constexpr std::string_view kUrl = "url";  // a transport without keys of its own
-constexpr std::string_view kLive = "udp, interface, unix or url";
-
-// Checked by then (parse_listen); a wrong address is an Error already, and its value unused.
-void store_listen(SourceConfig& source, const ConfigValue& value) {
-  if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
-    source.listen_host = address->host;
-    source.listen_port = address->port;
-  }
-}
+constexpr std::array<std::string_view, 2> kTargetIds = {"mac", "hmac"};
+constexpr std::array<std::string_view, 2> kSnapshots = {"always", "acquire"};
+constexpr std::array<std::string_view, 5> kLevels = {"trace", "debug", "info", "warning", "error"};
 
 void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
   if (const std::optional<ListenAddress> address = parse_listen(text(value))) {
@@ -72,157 +48,7 @@ void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
   }
 }
 
-using T = ConfigType;
-using C = DaemonConfig;
-using S = SourceConfig;
-using V = ConfigValue;
-
 const std::array kOptions = {
-    ConfigOption{.section = "",
-                 .key = "schema",
-                 .type = T::kInteger,
-                 .preset = "1",
-                 .range = {1, 1},
-                 .description = "Version of the layout of this file",
-                 .store = [](C&, const V&) { /* only one layout so far */ }},
-    ConfigOption{.section = "",
-                 .key = "include",
-                 .type = T::kTexts,
-                 .example = "[\"conf.d/*.toml\"]",
-                 .description = "Further files, as patterns; a key may be stated in one file only",
-                 .reload = true,
-                 .store = [](C&, const V&) { /* TomlDocument::include has read them */ }},
-
-    ConfigOption{.section = "site",
-                 .key = "directory",
-                 .type = T::kFolder,
-                 .example = "\"/etc/raylocd/site\"",
-                 .required = true,
-                 .description = "Directory with site.toml: the room and its access points",
-                 .store = [](C& c, const V& v) { c.site_directory = text(v); }},
-
-    ConfigOption{.section = "source",
-                 .key = "access_point",
-                 .type = T::kText,
-                 .example = "\"ap1\"",
-                 .description = "Its id in site.toml; may be left out where the site has one",
-                 .store_source = [](S& s, const V& v) { s.access_point = text(v); }},
-    ConfigOption{
-        .section = "source",
-        .key = "kind",
-        .type = T::kChoice,
-        .example = "\"udp\"",
-        .required = true,
-        .choices = kKinds,
-        .description = "A UDP port, a recording, a network interface (libpcap), or rayloc-capture",
-        .in_url = true,
-        .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
-    ConfigOption{.section = "source",
-                 .key = "url",
-                 .type = T::kUrl,
-                 .example = "\"udp:0.0.0.0:5500\"",
-                 .description = "Kind and address in one, instead of kind and the key of its kind",
-                 .only_kinds = kUrl,
-                 .store_source = [](S& s, const V& v) { s.url = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "listen",
-                 .type = T::kText,
-                 .preset = "\"0.0.0.0:5500\"",
-                 .description = "ADDRESS:PORT that the access point sends to",
-                 .only_kinds = kUdp,
-                 .in_url = true,
-                 .store_source = store_listen},
-    ConfigOption{.section = "source",
-                 .key = "only_interface",
-                 .type = T::kText,
-                 .example = "\"br0\"",
-                 .description = "Rejects what arrives at the port through another interface",
-                 .only_kinds = kUdp,
-                 .store_source = [](S& s, const V& v) { s.only_interface = text(v); }},
-    ConfigOption{
-        .section = "source",
-        .key = "allow",
-        .type = T::kTexts,
-        .example = R"(["192.168.1.7", "10.10.10.0/24"])",
-        .description = "Rejects what other addresses and networks send; all may when left out",
-        .only_kinds = kUdp,
-        .store_source = [](S& s, const V& v) { s.allow = texts(v); }},
-    ConfigOption{.section = "source",
-                 .key = "interface",
-                 .type = T::kText,
-                 .example = "\"eth0\"",
-                 .description = "Interface to capture from",
-                 .only_kinds = kInterface,
-                 .in_url = true,
-                 .store_source = [](S& s, const V& v) { s.interface = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "filter",
-                 .type = T::kText,
-                 .preset = "\"udp dst port 5500\"",
-                 .description = "What to capture, as tcpdump takes it",
-                 .only_kinds = kInterface,
-                 .store_source = [](S& s, const V& v) { s.filter = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "path",
-                 .type = T::kFile,
-                 .example = "\"/run/raylocd/eth0\"",
-                 .description = "Socket to make, where rayloc-capture sends to",
-                 .only_kinds = kUnix,
-                 .in_url = true,
-                 .store_source = [](S& s, const V& v) { s.path = text(v); }},
-    ConfigOption{.section = "source",
-                 .key = "file",
-                 .type = T::kFiles,
-                 .example = "\"recording.pcap\"",
-                 .description =
-                     "pcap or pcapng, gzip'd or not; \"-\" is standard input; several, as "
-                     "an array or by wildcards, are a sequence in order of time",
-                 .only_kinds = kPcap,
-                 .in_url = true,
-                 .store_source =
-                     [](S& s, const V& v) {
-                       const auto& texts = std::get<std::vector<std::string>>(v);
-                       s.files.assign(texts.begin(), texts.end());
-                     }},
-    ConfigOption{
-        .section = "source",
-        .key = "speed",
-        .type = T::kSpeed,
-        .preset = "\"max\"",
-        .range = {1e-3, 1e6},
-        .description = "\"max\", or recorded seconds per second; the same for all recordings",
-        .only_kinds = kPcap,
-        .store_source =
-            [](S& s, const V& v) {
-              const double* speed = std::get_if<double>(&v);
-              s.speed = speed != nullptr ? std::optional(*speed) : std::nullopt;
-            }},
-    ConfigOption{.section = "source",
-                 .key = "max_gap_s",
-                 .type = T::kNumber,
-                 .preset = "10",
-                 .range = {0.1, 1e7, "s"},
-                 .description =
-                     "Longest wait, in recorded time, where the recordings hold nothing or "
-                     "a clock was set; the same for all recordings",
-                 .only_kinds = kPcap,
-                 .store_source = [](S& s, const V& v) { s.max_gap = from_seconds(number(v)); }},
-    ConfigOption{.section = "source",
-                 .key = "stall_after_s",
-                 .type = T::kNumber,
-                 .preset = "5",
-                 .range = {0.1, 86400.0, "s"},
-                 .description = "Silent for so long it counts as stalled: raylocd is not ready",
-                 .only_kinds = kLive,
-                 .store_source = [](S& s, const V& v) { s.stall_after = from_seconds(number(v)); }},
-    ConfigOption{.section = "source",
-                 .key = "format",
-                 .type = T::kChoice,
-                 .example = "\"axcsi-v4\"",
-                 .choices = wire_formats(),
-                 .description = "Wire format; recognised by datagram when left out",
-                 .store_source = [](S& s, const V& v) { s.format = text(v); }},
-
     ConfigOption{.section = "engine",
                  .key = "method",
                  .type = T::kChoice,
@@ -357,6 +183,13 @@ const std::array kOptions = {
                  .description = "Lets everyone on the network read where everybody is",
                  .store = [](C& c, const V& v) { c.http.insecure = std::get<bool>(v); }},
     ConfigOption{.section = "http",
+                 .key = "edit",
+                 .type = T::kBoolean,
+                 .preset = "false",
+                 .description = "Lets who sees the map draw and name in it, and write the site's "
+                                "files; beyond this machine with token_file only",
+                 .store = [](C& c, const V& v) { c.http.edit = std::get<bool>(v); }},
+    ConfigOption{.section = "http",
                  .key = "base_path",
                  .type = T::kText,
                  .preset = "\"/\"",
@@ -490,7 +323,17 @@ const std::array kOptions = {
 
 }  // namespace
 
-std::span<const ConfigOption> config_options() { return kOptions; }
+std::span<const ConfigOption> config_options() {
+  static const std::vector<ConfigOption> kAll = [] {
+    const std::span<const ConfigOption> inputs = config_rows::input_options();
+    std::vector<ConfigOption> all(inputs.begin(), inputs.end());
+    all.insert(all.end(), kOptions.begin(), kOptions.end());
+    const std::span<const ConfigOption> cluster = config_rows::cluster_options();
+    all.insert(all.end(), cluster.begin(), cluster.end());
+    return all;
+  }();
+  return kAll;
+}
 
 bool applies_to_kind(const ConfigOption& option, std::string_view kind) {
   return option.only_kinds.empty() || option.only_kinds.find(kind) != std::string_view::npos;

@@ -35,7 +35,8 @@ enum class ConfigType {
 using ConfigValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
 
 struct ConfigOption {
-  std::string_view section;  // "engine"; "" for the top of the file; "source" for [[source]]
+  // "engine"; "" for the top of the file; "source" for [[source]], "site" for [site] or [[site]].
+  std::string_view section;
   std::string_view key;
   ConfigType type;
   std::string_view preset = {};   // the default in TOML, empty when there is none
@@ -48,6 +49,7 @@ struct ConfigOption {
   bool in_url = false;                // of [[source]]: `url` says it, where that is stated
   bool reload = false;                // SIGHUP applies a change; else it takes a restart
   void (*store)(DaemonConfig&, const ConfigValue&) = nullptr;
+  void (*store_site)(SiteConfig&, const ConfigValue&) = nullptr;
   void (*store_source)(SourceConfig&, const ConfigValue&) = nullptr;
 };
 

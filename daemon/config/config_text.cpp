@@ -20,11 +20,12 @@ std::string text_in_toml(std::string_view text) {
   return result + "\"";
 }
 
-std::string header(std::string_view section) {
+std::string header(std::string_view section, bool has_site_list = false) {
   if (section.empty()) {
     return "";
   }
-  return section == "source" ? "[[source]]\n" : "[" + std::string(section) + "]\n";
+  const bool listed = section == "source" || (section == "site" && has_site_list);
+  return listed ? "[[" + std::string(section) + "]]\n" : "[" + std::string(section) + "]\n";
 }
 
 std::string described_line(const ConfigOption& option) {
@@ -90,6 +91,7 @@ std::string config_example() {
     if (option.section != section) {
       section = option.section;
       text += section == "source" ? "\n# Once for each access point." : "";
+      text += section == "site" ? "\n# Or [[site]], once for each of several." : "";
       text += "\n" + header(section);
     }
     text += described_line(option);
@@ -111,7 +113,7 @@ Expected<std::string> effective_config(const std::filesystem::path& file) {
     if (section.entries.empty()) {
       continue;
     }
-    text += (text.empty() ? "" : "\n") + header(section.name);
+    text += (text.empty() ? "" : "\n") + header(section.name, reading.config.has_site_list);
     for (const ConfigEntry& entry : section.entries) {
       text += std::string(entry.option->key) + " = " + to_toml(entry.value) +
               (entry.stated ? "" : "  # default") + "\n";

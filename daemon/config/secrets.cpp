@@ -37,6 +37,7 @@ void take_credentials(DaemonConfig& config) {
   take_credential("http.token", config.http.token_file);
   take_credential("privacy.key", config.privacy.key_file);
   take_credential("curve.secret", config.curve.secret_file);
+  take_credential("cluster.nkey", config.cluster.nkey_seed_file);
 }
 
 Expected<std::string> read_http_token(const fs::path& file) {

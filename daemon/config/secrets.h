@@ -1,8 +1,10 @@
-// The files that hold secrets: the token of HTTP, the key of [privacy], the secret key of [curve].
+// The files that hold secrets: the token of HTTP, the key of [privacy], the secret key of [curve],
+// the seed of [cluster].
 //
 // A daemon whose user systemd makes up at each start (DynamicUser=) cannot read what root keeps for
 // itself. systemd can, and passes it as a credential (systemd.exec(5), LoadCredential=), which is
-// taken where the configuration names no file: http.token, privacy.key, curve.secret.
+// taken where the configuration names no file: http.token, privacy.key, curve.secret,
+// cluster.nkey.
 #pragma once
 
 #include <filesystem>

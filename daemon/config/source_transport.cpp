@@ -51,7 +51,7 @@ std::string objection(const TransportAddress& url) {
 
 // A relative one from the folder of the file that states it.
 fs::path path_in(const TomlTable& table, const TransportAddress& url) {
-  const fs::path path = url.address;
+  fs::path path = url.address;
   const std::optional<fs::path> whole = table.path("url");  // FOLDER/SCHEME:ADDRESS
   if (path.is_absolute() || url.address == "-" || !whole) {
     return path;
@@ -109,6 +109,7 @@ void store_source_url(const TomlTable& table, const TransportAddress& url, Sourc
       source.path = path_in(table, url);
       return;
     case SourceKind::kOther:
+    case SourceKind::kCluster:
       return;
   }
 }
@@ -124,6 +125,7 @@ std::string source_url(const SourceConfig& source) {
     case SourceKind::kUnix:
       return "unix:" + source.path.string();
     case SourceKind::kOther:
+    case SourceKind::kCluster:
       break;
   }
   return source.url;

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "daemon/draw/face.h"
-#include "daemon/draw/painter_order.h"
+#include "daemon/draw/isometric_faces.h"
 #include "daemon/draw/palette.h"
 #include "daemon/draw/views.h"
 
@@ -14,24 +14,6 @@ namespace {
 
 constexpr Pen kEdge{kFaintInk, 0.7};
 constexpr Pen kOpenEdge{{130, 130, 130, 1.0}, 0.8, true};
-
-// Whether the object would hide the room: the ceiling, and what is thin and stands at the viewer's
-// sides, x and y smallest.
-bool is_left_open(const ScenePart& part, const Bounds& all) {
-  constexpr double kThin = 0.3;     // [m]
-  constexpr double kAtSide = 0.35;  // [m]
-  const Vec3d size = part.bounds.size();
-  return part.kind == PartKind::kCeiling ||
-         (size.x < kThin && part.bounds.upper.x < all.lower.x + kAtSide) ||
-         (size.y < kThin && part.bounds.upper.y < all.lower.y + kAtSide);
-}
-
-// A lamp above the viewer's right shoulder.
-double light_on(const Face& face, const Vec3d& towards_viewer) {
-  const Vec3d lamp = normalized(Vec3d{-0.35, -0.6, 0.8});
-  const bool away = dot(face.normal, towards_viewer) < 0.0;
-  return 0.78 + 0.24 * std::max(0.0, dot(away ? -face.normal : face.normal, lamp));
-}
 
 void draw_edges(const Face& face,
                 const std::vector<PagePoint>& corners,
@@ -58,25 +40,14 @@ std::vector<PagePoint> on_page(const Face& face, const Projection& page) {
 std::vector<Shape> draw_isometric(const Scene& scene,
                                   const std::vector<ScenePart>& parts,
                                   const Projection& page) {
-  const Bounds all{scene.bounds_min(), scene.bounds_max()};
-  std::vector<Face> filled;
-  std::vector<Face> open;
-  for (Face& face : scene_faces(scene)) {
-    const bool turned_away = face.solid && dot(face.normal, page.towards_viewer) < 1e-9;
-    if (turned_away) {
-      continue;
-    }
-    auto& faces = is_left_open(parts[face.object], all) ? open : filled;
-    faces.push_back(std::move(face));
-  }
+  const IsometricFaces faces = isometric_faces(scene_faces(scene), parts, page.towards_viewer);
   std::vector<Shape> shapes;
-  for (const Face& face : painter_order(std::move(filled), page.towards_viewer)) {
+  for (const auto& [face, colour] : faces.filled) {
     const std::vector<PagePoint> corners = on_page(face, page);
-    const Colour colour = material_colour(parts[face.object].material);
-    shapes.emplace_back(Polygon{corners, shaded(colour, light_on(face, page.towards_viewer))});
+    shapes.emplace_back(Polygon{corners, colour});
     draw_edges(face, corners, kEdge, shapes);
   }
-  for (const Face& face : open) {
+  for (const Face& face : faces.open) {
     draw_edges(face, on_page(face, page), kOpenEdge, shapes);
   }
   return shapes;

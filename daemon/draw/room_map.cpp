@@ -66,6 +66,35 @@ void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Sh
   }
 }
 
+void draw_names(const RoomMap& map, const PagePoint& corner, std::vector<Shape>& shapes) {
+  constexpr double kRow = 18.0;
+  constexpr double kSide = 12.0;
+  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kTextSize, kInk});
+  double y = corner.y + 18.0;
+  for (const MapName& one : map.names) {
+    shapes.emplace_back(Polygon{{{corner.x, y},
+                                 {corner.x + kSide, y},
+                                 {corner.x + kSide, y + kSide},
+                                 {corner.x, y + kSide}},
+                                one.colour});
+    shapes.emplace_back(Text{{corner.x + kSide + 6.0, y + kSide - 2.0}, one.name, kTextSize, kInk});
+    y += kRow;
+  }
+}
+
+// A little too large, so that no seam shows.
+void draw_cells(const RoomMap& map, const Projection& page, std::vector<Shape>& shapes) {
+  constexpr double kOverlap = 0.25;  // pixels
+  for (const MapCell& cell : map.cells) {
+    const double half = 0.5 * cell.side + kOverlap / page.scale;
+    shapes.emplace_back(Polygon{{page(cell.middle + Vec3d{-half, -half, 0.0}),
+                                 page(cell.middle + Vec3d{half, -half, 0.0}),
+                                 page(cell.middle + Vec3d{half, half, 0.0}),
+                                 page(cell.middle + Vec3d{-half, half, 0.0})},
+                                colour_of(map, cell.value)});
+  }
+}
+
 void draw_values(const RoomMap& map, const Projection& page, std::vector<Shape>& shapes) {
   for (const MapLine& line : map.lines) {
     shapes.emplace_back(
@@ -106,11 +135,22 @@ Drawing draw_room_map(const RoomMap& map) {
   title.bold = true;
   drawing.shapes.emplace_back(std::move(title));
   Labels labels;
-  append(draw_plan(*map.scene, scene_parts(*map.scene), page), drawing.shapes);
+  const std::vector<Shape> plan = draw_plan(*map.scene, scene_parts(*map.scene), page);
+  append(plan, drawing.shapes);
   append(draw_ruler(all, page, labels), drawing.shapes);
+  if (!map.cells.empty()) {  // what stands in the room is seen over them as lines
+    draw_cells(map, page, drawing.shapes);
+    std::copy_if(plan.begin(), plan.end(), std::back_inserter(drawing.shapes), [](const Shape& s) {
+      return std::holds_alternative<Line>(s);
+    });
+  }
   draw_values(map, page, drawing.shapes);
   const PagePoint corner{page(all.upper).x + 24.0, kMargin + kTitleHeight};
-  draw_colour_bar(map, corner, drawing.shapes);
+  if (map.names.empty()) {
+    draw_colour_bar(map, corner, drawing.shapes);
+  } else {
+    draw_names(map, corner, drawing.shapes);
+  }
   drawing.width = corner.x + kBarWidth;
   constexpr double kBarHeight = 180.0;
   drawing.height = corner.y + std::max(page.scale * size.y + kRulerMargin, kBarHeight) + kMargin;

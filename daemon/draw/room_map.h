@@ -23,6 +23,17 @@ struct MapLine {  // a surface, seen from above
   double value = 0.0;
 };
 
+struct MapCell {      // a square of the floor
+  Vec3d middle;       // [m]
+  double side = 0.0;  // [m]
+  double value = 0.0;
+};
+
+struct MapName {  // of a colour, where values are numbers of things
+  std::string name;
+  Colour colour;
+};
+
 struct MapAntenna {
   std::string name;
   Vec3d at;  // [m]
@@ -31,6 +42,7 @@ struct MapAntenna {
 struct RoomMap {
   const Scene* scene = nullptr;
   std::string title;
+  std::vector<MapCell> cells;  // under everything else but the plan
   std::vector<MapLine> lines;
   double line_width = 4.0;  // [pixel]
   std::vector<MapDot> dots;
@@ -41,6 +53,7 @@ struct RoomMap {
   double lowest = 0.0;  // REQUIRES: lowest < highest
   double highest = 1.0;
   std::function<Colour(double share)> colour;  // 0: lowest, 1: highest
+  std::vector<MapName> names;                  // in place of the scale of colours
 };
 
 // REQUIRES: map.scene != nullptr, map.colour.

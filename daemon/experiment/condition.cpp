@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "daemon/experiment/controls.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/site/toml_reader.h"
 #include "engine/base/check.h"
@@ -20,6 +21,18 @@ using C = Condition;
 constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
 constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
 constexpr std::array<std::string_view, 2> kChains = {"known", "first_day"};
+
+// The methods of the registry, then the controls.
+std::span<const std::string_view> method_and_control_names() {
+  static const std::vector<std::string_view> kNames = [] {
+    std::vector<std::string_view> names(method_names().begin(), method_names().end());
+    for (const ControlName& one : control_names()) {
+      names.push_back(one.name);
+    }
+    return names;
+  }();
+  return kNames;
+}
 
 std::span<const std::string_view> likelihoods() {
   static const std::vector<std::string_view> kNames = [] {
@@ -37,6 +50,11 @@ std::string_view method_meaning() {
     std::string names;
     for (const std::string_view name : method_names()) {
       names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    names += "; or a control:";
+    for (const ControlName& one : control_names()) {
+      names += (names.back() == ':' ? " " : ", ") + std::string(one.name) + " (" +
+               std::string(one.meaning) + ")";
     }
     return "of localization: " + names;
   }();
@@ -59,6 +77,15 @@ const std::array kKeys = std::to_array<ConditionKey>({
      true,
      "the plan's first ones"},
     {"ap_height_m", &C::ap_height_m, "0", kHeight, false, kAny, true, "0: as the plan states it"},
+    {"antenna_spacing_m",
+     &C::antenna_spacing_m,
+     "0",
+     {0, 1, "m"},
+     false,
+     kAny,
+     true,
+     "from antenna to antenna of an access point; 0: as the plan states it",
+     true},
     {"device_height_m",
      &C::device_height_m,
      "1.2",
@@ -146,6 +173,15 @@ const std::array kKeys = std::to_array<ConditionKey>({
      true,
      "each with own clutter and spots"},
     {"spots", &C::spots, "20", {1, 10'000, {}}, true, kAny, true, "at random places of a layout"},
+    {"survey_points",
+     &C::survey_points,
+     "0",
+     {0, 1000, {}},
+     true,
+     kAny,
+     true,
+     "at which methods that learn, and controls, are trained",
+     true},
     {"frames", &C::frames, "4", {1, 64, {}}, true, kAny, true, "heard of each spot"},
     {"depth", &C::depth, "3", kDepth, true, kAny, true, "reflections of the simulated paths"},
     {"plan_error_m",
@@ -169,9 +205,27 @@ const std::array kKeys = std::to_array<ConditionKey>({
      default_method().name,
      {},
      false,
-     method_names(),
+     method_and_control_names(),
      false,
      method_meaning()},
+    {"epochs",
+     &C::epochs,
+     "0",
+     {0, 1000, {}},
+     true,
+     kAny,
+     false,
+     "of training; 0: as the method has them",
+     true},
+    {"constant_power",
+     &C::constant_power,
+     "0",
+     {0, 1, {}},
+     true,
+     kAny,
+     false,
+     "1: the device's power is known not to change, so that levels are learned and used",
+     true},
     {"likelihood",
      &C::likelihood,
      "partial",
@@ -238,6 +292,8 @@ void set_preset(const ConditionKey& key, Condition& condition) {
 }  // namespace
 
 std::span<const ConditionKey> condition_keys() { return kKeys; }
+
+bool is_control(const Condition& condition) { return find_method(condition.method) == nullptr; }
 
 PaperLocalizerOptions Condition::paper_options() const {
   PaperLocalizerOptions options =

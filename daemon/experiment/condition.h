@@ -22,10 +22,11 @@ namespace rayloc {
 
 struct Condition {
   // The world: what is simulated. Equal worlds give equal frames.
-  std::filesystem::path room;  // a plan of `rayloc scene room`
-  std::string kind;            // what is located
-  double access_points = 0;    // the first ones of the plan
-  double ap_height_m = 0.0;    // 0: that of the plan
+  std::filesystem::path room;      // a plan of `rayloc scene room`
+  std::string kind;                // what is located
+  double access_points = 0;        // the first ones of the plan
+  double ap_height_m = 0.0;        // 0: that of the plan
+  double antenna_spacing_m = 0.0;  // of access points; 0: that of the plan
   double device_height_m = 0.0;
   double height_sigma_m = 0.0;        // of devices about it
   double model_height_sigma_m = 0.0;  // the same, as the model expects it
@@ -38,17 +39,20 @@ struct Condition {
   std::string sight;                  // from the first access point: any, los, nlos
   double layouts = 0;                 // with clutter and spots of their own
   double spots = 0;                   // in each layout
+  double survey_points = 0;           // at which methods that learn, and controls, were trained
   double frames = 0;                  // of each spot
   double depth = 0;                   // reflections of the simulated paths
   double plan_error_m = 0.0;          // deviation of walls and boxes from what the model believes
   std::string impairments;            // of the radio: default, none or a file
   // The method.
   std::string method;
-  std::string likelihood;  // of method rayloc
-  std::string chains;      // what the model believes of them: known, or first_day
-  double model_depth = 0;  // reflections that the model knows
-  double repeats = 0;      // locations of each spot, with other random numbers; of method paper
-  double multi_start = 0;  // random starts of one location, the least loss wins; of method paper
+  std::string likelihood;     // of method rayloc
+  double epochs = 0;          // of training; 0: as the method has them
+  double constant_power = 0;  // 1: levels may be learned and used
+  std::string chains;         // what the model believes of them: known, or first_day
+  double model_depth = 0;     // reflections that the model knows
+  double repeats = 0;         // locations of each spot, with other random numbers; of method paper
+  double multi_start = 0;     // random starts of one location, the least loss wins; of method paper
   std::map<std::string, double, std::less<>> paper;  // by key of paper_settings(): what is stated
 
   // With the defaults of the kind that is located.
@@ -70,6 +74,9 @@ struct ConditionKey {
   // reports of experiments that do not know the key stay as they are.
   bool only_where_used = false;
 };
+
+// Whether the condition's method is a control: what it takes nothing, or only the survey, to reach.
+bool is_control(const Condition& condition);
 
 std::span<const ConditionKey> condition_keys();
 

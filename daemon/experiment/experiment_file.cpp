@@ -192,9 +192,9 @@ class ExperimentReader {
                   "\"rooms/office.toml\"");
       return false;
     }
-    const Method& method = *find_method(condition.method);
-    if (condition.kind == "person" ? method.create_person == nullptr
-                                   : method.create_device == nullptr) {
+    const Method* method = find_method(condition.method);  // null: a control, of any kind
+    if (method != nullptr && (condition.kind == "person" ? method->create_person == nullptr
+                                                         : method->create_device == nullptr)) {
       table.error(table.name() + ": method " + condition.method + " does not locate kind '" +
                   condition.kind + "'; choose another method or kind");
       return false;
@@ -260,6 +260,22 @@ Expected<Experiment> load_experiment(const std::filesystem::path& file) {
 Expected<Experiment> parse_experiment(std::string_view text, const std::filesystem::path& file) {
   const auto document = TomlDocument::parse(text, file);
   return document ? read_document(**document) : tl::make_unexpected(document.error());
+}
+
+Expected<void> keep_studies(const std::vector<std::string>& names, Experiment& experiment) {
+  for (const std::string& name : names) {
+    if (std::none_of(experiment.studies.begin(), experiment.studies.end(), [&](const auto& study) {
+          return study.name == name;
+        })) {
+      return make_error(ErrorKind::kUsage, "--study '" + name + "': the file has no such study");
+    }
+  }
+  if (!names.empty()) {
+    std::erase_if(experiment.studies, [&](const Study& study) {
+      return std::find(names.begin(), names.end(), study.name) == names.end();
+    });
+  }
+  return {};
 }
 
 }  // namespace rayloc

@@ -47,4 +47,7 @@ Expected<Experiment> load_experiment(const std::filesystem::path& file);
 // `file` is for messages and for relative paths.
 Expected<Experiment> parse_experiment(std::string_view text, const std::filesystem::path& file);
 
+// Leaves the studies that are named; no names: all. An Error where there is no such study.
+Expected<void> keep_studies(const std::vector<std::string>& names, Experiment& experiment);
+
 }  // namespace rayloc

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
+#include <utility>
 
 #include <spdlog/fmt/fmt.h>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 #include "daemon/draw/html.h"
 #include "daemon/draw/svg.h"
 #include "daemon/evaluate/statistics_json.h"
+#include "daemon/site/site_copy.h"
 
 namespace rayloc {
 namespace {
@@ -78,8 +81,11 @@ std::string study_table(const StudyResult& result) {
                         "median [m]",
                         "90 % [m]",
                         "below 0.5 m",
+                        "in 50 % region",
                         "in 95 % region",
-                        "room centre, median [m]"});
+                        "best of 5 [m]",
+                        "room centre, median [m]",
+                        "refused"});
   for (const ConditionResult& condition : result.conditions) {
     const Json figures = to_json(condition.statistics);
     std::vector<std::string>& row = table.rows.emplace_back();
@@ -88,10 +94,16 @@ std::string study_table(const StudyResult& result) {
     }
     row.push_back(std::to_string(condition.statistics.n));
     row.push_back(std::to_string(condition.statistics.missed));
-    for (const char* name :
-         {"median_m", "cep90_m", "below_0_5", "coverage_95", "room_centre_median_m"}) {
+    for (const char* name : {"median_m",
+                             "cep90_m",
+                             "below_0_5",
+                             "coverage_50",
+                             "coverage_95",
+                             "best_of_5_median_m",
+                             "room_centre_median_m"}) {
       row.push_back(html_number(figures, name));
     }
+    row.push_back(condition.refusal);
   }
   return to_html(table);
 }
@@ -150,6 +162,9 @@ std::string experiment_json(const Experiment& experiment, const std::vector<Stud
       }
       conditions.push_back(
           {{"values", std::move(values)}, {"statistics", to_json(condition.statistics)}});
+      if (!condition.refusal.empty()) {
+        conditions.back()["refused"] = condition.refusal;
+      }
     }
     studies.push_back(std::move(study));
   }
@@ -162,11 +177,16 @@ std::string experiment_csv(const std::vector<StudyResult>& results) {
   for (const std::string& key : keys) {
     csv += "," + key;
   }
+  const bool some_refuse = std::any_of(results.begin(), results.end(), [](const auto& result) {
+    return std::any_of(result.conditions.begin(), result.conditions.end(), [](const auto& one) {
+      return !one.refusal.empty();
+    });
+  });
   csv += ",n,missed";
   for (const std::string_view figure : kFigures) {
     csv += fmt::format(",{0},{0}_lower,{0}_upper", figure);
   }
-  csv += "\n";
+  csv += some_refuse ? ",refused\n" : "\n";
   for (const StudyResult& result : results) {
     for (const ConditionResult& condition : result.conditions) {
       csv += csv_cell(result.study->name);
@@ -183,7 +203,7 @@ std::string experiment_csv(const std::vector<StudyResult>& results) {
         csv += "," + csv_number(figures.at(name)) + "," + csv_number(interval[0]) + "," +
                csv_number(interval[1]);
       }
-      csv += "\n";
+      csv += (some_refuse ? "," + csv_cell(condition.refusal) : "") + "\n";
     }
   }
   return csv;
@@ -200,6 +220,35 @@ std::string experiment_html(const Experiment& experiment, const std::vector<Stud
     body += study_html(result);
   }
   return draw::html_page(experiment.name, body);
+}
+
+std::string experiment_errors_csv(const std::vector<StudyResult>& results) {
+  std::string csv = "study,condition,point,error_m\n";
+  for (std::size_t s = 0; s < results.size(); ++s) {
+    for (std::size_t c = 0; c < results[s].conditions.size(); ++c) {
+      const std::vector<PointResult>& points = results[s].conditions[c].points;
+      for (std::size_t p = 0; p < points.size(); ++p) {
+        csv += fmt::format("{},{},{},", s + 1, c + 1, p + 1);
+        csv += std::isfinite(points[p].error) ? fmt::format("{}\n", points[p].error) : "\n";
+      }
+    }
+  }
+  return csv;
+}
+
+Expected<void> write_experiment_report(const std::filesystem::path& directory,
+                                       const Experiment& experiment,
+                                       const std::vector<StudyResult>& results) {
+  for (const auto& [name, content] :
+       {std::pair{"report.json", experiment_json(experiment, results)},
+        std::pair{"report.csv", experiment_csv(results)},
+        std::pair{"errors.csv", experiment_errors_csv(results)},
+        std::pair{"report.html", experiment_html(experiment, results)}}) {
+    if (auto written = write_file(directory / name, content); !written) {
+      return written;
+    }
+  }
+  return {};
 }
 
 }  // namespace rayloc

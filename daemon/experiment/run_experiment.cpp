@@ -1,29 +1,33 @@
 #include "daemon/experiment/run_experiment.h"
 
+#include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "daemon/experiment/controls.h"
 #include "daemon/experiment/study_world.h"
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/methods/person_method.h"
+#include "engine/baselines/settings.h"
+#include "engine/baselines/training.h"
 #include "engine/person/calibrate/empty_room.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
 
-// One method in one room: an estimate for frames and the number of the repeat.
-using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
-
 // What the condition says to its method.
 MethodOptions options_of(const Condition& condition, const Method& method, std::uint64_t seed) {
   MethodValues all = {{"likelihood", condition.likelihood}, {"multi_start", condition.multi_start}};
   for (const auto& [key, value] : condition.paper) {
     all.emplace(key, value);
+  }
+  if (condition.epochs > 0.0) {
+    all.emplace("epochs", condition.epochs);
   }
   std::erase_if(all, [&](const auto& entry) { return !method.has_setting(entry.first); });
   MethodOptions options;
@@ -53,15 +57,58 @@ Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout
   return reference;
 }
 
+// What the method learns of the layout's survey; null: nothing.
+Expected<std::shared_ptr<const Training>> learn(const Condition& condition,
+                                                const Method& method,
+                                                const std::shared_ptr<const RoomModel>& room,
+                                                const MethodOptions& options,
+                                                const StudyLayout& layout) {
+  if (method.train == nullptr || layout.survey.empty()) {
+    if (method.needs_training) {
+      return make_error(ErrorKind::kConfiguration, "no survey: survey_points is 0");
+    }
+    return nullptr;
+  }
+  TrainingInput input;
+  input.room = room;
+  input.seed = options.seed;
+  for (const auto& [key, value] : options.values) {
+    const auto& known = method.baseline_settings;
+    if (std::any_of(known.begin(), known.end(), [&, &wanted = key](const auto& one) {
+          return one.key == wanted;
+        })) {
+      input.values.insert_or_assign(key, value);
+    }
+  }
+  for (const StudySpot& point : layout.survey) {
+    input.points.push_back({point.position, point.frames});
+  }
+  if (layout.transmitter) {
+    input.transmitter = kStudyTransmitter;
+    input.empty = layout.empty;
+  }
+  if (condition.constant_power > 0.0) {
+    input.constant_power.push_back(kStudyTransmitter);
+  }
+  return method.train(input);
+}
+
 Expected<Locate> locate_people_by(const Method& method,
                                   std::shared_ptr<const RoomModel> room,
                                   MethodOptions options,
+                                  std::shared_ptr<const Training> training,
                                   const StudyLayout& layout) {
+  if (method.needs_every_frame) {
+    return make_error(ErrorKind::kConfiguration,
+                      std::string(method.name) + " follows who walks; here people stand");
+  }
   auto reference = refer(*room, layout);
   if (!reference) {
     return tl::make_unexpected(std::move(reference.error()));
   }
-  auto made = method.create_person({std::move(room), *std::move(reference), std::move(options)});
+  PersonMethodInput input{std::move(room), *std::move(reference), std::move(options)};
+  input.training = std::move(training);
+  auto made = method.create_person(std::move(input));
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
@@ -74,7 +121,6 @@ Expected<Locate> locate_people_by(const Method& method,
 Expected<Locate> make_method(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed) {
-  const Method& method = *find_method(condition.method);
   RoomModel told = layout.model;
   told.trace.max_depth = static_cast<int>(condition.model_depth);
   if (condition.chains == "first_day") {
@@ -83,11 +129,23 @@ Expected<Locate> make_method(const Condition& condition,
     }
   }
   auto room = std::make_shared<const RoomModel>(std::move(told));
-  MethodOptions options = options_of(condition, method, seed);
-  if (layout.transmitter) {
-    return locate_people_by(method, std::move(room), std::move(options), layout);
+  if (is_control(condition)) {
+    return make_control(
+        condition.method, std::move(room), layout, condition.constant_power > 0.0, seed);
   }
-  auto made = method.create_device({std::move(room), std::move(options)});
+  const Method& method = *find_method(condition.method);
+  MethodOptions options = options_of(condition, method, seed);
+  auto training = learn(condition, method, room, options, layout);
+  if (!training) {
+    return tl::make_unexpected(std::move(training.error()));
+  }
+  if (layout.transmitter) {
+    return locate_people_by(
+        method, std::move(room), std::move(options), *std::move(training), layout);
+  }
+  DeviceMethodInput input{std::move(room), std::move(options)};
+  input.training = *std::move(training);
+  auto made = method.create_device(std::move(input));
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
@@ -97,34 +155,59 @@ Expected<Locate> make_method(const Condition& condition,
   };
 }
 
-Expected<ConditionResult> run_condition(const Condition& condition,
-                                        const std::vector<StudyLayout>& layouts,
-                                        std::uint64_t seed) {
+// Why no spot was located, where all say the same.
+class CommonReason {
+ public:
+  void add(const LocationEstimate& estimate) {
+    is_common_ = is_common_ && !estimate.position && (text_.empty() || text_ == estimate.reason);
+    text_ = estimate.reason;
+  }
+  std::string text() const { return is_common_ ? text_ : std::string(); }
+
+ private:
+  bool is_common_ = true;
+  std::string text_;
+};
+
+ConditionResult run_condition(const Condition& condition,
+                              const std::vector<StudyLayout>& layouts,
+                              std::uint64_t seed) {
   ConditionResult result;
   result.condition = condition;
-  Controls controls;
+  CommonReason reasons;
   const auto repeats = static_cast<std::size_t>(condition.repeats);
   for (const StudyLayout& layout : layouts) {
     const auto locate = make_method(condition, layout, seed);
     if (!locate) {
-      return tl::make_unexpected(locate.error());
+      result.refusal = locate.error().message;
     }
     const Vec3d centre = 0.5 * (layout.model.bounds_min + layout.model.bounds_max);
     for (const StudySpot& spot : layout.spots) {
       TruthPoint truth;
       truth.position = spot.position;
       for (std::size_t repeat = 0; repeat < repeats; ++repeat) {
-        const LocationEstimate estimate = (*locate)(spot, repeat);
-        result.points.push_back(evaluate_point(truth, &estimate));
-        controls.room_centre.push_back(horizontal_distance(centre, spot.position));
+        if (locate) {
+          const LocationEstimate estimate = (*locate)(spot, repeat);
+          result.points.push_back(evaluate_point(truth, &estimate));
+          reasons.add(estimate);
+        } else {
+          result.points.push_back(evaluate_point(truth, nullptr));
+        }
+        result.room_centre.push_back(horizontal_distance(centre, spot.position));
       }
     }
   }
+  if (result.refusal.empty()) {
+    result.refusal = reasons.text();
+  }
+  return result;
+}
+
+void summarise(ConditionResult& result, std::uint64_t seed) {
   BootstrapOptions options;
   options.seed = seed;
-  options.together = repeats;
-  result.statistics = compute_statistics(result.points, controls, options);
-  return result;
+  options.together = static_cast<std::size_t>(result.condition.repeats);
+  result.statistics = compute_statistics(result.points, {result.room_centre, {}}, options);
 }
 
 // The layouts of the last world: conditions that differ only in how they locate come one after the
@@ -152,22 +235,31 @@ class Worlds {
 }  // namespace
 
 Expected<std::vector<StudyResult>> run_experiment(const Experiment& experiment,
-                                                  const StudyProgress& progress) {
+                                                  const StudyProgress& progress,
+                                                  const ConditionStore& store) {
   std::vector<StudyResult> results;
   Worlds worlds;
   for (const Study& study : experiment.studies) {
     StudyResult& result = results.emplace_back();
     result.study = &study;
     for (const Condition& condition : study.conditions) {
+      const std::optional<ConditionResult> kept =
+          store.load ? store.load(condition, experiment.seed) : std::nullopt;
+      if (kept) {
+        result.conditions.push_back(*kept);
+        summarise(result.conditions.back(), experiment.seed);
+        progress(study, result.conditions.size(), result.conditions.back());
+        continue;
+      }
       const auto layouts = worlds.get(condition, experiment.seed);
       if (!layouts) {
         return tl::make_unexpected(layouts.error());
       }
-      auto done = run_condition(condition, **layouts, experiment.seed);
-      if (!done) {
-        return make_error(done.error().kind, "study '" + study.name + "': " + done.error().message);
+      result.conditions.push_back(run_condition(condition, **layouts, experiment.seed));
+      summarise(result.conditions.back(), experiment.seed);
+      if (store.save) {
+        store.save(result.conditions.back(), experiment.seed);
       }
-      result.conditions.push_back(*std::move(done));
       progress(study, result.conditions.size(), result.conditions.back());
     }
   }

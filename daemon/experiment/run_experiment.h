@@ -2,7 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "daemon/evaluate/error_statistics.h"
@@ -16,6 +19,9 @@ struct ConditionResult {
   Condition condition;
   std::vector<PointResult> points;  // by layout, spot, repeat
   ErrorStatistics statistics;       // spots are drawn for the intervals, with all their repeats
+  // Why the method locates nothing here, in its words: it is out of its domain. Empty: it is not.
+  std::string refusal = {};
+  std::vector<double> room_centre = {};  // [m], error of answering the room's centre, by point
 };
 
 struct StudyResult {
@@ -26,9 +32,16 @@ struct StudyResult {
 using StudyProgress =
     std::function<void(const Study& study, std::size_t done, const ConditionResult& result)>;
 
+// Keeps what was found, so that who is interrupted goes on. Both may be empty.
+struct ConditionStore {
+  std::function<std::optional<ConditionResult>(const Condition&, std::uint64_t seed)> load;
+  std::function<void(const ConditionResult&, std::uint64_t seed)> save;
+};
+
 // Depends on the experiment alone, whatever the number of threads. Pointers in the result are into
-// `experiment`. Errors: as of simulate_world(), or a method that refuses its options.
+// `experiment`. Errors: as of simulate_world(). A method that refuses is a result.
 Expected<std::vector<StudyResult>> run_experiment(const Experiment& experiment,
-                                                  const StudyProgress& progress);
+                                                  const StudyProgress& progress,
+                                                  const ConditionStore& store = {});
 
 }  // namespace rayloc

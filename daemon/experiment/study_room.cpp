@@ -98,6 +98,22 @@ Expected<Scene> make_scene(const RoomPlan& plan) {
   return Scene::create(std::move(input));
 }
 
+// Antennas about their middle, so that the two nearest ones are so far apart.
+void set_spacing(double spacing, std::vector<Vec3d>& offsets) {
+  double nearest = 0.0;
+  Vec3d middle;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    middle = middle + (1.0 / static_cast<double>(offsets.size())) * offsets[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      const double apart = norm(offsets[i] - offsets[j]);
+      nearest = nearest > 0.0 ? std::min(nearest, apart) : apart;
+    }
+  }
+  for (Vec3d& offset : offsets) {
+    offset = nearest > 0.0 ? middle + (spacing / nearest) * (offset - middle) : offset;
+  }
+}
+
 }  // namespace
 
 Expected<RoomPlan> furnish(const RoomPlan& original,
@@ -116,6 +132,11 @@ Expected<RoomPlan> furnish(const RoomPlan& original,
   if (condition.ap_height_m > 0.0) {
     for (SiteAccessPoint& ap : plan.access_points) {
       ap.array.pose.position.z = condition.ap_height_m;
+    }
+  }
+  if (condition.antenna_spacing_m > 0.0) {
+    for (SiteAccessPoint& ap : plan.access_points) {
+      set_spacing(condition.antenna_spacing_m, ap.array.element_offset);
     }
   }
   const auto boxes = static_cast<std::size_t>(condition.boxes);

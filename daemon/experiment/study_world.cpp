@@ -184,6 +184,22 @@ Expected<std::vector<Vec3d>> draw_spots(const Place& place,
   return spots;
 }
 
+// Where the survey stood: anywhere in the room that is clear, whatever is asked of the spots.
+std::vector<Vec3d> draw_survey(const Place& place, std::uint64_t seed, std::size_t layout) {
+  RandomStream random = random_stream(seed, "survey", layout);
+  AnyPlace any(place);
+  const auto count = static_cast<std::size_t>(place.condition.survey_points);
+  constexpr std::size_t kAttempts = 1000;  // of each point
+  std::vector<Vec3d> points;
+  for (std::size_t attempt = 0; points.size() < count && attempt < count * kAttempts; ++attempt) {
+    const Vec3d at = any.draw(random);
+    if (place.is_clear(at)) {
+      points.push_back(at);
+    }
+  }
+  return points;
+}
+
 SimulatedSpot transmissions(const Vec3d& position,
                             std::size_t number,
                             std::size_t frames,
@@ -247,6 +263,7 @@ struct Transmissions {
   LivedInRoom truth;
   SimulatedSpot empty;               // of people
   std::vector<SimulatedSpot> spots;  // of the layout
+  std::vector<SimulatedSpot> survey;
 };
 
 void append(std::vector<CsiFrame> more, std::vector<CsiFrame>& frames) {
@@ -284,10 +301,18 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
         return heard;
       }
     }
+    // Last: without a survey all else is the same.
+    for (std::size_t i = 0; i < sent.survey.size(); ++i) {
+      if (auto heard = listen(simulator, sent.survey[i], layout.survey[i].frames); !heard) {
+        return heard;
+      }
+    }
   }
   sort_by_time(layout.empty);
-  for (StudySpot& spot : layout.spots) {
-    sort_by_time(spot.frames);
+  for (std::vector<StudySpot>* spots : {&layout.spots, &layout.survey}) {
+    for (StudySpot& spot : *spots) {
+      sort_by_time(spot.frames);
+    }
   }
   return {};
 }
@@ -340,6 +365,13 @@ Expected<void> draw_transmissions(const Place& place,
     const auto frames = static_cast<std::size_t>(place.condition.frames);
     sent.spots.push_back(transmissions(at, after, frames, traffic));
   }
+  RandomStream survey_traffic = random_stream(seed, "survey traffic", number);
+  for (const Vec3d& at : draw_survey(place, seed, number)) {
+    const std::size_t after =
+        sent.spots.size() + sent.survey.size() + (place.transmitter ? 1U : 0U);
+    const auto frames = static_cast<std::size_t>(place.condition.frames);
+    sent.survey.push_back(transmissions(at, after, frames, survey_traffic));
+  }
   const Handling handling{0.0, place.condition.tilt_deg, place.condition.power_sigma_db};
   return handle_devices(sent.spots,
                         false,
@@ -385,8 +417,8 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   if (!model || !truth) {
     return tl::make_unexpected(model ? truth.error() : model.error());
   }
-  StudyLayout layout{*std::move(model), {}, {}, std::nullopt, {}};
-  Transmissions sent{*std::move(truth), {}, {}};
+  StudyLayout layout{*std::move(model), {}, {}, {}, std::nullopt, {}};
+  Transmissions sent{*std::move(truth), {}, {}, {}};
   const SolidObjects objects(sent.truth.room);
   Place place{*plan, *sent.truth.room.scene, condition, std::nullopt};
   place.moved = sent.truth.moved.empty() ? nullptr : &objects;
@@ -405,6 +437,9 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   for (const SimulatedSpot& spot : sent.spots) {
     layout.spots.push_back({spot.position, {}});
   }
+  for (const SimulatedSpot& point : sent.survey) {
+    layout.survey.push_back({point.position, {}});
+  }
   CaptureOptions options = capture_options(condition, *plan, layout);
   options.impairments = *impairments;
   options.seed = radios;
@@ -420,6 +455,11 @@ Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, st
   const auto plan = load_room_plan(condition.room);
   if (!plan) {
     return tl::make_unexpected(plan.error());
+  }
+  if (!plan->rooms.empty()) {
+    return make_error(ErrorKind::kConfiguration,
+                      condition.room.string() +
+                          ": studies move the walls of a room of four; write 'size', no outline");
   }
   std::vector<StudyLayout> layouts;
   for (std::size_t i = 0; i < static_cast<std::size_t>(condition.layouts); ++i) {

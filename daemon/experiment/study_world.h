@@ -29,6 +29,7 @@ struct StudyLayout {
   // Of each access point, before a power cycle: what the model believes when nobody acts.
   std::vector<ChainGains> first_day_chains;
   std::vector<StudySpot> spots;
+  std::vector<StudySpot> survey;  // at places of their own
   // Of people: who sends, at a random place, and what is heard of it while nobody is in the room.
   std::optional<Transmitter> transmitter;
   std::vector<CsiFrame> empty;

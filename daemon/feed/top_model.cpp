@@ -146,6 +146,9 @@ std::optional<double> TopModel::datagram_rate(const std::string& access_point) c
   if (now == nullptr || before == nullptr || !(elapsed > 0.0)) {
     return std::nullopt;
   }
+  if (now->counters().received() < before->counters().received()) {
+    return std::nullopt;  // the site was prepared anew
+  }
   const std::uint64_t received = now->counters().received() - before->counters().received();
   return static_cast<double>(received) / elapsed;
 }

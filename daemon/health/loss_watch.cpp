@@ -7,7 +7,8 @@
 namespace rayloc {
 
 void LossWatch::compare(const Loss& loss, std::uint64_t count) {
-  const std::string site = loss.source.empty() ? loss.kind : loss.kind + " " + loss.source;
+  const std::string site =
+      label_ + (loss.source.empty() ? loss.kind : loss.kind + " " + loss.source);
   std::uint64_t& seen = seen_[site];
   if (count <= seen) {
     return;
@@ -17,6 +18,7 @@ void LossWatch::compare(const Loss& loss, std::uint64_t count) {
     event.message = "source " + loss.source + ": " + event.message;
     event.fields.push_back({"source", loss.source});
   }
+  event.message = label_ + event.message;
   event.fields.push_back({"total", std::to_string(count)});
   log_->say(site, std::move(event), count - seen);
   seen = count;
@@ -57,26 +59,29 @@ void LossWatch::look(const v1::Heartbeat& heartbeat) {
           heartbeat.estimation().events_dropped());
   compare({"recorder_dropped", "datagrams missing in the recording: the disk did not keep up"},
           heartbeat.recorder().dropped());
-  compare({"slow_episodes", "a subscriber reads too slowly and loses messages"},
-          heartbeat.publisher().slow_episodes());
   compare({"csi_dropped", "frames of CSI not published: the publisher did not keep up"},
           heartbeat.publisher().csi_dropped());
-  compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},
-          heartbeat.publisher().handshakes_failed());
-  compare({"clients_cut_off",
-           "connections cut off: they sent a message without an end, or were too many"},
-          heartbeat.publisher().clients_cut_off());
-  compare({"snapshots_dropped", "answers to late subscribers that these did not fetch"},
-          heartbeat.snapshot_server().dropped());
-  compare({"snapshot_requests_malformed", "requests of late subscribers that are none"},
-          heartbeat.snapshot_server().malformed());
+  compare({"batches_marked",
+           "batches did not reach the cluster: the broker is away or too slow; recording goes on"},
+          heartbeat.capture().marked());
   compare({"snapshot_files_failed", "what was received lately could not be written"},
           heartbeat.ring_snapshots().failed());
 }
 
-void LossWatch::look_at_log(std::uint64_t dropped) {
+void LossWatch::look_at_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped) {
+  compare({"slow_episodes", "a subscriber reads too slowly and loses messages"},
+          shared.publisher().slow_episodes());
+  compare({"handshakes_failed", "connections that speak no ZeroMQ, have a wrong key or none"},
+          shared.publisher().handshakes_failed());
+  compare({"clients_cut_off",
+           "connections cut off: they sent a message without an end, or were too many"},
+          shared.publisher().clients_cut_off());
+  compare({"snapshots_dropped", "answers to late subscribers that these did not fetch"},
+          shared.snapshot_server().dropped());
+  compare({"snapshot_requests_malformed", "requests of late subscribers that are none"},
+          shared.snapshot_server().malformed());
   compare({"log_dropped", "messages of this log lost: journal or terminal did not take them"},
-          dropped);
+          log_dropped);
 }
 
 }  // namespace rayloc

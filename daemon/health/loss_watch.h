@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "daemon/log/limited_log.h"
 #include "rayloc/v1/heartbeat.pb.h"
@@ -14,12 +15,14 @@ namespace rayloc {
 
 class LossWatch {
  public:
-  explicit LossWatch(std::shared_ptr<LimitedLog> log) : log_(std::move(log)) {}
+  // `label`: how lines begin, "site 'office': ", where there are several sites.
+  explicit LossWatch(std::shared_ptr<LimitedLog> log, std::string label = {})
+      : log_(std::move(log)), label_(std::move(label)) {}
 
-  // To be called every second or so with the counters as they are.
+  // Of a site; to be called every second or so with the counters as they are.
   void look(const v1::Heartbeat& heartbeat);
-  // The same of the log itself.
-  void look_at_log(std::uint64_t dropped);
+  // The same of what all sites share (shared_counters() in status.h), and of the log itself.
+  void look_at_shared(const v1::Heartbeat& shared, std::uint64_t log_dropped);
 
  private:
   struct Loss {
@@ -31,6 +34,7 @@ class LossWatch {
   void look_at(const v1::SourceReport& source);
 
   const std::shared_ptr<LimitedLog> log_;
+  const std::string label_;
   std::map<std::string, std::uint64_t> seen_;  // by kind and source
 };
 

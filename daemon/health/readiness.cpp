@@ -54,7 +54,7 @@ std::optional<bool> synchronized_by_kernel() {
 
 }  // namespace
 
-SiteLacks lacks_of(const DaemonSetup& setup, const RoomModel& room) {
+SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room) {
   if (setup.config.engine.method == nullptr) {
     return {};
   }

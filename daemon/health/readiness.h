@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "daemon/config/config.h"
-#include "daemon/pipeline/publisher_stage.h"
+#include "daemon/pipeline/output/site_output.h"
 #include "daemon/site/site_lacks.h"
 
 namespace rayloc {
@@ -24,7 +24,7 @@ struct Readiness {
 
 // What a daemon with that configuration, which listens to some access points or to all, lacks to
 // locate; nothing where it is not to locate. REQUIRES: `room` was loaded of its site.
-SiteLacks lacks_of(const DaemonSetup& setup, const RoomModel& room);
+SiteLacks lacks_of(const SiteSetup& setup, const RoomModel& room);
 
 // What is known besides the counters.
 struct ServiceHealth {

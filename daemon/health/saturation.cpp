@@ -53,18 +53,31 @@ void Saturation::look(const v1::Heartbeat& heartbeat, Time now) {
           heartbeat.publisher().csi_dropped(),
           now,
           queues_);
-  compare(overload_text(fmt::format("in the last {} s bursts gave way to newer ones of their "
-                                    "device, so there are fewer estimates",
-                                    seconds)),
-          heartbeat.estimation().bursts_merged(),
-          now,
-          bursts_);
-  compare(overload_text(fmt::format("in the last {} s bursts waited until they were too old, and "
-                                    "were left out; transmitters of site.toml come first",
-                                    seconds)),
+  compare(
+      fmt::format("in the last {} s bursts gave way to newer ones of their device, so there are "
+                  "fewer estimates",
+                  seconds),
+      heartbeat.estimation().bursts_merged(),
+      now,
+      bursts_);
+  compare(fmt::format("in the last {} s bursts waited until they were too old, and were left out; "
+                      "transmitters of site.toml come first",
+                      seconds),
           heartbeat.estimation().bursts_dropped(),
           now,
           bursts_);
+  const v1::EstimationCounters& counters = heartbeat.estimation();
+  looks_.push_back({now, counters.bursts(), counters.bursts_merged() + counters.bursts_dropped()});
+  while (looks_.size() > 2 && now - looks_[1].time >= kLately) {
+    looks_.pop_front();
+  }
+}
+
+// Of the bursts that ended lately.
+double Saturation::explained_share() const {
+  const std::uint64_t explained = looks_.back().explained - looks_.front().explained;
+  const std::uint64_t all = explained + looks_.back().lost - looks_.front().lost;
+  return all > 0 ? static_cast<double>(explained) / static_cast<double>(all) : 1.0;
 }
 
 std::vector<std::string> Saturation::lately(const Queues& queues) {
@@ -79,6 +92,13 @@ std::vector<std::string> Saturation::lately(const Queues& queues) {
 
 std::vector<std::string> Saturation::reasons() const { return lately(queues_); }
 
-std::vector<std::string> Saturation::warnings() const { return lately(bursts_); }
+std::vector<std::string> Saturation::warnings() const {
+  std::vector<std::string> warnings;
+  for (const std::string& consequence : lately(bursts_)) {
+    warnings.push_back(overload_text(fmt::format(
+        "{} ({:.0f} % of the bursts were explained)", consequence, 100.0 * explained_share())));
+  }
+  return warnings;
+}
 
 }  // namespace rayloc

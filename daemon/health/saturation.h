@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,7 +29,7 @@ class Saturation {
   void look(const v1::Heartbeat& heartbeat, Time now);
   // "source ap1: frames were dropped in the last 10 s: ..."; as of the last look.
   std::vector<std::string> reasons() const;
-  // The same of bursts: what happens to them, and what to do.
+  // The same of bursts: what happens to them, to how many, and what to do.
   std::vector<std::string> warnings() const;
 
  private:
@@ -41,8 +42,17 @@ class Saturation {
   static void compare(const std::string& reason, std::uint64_t lost, Time now, Queues& queues);
   static std::vector<std::string> lately(const Queues& queues);
 
+  // Counters of bursts at one look.
+  struct Bursts {
+    Time time;
+    std::uint64_t explained = 0;
+    std::uint64_t lost = 0;
+  };
+  double explained_share() const;
+
   Queues queues_;
   Queues bursts_;
+  std::deque<Bursts> looks_;  // of the last kLately, and one before
 };
 
 }  // namespace rayloc

@@ -106,21 +106,19 @@ void fill_estimation(const StatusSources& sources, v1::EstimationCounters* count
   counters->set_frames_merged(estimation.merged);
   counters->set_frames_dropped(estimation.dropped);
   counters->set_frames_in_flight(estimation.in_flight);
-  const PublisherStageCounters publishing = sources.publisher->counters();
+  const SiteOutputCounters publishing = sources.output->counters();
   counters->set_coalesced(publishing.coalesced);
   counters->set_events_dropped(publishing.events_dropped);
 }
 
 // What is published goes out with the publisher's own, newer numbers; these are for HTTP.
-void fill_publisher(const StatusSources& sources, v1::PublisherCounters* counters) {
-  const PublishedCounters published = sources.publisher->counters().published;
+void fill_publisher(const PublishedCounters& published, v1::PublisherCounters* counters) {
   counters->set_published(published.published);
   counters->set_slow_episodes(published.slow_episodes);
   counters->set_subscriptions(published.subscriptions);
   counters->set_clients_denied(published.clients_denied);
   counters->set_handshakes_failed(published.handshakes_failed);
   counters->set_clients_cut_off(published.clients_cut_off);
-  counters->set_csi_dropped(sources.publisher->counters().csi_dropped);
 }
 
 void fill_tracker(const DeviceEstimator& estimator, v1::TrackerCounters* counters) {
@@ -181,17 +179,12 @@ void fill_http(const HttpCounters& http, v1::HttpCounters* counters) {
   counters->set_messages_coalesced(http.messages_coalesced);
 }
 
-void fill_servers(const StatusSources& sources, v1::Heartbeat& heartbeat) {
+void fill_shared(const StatusSources& sources, v1::Heartbeat& heartbeat) {
   if (sources.snapshots != nullptr) {
     const SnapshotCounters snapshots = sources.snapshots->counters();
     heartbeat.mutable_snapshot_server()->set_answered(snapshots.answered);
     heartbeat.mutable_snapshot_server()->set_malformed(snapshots.malformed);
     heartbeat.mutable_snapshot_server()->set_dropped(snapshots.dropped);
-  }
-  if (sources.ring_snapshots != nullptr) {
-    const RingSnapshotCounters rings = sources.ring_snapshots->counters();
-    heartbeat.mutable_ring_snapshots()->set_written(rings.files);
-    heartbeat.mutable_ring_snapshots()->set_failed(rings.failed);
   }
   if (sources.http != nullptr) {
     fill_http(sources.http->counters(), heartbeat.mutable_http());
@@ -205,6 +198,23 @@ v1::Georeference to_proto(const Georeference& georeference) {
   message.set_altitude_m(georeference.altitude);
   message.set_rotation_deg(georeference.rotation * 180.0 / std::numbers::pi);
   return message;
+}
+
+// Which site it is, and by what.
+void fill_who(const StatusSources& sources, Timestamp now, v1::Heartbeat& heartbeat) {
+  *heartbeat.mutable_time() = rayloc::to_proto(now);
+  *heartbeat.mutable_started() = rayloc::to_proto(sources.started);
+  heartbeat.set_epoch(sources.epoch);
+  heartbeat.set_message_version("v1");
+  heartbeat.set_software_version(RAYLOC_VERSION);
+  heartbeat.set_scene_hash(sources.scene_hash);
+  heartbeat.set_calibration_id(sources.calibration_id);
+  if (sources.georeference) {
+    *heartbeat.mutable_georeference() = to_proto(*sources.georeference);
+  }
+  if (sources.reloads) {
+    *heartbeat.mutable_reloads() = *sources.reloads;
+  }
 }
 
 }  // namespace
@@ -240,16 +250,7 @@ v1::Playback playback_message(const Playback::State& state) {
 StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   StatusMessages messages;
   v1::Heartbeat& heartbeat = messages.heartbeat;
-  *heartbeat.mutable_time() = to_proto(now);
-  *heartbeat.mutable_started() = to_proto(sources.started);
-  heartbeat.set_epoch(sources.epoch);
-  heartbeat.set_message_version("v1");
-  heartbeat.set_software_version(RAYLOC_VERSION);
-  heartbeat.set_scene_hash(sources.scene_hash);
-  heartbeat.set_calibration_id(sources.calibration_id);
-  if (sources.georeference) {
-    *heartbeat.mutable_georeference() = to_proto(*sources.georeference);
-  }
+  fill_who(sources, now, heartbeat);
   if (sources.warnings) {
     for (std::string& warning : sources.warnings()) {
       heartbeat.add_warnings(std::move(warning));
@@ -288,12 +289,26 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
     *heartbeat.mutable_playback() = playback_message(sources.playback->state());
   }
   fill_estimation(sources, heartbeat.mutable_estimation());
-  fill_publisher(sources, heartbeat.mutable_publisher());
+  const SiteOutputCounters output = sources.output->counters();
+  fill_publisher(output.published, heartbeat.mutable_publisher());
+  heartbeat.mutable_publisher()->set_csi_dropped(output.csi_dropped);
   if (!sources.recorders.empty()) {
     fill_recorder(sources, heartbeat.mutable_recorder());
   }
-  fill_servers(sources, heartbeat);
+  if (sources.ring_snapshots != nullptr) {
+    const RingSnapshotCounters rings = sources.ring_snapshots->counters();
+    heartbeat.mutable_ring_snapshots()->set_written(rings.files);
+    heartbeat.mutable_ring_snapshots()->set_failed(rings.failed);
+  }
+  fill_shared(sources, heartbeat);
   return messages;
+}
+
+v1::Heartbeat shared_counters(const PublishedCounters& published, const StatusSources& sources) {
+  v1::Heartbeat heartbeat;
+  fill_publisher(published, heartbeat.mutable_publisher());
+  fill_shared(sources, heartbeat);
+  return heartbeat;
 }
 
 }  // namespace rayloc

@@ -10,10 +10,10 @@
 #include "daemon/http/http_server.h"
 #include "daemon/pipeline/clock_offset.h"
 #include "daemon/pipeline/device_estimator.h"
+#include "daemon/pipeline/output/site_output.h"
 #include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/playback/playback.h"
-#include "daemon/pipeline/publisher_stage.h"
 #include "daemon/pipeline/record/recorder_stage.h"
 #include "daemon/pipeline/record/ring_snapshots.h"
 #include "daemon/publish/snapshot_server.h"
@@ -24,7 +24,7 @@ namespace rayloc {
 // Where the numbers come from; everything outlives the calls of status_messages().
 struct StatusSources {
   const Pipeline* pipeline = nullptr;
-  const PublisherStage* publisher = nullptr;
+  const SiteOutput* output = nullptr;
   const DeviceEstimator* estimator = nullptr;  // none: nothing is located
   const PersonEstimator* people = nullptr;     // none: nobody is looked for
   std::vector<const RecorderStage*> recorders;
@@ -40,6 +40,7 @@ struct StatusSources {
   };
   std::vector<Source> sources;
   Timestamp started;
+  std::optional<v1::ReloadCounters> reloads;  // of [[site]]
   std::uint64_t epoch = 0;
   std::string scene_hash;
   std::string calibration_id;
@@ -51,5 +52,9 @@ struct StatusSources {
 v1::Playback playback_message(const Playback::State& state);
 
 StatusMessages status_messages(const StatusSources& sources, Timestamp now);
+
+// The counters of what all sites share, and nothing else: of the publisher, of late subscribers and
+// of HTTP. Of `sources` only these are looked at.
+v1::Heartbeat shared_counters(const PublishedCounters& published, const StatusSources& sources);
 
 }  // namespace rayloc

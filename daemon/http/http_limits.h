@@ -14,6 +14,8 @@ struct HttpLimits {
   std::chrono::milliseconds chance{500};
   // From the connection to the end of the head, and for fetching the answer.
   std::chrono::milliseconds time{5000};
+  // From the head of a request to the end of its body, where a route takes one.
+  std::chrono::milliseconds body_time{30'000};
   // Streams of events: how many, how often one is asked what is new for it, and how long it may
   // take nothing of what waits for it.
   std::size_t viewers = 16;

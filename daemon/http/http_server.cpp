@@ -36,8 +36,10 @@ struct Connection {
   FileDescriptor socket;
   Clock::time_point since;  // it is connected
   Clock::time_point deadline;
-  std::string head;       // while it is read
-  std::string answer;     // while it is written
+  std::string head;        // while it is read
+  std::string answer;      // while it is written
+  std::size_t awaits = 0;  // bytes of a body, which follows `head`
+  std::string body;
   std::size_t sent = 0;   // of the answer
   bool finished = false;  // the answer is out: what the client still says is thrown away
   // Of a viewer.
@@ -104,6 +106,10 @@ class HttpServer::Impl {
     }
   }
   std::uint16_t port() const { return port_; }
+  void set_routes(std::map<std::string, HttpRoute> routes) {
+    handler_.set_routes(std::move(routes));
+  }
+
   HttpCounters counters() const {
     const std::lock_guard lock(mutex_);
     return counters_;
@@ -116,7 +122,8 @@ class HttpServer::Impl {
   bool make_room(bool heard);
   // False when the connection is over.
   bool advance(Connection& connection, PollEvents events);
-  bool read_head(Connection& connection);
+  bool read_request(Connection& connection);
+  void hear_head(Connection& connection);
   bool hear_viewer(Connection& connection);
   bool write_answer(Connection& connection);
   void set_answer(Connection& connection, HttpAnswer answer);
@@ -198,8 +205,19 @@ void HttpServer::Impl::accept_all() {
       return;
     }
     const Clock::time_point now = Clock::now();
-    connections_.push_back(
-        {FileDescriptor(fd), now, now + limits_.time, {}, {}, 0, false, nullptr, {}, {}, {}});
+    connections_.push_back({FileDescriptor(fd),
+                            now,
+                            now + limits_.time,
+                            {},
+                            {},
+                            0,
+                            {},
+                            0,
+                            false,
+                            nullptr,
+                            {},
+                            {},
+                            {}});
   }
 }
 
@@ -236,7 +254,7 @@ bool HttpServer::Impl::advance(Connection& connection, PollEvents events) {
   if ((events & POLLOUT) != 0) {
     return write_answer(connection);
   }
-  return connection.events || read_head(connection);
+  return connection.events || read_request(connection);
 }
 
 // A viewer has nothing more to say; what matters is that it is still there.
@@ -246,8 +264,8 @@ bool HttpServer::Impl::hear_viewer(Connection& connection) {
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-bool HttpServer::Impl::read_head(Connection& connection) {
-  std::array<char, 4096> buffer;
+bool HttpServer::Impl::read_request(Connection& connection) {
+  std::array<char, 16384> buffer;
   const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
   if (got <= 0) {
     return got < 0 && (errno == EAGAIN || errno == EINTR);
@@ -255,23 +273,44 @@ bool HttpServer::Impl::read_head(Connection& connection) {
   if (connection.finished) {
     return true;
   }
-  connection.head.append(buffer.data(), static_cast<std::size_t>(got));
+  std::string& into = connection.awaits > 0 ? connection.body : connection.head;
+  into.append(buffer.data(), static_cast<std::size_t>(got));
+  if (connection.awaits == 0) {
+    hear_head(connection);
+  }
+  if (connection.awaits > 0 && connection.body.size() >= connection.awaits) {
+    connection.body.resize(connection.awaits);
+    connection.awaits = 0;
+    set_answer(connection, handler_.answer(connection.head, &connection.body));
+    connection.body.clear();
+    connection.body.shrink_to_fit();
+  }
+  return !connection.writing() || write_answer(connection);
+}
+
+// Answers it where it is all there; else it awaits a body, or the rest of the head.
+void HttpServer::Impl::hear_head(Connection& connection) {
   const std::size_t end = connection.head.find(kEndOfHead);
   if (end == std::string::npos && connection.head.size() <= limits_.head_bytes) {
-    return true;
+    return;
   }
   if (end == std::string::npos || end > limits_.head_bytes) {
-    set_answer(connection, handler_.refusal(431, "Request Header Fields Too Large"));
-  } else {
-    connection.head.resize(end + kEndOfHead.size());
-    HttpAnswer answer = handler_.answer(connection.head);
-    if (answer.events && viewers() >= limits_.viewers) {
-      answer = handler_.refusal(503, "Too Many Viewers", "Retry-After: 5\r\n");
-      count([](HttpCounters& counters) { ++counters.viewers_refused; });
-    }
-    set_answer(connection, std::move(answer));
+    return set_answer(connection, handler_.refusal(431, "Request Header Fields Too Large"));
   }
-  return write_answer(connection);
+  std::string body = connection.head.substr(end + kEndOfHead.size());
+  connection.head.resize(end + kEndOfHead.size());
+  HttpAnswer answer = handler_.answer(connection.head);
+  if (answer.awaits > 0) {
+    connection.awaits = answer.awaits;
+    connection.body = std::move(body);
+    connection.deadline = Clock::now() + limits_.body_time;
+    return;
+  }
+  if (answer.events && viewers() >= limits_.viewers) {
+    answer = handler_.refusal(503, "Too Many Viewers", "Retry-After: 5\r\n");
+    count([](HttpCounters& counters) { ++counters.viewers_refused; });
+  }
+  set_answer(connection, std::move(answer));
 }
 
 void HttpServer::Impl::set_answer(Connection& connection, HttpAnswer answer) {
@@ -402,6 +441,10 @@ HttpServer::~HttpServer() = default;
 void HttpServer::start() { impl_->start(); }
 void HttpServer::stop() { impl_->stop(); }
 std::uint16_t HttpServer::port() const { return impl_->port(); }
+void HttpServer::set_routes(std::map<std::string, HttpRoute> routes) {
+  impl_->set_routes(std::move(routes));
+}
+
 HttpCounters HttpServer::counters() const { return impl_->counters(); }
 
 }  // namespace rayloc

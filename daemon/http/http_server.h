@@ -5,8 +5,8 @@
 //   (*server)->start();
 //
 // One thread polls all connections, so a client that is slow to ask or to read costs a descriptor
-// for the time of HttpLimits and delays nobody. One request a connection, no request bodies, exact
-// paths only. Parsing and the form of answers are cpp-httplib's.
+// for the time of HttpLimits and delays nobody. One request a connection, exact paths only, bodies
+// only where a route takes them. Parsing and the form of answers are cpp-httplib's.
 //
 // A route with an EventFeed answers with a stream of events that lasts. What waits for a viewer is
 // one batch; the next is made when that one is out, of what is the latest then.
@@ -41,6 +41,7 @@ struct HttpReply {
   int status = 200;
   std::string content_type = "application/json";
   std::string body;
+  bool own_styles = false;  // a page that brings its styles along, and no script: a report
 };
 
 // "?speed=2&state=paused"; the keys of a question, decoded.
@@ -54,6 +55,11 @@ struct HttpRoute {
   // Besides GET: by POST it changes something, for pages of this server as well. Every such request
   // has kControlHeader, which a page of the web can only send where we allowed it to: we never do.
   std::function<HttpReply(const HttpParameters&)> control = nullptr;
+  // As `control`, with a body of `content_type`. Nothing of a body is kept before all else about
+  // its request is found right.
+  std::function<HttpReply(const HttpParameters&, const std::string& body)> receive = nullptr;
+  std::string content_type = "application/json";
+  std::size_t most_bytes = 0;  // of a body for `receive`
 };
 inline constexpr const char* kControlHeader = "X-RayLoc-Control";
 
@@ -95,6 +101,8 @@ class HttpServer {
   void stop();
   std::uint16_t port() const;
   HttpCounters counters() const;
+  // What is answered from now on; from any thread. Streams that are open go on.
+  void set_routes(std::map<std::string, HttpRoute> routes);
 
  private:
   class Impl;

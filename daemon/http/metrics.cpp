@@ -2,6 +2,8 @@
 
 #include <google/protobuf/descriptor.h>
 #include <prometheus/text_serializer.h>
+#include <algorithm>
+#include <array>
 
 #include <map>
 #include <utility>
@@ -22,10 +24,21 @@ bool ends_with(const std::string& text, std::string_view end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
+// What the publisher counts for each site by itself.
+constexpr std::string_view kOfSites = "csi_dropped";
+
 // Fields that go up and down.
 bool is_gauge(const std::string& field) {
-  return ends_with(field, "in_flight") || field == "tracks" || field == "subscriptions" ||
-         field == "stopped";
+  constexpr std::array kGauges = std::to_array<std::string_view>({"tracks",
+                                                                  "subscriptions",
+                                                                  "stopped",
+                                                                  "in_batches",
+                                                                  "waiting",
+                                                                  "unacknowledged",
+                                                                  "kept",
+                                                                  "kept_bytes"});
+  return ends_with(field, "in_flight") ||
+         std::find(kGauges.begin(), kGauges.end(), field) != kGauges.end();
 }
 
 class Families {
@@ -45,15 +58,20 @@ class Families {
     family.metric.push_back(std::move(metric));
   }
 
-  // The numbers of a message of counters; maps from a reason to a number get the label "reason".
-  void add_counters(const std::string& prefix, const Message& message, const Labels& labels) {
+  // The numbers of a message of counters, without the field `but`; maps from a reason to a number
+  // get the label "reason".
+  void add_counters(const std::string& prefix,
+                    const Message& message,
+                    const Labels& labels,
+                    std::string_view but = {}) {
     const auto& reflection = *message.GetReflection();
     for (int i = 0; i < message.GetDescriptor()->field_count(); ++i) {
       const FieldDescriptor* field = message.GetDescriptor()->field(i);
       const bool counter = !is_gauge(field->name());
       const std::string name = prefix + field->name() + (counter ? "_total" : "");
       const std::string help = field->full_name().substr(std::string_view("rayloc.v1.").size());
-      if (!field->is_repeated() && field->cpp_type() == FieldDescriptor::CPPTYPE_UINT64) {
+      if (!field->is_repeated() && field->cpp_type() == FieldDescriptor::CPPTYPE_UINT64 &&
+          field->name() != but) {
         add(name, help, counter, labels, static_cast<double>(reflection.GetUInt64(message, field)));
       }
       for (int k = 0; field->is_map() && k < reflection.FieldSize(message, field); ++k) {
@@ -88,8 +106,14 @@ class Families {
   std::map<std::string, MetricFamily> families_;
 };
 
-void add_source(const v1::SourceReport& source, Families& families) {
-  const Labels labels = {{"access_point", source.access_point()}};
+// With the site first, where there is one.
+Labels with(Labels labels, const ClientMetric::Label& more) {
+  labels.push_back(more);
+  return labels;
+}
+
+void add_source(const v1::SourceReport& source, const Labels& site, Families& families) {
+  const Labels labels = with(site, {"access_point", source.access_point()});
   families.add_counters("rayloc_source_", source.counters(), labels);
   const bool receiving = source.status() == v1::SOURCE_STATUS_RECEIVING;
   families.add("rayloc_source_up", "1 while datagrams come", false, labels, receiving ? 1.0 : 0.0);
@@ -100,8 +124,8 @@ void add_source(const v1::SourceReport& source, Families& families) {
   }
 }
 
-void add_chains(const v1::ChainReport& chains, Families& families) {
-  const Labels labels = {{"access_point", chains.access_point()}};
+void add_chains(const v1::ChainReport& chains, const Labels& site, Families& families) {
+  const Labels labels = with(site, {"access_point", chains.access_point()});
   const bool is_learning = chains.knowledge() == v1::CHAIN_KNOWLEDGE_LEARNING;
   families.add("rayloc_chains_learning",
                "1 while the receive chains of an access point have turned and are not known again",
@@ -124,44 +148,83 @@ void add_chains(const v1::ChainReport& chains, Families& families) {
   }
 }
 
+void add_capture(const v1::CaptureCounters& capture, const Labels& site, Families& families) {
+  families.add_counters("rayloc_cluster_", capture, site);
+  families.add("rayloc_cluster_connected",
+               "1 while the broker of the cluster answers",
+               false,
+               site,
+               capture.connected() ? 1.0 : 0.0);
+  for (const v1::BatchCounters& counters : capture.access_points()) {
+    families.add_counters(
+        "rayloc_cluster_", counters, with(site, {"access_point", counters.access_point()}));
+  }
+}
+
 double seconds(const google::protobuf::Timestamp& time) {
   return static_cast<double>(time.seconds()) + time.nanos() * 1e-9;
 }
 
-}  // namespace
-
-std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<ExtraMetric>& extra) {
-  Families families;
+void add_site(const SiteHeartbeat& one, Families& families) {
+  const v1::Heartbeat& heartbeat = one.heartbeat;
+  const Labels site = one.site.empty() ? Labels{} : Labels{{"site", one.site}};
+  Labels info = site;
+  info.push_back({"version", heartbeat.software_version()});
+  info.push_back({"scene", heartbeat.scene_hash()});
+  info.push_back({"calibration", heartbeat.calibration_id()});
   families.add("rayloc_info",
                "Version of the software, hash of the scene, identity of the calibration",
                false,
-               {{"version", heartbeat.software_version()},
-                {"scene", heartbeat.scene_hash()},
-                {"calibration", heartbeat.calibration_id()}},
+               info,
                1.0);
   families.add("rayloc_start_time_seconds",
-               "When the daemon started, in seconds since 1970",
+               "When the daemon started or the site was prepared anew, in seconds since 1970",
                false,
-               {},
+               site,
                seconds(heartbeat.started()));
   families.add("rayloc_calibration_warnings",
                "What speaks against the calibration in use",
                false,
-               {},
+               site,
                heartbeat.calibration_warnings_size());
-  families.add_counters("rayloc_estimation_", heartbeat.estimation(), {});
-  families.add_counters("rayloc_tracker_", heartbeat.tracker(), {});
-  families.add_counters("rayloc_person_tracker_", heartbeat.person_tracker(), {});
-  families.add_counters("rayloc_publisher_", heartbeat.publisher(), {});
+  families.add_counters("rayloc_estimation_", heartbeat.estimation(), site);
+  families.add_counters("rayloc_tracker_", heartbeat.tracker(), site);
+  families.add_counters("rayloc_person_tracker_", heartbeat.person_tracker(), site);
+  families.add("rayloc_publisher_csi_dropped_total",
+               "PublisherCounters.csi_dropped",
+               true,
+               site,
+               static_cast<double>(heartbeat.publisher().csi_dropped()));
   if (heartbeat.has_recorder()) {
-    families.add_counters("rayloc_recorder_", heartbeat.recorder(), {});
+    families.add_counters("rayloc_recorder_", heartbeat.recorder(), site);
+  }
+  if (heartbeat.has_reloads()) {
+    families.add_counters("rayloc_reload_", heartbeat.reloads(), site);
   }
   for (const v1::SourceReport& source : heartbeat.sources()) {
-    add_source(source, families);
+    add_source(source, site, families);
+  }
+  if (heartbeat.has_stream()) {
+    families.add_counters("rayloc_cluster_stream_", heartbeat.stream(), site);
+  }
+  if (heartbeat.has_capture()) {
+    add_capture(heartbeat.capture(), site, families);
   }
   for (const v1::ChainReport& chains : heartbeat.chains()) {
-    add_chains(chains, families);
+    add_chains(chains, site, families);
   }
+}
+
+}  // namespace
+
+std::string metrics_text(const std::vector<SiteHeartbeat>& sites,
+                         const v1::PublisherCounters& publisher,
+                         const std::vector<ExtraMetric>& extra) {
+  Families families;
+  for (const SiteHeartbeat& site : sites) {
+    add_site(site, families);
+  }
+  families.add_counters("rayloc_publisher_", publisher, {}, kOfSites);
   for (const ExtraMetric& metric : extra) {
     for (const ExtraMetric::Sample& sample : metric.samples) {
       const Labels labels =

@@ -8,9 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace rayloc::v1 {
-class Heartbeat;
-}  // namespace rayloc::v1
+#include "rayloc/v1/heartbeat.pb.h"
 
 namespace rayloc {
 
@@ -27,6 +25,14 @@ struct ExtraMetric {
   std::vector<Sample> samples;
 };
 
-std::string metrics_text(const v1::Heartbeat& heartbeat, const std::vector<ExtraMetric>& extra);
+// The heartbeat of one of several sites; its metrics carry the label site.
+struct SiteHeartbeat {
+  std::string site;  // empty: the only one, without the label
+  v1::Heartbeat heartbeat;
+};
+// `publisher`: of all sites together, but for csi_dropped, which is each site's own.
+std::string metrics_text(const std::vector<SiteHeartbeat>& sites,
+                         const v1::PublisherCounters& publisher,
+                         const std::vector<ExtraMetric>& extra);
 
 }  // namespace rayloc

@@ -3,7 +3,10 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -84,16 +87,25 @@ std::string frame_ancestors(const HttpFront& front) {
   return list.empty() ? " 'none'" : list;
 }
 
+constexpr const char* kPolicy = "Content-Security-Policy";
+
 // Sent with every answer. The policy is that of the map (map_files.h), and no answer needs more.
 httplib::Headers headers_of(const HttpFront& front) {
   return {{"Cache-Control", "no-store"},
           {"X-Content-Type-Options", "nosniff"},
           {"Referrer-Policy", "no-referrer"},
           {"Cross-Origin-Resource-Policy", "same-origin"},
-          {"Content-Security-Policy",
-           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
+          {kPolicy,
+           "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; "
            "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors" +
                frame_ancestors(front)}};
+}
+
+// Of a page with styles of its own: it runs nothing and asks for nothing.
+std::string policy_of_report(const HttpFront& front) {
+  return "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; "
+         "frame-ancestors" +
+         frame_ancestors(front);
 }
 
 std::string lines_of(const httplib::Headers& headers) {
@@ -127,12 +139,15 @@ void set_json(httplib::Response& response, int status, const std::string& reason
 
 class RequestHandler::Parser : public httplib::Server {
  public:
+  using Routes = std::map<std::string, HttpRoute>;
+
   Parser(std::map<std::string, HttpRoute> routes, std::string token, const HttpFront& front)
-      : routes_(std::move(routes)),
+      : routes_(std::make_shared<const Routes>(std::move(routes))),
         token_(std::move(token)),
         base_path_(parse_base_path(front.base_path).value_or("")),
         origins_(origins_of(front)),
-        headers_(headers_of(front)) {
+        headers_(headers_of(front)),
+        policy_of_report_(policy_of_report(front)) {
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       route(request, response);
       return HandlerResponse::Handled;
@@ -146,14 +161,25 @@ class RequestHandler::Parser : public httplib::Server {
     set_default_headers(headers_);
   }
 
-  HttpAnswer answer(const std::string& head) {
+  void set_routes(std::map<std::string, HttpRoute> routes) {
+    auto shared = std::make_shared<const Routes>(std::move(routes));
+    const std::lock_guard lock(mutex_);
+    routes_.swap(shared);
+  }
+
+  HttpAnswer answer(const std::string& head, const std::string* body) {
     MemoryStream stream(head);
     bool closed = false;
     status_ = 400;
     events_ = nullptr;
+    body_ = body;
+    awaits_ = 0;
     process_request(stream, true, closed, [](httplib::Request&) {});
     if (events_) {
       return {200, head_of_stream(headers_), std::move(events_), std::move(last_event_id_)};
+    }
+    if (awaits_ > 0) {
+      return {status_, "", nullptr, "", awaits_};
     }
     HttpAnswer answer{status_, stream.take_answer()};
     constexpr std::string_view kVersion = "HTTP/1.1 ";
@@ -167,7 +193,9 @@ class RequestHandler::Parser : public httplib::Server {
 
  private:
   void route(const httplib::Request& request, httplib::Response& response) {
-    if (has_body(request)) {
+    const std::shared_ptr<const Routes> routes = current_routes();
+    const HttpRoute* const found = route_at(*routes, request.path);
+    if (has_body(request) && (found == nullptr || !found->receive)) {
       return set_json(response, 413, "no request here has a body");
     }
     if (request.method != "GET" && request.method != "HEAD" && request.method != "POST") {
@@ -180,14 +208,13 @@ class RequestHandler::Parser : public httplib::Server {
                       "address this server by its number or as localhost, or list the name in "
                       "[http] origins");
     }
-    const HttpRoute* const found = route_at(request.path);
     if (found == nullptr) {
       return at_no_route(request, response);
     }
     const HttpRoute& route = *found;
     const bool post = request.method == "POST";
     const bool post_only = route.method == "POST";
-    if (post != post_only && !(post && route.control)) {
+    if (post != post_only && !(post && changes_by_page(route))) {
       response.set_header("Allow", post_only ? "POST" : "GET, HEAD");
       return set_json(response, 405, post_only ? "POST only" : "GET and HEAD only");
     }
@@ -206,18 +233,55 @@ class RequestHandler::Parser : public httplib::Server {
       }
       return response.set_content("", "text/event-stream");
     }
+    if (post && route.receive) {
+      return receive(route, request, response);
+    }
     const HttpReply reply = post && route.control ? route.control(request.params) : route.handler();
+    response.status = reply.status;
+    response.set_content(reply.body, reply.content_type);
+    if (reply.own_styles) {
+      response.headers.erase(kPolicy);
+      response.set_header(kPolicy, policy_of_report_);
+    }
+  }
+
+  static bool changes_by_page(const HttpRoute& route) { return route.control || route.receive; }
+
+  // Asks for the body, or gives it to who takes it.
+  void receive(const HttpRoute& route,
+               const httplib::Request& request,
+               httplib::Response& response) {
+    const std::string type = request.get_header_value("Content-Type");
+    if (type.substr(0, type.find(';')) != route.content_type) {
+      return set_json(response, 415, "Content-Type must be " + route.content_type);
+    }
+    const std::string stated = request.get_header_value("Content-Length");
+    std::size_t length = 0;
+    const auto read = std::from_chars(stated.data(), stated.data() + stated.size(), length);
+    if (request.has_header("Transfer-Encoding") || stated.empty() || read.ec != std::errc() ||
+        read.ptr != stated.data() + stated.size()) {
+      return set_json(response, 411, "say the Content-Length");
+    }
+    if (length > route.most_bytes) {
+      return set_json(
+          response, 413, "at most " + std::to_string(route.most_bytes) + " bytes are taken here");
+    }
+    if (body_ == nullptr && length > 0) {
+      awaits_ = length;
+      return;
+    }
+    const HttpReply reply = route.receive(request.params, body_ == nullptr ? "" : *body_);
     response.status = reply.status;
     response.set_content(reply.body, reply.content_type);
   }
 
   // As it stands there, for who asks this server itself, and below the base path.
-  const HttpRoute* route_at(const std::string& path) const {
-    auto found = routes_.find(path);
-    if (found == routes_.end() && !base_path_.empty() && path.rfind(base_path_ + "/", 0) == 0) {
-      found = routes_.find(path.substr(base_path_.size()));
+  const HttpRoute* route_at(const Routes& routes, const std::string& path) const {
+    auto found = routes.find(path);
+    if (found == routes.end() && !base_path_.empty() && path.rfind(base_path_ + "/", 0) == 0) {
+      found = routes.find(path.substr(base_path_.size()));
     }
-    return found == routes_.end() ? nullptr : &found->second;
+    return found == routes.end() ? nullptr : &found->second;
   }
 
   // The addresses within the page are relative, so that it has to be asked for with a '/' at the
@@ -256,16 +320,16 @@ class RequestHandler::Parser : public httplib::Server {
   bool may_change(const HttpRoute& route,
                   const httplib::Request& request,
                   httplib::Response& response) const {
-    if (request.has_header("Origin") && !(route.control && is_from_our_page(request))) {
+    const bool by_page = changes_by_page(route);
+    if (request.has_header("Origin") && !(by_page && is_from_our_page(request))) {
       set_json(response,
                403,
-               route.control
-                   ? "not from a page of the web; where the map is behind another server, "
-                     "list its address in [http] origins"
-                   : "not from a page of the web");
+               by_page ? "not from a page of the web; where the map is behind another server, "
+                         "list its address in [http] origins"
+                       : "not from a page of the web");
       return false;
     }
-    if (route.control && !request.has_header(kControlHeader)) {
+    if (by_page && !request.has_header(kControlHeader)) {
       set_json(response, 403, std::string("say that it is meant: ") + kControlHeader + ": 1");
       return false;
     }
@@ -281,13 +345,22 @@ class RequestHandler::Parser : public httplib::Server {
     return bearer || basic;
   }
 
-  const std::map<std::string, HttpRoute> routes_;
+  std::shared_ptr<const Routes> current_routes() const {
+    const std::lock_guard lock(mutex_);
+    return routes_;
+  }
+
+  mutable std::mutex mutex_;
+  std::shared_ptr<const Routes> routes_;  // guarded by mutex_
   const std::string token_;
   const std::string base_path_;
   const std::vector<WebOrigin> origins_;
   const httplib::Headers headers_;
+  const std::string policy_of_report_;
   int status_ = 0;
   // Of the answer that is being made.
+  const std::string* body_ = nullptr;  // null: it has not been read
+  std::size_t awaits_ = 0;
   std::shared_ptr<EventFeed> events_;
   std::string last_event_id_;
 };
@@ -298,7 +371,13 @@ RequestHandler::RequestHandler(std::map<std::string, HttpRoute> routes,
     : parser_(std::make_unique<Parser>(std::move(routes), std::move(token), front)) {}
 RequestHandler::~RequestHandler() = default;
 
-HttpAnswer RequestHandler::answer(const std::string& head) { return parser_->answer(head); }
+void RequestHandler::set_routes(std::map<std::string, HttpRoute> routes) {
+  parser_->set_routes(std::move(routes));
+}
+
+HttpAnswer RequestHandler::answer(const std::string& head, const std::string* body) {
+  return parser_->answer(head, body);
+}
 
 HttpAnswer RequestHandler::refusal(int status,
                                    const std::string& reason,

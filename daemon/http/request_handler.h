@@ -16,6 +16,8 @@ struct HttpAnswer {
   // Not null: after `bytes` comes what this says.
   std::shared_ptr<EventFeed> events = nullptr;
   std::string last_event_id = {};  // as the viewer states it
+  // Not 0: the rest is right, and this many bytes of a body are to be read.
+  std::size_t awaits = 0;
 };
 
 class RequestHandler {
@@ -25,8 +27,11 @@ class RequestHandler {
                  const HttpFront& front = {});
   ~RequestHandler();
 
-  // `head`: everything up to the empty line, which ends it.
-  HttpAnswer answer(const std::string& head);
+  // What is answered from now on; from any thread.
+  void set_routes(std::map<std::string, HttpRoute> routes);
+
+  // `head`: everything up to the empty line, which ends it. `body`: null until it has been read.
+  HttpAnswer answer(const std::string& head, const std::string* body = nullptr);
   // What is not answered for another reason than what is asked. `headers`: more of them, whole
   // lines.
   HttpAnswer refusal(int status, const std::string& reason, const std::string& headers = "") const;

@@ -8,14 +8,24 @@ BackgroundText::~BackgroundText() {
     ending_ = true;
   }
   asked_.notify_one();
-  thread_.join();
+  if (thread_.joinable()) {
+    thread_.join();
+  }
 }
 
 std::string BackgroundText::ask() {
   const std::lock_guard lock(mutex_);
   wanted_ = true;
+  if (!thread_.joinable()) {
+    thread_ = std::thread([this] { run(); });
+  }
   asked_.notify_one();
   return text_;
+}
+
+bool BackgroundText::idle() const {
+  const std::lock_guard lock(mutex_);
+  return !wanted_ && !making_;
 }
 
 void BackgroundText::run() {
@@ -26,9 +36,11 @@ void BackgroundText::run() {
       return;
     }
     wanted_ = false;
+    making_ = true;
     lock.unlock();
     std::string made = make_();
     lock.lock();
+    making_ = false;
     text_ = std::move(made);
   }
 }

@@ -1,5 +1,6 @@
 #include "daemon/live_map/map_channel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <span>
@@ -27,15 +28,42 @@ Json amplitudes(std::span<const std::complex<double>> row, double scale) {
   return list;
 }
 
+constexpr std::size_t kMostPaths = 6;   // of one access point: more is a tangle
+constexpr double kWeakestPath = -20.0;  // [dB] below the strongest
+
+// Where the wave goes, from the device to the access point, the strongest first.
+Json paths_json(const Paths& paths, const Vec3d& device, const Vec3d& access_point) {
+  std::vector<const Path*> strongest_first;
+  strongest_first.reserve(paths.size());
+  for (const Path& path : paths) {
+    strongest_first.push_back(&path);
+  }
+  std::sort(strongest_first.begin(), strongest_first.end(), [](const Path* a, const Path* b) {
+    return abs2(a->a) > abs2(b->a);
+  });
+  Json list = Json::array();
+  for (const Path* path : strongest_first) {
+    const double level = 10.0 * std::log10(abs2(path->a) / abs2(strongest_first.front()->a));
+    if (list.size() >= kMostPaths || !(level >= kWeakestPath)) {
+      break;
+    }
+    Json points = Json::array({{device.x, device.y, device.z}});
+    for (const Interaction& one : path->interactions) {
+      points.push_back({one.position.x, one.position.y, one.position.z});
+    }
+    points.push_back({access_point.x, access_point.y, access_point.z});
+    list.push_back({{"points", std::move(points)}, {"level_db", std::round(10.0 * level) / 10.0}});
+  }
+  return list;
+}
+
 // [antenna][tone], every ray as it was traced: the likelihood believes less of the reflections.
-std::vector<std::complex<double>> simulate(const ReceiverTracer& tracer,
+std::vector<std::complex<double>> simulate(const Paths& paths,
                                            const RoomModel& room,
                                            const RoomAccessPoint& access_point,
                                            const Vec3d& position) {
   const std::vector<Vec3d> offsets = offsets_of(access_point.array);
-  const DeviceModel& device = room.device;
-  const Transmitter transmitter{{position, {}, device.pattern, device.polarization}};
-  const std::vector<Ray> rays = rays_of(tracer.trace(transmitter), room, position, kMostRays);
+  const std::vector<Ray> rays = rays_of(paths, room, position, kMostRays);
   ModelError none = access_point.error;
   none.plan_tolerance = 0.0;
   return ObservationModel(room.grid, offsets.size(), PathKnowledge::kFull)
@@ -86,11 +114,15 @@ std::string MapChannel::sight_json(const ChannelWatch::Sight& sight) {
   Json arrays = Json::array();
   for (const HeardArray& heard : observation.arrays) {
     const RoomAccessPoint& at = heard.map->access_point();
-    auto simulated = simulate(tracer_at(sight, at), sight.localizer->room(), at, sight.position);
+    const DeviceModel& device = sight.localizer->room().device;
+    const Paths paths = tracer_at(sight, at).trace(
+        Transmitter{{sight.position, {}, device.pattern, device.polarization}});
+    auto simulated = simulate(paths, sight.localizer->room(), at, sight.position);
     if (simulated.size() != heard.h.size()) {  // it is heard without a chain that is dead
       simulated = heard.map->expected(heard.map->rays_to(sight.position));
     }
     arrays.push_back(array_json(heard, std::move(simulated), grid));
+    arrays.back()["paths"] = paths_json(paths, sight.position, at.array.pose.position);
   }
   return Json{{"target", sight.target},
               {"name", sight.name},

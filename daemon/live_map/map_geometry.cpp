@@ -1,5 +1,6 @@
 #include "daemon/live_map/map_geometry.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -10,8 +11,9 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/draw/floor_plan.h"
+#include "daemon/live_map/millimetre.h"
+#include "daemon/live_map/wall_openings.h"
 #include "engine/base/mat3.h"
-#include "engine/scene/scene.h"
 
 namespace rayloc {
 namespace {
@@ -20,8 +22,6 @@ using Json = nlohmann::ordered_json;
 
 // Of a scene with more faces than a browser draws with ease, furniture is shown by its outline.
 constexpr std::size_t kMostFaces = 20'000;
-
-double to_millimetre(double metres) { return std::round(metres * 1000.0) / 1000.0; }
 
 Json flat(const Vec3d& point) { return {to_millimetre(point.x), to_millimetre(point.y)}; }
 
@@ -60,6 +60,17 @@ std::vector<Vec3d> outline(const Bounds& bounds) {
   return {low, {high.x, low.y, low.z}, high, {low.x, high.y, low.z}};
 }
 
+// Walls apart from what stands before them and reaches as high.
+void add_cut(const draw::ScenePart& part, const draw::MeshSection& section, Json& shapes) {
+  const char* const kind = part.kind == draw::PartKind::kWall ? "cut" : "cut furniture";
+  for (const auto& loop : section.loops) {
+    shapes.push_back(shape(kind, part, "area", flat(loop)));
+  }
+  for (const auto& line : section.lines) {
+    shapes.push_back(shape(kind, part, "line", flat(line)));
+  }
+}
+
 // In the order in which they are painted.
 Json plan_json(const Scene& scene) {
   const std::vector<draw::ScenePart> parts = draw::scene_parts(scene);
@@ -77,13 +88,21 @@ Json plan_json(const Scene& scene) {
       }
     }
   }
+  const std::vector<WallOpening> openings = wall_openings(parts, plan);
   for (const draw::FloorPlan::Cut& cut : plan.cuts) {
-    for (const auto& loop : cut.section.loops) {
-      shapes.push_back(shape("cut", parts[cut.object], "area", flat(loop)));
+    const bool is_opening =
+        std::any_of(openings.begin(), openings.end(), [&](const WallOpening& one) {
+          return one.object == cut.object;
+        });
+    if (!is_opening) {
+      add_cut(parts[cut.object], cut.section, shapes);
     }
-    for (const auto& line : cut.section.lines) {
-      shapes.push_back(shape("cut", parts[cut.object], "line", flat(line)));
-    }
+  }
+  for (const WallOpening& one : openings) {
+    shapes.push_back(shape(one.is_door ? "door" : "window",
+                           parts[one.object],
+                           "area",
+                           flat({one.corners.begin(), one.corners.end()})));
   }
   for (const std::uint32_t object : plan.overhead) {
     shapes.push_back(shape("overhead", parts[object], "area", flat(outline(parts[object].bounds))));
@@ -179,6 +198,8 @@ std::string map_geometry_json(const Site& site, const RoomModel& room, bool addr
   }
   return text_of(map);
 }
+
+std::string map_plan_json(const Scene& scene) { return text_of(plan_json(scene)); }
 
 std::string map_without_room_json(const Site& site, const std::string& reason) {
   Json map = {{"site", site.name}};

@@ -5,11 +5,15 @@
 
 #include "daemon/site/site.h"
 #include "engine/room/room_model.h"
+#include "engine/scene/scene.h"
 
 namespace rayloc {
 
 // `room`: with its scene. `addresses`: of fixed transmitters, else empty.
 std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses = true);
+
+// The "plan" of it alone: what the scene looks like from above.
+std::string map_plan_json(const Scene& scene);
 
 // Of a site where nothing is located: {"site": ..., "available": false, "reason": ...}.
 std::string map_without_room_json(const Site& site, const std::string& reason);

@@ -181,6 +181,8 @@ Finding check_source(const SourceConfig& source, bool running) {
       return check_folder_of(source);
     case SourceKind::kOther:
       return {Kind::kOk, "source " + source.access_point + ": " + source.url, ""};
+    case SourceKind::kCluster:
+      return {Kind::kOk, "source " + source.access_point + ": the stream of its site", ""};
     case SourceKind::kPcap:
       break;
   }
@@ -256,6 +258,9 @@ std::vector<Finding> check_machine(const DaemonConfig& config, bool running) {
   }
   if (config.privacy.target_id == TargetId::kHmac && !config.privacy.key_file.empty()) {
     findings.push_back(check_secret("[privacy] key_file", config.privacy.key_file));
+  }
+  if (!config.cluster.nkey_seed_file.empty()) {
+    findings.push_back(check_secret("[cluster] nkey_seed_file", config.cluster.nkey_seed_file));
   }
   if (config.http.enabled) {
     findings.push_back(

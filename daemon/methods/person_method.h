@@ -21,6 +21,8 @@
 
 namespace rayloc {
 
+struct Training;
+
 struct PersonMethodInput {
   std::shared_ptr<const RoomModel> room;
   PersonReference reference;
@@ -28,6 +30,9 @@ struct PersonMethodInput {
   // The numbers of tracks: first_number, first_number + number_step, ...
   std::uint64_t first_number = 1;
   std::uint64_t number_step = 1;
+  Timestamp numbered_before = Timestamp::min();         // PersonTrackerOptions
+  std::optional<Timestamp> last_moment = std::nullopt;  // PersonTrackerOptions
+  std::shared_ptr<const Training> training = nullptr;   // of this method; null: nothing was learned
 };
 
 class PersonMethod {
@@ -47,6 +52,9 @@ class PersonMethod {
   virtual void restart(const std::string& /*reason*/, std::vector<PersonUpdate>& /*updates*/) {}
   // Of the track, or of the next one; nothing: there are no tracks.
   virtual std::optional<std::uint64_t> track_number() const { return std::nullopt; }
+  virtual std::optional<Timestamp> last_moment() const { return std::nullopt; }  // looked at
+  // When the person of the track was seen clearly last; `now` without one.
+  virtual Timestamp seen_until(Timestamp now) const { return now; }
   virtual PersonTrackerCounters tracker_counters() const { return {}; }
 
  protected:

@@ -40,33 +40,67 @@ class RaylocDevices : public DeviceMethod {
 
   const RoomModel& room() const override { return localizer_->room(); }
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t) const override {
-    return localizer_->locate(frames);
+    return localizer_->locate(frames, doubt(frames));
   }
 
-  void track(const MacAddress& device,
-             std::span<const CsiFrame> frames,
-             std::optional<Timestamp> heard_since,
-             std::vector<DeviceUpdate>& updates) override {
-    tracker_.hear(device, frames, updates, heard_since);
+  bool has_tracks() const override { return true; }
+  // Those before a withdrawal are tracked before what they said is forgotten.
+  std::vector<std::vector<DeviceUpdate>> track(std::span<const HeardBurst> bursts) override {
+    std::vector<std::vector<DeviceUpdate>> updates;
+    std::vector<DeviceBurst> together;
+    const auto finish = [&] {
+      for (std::vector<DeviceUpdate>& some : tracker_.hear(together)) {
+        updates.push_back(std::move(some));
+      }
+      together.clear();
+    };
+    for (const HeardBurst& heard : bursts) {
+      if (heard.withdrawals != withdrawals_) {
+        finish();
+        forget_what_was_wrong(heard.withdrawals);
+      }
+      together.push_back(heard.burst);
+    }
+    finish();
+    return updates;
   }
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates) override {
+    forget_what_was_wrong(chains_.withdrawals());
     tracker_.advance(now, updates);
   }
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates) override {
     chains_.restart();
     tracker_.restart(reason, updates);
   }
+  bool knows(const MacAddress& device) const override { return tracker_.has(device); }
   bool follows(const MacAddress& device) const override { return tracker_.follows(device); }
+  Timestamp heard_until(Timestamp now) const override { return tracker_.heard_until(now); }
   TrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
   ChainLearner* chains() override { return learns_ ? &chains_ : nullptr; }
+  ChainTrust trust(std::span<const CsiFrame> believed) const override {
+    return {doubt(believed), chains_.withdrawals()};
+  }
 
   std::shared_ptr<const Localizer> localizer() const override { return localizer_; }
 
  private:
+  FrameDoubt doubt(std::span<const CsiFrame> frames) const {
+    return learns_ ? chains_.doubt(frames) : FrameDoubt();
+  }
+
+  // A track that followed frames of wrong chains would go on from where they put the device.
+  void forget_what_was_wrong(std::uint64_t withdrawals) {
+    if (withdrawals != withdrawals_) {
+      withdrawals_ = withdrawals;
+      tracker_.forget_places();
+    }
+  }
+
   std::shared_ptr<const Localizer> localizer_;
   DeviceTracker tracker_;
   ChainLearner chains_;
+  std::uint64_t withdrawals_ = 0;
   bool learns_;
 };
 
@@ -93,6 +127,8 @@ class RaylocPeople : public PersonMethod {
     tracker_.restart(reason, updates);
   }
   std::optional<std::uint64_t> track_number() const override { return tracker_.number(); }
+  std::optional<Timestamp> last_moment() const override { return tracker_.last_moment(); }
+  Timestamp seen_until(Timestamp now) const override { return tracker_.seen_until(now); }
   PersonTrackerCounters tracker_counters() const override { return tracker_.counters(); }
 
  private:
@@ -127,8 +163,11 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
     return tl::make_unexpected(std::move(made.error()));
   }
   PersonTrackerOptions tracker;
+  tracker.is_exhaustive = input.options.is_exhaustive;
   tracker.first_number = input.first_number;
   tracker.number_step = input.number_step;
+  tracker.numbered_before = input.numbered_before;
+  tracker.last_moment = input.last_moment;
   return std::make_unique<RaylocPeople>(std::make_shared<const PersonLocalizer>(*std::move(made)),
                                         tracker);
 }

@@ -2,58 +2,11 @@
 #include <utility>
 
 #include "daemon/methods/method.h"
-#include "daemon/methods/person_method.h"
+#include "daemon/methods/walker_method.h"
 #include "engine/baselines/witraj/witraj.h"
 
 namespace rayloc {
 namespace {
-
-class WitrajPeople : public PersonMethod {
- public:
-  WitrajPeople(Witraj witraj, std::uint64_t number) : witraj_(std::move(witraj)), number_(number) {}
-
-  // Steps alone tell a place: a burst of its own says why there is none, or nothing.
-  std::vector<LocationEstimate> locate(std::span<const CsiFrame> frames,
-                                       std::uint64_t) const override {
-    if (witraj_.problem().empty() || frames.empty()) {
-      return {};
-    }
-    LocationEstimate estimate;
-    estimate.reason = witraj_.problem();
-    estimate.capture_start = frames.front().time;
-    estimate.capture_end = frames.back().time;
-    estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
-    return {std::move(estimate)};
-  }
-
-  void track(std::span<const CsiFrame> frames,
-             std::optional<Timestamp>,
-             std::vector<PersonUpdate>& updates) override {
-    std::vector<LocationEstimate> places;
-    witraj_.hear(frames, places);
-    for (LocationEstimate& place : places) {
-      FilteredEstimate filtered;
-      filtered.state = TrackState::kConfirmed;
-      if (!is_begun_) {
-        filtered.transition =
-            TrackTransition{place.time, std::nullopt, TrackState::kConfirmed, "begun at the start"};
-        is_begun_ = true;
-      }
-      filtered.location = std::move(place);
-      updates.push_back({number_, std::move(filtered)});
-    }
-  }
-  void restart(const std::string&, std::vector<PersonUpdate>&) override {
-    witraj_.restart();
-    is_begun_ = false;
-  }
-  std::optional<std::uint64_t> track_number() const override { return number_; }
-
- private:
-  Witraj witraj_;
-  std::uint64_t number_;
-  bool is_begun_ = false;
-};
 
 Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
   WitrajOptions options = witraj_options(input.options.values);
@@ -66,7 +19,8 @@ Expected<std::unique_ptr<PersonMethod>> create_person(PersonMethodInput input) {
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
   }
-  return std::make_unique<WitrajPeople>(*std::move(made), input.first_number);
+  return std::make_unique<WalkerMethod<Witraj>>(
+      *std::move(made), input.first_number, "begun at the start");
 }
 
 }  // namespace

@@ -6,6 +6,26 @@
 
 namespace rayloc {
 
+BurstCollector::BurstCollector(CollectorOptions options, const OpenBursts& begin)
+    : options_(std::move(options)), begin_(begin.at) {
+  for (const BurstStart& start : begin.starts) {
+    Burst& burst = open_[start.transmitter];
+    burst.transmitter = start.transmitter;
+    burst.first = start.first;
+    burst.heard_since = start.first;
+    burst.last = start.last;
+  }
+}
+
+OpenBursts BurstCollector::open_starts(Timestamp time) const {
+  OpenBursts open{time, {}};
+  open.starts.reserve(open_.size());
+  for (const auto& [mac, burst] : open_) {
+    open.starts.push_back({mac, burst.first, burst.last});
+  }
+  return open;
+}
+
 Timestamp BurstCollector::end_of(const Burst& burst) const {
   return std::min(burst.first + options_.length, burst.last + options_.gap);
 }
@@ -13,6 +33,10 @@ Timestamp BurstCollector::end_of(const Burst& burst) const {
 void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
   advance(frame.time, ended);
   auto found = open_.find(frame.transmitter);
+  if (frame.time < begin_ && (found == open_.end() || frame.time < found->second.first)) {
+    ++passed_over_;
+    return;
+  }
   if (found == open_.end()) {
     if (open_.size() >= options_.max_transmitters && !options_.wanted(frame.transmitter)) {
       ++refused_;
@@ -24,7 +48,7 @@ void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
     found->second.heard_since = frame.time;
   }
   Burst& burst = found->second;
-  burst.last = frame.time;
+  burst.last = std::max(burst.last, frame.time);
   keep(burst, std::move(frame));
 }
 
@@ -57,7 +81,9 @@ void BurstCollector::advance(Timestamp time, std::vector<Burst>& ended) {
   const std::size_t before = ended.size();
   for (auto it = open_.begin(); it != open_.end();) {
     if (end_of(it->second) <= time) {
-      ended.push_back(std::move(it->second));
+      if (!it->second.frames.empty()) {  // else none of a burst that was open at the beginning came
+        ended.push_back(std::move(it->second));
+      }
       it = open_.erase(it);
     } else {
       ++it;
@@ -68,6 +94,14 @@ void BurstCollector::advance(Timestamp time, std::vector<Burst>& ended) {
             [&](const Burst& a, const Burst& b) {
               return std::tuple(end_of(a), a.transmitter) < std::tuple(end_of(b), b.transmitter);
             });
+}
+
+Timestamp BurstCollector::latest_end() const {
+  Timestamp latest = Timestamp::min();
+  for (const auto& [mac, burst] : open_) {
+    latest = std::max(latest, end_of(burst));
+  }
+  return latest;
 }
 
 std::uint64_t BurstCollector::in_flight() const {

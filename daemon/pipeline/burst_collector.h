@@ -3,7 +3,8 @@
 //
 // A burst starts with a transmitter's first frame and ends `length` later, or when the transmitter
 // has been silent for longer than `gap` (INTERFACE 2). Which frames a burst holds depends on
-// their times alone.
+// their times alone. So does where one starts, but on all that came before: who begins in the
+// middle is told of the bursts that were open there, and then makes the same ones.
 #pragma once
 
 #include <cstdint>
@@ -32,6 +33,19 @@ struct CollectorOptions {
   };
 };
 
+// Of a burst that is open.
+struct BurstStart {
+  MacAddress transmitter;
+  Timestamp first;  // event time of the first and the last frame so far
+  Timestamp last;
+};
+
+// All that were open at `at`: they had a frame before it, and end behind it.
+struct OpenBursts {
+  Timestamp at = Timestamp::min();
+  std::vector<BurstStart> starts;  // by transmitter
+};
+
 struct Burst {
   MacAddress transmitter;
   Timestamp first;  // event time of the first and last frame, surplus ones included
@@ -53,7 +67,10 @@ struct Burst {
 
 class BurstCollector {
  public:
-  explicit BurstCollector(CollectorOptions options) : options_(std::move(options)) {}
+  // `begin`: what was open where the frames begin. Of frames before begin.at, those of its bursts
+  // are taken; with all of them each burst is as if everything had been heard. The others belong to
+  // bursts that were over, and are passed over.
+  explicit BurstCollector(CollectorOptions options, const OpenBursts& begin = {});
 
   // Adds a frame; appends the bursts that its time ends. REQUIRES: times never decrease.
   void add(CsiFrame&& frame, std::vector<Burst>& ended);
@@ -61,6 +78,14 @@ class BurstCollector {
   // No frame before `time` comes any more: appends the bursts that are over, by (end, transmitter).
   void advance(Timestamp time, std::vector<Burst>& ended);
 
+  // When the last of the open bursts ends if nothing more is heard; Timestamp::min() without any.
+  Timestamp latest_end() const;
+  // What a successor that hears the frames from `time` on has to begin with. REQUIRES: all frames
+  // before `time` were added, none after it, and advance(time) was called.
+  OpenBursts open_starts(Timestamp time) const;
+
+  // Frames of bursts that were over before the first frame that counts.
+  std::uint64_t passed_over() const { return passed_over_; }
   // Frames of transmitters beyond max_transmitters.
   std::uint64_t refused() const { return refused_; }
   std::size_t open_bursts() const { return open_.size(); }
@@ -74,7 +99,9 @@ class BurstCollector {
   void keep(Burst& burst, CsiFrame&& frame) const;
 
   CollectorOptions options_;
+  Timestamp begin_;
   std::map<MacAddress, Burst> open_;
+  std::uint64_t passed_over_ = 0;
   std::uint64_t refused_ = 0;
 };
 

@@ -4,8 +4,10 @@
 // crowd of strangers must not keep anybody waiting who is wanted. Live,
 // - a transmitter has one place in the queue, and a burst that is still there when its next one
 //   ends gives the place to it;
-// - transmitters that the site lists come first, then those with a track, each of both in turn; of
-//   the others the newest comes first;
+// - transmitters that the site lists come first, then those with a track, each of both in turn, so
+//   that the rates of all fall alike; of the others the newest comes first;
+// - each rank leaves every fourth place to those behind it, and of the others it is theirs whose
+//   turn it is, so that nobody waits for ever;
 // - what has waited too long is dropped, and so is the last in that order when too much waits.
 // Estimates are then fewer, never late. A replay waits instead: every burst keeps a place of its
 // own, and the one that waits longest comes first.
@@ -13,7 +15,8 @@
 // Thread safety: for one thread.
 #pragma once
 
-#include <compare>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -44,10 +47,13 @@ class BurstQueue {
   // dropped, in event time, and what is too much.
   void push(std::vector<Burst>& ended, Timestamp now);
 
-  bool empty() const { return waiting_.empty(); }
-  std::size_t size() const { return waiting_.size(); }
+  bool empty() const { return size() == 0; }
+  std::size_t size() const;
   // REQUIRES: not empty.
   Burst pop();
+  // The next ones, `most` at most, to be explained together. A stranger is the last of them: it
+  // takes long, and who is wanted should not wait for it. REQUIRES: not empty.
+  std::vector<Burst> pop(std::size_t most);
 
   // Frames of the bursts that wait, surplus ones included.
   std::uint64_t frames() const { return frames_; }
@@ -62,25 +68,27 @@ class BurstQueue {
   Timestamp earliest(Timestamp time) const;
 
  private:
-  // In the order in which they are explained.
+  static constexpr std::size_t kRanks = 3;  // of Rank
+  // Of one rank, by the turn since which their transmitters wait.
+  using Waiting = std::map<std::uint64_t, Burst>;
   struct Place {
-    Rank rank = Rank::kOther;
-    Duration newest{};       // since then its last frame is older; of strangers alone
-    std::uint64_t turn = 0;  // since then it waits
-
-    auto operator<=>(const Place&) const = default;
+    std::size_t rank = 0;
+    Waiting::iterator burst;
   };
-  using Waiting = std::map<Place, Burst>;
 
-  Place place_of(const Burst& burst, std::uint64_t turn) const;
   void add(Burst&& burst, std::uint64_t turn);
-  void replace(Waiting::iterator older, Burst&& burst);
-  Waiting::iterator drop(Waiting::iterator burst);
+  void replace(const Place& older, Burst&& burst);
+  void drop(const Place& place);
+  Place next();
+  Burst take(const Place& place);
+  Place last();
 
   const BurstQueueOptions options_;
-  Waiting waiting_;
-  std::map<MacAddress, Waiting::iterator> place_;  // live: of each transmitter
+  std::array<Waiting, kRanks> waiting_;
+  std::map<MacAddress, Place> place_;  // live: of each transmitter
   std::uint64_t turns_ = 0;
+  // Bursts that a rank has taken while others waited behind it; the last rank, by being newer.
+  std::array<std::size_t, kRanks> before_others_{};
   std::uint64_t frames_ = 0;
   std::uint64_t merged_bursts_ = 0;
   std::uint64_t merged_frames_ = 0;

@@ -61,6 +61,19 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
   keep(learners.front()->states());
 }
 
+void ChainKeeper::go_on(const std::vector<ChainState>& states,
+                        const std::vector<ChainLearner*>& learners) {
+  if (states.empty() || learners.empty()) {
+    return;
+  }
+  for (const ChainState& state : states) {
+    for (ChainLearner* learner : learners) {
+      learner->restore(state);
+    }
+  }
+  keep(learners.front()->states());
+}
+
 void ChainKeeper::keep(std::vector<ChainState> states) {
   const std::lock_guard lock(mutex_);
   known_ = std::move(states);
@@ -105,9 +118,12 @@ void ChainKeeper::spread(const ChainLearner& learner,
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
     tell(state.knowledge == ChainKnowledge::kLearned
-             ? "access point " + ap.id +
-                   ": its chains are learned, turned since the calibration: " + turns(state, ap)
-             : "access point " + ap.id + ": its chains have turned; " + learning(state, room));
+             ? "access point " + ap.id + ": its chains are learned, turned " +
+                   (ap.are_chains_known ? "since the calibration: " : "by: ") + turns(state, ap)
+             : "access point " + ap.id +
+                   (ap.are_chains_known ? ": its chains have turned; "
+                                        : ": nobody knows its chains yet; ") +
+                   learning(state, room));
   }
   keep(states);
   if (is_new && !options_.write.empty()) {
@@ -124,10 +140,12 @@ std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) con
       CalibrationWarning& warning = result.emplace_back();
       warning.problem = CalibrationProblem::kChainPhaseJump;
       warning.access_point = state.access_point;
-      warning.text = "chain_phase_jump: access point " + room.access_points[state.access_point].id +
-                     ": its chains have turned since the calibration (a power cycle?); it is not "
-                     "believed; " +
-                     learning(state, room);
+      const RoomAccessPoint& ap = room.access_points[state.access_point];
+      warning.text =
+          "chain_phase_jump: access point " + ap.id + ": " +
+          (ap.are_chains_known ? "its chains have turned since the calibration (a power cycle?)"
+                               : "nobody knows its chains yet, for nobody surveyed the site") +
+          "; it is not believed; " + learning(state, room);
     }
   }
   return result;

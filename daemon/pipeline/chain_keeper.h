@@ -24,6 +24,8 @@ class ChainKeeper {
 
   // Before the first burst.
   void restore(const std::vector<ChainLearner*>& learners, const RoomModel& room);
+  // The same, of what a predecessor knew. Nobody is told: it was.
+  void go_on(const std::vector<ChainState>& states, const std::vector<ChainLearner*>& learners);
   // `learner` may have found out something: the others take it, and it is kept.
   void spread(const ChainLearner& learner,
               const std::vector<ChainLearner*>& learners,

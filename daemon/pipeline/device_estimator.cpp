@@ -5,11 +5,13 @@
 #include <string>
 #include <utility>
 
+#include "daemon/pipeline/method_training.h"
+#include "daemon/pipeline/warm/carried.h"
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
-#include "daemon/site/training_file.h"
 #include "engine/base/constants.h"
+#include "engine/chains/coarse_fix.h"
 
 namespace rayloc {
 namespace {
@@ -25,14 +27,15 @@ bool is_stated(const CalibrationWarning& warning, const std::vector<CalibrationW
   });
 }
 
-// Of a burst that no believed access point heard.
-LocationEstimate unbelieved(const Burst& burst, std::string reason) {
-  LocationEstimate estimate;
-  estimate.reason = std::move(reason);
-  estimate.capture_start = burst.frames.front().time;
-  estimate.capture_end = burst.frames.back().time;
-  estimate.time = estimate.capture_start + (estimate.capture_end - estimate.capture_start) / 2;
-  return estimate;
+// Whether bursts before it had to be left out.
+bool is_behind(const Burst& burst) { return burst.heard_since < burst.first; }
+
+// Those of a track's last measurement.
+std::span<const CsiFrame> last_moment(std::span<const CsiFrame> frames) {
+  const Timestamp begin = frames.back().time - DeviceTrackerOptions().moment;
+  const auto first = std::find_if(
+      frames.begin(), frames.end(), [&](const CsiFrame& frame) { return frame.time >= begin; });
+  return frames.subspan(static_cast<std::size_t>(first - frames.begin()));
 }
 
 }  // namespace
@@ -55,20 +58,11 @@ Expected<DeviceEstimator::Room> DeviceEstimator::prepare(
     input.listed.insert(transmitter.mac);
   }
   const Method& method = *options_.method;
-  if (method.train != nullptr) {
-    auto training = load_training(site_, std::string(method.name), *input.room);
-    if (!training) {
-      return tl::make_unexpected(std::move(training.error()));
-    }
-    input.training = *std::move(training);
+  auto training = training_of(site_, method, *input.room);
+  if (!training) {
+    return tl::make_unexpected(std::move(training.error()));
   }
-  if (method.needs_training && input.training == nullptr) {
-    const std::string name(method.name);
-    return make_error(ErrorKind::kConfiguration,
-                      (site_.directory / "site.toml").string() + ": no training of " + name +
-                          ": run rayloc train " + site_.directory.string() + " --method " + name +
-                          " --capture ... --points ...");
-  }
+  input.training = *std::move(training);
   auto made = method.create_device(std::move(input));
   if (!made) {
     return tl::make_unexpected(std::move(made.error()));
@@ -116,7 +110,47 @@ Expected<std::unique_ptr<DeviceEstimator>> DeviceEstimator::create(const Site& s
     return tl::make_unexpected(std::move(watched.error()));
   }
   estimator->chains_.restore(estimator->learners(), *room);
+  if (options.before) {
+    estimator->go_on(*options.before);
+  }
   return estimator;
+}
+
+void DeviceEstimator::go_on(const Carried& before) {
+  numbers_ = TrackNumbers(before.devices, before.done);
+  std::vector<ChainState> chains = before.chains;
+  std::erase_if(chains, [&](const ChainState& state) {
+    const auto& access_points = room().access_points;
+    return state.access_point >= access_points.size() ||
+           state.factors.factor.size() != access_points[state.access_point].cores.size();
+  });
+  chains_.go_on(chains, learners());
+  monitor_->go_on(before.calibration);
+  for (const Carried::Watched& watched : before.watched) {
+    watched_before_[watched.transmitter] = watched.last;
+  }
+  watched_ = watched_before_;
+  state_warnings();
+}
+
+void DeviceEstimator::carry(Carried& carried) const {
+  carried.devices = numbers_.carried();
+  for (const ChainState& state : chains_.states()) {
+    if (state.knowledge != ChainKnowledge::kAsCalibrated) {
+      carried.chains.push_back(state);
+    }
+  }
+  for (CalibrationMonitor::Told& told : monitor_->told()) {
+    if (told.bursts > 0 || told.slow) {
+      carried.calibration.push_back(std::move(told));
+    }
+  }
+  for (const auto& [mac, last] : watched_) {
+    carried.watched.push_back({mac, last});
+  }
+  for (const Room& room : rooms_) {
+    carried.heard = std::min(carried.heard, room.method->heard_until(carried.done));
+  }
 }
 
 Expected<void> DeviceEstimator::watch_calibration(const RoomModel& room) {
@@ -143,10 +177,15 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   }
   const auto all = learners();
   const auto before = monitor_->warnings();
-  if (all.empty() || all.front()->leaves_alone()) {
-    monitor_->observe(placed(fixed), burst.frames);
-  } else {
-    monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
+  watched_[burst.transmitter] = burst.last;
+  // What a predecessor has looked at is in its verdicts.
+  const auto looked_at = watched_before_.find(burst.transmitter);
+  if (looked_at == watched_before_.end() || burst.last > looked_at->second) {
+    if (all.empty() || all.front()->leaves_alone()) {
+      monitor_->observe(placed(fixed), burst.frames);
+    } else {
+      monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
+    }
   }
   for (const CalibrationWarning& warning : monitor_->warnings()) {
     if (!is_stated(warning, before) && warning.problem == CalibrationProblem::kChainPhaseJump &&
@@ -222,44 +261,112 @@ void DeviceEstimator::publish_counters() {
   tracker_counters_ = sum;
 }
 
-void DeviceEstimator::estimate(const Burst& burst, Estimates& out) {
+// Of a burst that no believed access point heard: coarse, where the room and what was heard allow
+// it.
+LocationEstimate DeviceEstimator::unbelieved(const Work& work) const {
+  DeviceMethod& method = *work.room->method;
+  const std::string reason = chains_.reason(work.room->room());
+  LocationEstimate estimate =
+      locate_coarsely(*method.localizer(), method.chains()->undone(work.burst->frames));
+  if (estimate.position) {
+    estimate.warnings.push_back("coarse, without the phases of the antennas: " + reason);
+  } else {
+    estimate.reason = reason;
+  }
+  return estimate;
+}
+
+void DeviceEstimator::snapshot(Work& work) {
+  LocationEstimate snapshot =
+      work.frames.empty() ? unbelieved(work) : work.room->method->locate(work.frames, 0);
+  Target target = target_of(work.burst->transmitter, snapshot.time);
+  work.out->locations.push_back({std::move(snapshot), std::move(target), context_of(*work.room)});
+  show_channel(work.frames, *work.room, work.out->locations.back());
+  work.has_snapshot = true;
+}
+
+// What depends on the order of bursts. Nothing of a transmitter that is no device.
+std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, Estimates& out) {
   const SiteTransmitter* stated = find_transmitter(site_, burst.transmitter);
   if (stated != nullptr && stated->role == TransmitterRole::kFixed) {
     check_calibration(*stated, burst);
-    return;
+    return std::nullopt;
   }
   if (stated == nullptr ? !site_.targets.track_unlisted
                         : stated->role != TransmitterRole::kDevice) {
-    return;
+    return std::nullopt;
   }
   const DeviceModel device = device_of(stated);
   const auto room = std::find_if(rooms_.begin(), rooms_.end(), [&](const Room& candidate) {
     return candidate.device == device;
   });
-  const std::size_t first = out.locations.size();
-  std::vector<CsiFrame> kept;
-  const std::span<const CsiFrame> frames = believed(burst, *room, kept);
-  if (frames.empty() || options_.snapshots == Snapshots::kAlways ||
-      !room->method->follows(burst.transmitter)) {
-    LocationEstimate snapshot = frames.empty() ? unbelieved(burst, chains_.reason(room->room()))
-                                               : room->method->locate(frames, 0);
-    Target target = target_of(burst.transmitter, snapshot.time);
-    out.locations.push_back({std::move(snapshot), std::move(target), context_of(*room)});
-    show_channel(frames, *room, out.locations.back());
+  Work work;
+  work.burst = &burst;
+  work.out = &out;
+  work.room = &*room;
+  work.first = out.locations.size();
+  work.frames = believed(burst, *room, work.kept);
+  work.trust = room->method->trust(work.frames);
+  work.warnings = calibration_warnings();
+  if (is_behind(burst) && room->method->has_tracks() && !work.frames.empty()) {
+    const std::size_t all = work.frames.size();
+    work.frames = last_moment(work.frames);
+    out.frames_left_out += all - work.frames.size();
+  } else if (work.frames.empty() || options_.snapshots == Snapshots::kAlways ||
+             !room->method->follows(burst.transmitter)) {
+    snapshot(work);
   }
-  if (!frames.empty()) {
-    std::vector<DeviceUpdate> updates;
-    room->method->track(burst.transmitter, frames, burst.heard_since, updates);
-    const bool has_snapshot = out.locations.size() > first;
-    append(updates, *room, out);
-    if (!has_snapshot && out.locations.size() > first) {
-      show_channel(frames, *room, out.locations.back());
+  return work;
+}
+
+void DeviceEstimator::track(std::vector<Work>& works) {
+  for (Room& room : rooms_) {
+    std::vector<HeardBurst> bursts;
+    std::vector<Work*> heard;
+    for (Work& work : works) {
+      if (work.room == &room && !work.frames.empty()) {
+        bursts.push_back(
+            {{work.burst->transmitter, work.frames, work.burst->heard_since, work.trust.doubt},
+             work.trust.withdrawals});
+        heard.push_back(&work);
+      }
     }
-    publish_counters();
+    const auto updates = room.method->track(bursts);
+    for (std::size_t i = 0; i < heard.size(); ++i) {
+      state(*heard[i], updates[i]);
+    }
   }
-  for (const CalibrationWarning& warning : calibration_warnings()) {
-    for (std::size_t i = first; i < out.locations.size(); ++i) {
-      out.locations[i].estimate.warnings.push_back(warning.text);
+}
+
+void DeviceEstimator::state(Work& work, const std::vector<DeviceUpdate>& updates) {
+  std::vector<Location>& locations = work.out->locations;
+  append(updates, *work.room, *work.out);
+  if (locations.size() == work.first) {
+    if (is_behind(*work.burst)) {
+      snapshot(work);
+    }
+  } else if (!work.has_snapshot) {
+    show_channel(work.frames, *work.room, locations.back());
+  }
+}
+
+void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) {
+  std::vector<Work> works;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    if (auto work = hear(bursts[i], out[i])) {
+      works.push_back(*std::move(work));
+    }
+  }
+  if (works.empty()) {
+    return;
+  }
+  track(works);
+  publish_counters();
+  for (const Work& work : works) {
+    for (const CalibrationWarning& warning : work.warnings) {
+      for (std::size_t i = work.first; i < work.out->locations.size(); ++i) {
+        work.out->locations[i].estimate.warnings.push_back(warning.text);
+      }
     }
   }
 }
@@ -287,6 +394,7 @@ void DeviceEstimator::advance(Timestamp time, Estimates& out) {
     room.method->advance(time, updates);
     append(updates, room, out);
   }
+  numbers_.advance(time);
   publish_counters();
 }
 
@@ -295,13 +403,15 @@ Rank DeviceEstimator::rank(const MacAddress& transmitter) const {
     return Rank::kListed;
   }
   const bool tracked = std::any_of(rooms_.begin(), rooms_.end(), [&](const Room& room) {
-    return room.method->follows(transmitter);
+    return room.method->knows(transmitter);
   });
   return tracked ? Rank::kTracked : Rank::kOther;
 }
 
 void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
   monitor_->restart();
+  watched_.clear();
+  watched_before_.clear();
   channels_.clear();
   {
     const std::lock_guard lock(mutex_);
@@ -338,29 +448,20 @@ LocationContext DeviceEstimator::context_of(const Room& room) const {
   return context;
 }
 
-// A device that is called anew is a new track to everyone outside: its number would tell.
-std::uint64_t DeviceEstimator::track_number(const MacAddress& device, const Target& target) {
-  NumberedTrack& track = track_of_[device];
-  const std::string called = target_component(target);
-  if (track.target != called) {
-    track = {called, ++last_track_};
-  }
-  return track.number;
-}
-
 void DeviceEstimator::append(const std::vector<DeviceUpdate>& updates,
                              const Room& room,
                              Estimates& out) {
   for (const DeviceUpdate& update : updates) {
     const FilteredEstimate& estimate = update.estimate;
     Target target = target_of(update.device, estimate.location.time);
-    target.track = track_number(update.device, target);
+    const Timestamp time = estimate.location.time;
+    target.track = numbers_.of(update.device, target_component(target), time);
     if (estimate.transition) {
       out.events.push_back({target, *estimate.transition, estimate.location.position});
     }
     out.locations.push_back(filtered_location(estimate, std::move(target), context_of(room)));
     if (estimate.state == TrackState::kLost) {
-      track_of_.erase(update.device);
+      numbers_.lost(update.device, time);
     }
   }
 }

@@ -2,6 +2,11 @@
 // listed with role "device" and, unless the site says otherwise, those not listed at all. Each
 // burst gives a snapshot, and filtered estimates of the moments within it.
 //
+// The cores share the tracks of different devices. Chains are heard burst by burst in order, so
+// that nothing depends on what was explained together. A burst that came behind others which had to
+// be left out counts by its last moment, and gives a snapshot only where no track says anything:
+// when there is too little time, all devices keep an estimate and give up the moments between.
+//
 // Bursts of fixed transmitters give no location here; they tell whether the calibration still holds
 // (CalibrationMonitor), and what they tell stands in the warnings of every location. Receive chains
 // that have turned are learned from devices (ChainLearner); an access point is not believed until
@@ -12,6 +17,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,6 +28,7 @@
 #include "daemon/pipeline/channel_watch.h"
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/track_numbers.h"
 #include "daemon/publish/location.h"
 #include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
@@ -46,6 +53,7 @@ class DeviceEstimator : public Estimator {
     std::shared_ptr<TargetNames> names;
     ChainKeeper::Options chains;
     Snapshots snapshots = Snapshots::kAlways;
+    std::shared_ptr<const Carried> before;  // of the predecessor; null: nobody
   };
 
   // Reads the scene and prepares the room: seconds. Devices of different height or antenna need
@@ -53,11 +61,18 @@ class DeviceEstimator : public Estimator {
   static Expected<std::unique_ptr<DeviceEstimator>> create(const Site& site,
                                                            const Options& options);
 
-  void estimate(const Burst& burst, Estimates& out) override;
+  void estimate(const Burst& burst, Estimates& out) override {
+    estimate_each({&burst, 1}, {&out, 1});
+  }
+  void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override;
 
   void advance(Timestamp time, Estimates& out) override;
 
   void restart(const std::string& reason, Estimates& out) override;
+
+  void carry(Carried& carried) const override;
+  // As with Options::before, of one that has not heard anything yet.
+  void go_on(const Carried& before);
 
   Rank rank(const MacAddress& transmitter) const override;
 
@@ -81,9 +96,27 @@ class DeviceEstimator : public Estimator {
     const RoomModel& room() const { return method->room(); }
   };
 
+  // A device's burst on its way to its track.
+  struct Work {
+    const Burst* burst = nullptr;
+    Estimates* out = nullptr;
+    Room* room = nullptr;
+    std::size_t first = 0;  // of its locations
+    std::vector<CsiFrame> kept;
+    std::span<const CsiFrame> frames;  // of the burst or of `kept`
+    ChainTrust trust;
+    std::vector<CalibrationWarning> warnings;
+    bool has_snapshot = false;
+  };
+
   DeviceEstimator(Site site, Options options);
   Expected<Room> prepare(std::shared_ptr<const RoomModel> room) const;
   Expected<void> watch_calibration(const RoomModel& room);
+  std::optional<Work> hear(const Burst& burst, Estimates& out);
+  void track(std::vector<Work>& works);
+  void state(Work& work, const std::vector<DeviceUpdate>& updates);
+  LocationEstimate unbelieved(const Work& work) const;
+  void snapshot(Work& work);
   void check_calibration(const SiteTransmitter& fixed, const Burst& burst);
   std::span<const CsiFrame> believed(const Burst& burst, Room& room, std::vector<CsiFrame>& kept);
   std::vector<ChainLearner*> learners() const;
@@ -92,7 +125,6 @@ class DeviceEstimator : public Estimator {
   void show_channel(std::span<const CsiFrame> frames, const Room& room, const Location& location);
   Target target_of(const MacAddress& device, Timestamp time) const;
   LocationContext context_of(const Room& room) const;
-  std::uint64_t track_number(const MacAddress& device, const Target& target);
   void append(const std::vector<DeviceUpdate>& updates, const Room& room, Estimates& out);
   void publish_counters();
 
@@ -105,14 +137,10 @@ class DeviceEstimator : public Estimator {
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_
   TrackerCounters tracker_counters_;          // guarded by mutex_
-  // Number of the track of each device, which has one at most, and what the device was called with
-  // it. The estimation thread's.
-  struct NumberedTrack {
-    std::string target;
-    std::uint64_t number = 0;
-  };
-  std::map<MacAddress, NumberedTrack> track_of_;
-  std::uint64_t last_track_ = 0;
+  // The estimation thread's.
+  TrackNumbers numbers_;
+  std::map<MacAddress, Timestamp> watched_;         // of each fixed transmitter, the last frame
+  std::map<MacAddress, Timestamp> watched_before_;  // the same of a predecessor
 };
 
 }  // namespace rayloc

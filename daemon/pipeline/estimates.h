@@ -1,6 +1,7 @@
 // Estimates: what an estimator says, to be published.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "daemon/publish/location.h"
@@ -12,11 +13,13 @@ struct Estimates {
   std::vector<Location> locations;
   std::vector<TrackEvent> events;
   std::vector<ZoneEvent> zone_events;
+  std::uint64_t frames_left_out = 0;  // of the burst, for want of time
 
   void clear() {
     locations.clear();
     events.clear();
     zone_events.clear();
+    frames_left_out = 0;
   }
 };
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
 
 namespace rayloc {
@@ -15,8 +17,11 @@ class EstimatorList : public Estimator {
   void add(Estimator& estimator) { estimators_.push_back(&estimator); }
 
   void estimate(const Burst& burst, Estimates& out) override {
+    estimate_each({&burst, 1}, {&out, 1});
+  }
+  void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override {
     for (Estimator* estimator : estimators_) {
-      estimator->estimate(burst, out);
+      estimator->estimate_each(bursts, out);
     }
   }
   void advance(Timestamp time, Estimates& out) override {
@@ -27,6 +32,11 @@ class EstimatorList : public Estimator {
   void restart(const std::string& reason, Estimates& out) override {
     for (Estimator* estimator : estimators_) {
       estimator->restart(reason, out);
+    }
+  }
+  void carry(Carried& carried) const override {
+    for (const Estimator* estimator : estimators_) {
+      estimator->carry(carried);
     }
   }
   Rank rank(const MacAddress& transmitter) const override {

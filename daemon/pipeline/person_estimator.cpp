@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "daemon/pipeline/estimates.h"
+#include "daemon/pipeline/method_training.h"
 #include "daemon/pipeline/person_numbers.h"
+#include "daemon/pipeline/warm/carried.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 
@@ -24,6 +26,17 @@ std::uint64_t number_of(const SiteTransmitter& fixed, const Site& site) {
     number += is_fixed(other) ? 1U : 0U;
   }
   return number;
+}
+
+// A successor goes on with the number and the moments of its predecessor.
+void go_on(const Carried& before, const MacAddress& fixed, PersonMethodInput& input) {
+  input.numbered_before = before.done;
+  for (const Carried::People& people : before.people) {
+    if (people.transmitter == fixed) {
+      input.first_number = people.number;
+      input.last_moment = people.moment;
+    }
+  }
 }
 
 Target person(std::uint64_t track) { return {TargetKind::kPerson, {}, false, track, {}}; }
@@ -53,6 +66,10 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
   if (!references) {
     return tl::make_unexpected(std::move(references.error()));
   }
+  const auto training = training_of(site, *options.method, *estimator->room_);
+  if (!training) {
+    return tl::make_unexpected(training.error());
+  }
   const auto number_step = static_cast<std::uint64_t>(
       std::count_if(site.transmitters.begin(), site.transmitters.end(), is_fixed));
   for (PersonReference& reference : *references) {
@@ -61,15 +78,18 @@ Expected<std::unique_ptr<PersonEstimator>> PersonEstimator::create(const Site& s
     if (fixed == nullptr) {  // no longer: nobody listens to it
       continue;
     }
-    auto method = options.method->create_person({estimator->room_,
-                                                 std::move(reference),
-                                                 options.settings,
-                                                 number_of(*fixed, site),
-                                                 number_step});
+    PersonMethodInput input{estimator->room_, std::move(reference), options.settings};
+    input.first_number = number_of(*fixed, site);
+    input.number_step = number_step;
+    input.training = *training;
+    if (options.before) {
+      go_on(*options.before, mac, input);
+    }
+    auto method = options.method->create_person(std::move(input));
     if (!method) {
       return tl::make_unexpected(std::move(method.error()));
     }
-    estimator->links_.emplace(mac, Link{*std::move(method), number_step});
+    estimator->links_.emplace(mac, Link{*std::move(method), number_step, {}});
   }
   return estimator;
 }
@@ -122,17 +142,22 @@ void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   for (std::size_t i = 0; i < people.size(); ++i) {
     out.locations.push_back({std::move(people[i]), person(each[i]), context()});
   }
-  append(updates, out);
+  append(updates, link, out);
   publish_counters();
 }
 
-void PersonEstimator::append(const std::vector<PersonUpdate>& updates, Estimates& out) const {
+void PersonEstimator::append(const std::vector<PersonUpdate>& updates,
+                             Link& link,
+                             Estimates& out) const {
   for (const PersonUpdate& update : updates) {
     const FilteredEstimate& estimate = update.estimate;
     const Target target = person(update.track);
     out.locations.push_back(filtered_location(estimate, target, context()));
     if (estimate.transition) {
       out.events.push_back({target, *estimate.transition, estimate.location.position});
+    }
+    if (estimate.state == TrackState::kLost) {
+      link.lost.emplace_back(estimate.location.time, update.track);
     }
   }
 }
@@ -141,16 +166,28 @@ void PersonEstimator::advance(Timestamp time, Estimates& out) {
   for (auto& [mac, link] : links_) {
     std::vector<PersonUpdate> updates;
     link.method->advance(time, updates);
-    append(updates, out);
+    append(updates, link, out);
+    std::erase_if(link.lost, [&](const auto& lost) { return lost.first < time; });
   }
   publish_counters();
+}
+
+void PersonEstimator::carry(Carried& carried) const {
+  for (const auto& [mac, link] : links_) {
+    if (const auto number = link.method->track_number()) {
+      carried.people.push_back({mac,
+                                link.lost.empty() ? *number : link.lost.front().second,
+                                link.method->last_moment()});
+      carried.heard = std::min(carried.heard, link.method->seen_until(carried.done));
+    }
+  }
 }
 
 void PersonEstimator::restart(const std::string& reason, Estimates& out) {
   for (auto& [mac, link] : links_) {
     std::vector<PersonUpdate> updates;
     link.method->restart(reason, updates);
-    append(updates, out);
+    append(updates, link, out);
   }
   publish_counters();
 }

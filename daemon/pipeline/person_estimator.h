@@ -37,6 +37,7 @@ class PersonEstimator : public Estimator {
     const Method* method = &default_method();  // that locates people
     MethodOptions settings;
     Duration valid_for = std::chrono::milliseconds(450);  // until a next burst is overdue
+    std::shared_ptr<const Carried> before;                // of the predecessor; null: nobody
   };
 
   // Reads the scene and prepares the room: up to a minute.
@@ -46,6 +47,8 @@ class PersonEstimator : public Estimator {
   void estimate(const Burst& burst, Estimates& out) override;
   void advance(Timestamp time, Estimates& out) override;
   void restart(const std::string& reason, Estimates& out) override;
+
+  void carry(Carried& carried) const override;
 
   const RoomModel& room() const { return *room_; }
 
@@ -59,10 +62,12 @@ class PersonEstimator : public Estimator {
   struct Link {
     std::unique_ptr<PersonMethod> method;
     std::uint64_t number_step = 1;  // between the numbers of two of its people
+    // Of the tracks whose loss has not been said for good: their numbers, and when.
+    std::vector<std::pair<Timestamp, std::uint64_t>> lost;
   };
 
   LocationContext context() const;
-  void append(const std::vector<PersonUpdate>& updates, Estimates& out) const;
+  void append(const std::vector<PersonUpdate>& updates, Link& link, Estimates& out) const;
   void publish_counters();
 
   const Site site_;

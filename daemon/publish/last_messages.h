@@ -1,10 +1,12 @@
 // LastMessages: the last message of each topic, for those who come late (snapshots, the HTTP API).
 //
-// Memory is bounded: past `max_topics` the topic that was published longest ago is forgotten.
+// Memory is bounded: past `max_topics` of a site its topic that was published longest ago is
+// forgotten; a site that has many displaces none of another.
 // Thread safety: all members from any thread.
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <list>
 #include <map>
 #include <mutex>
@@ -30,10 +32,13 @@ class LastMessages {
     std::string envelope;
     std::list<std::string>::iterator age;
   };
+  struct OfSite {
+    std::map<std::string, Entry> entries;
+    std::list<std::string> by_age;  // longest unused first
+  };
   const std::size_t max_topics_;
   mutable std::mutex mutex_;
-  std::map<std::string, Entry> entries_;  // guarded by mutex_
-  std::list<std::string> by_age_;         // guarded by mutex_; longest unused first
+  std::map<std::string, OfSite, std::less<>> sites_;  // guarded by mutex_
 };
 
 }  // namespace rayloc

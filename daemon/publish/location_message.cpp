@@ -15,22 +15,6 @@ void set_point(const Vec3d& from, v1::Point* to) {
   to->set_z(from.z);
 }
 
-v1::Target to_proto(const Target& target) {
-  v1::Target message;
-  message.set_kind(target.kind == TargetKind::kPerson ? v1::TARGET_KIND_PERSON
-                                                      : v1::TARGET_KIND_DEVICE);
-  if (target.is_hashed) {
-    message.set_hashed_mac(target.address);
-  } else if (!target.address.empty()) {
-    message.set_mac(target.address);
-  }
-  if (target.track) {
-    message.set_track(*target.track);
-  }
-  message.set_name(target.name);
-  return message;
-}
-
 v1::Frame frame_of(const LocationContext& context) {
   v1::Frame frame;
   frame.set_crs("local");
@@ -132,6 +116,35 @@ ZoneEventName name_of(ZoneEventKind kind) {
 
 }  // namespace
 
+v1::Target target_message(const Target& target) {
+  v1::Target message;
+  message.set_kind(target.kind == TargetKind::kPerson ? v1::TARGET_KIND_PERSON
+                                                      : v1::TARGET_KIND_DEVICE);
+  if (target.is_hashed) {
+    message.set_hashed_mac(target.address);
+  } else if (!target.address.empty()) {
+    message.set_mac(target.address);
+  }
+  if (target.track) {
+    message.set_track(*target.track);
+  }
+  message.set_name(target.name);
+  return message;
+}
+
+Target target_of(const v1::Target& message) {
+  Target target;
+  target.kind =
+      message.kind() == v1::TARGET_KIND_PERSON ? TargetKind::kPerson : TargetKind::kDevice;
+  target.is_hashed = message.has_hashed_mac();
+  target.address = target.is_hashed ? message.hashed_mac() : message.mac();
+  if (message.has_track()) {
+    target.track = message.track();
+  }
+  target.name = message.name();
+  return target;
+}
+
 v1::Location location_message(const Location& location, Duration clock_ahead) {
   const LocationEstimate& estimate = location.estimate;
   v1::Location message;
@@ -142,7 +155,7 @@ v1::Location location_message(const Location& location, Duration clock_ahead) {
   *message.mutable_time() = to_proto(estimate.time + clock_ahead);
   *message.mutable_capture_start() = to_proto(estimate.capture_start + clock_ahead);
   *message.mutable_capture_end() = to_proto(estimate.capture_end + clock_ahead);
-  *message.mutable_target() = to_proto(location.target);
+  *message.mutable_target() = target_message(location.target);
   *message.mutable_frame() = frame_of(location.context);
   if (estimate.position) {
     set_position(estimate, &message);
@@ -177,7 +190,7 @@ v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead) {
                        std::to_string(message.previous_state()) + "-" +
                        std::to_string(message.state()));
   *message.mutable_time() = to_proto(transition.time + clock_ahead);
-  *message.mutable_target() = to_proto(event.target);
+  *message.mutable_target() = target_message(event.target);
   if (event.position) {
     set_point(*event.position, message.mutable_position());
   }
@@ -192,14 +205,14 @@ v1::ZoneEvent event_message(const ZoneEvent& event, Duration clock_ahead) {
   message.set_kind(name.kind);
   *message.mutable_time() = to_proto(event.time + clock_ahead);
   message.set_zone(event.zone);
-  *message.mutable_target() = to_proto(event.target);
+  *message.mutable_target() = target_message(event.target);
   message.set_probability(event.probability);
   if (event.kind != ZoneEventKind::kEntered) {
     *message.mutable_dwell() = to_proto(event.dwell);
   }
   message.set_reason(event.reason);
   for (const Target& target : event.inside) {
-    *message.add_inside() = to_proto(target);
+    *message.add_inside() = target_message(target);
   }
   message.set_occupancy(static_cast<std::uint32_t>(event.inside.size()));
   return message;

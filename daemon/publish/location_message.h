@@ -21,4 +21,7 @@ v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead = {})
 
 v1::ZoneEvent event_message(const ZoneEvent& event, Duration clock_ahead = {});
 
+v1::Target target_message(const Target& target);
+Target target_of(const v1::Target& message);
+
 }  // namespace rayloc

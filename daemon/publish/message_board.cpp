@@ -28,6 +28,7 @@ void MessageBoard::put(const std::string& topic, const v1::Envelope& envelope, s
   std::string subject = subject_of(topic, envelope);
   auto shared = std::make_shared<const std::string>(std::move(bytes));
   const std::lock_guard lock(mutex_);
+  presence_.add(envelope);
   ++revision_;
   const auto [of_subject, is_new] = of_subject_.try_emplace(subject, revision_);
   if (!is_new) {
@@ -51,6 +52,11 @@ std::vector<MessageBoard::Message> MessageBoard::after(std::uint64_t revision,
     messages.push_back({entry->first, entry->second.envelope});
   }
   return messages;
+}
+
+MessageBoard::PresenceNow MessageBoard::presence(Timestamp now) const {
+  const std::lock_guard lock(mutex_);
+  return {presence_.cells(now), presence_.kept(), presence_.left_out()};
 }
 
 std::uint64_t MessageBoard::revision() const {

@@ -5,10 +5,13 @@
 // its snapshots and one for its filtered estimates, and the last events of a topic are kept one by
 // one. Frames of CSI are left out.
 //
+// Who was where in the last hours is summed here, too (board/presence.h).
+//
 // Memory is bounded: past `max_subjects` the subject that was written longest ago is forgotten.
 // Thread safety: all members from any thread.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -16,6 +19,9 @@
 #include <mutex>
 #include <string>
 #include <vector>
+
+#include "daemon/publish/board/presence.h"
+#include "engine/base/timestamp.h"
 
 namespace rayloc::v1 {
 class Envelope;
@@ -25,7 +31,9 @@ namespace rayloc {
 
 class MessageBoard {
  public:
-  explicit MessageBoard(std::size_t max_subjects) : max_subjects_(max_subjects) {}
+  // `presence_kept`: positive; how long it is known where somebody was.
+  explicit MessageBoard(std::size_t max_subjects, Duration presence_kept = std::chrono::hours(24))
+      : max_subjects_(max_subjects), presence_(presence_kept) {}
 
   // `bytes`: `envelope`, serialised.
   void put(const std::string& topic, const v1::Envelope& envelope, std::string bytes);
@@ -40,6 +48,13 @@ class MessageBoard {
 
   std::uint64_t revision() const;
 
+  struct PresenceNow {
+    std::vector<Presence::Cell> cells;
+    Duration kept{};
+    std::uint64_t left_out = 0;
+  };
+  PresenceNow presence(Timestamp now) const;
+
  private:
   struct Entry {
     std::string subject;
@@ -50,6 +65,7 @@ class MessageBoard {
   std::uint64_t revision_ = 0;                       // guarded by mutex_
   std::map<std::uint64_t, Entry> entries_;           // guarded by mutex_; by revision
   std::map<std::string, std::uint64_t> of_subject_;  // guarded by mutex_
+  Presence presence_;                                // guarded by mutex_
 };
 
 }  // namespace rayloc

@@ -1,6 +1,7 @@
 #include "daemon/publish/publisher.h"
 
 #include <cerrno>
+#include <map>
 #include <random>
 #include <utility>
 
@@ -57,8 +58,8 @@ class Publisher::Impl {
   explicit Impl(const PublisherOptions& options)
       : options_(options),
         guard_(guard_or_open_door(options.guard)),
-        socket_(guard_->context(), zmq::socket_type::xpub),
-        book_(options.max_topics) {
+        socket_(guard_->context(), zmq::socket_type::xpub) {
+    turn_to(options.site, options.board);
     socket_.set(zmq::sockopt::sndhwm, options.high_water_mark);
     socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
     socket_.set(zmq::sockopt::xpub_nodrop, true);
@@ -83,7 +84,13 @@ class Publisher::Impl {
     return {};
   }
 
-  const std::string& site() const { return options_.site; }
+  void turn_to(const std::string& site, std::shared_ptr<MessageBoard> board) {
+    site_ = site;
+    board_ = std::move(board);
+    book_ = &books_.try_emplace(site, options_.max_topics).first->second;
+  }
+
+  const std::string& site() const { return site_; }
   const std::string& endpoint() const { return endpoint_; }
 
   // The body of the next message; whatever it held before may be reused.
@@ -91,7 +98,7 @@ class Publisher::Impl {
 
   void send(const std::string& topic, Timestamp sent, std::uint32_t coalesced) {
     envelope_.set_epoch(options_.epoch);
-    envelope_.set_sequence(book_.next(topic));
+    envelope_.set_sequence(book_->next(topic));
     envelope_.set_coalesced(coalesced);
     *envelope_.mutable_sent() = to_proto(sent);
     zmq::message_t payload(envelope_.ByteSizeLong());
@@ -99,8 +106,8 @@ class Publisher::Impl {
     if (options_.last != nullptr && !envelope_.has_csi()) {
       options_.last->put(topic, payload.to_string());
     }
-    if (options_.board != nullptr) {
-      options_.board->put(topic, envelope_, payload.to_string());
+    if (board_ != nullptr) {
+      board_->put(topic, envelope_, payload.to_string());
     }
     zmq::message_t prefix(topic.data(), topic.size());
     send_frame(prefix, zmq::send_flags::sndmore);
@@ -111,7 +118,11 @@ class Publisher::Impl {
   PublishedCounters counters() {
     count_subscriptions();
     const GuardCounters guard = guard_->counters();
-    return {book_.published(),
+    std::uint64_t published = 0;
+    for (const auto& [site, book] : books_) {
+      published += book.published();
+    }
+    return {published,
             slow_episodes_,
             subscriptions_,
             guard.clients_denied,
@@ -121,8 +132,8 @@ class Publisher::Impl {
 
   template <typename Classes>
   void take_classes(bool all, Classes& classes) {
-    fill_classes(book_, all, classes);
-    book_.forget_recent();
+    fill_classes(*book_, all, classes);
+    book_->forget_recent();
   }
 
   std::uint64_t epoch() const { return options_.epoch; }
@@ -186,7 +197,10 @@ class Publisher::Impl {
   PublisherOptions options_;
   std::shared_ptr<ConnectionGuard> guard_;  // its context outlives the socket
   zmq::socket_t socket_;
-  SequenceBook book_;
+  std::map<std::string, SequenceBook> books_;  // by site
+  std::string site_;                           // whose messages are sent now
+  SequenceBook* book_ = nullptr;               // of that site
+  std::shared_ptr<MessageBoard> board_;        // of that site; may be null
   std::string endpoint_;
   v1::Envelope envelope_;
   std::uint64_t slow_episodes_ = 0;
@@ -211,6 +225,10 @@ Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
 
 const std::string& Publisher::endpoint() const { return impl_->endpoint(); }
+
+void Publisher::turn_to(const std::string& site, std::shared_ptr<MessageBoard> board) {
+  impl_->turn_to(site, std::move(board));
+}
 
 void Publisher::publish(const v1::Location& location, Timestamp sent, std::uint32_t coalesced) {
   *impl_->envelope().mutable_location() = location;

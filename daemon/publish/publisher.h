@@ -14,6 +14,10 @@
 // all, lossy mode hides the loss. So: try with NODROP; on EAGAIN count an episode, send again in
 // lossy mode, switch back. Once skipped, a subscriber is left out until it reads again.
 //
+// Several sites may share the socket: turn_to() says whose messages follow. Each has sequences and
+// classes of topics of its own, and its own bound on topics, so that none displaces those of
+// another.
+//
 // Thread safety: one thread at a time.
 #pragma once
 
@@ -46,18 +50,18 @@ struct PublisherOptions {
   // A listening stream socket to publish on instead (socket activation); the endpoint must then be
   // of the socket's kind.
   int adopted_fd = -1;
-  std::string site;         // `name` of the site; part of every topic
+  std::string site;         // `name` of the first site; part of every topic
   std::uint64_t epoch = 0;  // random_epoch(), or any number that no other start has
   // Messages queued per subscriber before it counts as stuck.
   int high_water_mark = 1000;
   // How long the destructor waits for subscribers to fetch what is queued.
   std::chrono::milliseconds linger{500};
-  // Topics whose sequence is remembered; past that the one longest unused begins at 1 again. Keeps
-  // memory bounded when devices change their addresses.
+  // Topics of a site whose sequence is remembered; past that the one longest unused begins at 1
+  // again. Keeps memory bounded when devices change their addresses.
   std::size_t max_topics = 4096;
   // Where the last message of each topic is kept as well, frames of CSI aside; may be null.
   std::shared_ptr<LastMessages> last = nullptr;
-  // Where viewers look; may be null.
+  // Where viewers of the first site look; may be null.
   std::shared_ptr<MessageBoard> board = nullptr;
   // Who may subscribe; null: everyone who can reach the endpoint.
   std::shared_ptr<ConnectionGuard> guard = nullptr;
@@ -88,6 +92,10 @@ class Publisher {
   // Where it is bound, with the port that was chosen.
   const std::string& endpoint() const;
 
+  // The messages that follow are of this site, and `board` is where its viewers look (may be null).
+  // REQUIRES: `site` is not empty.
+  void turn_to(const std::string& site, std::shared_ptr<MessageBoard> board);
+
   // `sent`: now, by the caller's clock. `coalesced`: updates merged into this one before.
   // REQUIRES: what the topic is made of (target, zone, access point) is not empty.
   void publish(const v1::Location& location, Timestamp sent, std::uint32_t coalesced = 0);
@@ -95,7 +103,8 @@ class Publisher {
   void publish(const v1::ZoneEvent& event, Timestamp sent);
   void publish(const v1::SourceState& state, Timestamp sent);
   void publish(const v1::CsiFrame& frame, Timestamp sent);
-  // These two add what the publisher knows: epoch, message version, topic classes, own counters.
+  // These two add what the publisher knows: epoch, message version, topic classes of the site, and
+  // its own counters, which are of all sites together.
   void publish(v1::Heartbeat heartbeat, Timestamp sent);
   void publish(v1::Goodbye goodbye, Timestamp sent);
 

@@ -1,5 +1,7 @@
 #include "daemon/publish/topic.h"
 
+#include <algorithm>
+#include <charconv>
 #include <cstdint>
 
 #include "daemon/publish/location.h"
@@ -57,6 +59,41 @@ std::string_view topic_prefix(std::string_view topic) {
     end = slash + 1;
   }
   return topic.substr(0, end);
+}
+
+std::string_view topic_site(std::string_view topic) {
+  std::string_view site = topic_prefix(topic);
+  constexpr int kComponents = 3;
+  if (std::count(site.begin(), site.end(), '/') != kComponents) {
+    return {};
+  }
+  site.remove_suffix(1);
+  return site.substr(site.rfind('/') + 1);
+}
+
+std::string topic_component(std::string_view name) {
+  std::string component;
+  append_component(component, name);
+  component.pop_back();
+  return component;
+}
+
+std::string decoded_component(std::string_view component) {
+  constexpr int kHexadecimal = 16;
+  std::string name;
+  for (std::size_t i = 0; i < component.size(); ++i) {
+    // What is no escape stays: it comes from the network, and may be anything.
+    unsigned character = 0;
+    const char* const digits = component.data() + i + 1;
+    if (component[i] == '%' && i + 2 < component.size() &&
+        std::from_chars(digits, digits + 2, character, kHexadecimal).ptr == digits + 2) {
+      name += static_cast<char>(character);
+      i += 2;
+    } else {
+      name += component[i];
+    }
+  }
+  return name;
 }
 
 std::string target_component(const v1::Target& target) {

@@ -23,6 +23,14 @@ std::string make_topic(std::string_view topic_class, std::string_view site, std:
 // "v1/CLASS/SITE/" of any topic made by make_topic; the topic itself when it is shorter.
 std::string_view topic_prefix(std::string_view topic);
 
+// "SITE" of any topic made by make_topic, as it is written there; empty when it has none.
+std::string_view topic_site(std::string_view topic);
+
+// What stands for the site in a topic: its name, escaped.
+std::string topic_component(std::string_view name);
+// The name that such a component stands for.
+std::string decoded_component(std::string_view component);
+
 // The <target> of a topic: mac, else hashed mac, else "person-N"; empty when the target has none.
 std::string target_component(const v1::Target& target);
 std::string target_component(const Target& target);

@@ -16,7 +16,8 @@ namespace rayloc::cli {
 Expected<void> for_each_frame(const Site& site,
                               const RecordingArgument& recording,
                               const std::function<void(CsiFrame&&)>& take,
-                              std::vector<std::string>& notes) {
+                              std::vector<std::string>& notes,
+                              ChannelTally* channels) {
   const auto index = find_access_point(site, recording.access_point);
   if (!index) {
     return tl::make_unexpected(index.error());
@@ -26,6 +27,7 @@ Expected<void> for_each_frame(const Site& site,
     return tl::make_unexpected(std::move(source.error()));
   }
   CsiReceiver receiver(receiver_options(site, *index));
+  ChannelTally tally;
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   while (!batch.ended) {
@@ -35,6 +37,7 @@ Expected<void> for_each_frame(const Site& site,
     }
     for (const Datagram& datagram : batch.datagrams) {
       receiver.push(datagram, frames);
+      (channels == nullptr ? tally : *channels).add(datagram.payload);
     }
     if (batch.ended) {
       receiver.flush(frames);
@@ -44,6 +47,11 @@ Expected<void> for_each_frame(const Site& site,
     }
   }
   note_recording(**source, receiver.counters(), recording.access_point, notes);
+  if (const auto channel = tally.most()) {
+    if (auto text = other_channel_text(site, recording.access_point, *channel); !text.empty()) {
+      notes.push_back(std::move(text));
+    }
+  }
   return {};
 }
 

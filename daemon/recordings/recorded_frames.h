@@ -9,6 +9,7 @@
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
+#include "daemon/recordings/channel_tally.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
@@ -18,11 +19,14 @@ namespace rayloc::cli {
 // `recording.access_point` is one of the site's (resolve_captures). Frames come in the order of the
 // files, and in each in that of its packets; their times are those of the stamps. `notes` gets a
 // line for everything that people should know: clocks that were set, gaps, how many packets were
-// rejected for which reason. Errors: a file that cannot be read as a capture.
+// rejected for which reason, and that the access point was tuned to another channel than the site
+// states; with `channels` that is left to the caller. Errors: a file that cannot be read as a
+// capture.
 Expected<void> for_each_frame(const Site& site,
                               const RecordingArgument& recording,
                               const std::function<void(CsiFrame&&)>& take,
-                              std::vector<std::string>& notes);
+                              std::vector<std::string>& notes,
+                              ChannelTally* channels = nullptr);
 
 // The notes of a recording that was read to its end; of which access point, or empty.
 void note_recording(const RecordedSource& source,

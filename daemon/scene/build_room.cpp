@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -12,9 +11,6 @@
 
 namespace rayloc {
 namespace {
-
-// Cuts closer together than this are one; a triangle between them would be dropped as degenerate.
-constexpr double kSameCut = 1e-5;  // [m]
 
 // A side of the room: its rectangle in the coordinates (u, v) of two axes, at `level` of the third.
 struct Sheet {
@@ -55,67 +51,87 @@ Sheet sheet_of(const RoomPlan& plan, RoomSide side) {
   return make(0, 2, 1, true, false);
 }
 
-Vec3d lift(const Sheet& sheet, double u, double v) {
-  std::array<double, 3> point{};
-  point.at(sheet.u_axis) = u;
-  point.at(sheet.v_axis) = v;
-  point.at(sheet.normal_axis) = sheet.level;
-  return {point[0], point[1], point[2]};
-}
-
-std::vector<double> cuts(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto same = [](double a, double b) { return b - a < kSameCut; };
-  values.erase(std::unique(values.begin(), values.end(), same), values.end());
-  return values;
-}
-
-bool is_open(const std::vector<PlanOpening>& openings, double u, double v) {
-  return std::any_of(openings.begin(), openings.end(), [&](const PlanOpening& opening) {
-    return u > opening.lower[0] && u < opening.upper[0] && v > opening.lower[1] &&
-           v < opening.upper[1];
-  });
-}
-
-// The rectangle without its openings: cut at every edge of them, so that all cells share their
-// corners and coplanar neighbours leave no seam.
-Mesh sheet_mesh(const Sheet& sheet, const std::vector<PlanOpening>& openings) {
-  std::vector<double> u_cuts{sheet.lower[0], sheet.upper[0]};
-  std::vector<double> v_cuts{sheet.lower[1], sheet.upper[1]};
-  for (const PlanOpening& opening : openings) {
-    u_cuts.insert(u_cuts.end(), {opening.lower[0], opening.upper[0]});
-    v_cuts.insert(v_cuts.end(), {opening.lower[1], opening.upper[1]});
-  }
-  const std::vector<double> u = cuts(std::move(u_cuts));
-  const std::vector<double> v = cuts(std::move(v_cuts));
-
-  Mesh mesh;
-  std::map<std::pair<std::size_t, std::size_t>, std::uint32_t> corners;
-  const auto corner = [&](std::size_t i, std::size_t j) {
-    const auto next = static_cast<std::uint32_t>(mesh.vertices.size());
-    const auto [found, added] = corners.try_emplace({i, j}, next);
-    if (added) {
-      mesh.vertices.push_back(lift(sheet, u[i], v[j]));
-    }
-    return found->second;
+Mesh mesh_of(const Sheet& sheet, const std::vector<PlanHole>& holes) {
+  const auto axis = [](std::size_t number, double length) {
+    std::array<double, 3> v{};
+    v.at(number) = length;
+    return Vec3d{v[0], v[1], v[2]};
   };
-  for (std::size_t i = 0; i + 1 < u.size(); ++i) {
-    for (std::size_t j = 0; j + 1 < v.size(); ++j) {
-      if (is_open(openings, 0.5 * (u[i] + u[i + 1]), 0.5 * (v[j] + v[j + 1]))) {
-        continue;
-      }
-      const std::uint32_t a = corner(i, j);
-      const std::uint32_t b = sheet.flipped ? corner(i, j + 1) : corner(i + 1, j);
-      const std::uint32_t c = corner(i + 1, j + 1);
-      const std::uint32_t d = sheet.flipped ? corner(i + 1, j) : corner(i, j + 1);
-      mesh.triangles.push_back({a, b, c});
-      mesh.triangles.push_back({a, c, d});
-    }
-  }
-  return mesh;
+  const std::array<FloorPoint, 2> top{FloorPoint{sheet.lower[0], sheet.upper[1]},
+                                      FloorPoint{sheet.upper[0], sheet.upper[1]}};
+  return sheet_mesh({axis(sheet.normal_axis, sheet.level),
+                     axis(sheet.u_axis, 1.0),
+                     axis(sheet.v_axis, 1.0),
+                     sheet.flipped},
+                    sheet.lower[1],
+                    top,
+                    holes);
 }
 
-// Twelve triangles, normals outwards; two where one size is 0.
+// What closes an opening.
+Mesh pane_mesh(Sheet sheet, const PlanHole& opening) {
+  sheet.lower = opening.lower;
+  sheet.upper = opening.upper;
+  return mesh_of(sheet, {});
+}
+
+Mesh pane_mesh(const PlanWall& wall, const PlanHole& opening) {
+  const std::array<FloorPoint, 2> top{FloorPoint{opening.lower[0], opening.upper[1]},
+                                      FloorPoint{opening.upper[0], opening.upper[1]}};
+  return sheet_mesh(frame_of(wall), opening.lower[1], top, {});
+}
+
+void add_sides(const RoomPlan& plan, StatedScene& scene) {
+  for (std::size_t i = 0; i < kRoomSides.size(); ++i) {
+    const auto side = static_cast<RoomSide>(i);
+    std::vector<PlanHole> openings;
+    for (const PlanOpening& opening : plan.openings) {
+      if (opening.wall == side) {
+        openings.push_back(opening);
+      }
+    }
+    Mesh mesh = mesh_of(sheet_of(plan, side), openings);
+    if (!mesh.triangles.empty()) {  // an opening may be as large as its wall
+      scene.objects.push_back(
+          {std::string(kRoomSides.at(i)), plan.side_material.at(i), std::move(mesh)});
+    }
+  }
+}
+
+void add_rooms(const RoomPlan& plan, StatedScene& scene) {
+  for (const PlanRoom& room : plan.rooms) {
+    scene.objects.push_back({name_in(room, "floor"), room.floor, floor_mesh(room)});
+    scene.objects.push_back({name_in(room, "ceiling"), room.ceiling, ceiling_mesh(room)});
+  }
+}
+
+void add_walls(const RoomPlan& plan, StatedScene& scene) {
+  for (const PlanWall& wall : plan.walls) {
+    Mesh mesh = sheet_mesh(frame_of(wall), plan.lower.z, wall.top, wall.holes);
+    if (!mesh.triangles.empty()) {
+      scene.objects.push_back({wall.name, wall.material, std::move(mesh)});
+    }
+  }
+}
+
+void add_panes(const RoomPlan& plan, StatedScene& scene) {
+  for (const PlanOpening& opening : plan.openings) {
+    if (!opening.material.empty()) {
+      scene.objects.push_back(
+          {opening.name, opening.material, pane_mesh(sheet_of(plan, opening.wall), opening)});
+    }
+  }
+  for (const PlanWall& wall : plan.walls) {
+    for (const PlanHole& hole : wall.holes) {
+      if (!hole.material.empty()) {
+        scene.objects.push_back({hole.name, hole.material, pane_mesh(wall, hole)});
+      }
+    }
+  }
+}
+
+}  // namespace
+
 Mesh box_mesh(const PlanBox& box) {
   const Mat3d world_from_box = rotation_from_yaw_pitch_roll(box.yaw, 0.0, 0.0);
   const auto size = components(box.size);
@@ -151,37 +167,16 @@ Mesh box_mesh(const PlanBox& box) {
   return mesh;
 }
 
-// What closes an opening.
-Mesh pane_mesh(const RoomPlan& plan, const PlanOpening& opening) {
-  Sheet sheet = sheet_of(plan, opening.wall);
-  sheet.lower = opening.lower;
-  sheet.upper = opening.upper;
-  return sheet_mesh(sheet, {});
-}
-
-}  // namespace
-
 StatedScene build_room(const RoomPlan& plan) {
   StatedScene scene;
   scene.materials = plan.materials;
-  for (std::size_t i = 0; i < kRoomSides.size(); ++i) {
-    const auto side = static_cast<RoomSide>(i);
-    std::vector<PlanOpening> openings;
-    std::copy_if(plan.openings.begin(),
-                 plan.openings.end(),
-                 std::back_inserter(openings),
-                 [side](const PlanOpening& opening) { return opening.wall == side; });
-    Mesh mesh = sheet_mesh(sheet_of(plan, side), openings);
-    if (!mesh.triangles.empty()) {  // an opening may be as large as its wall
-      scene.objects.push_back(
-          {std::string(kRoomSides.at(i)), plan.side_material.at(i), std::move(mesh)});
-    }
+  if (plan.rooms.empty()) {
+    add_sides(plan, scene);
+  } else {
+    add_rooms(plan, scene);
   }
-  for (const PlanOpening& opening : plan.openings) {
-    if (!opening.material.empty()) {
-      scene.objects.push_back({opening.name, opening.material, pane_mesh(plan, opening)});
-    }
-  }
+  add_walls(plan, scene);
+  add_panes(plan, scene);
   for (const PlanBox& box : plan.boxes) {
     scene.objects.push_back({box.name, box.material, box_mesh(box)});
   }

@@ -6,11 +6,15 @@
 
 namespace rayloc {
 
-// Objects, in this order: the six sides of the room, the openings that have a material, the boxes.
+// Objects, in this order: the six sides of the room, or floors and ceilings of rooms with an
+// outline; walls, the openings that have a material, the boxes.
 //
 // A side is a sheet at the inner face of the wall, its normal inwards: one slab of the material's
 // thickness, whichever way it is crossed. A box has six faces, each such a slab; one of its sizes
 // being 0, it is a sheet as well.
 StatedScene build_room(const RoomPlan& plan);
+
+// Twelve triangles, normals outwards; two where one size is 0.
+Mesh box_mesh(const PlanBox& box);
 
 }  // namespace rayloc

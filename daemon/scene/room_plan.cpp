@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "daemon/scene/plan_materials.h"
+#include "daemon/scene/read_rooms.h"
 #include "daemon/site/site_tables.h"
 
 namespace rayloc {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double kLeastSize = 1e-3;       // [m]; smaller is a slip of the pen
 constexpr double kLargestRoom = 1'000.0;  // [m]
-constexpr double kFarthest = 10'000.0;    // [m], of any coordinate
 // Furniture and openings may touch a wall: sums of decimal numbers round.
 constexpr double kTouching = 1e-6;  // [m]
 constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
@@ -27,19 +27,37 @@ std::string span_text(double low, double high) {
   return "[" + metres(low) + ", " + metres(high) + "]";
 }
 
+PlanRoom room_within(const Vec3d& lower, const Vec3d& upper) {
+  PlanRoom room;
+  room.outline = {{lower.x, lower.y}, {upper.x, lower.y}, {upper.x, upper.y}, {lower.x, upper.y}};
+  room.level = lower.z;
+  room.height = upper.z;
+  return room;
+}
+
 class PlanReader {
  public:
   explicit PlanReader(const TomlTable& root)
       : root_(root), carrier_known_(read_plan_carrier()), materials_(root, carrier_hz()) {}
 
   RoomPlan read() {
-    root_.require({{"name", "name = \"office\""},
-                   {"size", "size = [5.2, 3.4, 2.7]"},
-                   {"floor", "floor = \"concrete\""},
-                   {"ceiling", "ceiling = \"ceiling_board\""}});
-    plan_.name = read_topic_name(root_).value_or("");
-    read_size();
-    read_sides();
+    RoomReader rooms(root_, materials_, names_, plan_);
+    if (has_outlines(root_)) {
+      root_.require({{"name", "name = \"office\""}});
+      plan_.name = read_topic_name(root_).value_or("");
+      has_size_ = rooms.read_rooms();
+      rooms.read_partitions(plan_.rooms);
+    } else {
+      root_.require({{"name", "name = \"office\""},
+                     {"size", "size = [5.2, 3.4, 2.7]"},
+                     {"floor", "floor = \"concrete\""},
+                     {"ceiling", "ceiling = \"ceiling_board\""}});
+      plan_.name = read_topic_name(root_).value_or("");
+      read_size();
+      read_sides();
+      rooms.read_partitions(has_size_ ? std::vector{room_within(plan_.lower, plan_.upper)}
+                                      : std::vector<PlanRoom>{});
+    }
     for (const TomlTable& table : root_.tables("opening")) {
       read_opening(table);
     }
@@ -54,15 +72,10 @@ class PlanReader {
  private:
   bool read_plan_carrier() {
     if (const std::optional<TomlTable> table = root_.table("carrier")) {
-      read_carrier(*table, plan_.carrier);
+      read_carrier({*table, "carrier"}, plan_.carrier);
       return plan_.carrier.grid.centre_hz > 0.0;
     }
-    plan_.carrier = {36, 40, {5.19e9, 312'500.0, {}}};
-    for (int tone = -58; tone <= 58; ++tone) {
-      if (std::abs(tone) >= 2) {
-        plan_.carrier.grid.tone_index.push_back(static_cast<std::int16_t>(tone));
-      }
-    }
+    plan_.carrier = usual_carrier();
     return true;
   }
   // Where the carrier itself is wrong, materials are checked at some frequency of the band.
@@ -109,50 +122,103 @@ class PlanReader {
     }
   }
 
-  // A name of an object: of a mesh file, and no second time.
-  std::string read_name(const TomlTable& table) {
-    const std::optional<std::string> name = table.string("name");
-    if (!name) {
-      return "";
-    }
-    if (!is_object_name(*name)) {
-      table.error_at("name", "'name' is '" + *name + "'; write letters, digits, '-' and '_' only");
-    } else if (!names_.insert(*name).second) {
-      table.error_at("name", "a second object '" + *name + "'; give each its own name");
-    }
-    return *name;
-  }
-
   void read_opening(const TomlTable& table) {
     table.require({{"name", "name = \"door\""},
-                   {"wall", "wall = \"east\""},
+                   {"wall", plan_.rooms.empty() ? "wall = \"east\"" : "wall = \"wall_1\""},
                    {"centre", "centre = [1.0, 1.0]"},
                    {"size", "size = [0.9, 2.0]"}});
     PlanOpening opening;
-    opening.name = read_name(table);
+    opening.name = read_object_name(table, names_);
     opening.material = materials_.use(table, "material").value_or("");
-    const std::optional<std::string> wall = table.choice("wall", kWalls);
     const auto centre = table.numbers<2>("centre", "centre = [1.0, 1.0]");
     const auto size = table.numbers<2>("size", "size = [0.9, 2.0]");
-    if (!wall || !centre || !size || !has_size_) {
+    if (!has_size_) {
+      table.ask_for("wall");  // whether it is one is not known
       return;
     }
-    const auto number = std::find(kWalls.begin(), kWalls.end(), *wall) - kWalls.begin();
-    opening.wall = static_cast<RoomSide>(static_cast<int>(RoomSide::kWest) + number);
-    if (place_opening(table, *centre, *size, opening)) {
-      plan_.openings.push_back(std::move(opening));
+    std::vector<std::string_view> names;
+    if (plan_.rooms.empty()) {
+      names.assign(kWalls.begin(), kWalls.end());
+    }
+    const std::size_t sides = names.size();
+    for (const PlanWall& wall : plan_.walls) {
+      names.push_back(wall.name);
+    }
+    const std::optional<std::string> wall = table.choice("wall", names);
+    if (!wall || !centre || !size) {
+      return;
+    }
+    const auto number =
+        static_cast<std::size_t>(std::find(names.begin(), names.end(), *wall) - names.begin());
+    if (number < sides) {
+      opening.wall = static_cast<RoomSide>(static_cast<std::size_t>(RoomSide::kWest) + number);
+      add_to_side(table, *centre, *size, std::move(opening));
+    } else {
+      add_to_wall(table, *centre, *size, std::move(opening), plan_.walls.at(number - sides));
     }
   }
 
-  // Finds where the opening is; false, and an error, when that is not within its wall and clear of
-  // the wall's other openings.
-  bool place_opening(const TomlTable& table,
-                     const std::array<double, 2>& centre,
-                     const std::array<double, 2>& size,
-                     PlanOpening& opening) const {
+  void add_to_side(const TomlTable& table,
+                   const FloorPoint& centre,
+                   const FloorPoint& size,
+                   PlanOpening opening) {
     const bool along_y = opening.wall == RoomSide::kWest || opening.wall == RoomSide::kEast;
-    const std::array<double, 2> low{along_y ? plan_.lower.y : plan_.lower.x, plan_.lower.z};
-    const std::array<double, 2> high{along_y ? plan_.upper.y : plan_.upper.x, plan_.upper.z};
+    const Face face{{along_y ? plan_.lower.y : plan_.lower.x, plan_.lower.z},
+                    {along_y ? plan_.upper.y : plan_.upper.x, plan_.upper.z},
+                    along_y ? "in y" : "in x"};
+    if (!place_opening(table, centre, size, face, opening)) {
+      return;
+    }
+    for (const PlanOpening& other : plan_.openings) {
+      if (other.wall == opening.wall && overlaps(table, opening, other)) {
+        return;
+      }
+    }
+    plan_.openings.push_back(std::move(opening));
+  }
+
+  void add_to_wall(const TomlTable& table,
+                   const FloorPoint& centre,
+                   const FloorPoint& size,
+                   PlanHole opening,
+                   PlanWall& wall) const {
+    double highest = plan_.lower.z;
+    for (const FloorPoint& bend : wall.top) {
+      highest = std::max(highest, bend[1]);
+    }
+    const Face face{{0.0, plan_.lower.z}, {wall.length(), highest}, "along it"};
+    if (!place_opening(table, centre, size, face, opening)) {
+      return;
+    }
+    const double ceiling = lowest_between(wall.top, opening.lower[0], opening.upper[0]);
+    if (opening.upper[1] > ceiling + kTouching) {
+      table.error_at("centre",
+                     "the opening reaches up to " + metres(opening.upper[1]) +
+                         " m, its wall there to " + metres(ceiling) +
+                         " m; correct 'centre' or 'size'");
+      return;
+    }
+    for (const PlanHole& other : wall.holes) {
+      if (overlaps(table, opening, other)) {
+        return;
+      }
+    }
+    wall.holes.push_back(std::move(opening));
+  }
+
+  // Where openings of a wall can be.
+  struct Face {
+    FloorPoint low;  // along it, height [m]
+    FloorPoint high;
+    std::string_view axis;  // "in y"
+  };
+
+  // Finds where the opening is; false, and an error, when that is not within its wall.
+  static bool place_opening(const TomlTable& table,
+                            const FloorPoint& centre,
+                            const FloorPoint& size,
+                            const Face& face,
+                            PlanHole& opening) {
     for (std::size_t i = 0; i < 2; ++i) {
       if (size.at(i) < kLeastSize) {
         table.error_at("size",
@@ -161,29 +227,35 @@ class PlanReader {
       }
       opening.lower.at(i) = centre.at(i) - 0.5 * size.at(i);
       opening.upper.at(i) = centre.at(i) + 0.5 * size.at(i);
-      if (opening.lower.at(i) < low.at(i) - kTouching ||
-          opening.upper.at(i) > high.at(i) + kTouching) {
+      if (opening.lower.at(i) < face.low.at(i) - kTouching ||
+          opening.upper.at(i) > face.high.at(i) + kTouching) {
         table.error_at("centre",
                        "the opening is at " + span_text(opening.lower.at(i), opening.upper.at(i)) +
-                           " m " + (i == 0 ? (along_y ? "in y" : "in x") : "in height") +
-                           ", its wall at " + span_text(low.at(i), high.at(i)) +
+                           " m " + std::string(i == 0 ? face.axis : "in height") +
+                           ", its wall at " + span_text(face.low.at(i), face.high.at(i)) +
                            " m; correct 'centre' or 'size'");
         return false;
       }
-      opening.lower.at(i) = std::max(opening.lower.at(i), low.at(i));
-      opening.upper.at(i) = std::min(opening.upper.at(i), high.at(i));
+      opening.lower.at(i) = std::max(opening.lower.at(i), face.low.at(i));
+      opening.upper.at(i) = std::min(opening.upper.at(i), face.high.at(i));
     }
-    for (const PlanOpening& other : plan_.openings) {
-      const auto overlap = [&](std::size_t i) {
-        return std::min(opening.upper.at(i), other.upper.at(i)) -
-                   std::max(opening.lower.at(i), other.lower.at(i)) >
-               kTouching;
-      };
-      if (other.wall == opening.wall && overlap(0) && overlap(1)) {
-        table.error_at("centre", "the opening overlaps the opening '" + other.name + "'");
+    return true;
+  }
+
+  // Notes an error where two openings of a wall do.
+  static bool overlaps(const TomlTable& table, const PlanHole& opening, const PlanHole& other) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      if (std::min(opening.upper.at(i), other.upper.at(i)) -
+              std::max(opening.lower.at(i), other.lower.at(i)) <=
+          kTouching) {
         return false;
       }
     }
+    const bool is_stretch = std::isinf(other.lower[1]);
+    table.error_at("centre",
+                   is_stretch ? "there the wall is that of another room, '" + other.name +
+                                    "'; name that one in 'wall'"
+                              : "the opening overlaps the opening '" + other.name + "'");
     return true;
   }
 
@@ -193,7 +265,7 @@ class PlanReader {
                    {"centre", "centre = [2.0, 1.5, 0.73]"},
                    {"size", "size = [1.8, 0.9, 0.05]"}});
     PlanBox box;
-    box.name = read_name(table);
+    box.name = read_object_name(table, names_);
     box.material = materials_.use(table, "material").value_or("");
     const auto centre = table.numbers<3>("centre", "centre = [2.0, 1.5, 0.73]");
     const auto size = table.numbers<3>("size", "size = [1.8, 0.9, 0.05]");
@@ -224,6 +296,9 @@ class PlanReader {
     if (!has_size_) {
       return false;
     }
+    if (!plan_.rooms.empty()) {
+      return check_in_rooms(table, box);
+    }
     const double c = std::abs(std::cos(box.yaw));
     const double s = std::abs(std::sin(box.yaw));
     const Vec3d half{0.5 * (c * box.size.x + s * box.size.y),
@@ -244,12 +319,66 @@ class PlanReader {
     return true;
   }
 
+  // Whether the box is in one of the rooms with an outline, and below its ceiling.
+  bool check_in_rooms(const TomlTable& table, const PlanBox& box) const {
+    std::vector<FloorPoint> footprint;
+    for (const auto& [x, y] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
+      footprint.push_back(
+          {box.centre.x + x * std::cos(box.yaw) * box.size.x - y * std::sin(box.yaw) * box.size.y,
+           box.centre.y + x * std::sin(box.yaw) * box.size.x + y * std::cos(box.yaw) * box.size.y});
+    }
+    for (const PlanRoom& room : plan_.rooms) {
+      const bool corners_inside =
+          std::all_of(footprint.begin(), footprint.end(), [&](const FloorPoint& corner) {
+            return is_within(room.outline, corner, kTouching);
+          });
+      // A corner of the room that is within the box: the room goes round it.
+      const bool goes_round =
+          std::any_of(room.outline.begin(), room.outline.end(), [&](const FloorPoint& corner) {
+            return is_within(footprint, corner, 0.0) && !is_on_edge(footprint, corner);
+          });
+      if (!corners_inside || goes_round) {
+        continue;
+      }
+      double ceiling = room.height;
+      for (const FloorPoint& corner : footprint) {
+        ceiling = std::min(ceiling, room.ceiling_at(corner));
+      }
+      const double above = box.centre.z + 0.5 * box.size.z - ceiling;
+      const double below = room.level - (box.centre.z - 0.5 * box.size.z);
+      if (above <= kTouching && below <= kTouching) {
+        return true;
+      }
+      table.error_at("centre",
+                     "the box reaches " + metres(std::max(above, below)) + " m beyond the " +
+                         name_in(room, above > below ? "ceiling" : "floor") +
+                         "; correct 'centre' or 'size'");
+      return false;
+    }
+    table.error_at("centre", "the box is not within one room; correct 'centre' or 'size'");
+    return false;
+  }
+
+  static bool is_on_edge(const std::vector<FloorPoint>& outline, const FloorPoint& p) {
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+      if (distance_from_edge(outline[i], outline[(i + 1) % outline.size()], p).across <=
+          kTouching) {
+        return true;
+      }
+    }
+    return false;
+  }
+
   void read_access_points_of_plan() {
     Site site;
     site.bounds_min = plan_.lower;
     site.bounds_max = plan_.upper;
     site.has_bounds = has_size_;
-    read_access_points(root_, site);
+    std::vector<SiteTable> tables;
+    for (const TomlTable& table : root_.tables("access_point")) {
+      tables.emplace_back(table, "access_point");
+    }
+    read_access_points(tables, site);
     plan_.access_points = std::move(site.access_points);
   }
 
@@ -271,6 +400,16 @@ Expected<RoomPlan> read_document(TomlDocument& document) {
 }
 
 }  // namespace
+
+Carrier usual_carrier() {
+  Carrier carrier{36, 40, {5.19e9, 312'500.0, {}}};
+  for (int tone = -58; tone <= 58; ++tone) {
+    if (std::abs(tone) >= 2) {
+      carrier.grid.tone_index.push_back(static_cast<std::int16_t>(tone));
+    }
+  }
+  return carrier;
+}
 
 Expected<RoomPlan> parse_room_plan(std::string_view text, const std::filesystem::path& file) {
   const auto document = TomlDocument::parse(text, file);

@@ -22,10 +22,34 @@
 //   size = [1.8, 0.9, 0.05]       # one of them may be 0: a sheet
 //   yaw_deg = 20                  # optional
 //
+//   [[partition]]                 # a wall within the room
+//   name = "partition"
+//   from = [3, 0]
+//   to = [3, 2.5]
+//   material = "plasterboard"
+//   height = 2.2                  # optional: to the ceiling unless stated
+//
 //   [materials.plasterboard]      # optional; 0.1 m thick unless stated
 //   thickness_m = 0.0125
 //   [materials.outer]
 //   itu = "brick"                 # or relative_permittivity and conductivity
+//
+// In place of `size` and `corner`, a room of any outline; its walls are wall_1 (from the first
+// corner to the second), wall_2, ..., each of which may have a material of its own:
+//
+//   outline = [[0, 0], [6, 0], [6, 4], [3, 5.5], [0, 4]]   # corners, either way round
+//   height = 2.7
+//   wall_3 = "glass"
+//
+//   [[slope]]                     # a part of the ceiling that slopes: three points of its plane
+//   from = [0, 0, 1.2]
+//   to = [0, 4, 1.2]
+//   through = [2, 0, 2.7]
+//   room = "attic"                # optional: all rooms unless stated
+//
+// Several rooms are [[room]] tables with a `name` and an `outline`, and whatever of height, floor,
+// ceiling, walls and wall_N is another than the file's. Their walls are kitchen_wall_1, ...; a wall
+// that two rooms share is that of the first.
 //
 // [carrier] and [[access_point]] may follow as in site.toml. Lengths are metres, z points up.
 // Errors name file:line:column, all of them at once; unknown keys are errors.
@@ -38,6 +62,7 @@
 #include <string_view>
 #include <vector>
 
+#include "daemon/scene/plan_rooms.h"
 #include "daemon/scene/scene_files.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
@@ -50,12 +75,9 @@ enum class RoomSide : std::uint8_t { kFloor, kCeiling, kWest, kEast, kSouth, kNo
 inline constexpr std::array<std::string_view, 6> kRoomSides = {
     "floor", "ceiling", "wall_west", "wall_east", "wall_south", "wall_north"};
 
-struct PlanOpening {
-  std::string name;
+// In a side of the room; `lower` and `upper` along it are room coordinates.
+struct PlanOpening : PlanHole {
   RoomSide wall = RoomSide::kWest;
-  std::array<double, 2> lower{};  // [m]: along the wall, height; room coordinates
-  std::array<double, 2> upper{};
-  std::string material;  // empty: a hole
 };
 
 struct PlanBox {
@@ -68,15 +90,20 @@ struct PlanBox {
 
 struct RoomPlan {
   std::string name;
-  Vec3d lower;  // [m], the corners of the room
+  Vec3d lower;  // [m], the corners of the room, or of the smallest box around all rooms
   Vec3d upper;
-  std::array<std::string, kRoomSides.size()> side_material;
-  std::vector<PlanOpening> openings;
+  std::array<std::string, kRoomSides.size()> side_material;  // of a plan with a size
+  std::vector<PlanOpening> openings;                         // in those sides
+  std::vector<PlanRoom> rooms;                               // of a plan with outlines
+  std::vector<PlanWall> walls;                               // of those rooms, and within rooms
   std::vector<PlanBox> boxes;
   std::vector<StatedMaterial> materials;  // those in use, by name
   Carrier carrier;                        // 40 MHz at channel 36 unless stated
   std::vector<SiteAccessPoint> access_points;
 };
+
+// 40 MHz at channel 36.
+Carrier usual_carrier();
 
 Expected<RoomPlan> load_room_plan(const std::filesystem::path& file);
 // The same of a text; `file` is for messages.

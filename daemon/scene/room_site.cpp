@@ -1,31 +1,111 @@
 #include "daemon/scene/room_site.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <vector>
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/scene/access_point_presets.h"
+
 namespace rayloc {
 namespace {
 
-// Of an access point that the plan does not name.
-constexpr const char* kAccessPointExample =
-    R"(# Name each access point, and where its antennas are: then this folder is a site.
-# [[access_point]]
-# id = "ap1"
-# position = [0.3, 0.3, 2.2]  # the middle of the antennas, metres
-# yaw_deg = 45                # where it looks: anticlockwise from +x
-# [[access_point.antenna]]    # local frame: +x is where it looks, +y its left
-# core = 0
-# offset = [0, -0.089, 0]
-# [[access_point.antenna]]
-# core = 1
-# offset = [0, 0, 0]
-# [[access_point.antenna]]
-# core = 2
-# offset = [0, 0.089, 0]
-)";
+// Of an access point that nobody has named: where one usually hangs, in a corner below the ceiling.
+constexpr double kFromWalls = 0.3;     // [m], chosen
+constexpr double kUsualHeight = 2.2;   // [m], chosen
+constexpr double kBelowCeiling = 0.3;  // [m], chosen
+
+struct AccessPointPlace {
+  Vec3d position;  // [m]
+  double yaw_deg;
+};
+
+// In the first corner of the room that leaves space for it, looking at the room's middle.
+AccessPointPlace usual_place(const RoomPlan& plan) {
+  const Vec3d& low = plan.lower;
+  const Vec3d& high = plan.upper;
+  std::vector<FloorPoint> outline{
+      {low.x, low.y}, {high.x, low.y}, {high.x, high.y}, {low.x, high.y}};
+  PlanRoom room{.outline = outline, .level = low.z, .height = high.z};
+  if (!plan.rooms.empty()) {
+    room = plan.rooms.front();
+  }
+  const std::size_t n = room.outline.size();
+  FloorPoint middle{};
+  for (const FloorPoint& corner : room.outline) {
+    middle = {middle[0] + corner[0] / static_cast<double>(n),
+              middle[1] + corner[1] / static_cast<double>(n)};
+  }
+  FloorPoint at = middle;
+  for (std::size_t i = 0; i < n; ++i) {
+    const FloorPoint& corner = room.outline[i];
+    const FloorPoint& before = room.outline[(i + n - 1) % n];
+    const FloorPoint& after = room.outline[(i + 1) % n];
+    FloorPoint inwards = corner;
+    for (const FloorPoint& neighbour : {before, after}) {
+      const double length = std::hypot(neighbour[0] - corner[0], neighbour[1] - corner[1]);
+      inwards = {inwards[0] + kFromWalls * (neighbour[0] - corner[0]) / length,
+                 inwards[1] + kFromWalls * (neighbour[1] - corner[1]) / length};
+    }
+    if (is_within(room.outline, inwards, 0.0)) {
+      at = inwards;
+      break;
+    }
+  }
+  const double ceiling = room.ceiling_at(at) - kBelowCeiling;
+  const auto rounded = [](double value) { return std::round(value * 100.0) / 100.0; };
+  const double yaw = std::atan2(middle[1] - at[1], middle[0] - at[0]) * 180.0 / std::numbers::pi;
+  return {{rounded(at[0]),
+           rounded(at[1]),
+           rounded(std::max(std::min(room.level + kUsualHeight, ceiling),
+                            0.5 * (room.level + ceiling + kBelowCeiling)))},
+          std::round(yaw)};
+}
+
+// One in a corner of the room, with the antennas of a known model.
+std::string access_point_block(const RoomPlan& plan, const AntennaPreset& preset) {
+  const AccessPointPlace place = usual_place(plan);
+  std::string text = fmt::format(
+      "[[access_point]]  # {}, {}\nid = \"ap1\"\n"
+      "position = [{}, {}, {}]  # of the middle antenna, metres: write where it is\n"
+      "yaw_deg = {}  # where it looks: anticlockwise from +x\n",
+      preset.model,
+      preset.remark,
+      place.position.x,
+      place.position.y,
+      place.position.z,
+      place.yaw_deg);
+  double y = -preset.spacing_m;
+  for (const int core : preset.cores) {
+    text +=
+        fmt::format("[[access_point.antenna]]{}\ncore = {}\noffset = [0, {}, 0]\n",
+                    y < 0.0 ? "  # from the access point: +x is where it looks, +y its left" : "",
+                    core,
+                    y);
+    y += preset.spacing_m;
+  }
+  return text;
+}
+
+std::string commented(const std::string& text) {
+  std::string lines = "# ";
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    lines += text[i];
+    lines += text[i] == '\n' && i + 1 < text.size() ? "# " : "";
+  }
+  return lines;
+}
+
+std::string access_point_example(const RoomPlan& plan) {
+  return "# Name each access point, and where its antennas are: then this folder is a site. "
+         "Without "
+         "its\n# \"# \" this one is ready, in a corner of the room (--access-point says of which "
+         "model).\n" +
+         commented(access_point_block(plan, kAntennaPresets.front()));
+}
 
 // A TOML string of a name without control characters.
 std::string quoted(const std::string& name) {
@@ -108,7 +188,7 @@ std::string access_point_text(const SiteAccessPoint& ap) {
 
 }  // namespace
 
-std::string room_site(const RoomPlan& plan) {
+std::string room_site(const RoomPlan& plan, std::string_view model) {
   std::string text = fmt::format(
       "name = {}\nscene = \"scene.xml\"\n\n[bounds]  # metres, room coordinates\n"
       "x = [{}, {}]\ny = [{}, {}]\nz = [{}, {}]\n",
@@ -123,7 +203,10 @@ std::string room_site(const RoomPlan& plan) {
   for (const SiteAccessPoint& ap : plan.access_points) {
     text += access_point_text(ap);
   }
-  return plan.access_points.empty() ? text + "\n" + kAccessPointExample : text;
+  if (!model.empty()) {
+    return text + "\n" + access_point_block(plan, preset_of(model));
+  }
+  return plan.access_points.empty() ? text + "\n" + access_point_example(plan) : text;
 }
 
 std::map<std::string, std::filesystem::path> room_pattern_files(const RoomPlan& plan) {

@@ -4,14 +4,16 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 
 #include "daemon/scene/room_plan.h"
 
 namespace rayloc {
 
 // The text of site.toml, beside scene.xml: name, bounds, carrier, access points. Without an access
-// point in the plan it lacks one, and says in a comment what to write.
-std::string room_site(const RoomPlan& plan);
+// point in the plan it lacks one, and says in a comment what to write: a block with the antennas of
+// a known model. With `model` (access_point_presets.h) that block is no comment.
+std::string room_site(const RoomPlan& plan, std::string_view model = {});
 
 // The tables of gains of its antennas: the name in site.toml, and the file that the plan names.
 std::map<std::string, std::filesystem::path> room_pattern_files(const RoomPlan& plan);

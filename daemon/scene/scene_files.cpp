@@ -62,7 +62,16 @@ std::string bsdf(const StatedMaterial& material) {
   } else {
     text += fmt::format("        <string name=\"type\" value=\"{}\"/>\n", material.itu);
   }
-  return text + number("thickness", material.thickness) + "    </bsdf>\n";
+  text += number("thickness", material.thickness);
+  if (const SurfaceScattering& rough = material.scattering; rough.is_rough()) {
+    text += number("scattering_coefficient", rough.scattering_coefficient) +
+            number("xpd_coefficient", rough.xpd_coefficient) +
+            fmt::format("        <string name=\"scattering_pattern\" value=\"{}\"/>\n",
+                        kScatteringPatternNames.at(static_cast<std::size_t>(rough.pattern))) +
+            number("alpha_r", rough.alpha_r) + number("alpha_i", rough.alpha_i) +
+            number("lambda_", rough.lambda);
+  }
+  return text + "    </bsdf>\n";
 }
 
 std::string shape(const StatedObject& object, const std::string& file) {

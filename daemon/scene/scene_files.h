@@ -20,6 +20,7 @@ struct StatedMaterial {
   double relative_permittivity = 1.0;
   double conductivity = 0.0;             // [S/m]
   double thickness = kDefaultThickness;  // [m]
+  SurfaceScattering scattering = {};
 };
 
 // Whether an object or a material can have that name, which becomes a part of ids and of file

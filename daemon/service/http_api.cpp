@@ -1,5 +1,6 @@
 #include "daemon/service/http_api.h"
 
+#include <array>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +9,8 @@
 #include "daemon/http/map_files.h"
 #include "daemon/live_map/playback_control.h"
 #include "daemon/publish/json.h"
+#include "daemon/publish/topic.h"
+#include "daemon/studio/studio_routes.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc {
@@ -43,12 +46,12 @@ HttpReply refusal(const Error& error) {
           json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
 }
 
-HttpReply healthz(const ServiceHealth& health) {
-  if (health.stuck_stages.empty()) {
+HttpReply healthz(const std::vector<std::string>& stuck_stages) {
+  if (stuck_stages.empty()) {
     return {200, kPlain, "ok\n"};
   }
   std::string names;
-  for (const std::string& stage : health.stuck_stages) {
+  for (const std::string& stage : stuck_stages) {
     names += "no progress: " + stage + "\n";
   }
   return {kUnavailable, kPlain, names};
@@ -62,9 +65,9 @@ HttpReply sources(const StatusMessages& status) {
   return array.reply();
 }
 
-HttpReply targets(const LastMessages& last) {
+HttpReply targets(const LastMessages& last, const std::string& site) {
   JsonArray array;
-  for (const auto& [topic, bytes] : last.matching({"v1/location/"})) {
+  for (const auto& [topic, bytes] : last.matching({"v1/location/" + site + "/"})) {
     v1::Envelope envelope;
     if (envelope.ParseFromString(bytes)) {
       array.add(envelope);
@@ -73,36 +76,40 @@ HttpReply targets(const LastMessages& last) {
   return array.reply();
 }
 
-}  // namespace
+HttpReply readyz(const Readiness& now) {
+  return {now.ready() ? 200 : kUnavailable, "application/json", to_json(now)};
+}
 
-std::map<std::string, HttpRoute> http_routes(HttpApi shared) {
-  const auto api = std::make_shared<const HttpApi>(std::move(shared));
-  std::map<std::string, HttpRoute> routes = map_routes();
-  routes["/healthz"] = {[api] { return healthz(api->health()); }, true};
-  routes["/readyz"] = {
-      [api] {
-        const Readiness now = readiness(api->status(), api->health());
-        return HttpReply{now.ready() ? 200 : kUnavailable, "application/json", to_json(now)};
-      },
-      true};
-  routes["/metrics"] = {[api] {
-                          return HttpReply{200,
-                                           "text/plain; version=0.0.4; charset=utf-8",
-                                           metrics_text(api->status().heartbeat, api->metrics())};
-                        },
-                        true};
+HttpReply json_text(std::string text) { return {200, "application/json", std::move(text)}; }
+
+// What programs ask that know of one site only.
+HttpReply ask_a_site() {
+  constexpr int kNotFound = 404;
+  return {kNotFound,
+          "application/json",
+          "{\"error\":\"there are several sites here: /api/v1/sites lists them, and each answers "
+          "this below /site/NAME\"}\n"};
+}
+
+constexpr std::array kPathsOfSites = {"/api/v1/status",
+                                      "/api/v1/sources",
+                                      "/api/v1/targets",
+                                      "/api/v1/map",
+                                      "/api/v1/solid",
+                                      "/api/v1/calibration",
+                                      "/api/v1/channel",
+                                      "/api/v1/presence"};
+
+HttpRoutes routes_of(const std::shared_ptr<const SiteApi>& api) {
+  HttpRoutes routes;
   routes["/api/v1/status"] = {[api] { return json_of(api->status().heartbeat); }};
   routes["/api/v1/sources"] = {[api] { return sources(api->status()); }};
-  routes["/api/v1/targets"] = {[api] { return targets(*api->last); }};
-  routes["/api/v1/record/snapshot"] = {[api] { return api->snapshot(); }, false, nullptr, "POST"};
-  routes["/api/v1/config"] = {[api] { return HttpReply{200, "application/json", api->config()}; }};
-  routes["/api/v1/map"] = {[api] { return HttpReply{200, "application/json", api->map}; }};
-  routes["/api/v1/calibration"] = {[api] {
-    return HttpReply{200, "application/json", api->calibration};
-  }};
-  routes["/api/v1/channel"] = {[api] {
-    return HttpReply{200, "application/json", api->channel()};
-  }};
+  routes["/api/v1/targets"] = {[api] { return targets(*api->last, api->component); }};
+  routes["/api/v1/map"] = {[api] { return json_text(api->map); }};
+  routes["/api/v1/solid"] = {[api] { return json_text(api->solid); }};
+  routes["/api/v1/calibration"] = {[api] { return json_text(api->calibration); }};
+  routes["/api/v1/channel"] = {[api] { return json_text(api->channel()); }};
+  routes["/api/v1/presence"] = {[api] { return json_text(api->presence()); }};
   if (api->playback) {
     routes["/api/v1/playback"] = {
         .handler = [api] { return json_of(playback_message(api->playback->state())); },
@@ -115,7 +122,96 @@ std::map<std::string, HttpRoute> http_routes(HttpApi shared) {
             }};
   }
   routes["/events"] = {nullptr, false, api->events};
+  if (api->editor) {
+    routes.merge(editor_routes(api->editor, api->survey));
+    routes.merge(calibration_routes(api->calibration_job));
+  }
   return routes;
 }
+
+HttpRoutes routes_of(const DaemonApi& daemon) {
+  const auto api = std::make_shared<const DaemonApi>(daemon);
+  HttpRoutes routes;
+  routes["/healthz"] = {[api] { return healthz(api->stuck_stages()); }, true};
+  routes["/readyz"] = {[api] { return readyz(api->readiness()); }, true};
+  routes["/metrics"] = {
+      [api] {
+        return HttpReply{200, "text/plain; version=0.0.4; charset=utf-8", api->metrics()};
+      },
+      true};
+  routes["/api/v1/record/snapshot"] = {[api] { return api->snapshot(); }, false, nullptr, "POST"};
+  routes["/api/v1/config"] = {[api] { return json_text(api->config()); }};
+  routes["/api/v1/sites"] = {[api] { return json_text(api->sites("")); }};
+  return routes;
+}
+
+std::string path_of_site(const std::string& component) {
+  return "/site/" + decoded_component(component);  // requests are compared when they are decoded
+}
+
+// The map of a site that does not run shows why, and goes on by itself once it does.
+void add_absent(const DaemonApi& daemon,
+                const std::string& name,
+                const std::string& why,
+                HttpRoutes& routes) {
+  const std::string path = path_of_site(topic_component(name));
+  for (const auto& [map, route] : map_routes()) {
+    routes[path + map] = route;
+  }
+  const nlohmann::json error = {{"error", why}};
+  const HttpReply reply{
+      kUnavailable,
+      "application/json",
+      error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
+  for (const char* const asked : kPathsOfSites) {
+    routes[path + asked] = {[reply] { return reply; }};
+  }
+  routes[path + "/readyz"] = {[why] { return readyz({{why}, {}}); }, true};
+  routes[path + "/api/v1/sites"] = {[ask = daemon.sites] { return json_text(ask("../../")); }};
+}
+
+// All that a site answers, with its map, below a path of its own.
+void add_below(const DaemonApi& daemon,
+               const std::shared_ptr<const SiteApi>& site,
+               HttpRoutes& routes) {
+  const std::string path = path_of_site(site->component);
+  for (const HttpRoutes& some : {routes_of(site), map_routes()}) {
+    for (const auto& [name, route] : some) {
+      routes[path + name] = route;
+    }
+  }
+  routes[path + "/readyz"] = {[ask = site->readiness] { return readyz(ask()); }, true};
+  routes[path + "/api/v1/sites"] = {[ask = daemon.sites] { return json_text(ask("../../")); }};
+}
+
+}  // namespace
+
+HttpRoutes single_site_routes(const DaemonApi& daemon, const std::shared_ptr<const SiteApi>& site) {
+  HttpRoutes routes = map_routes();
+  routes.merge(routes_of(site));
+  routes.merge(routes_of(daemon));
+  add_below(daemon, site, routes);
+  return routes;
+}
+
+HttpRoutes site_list_routes(const DaemonApi& daemon,
+                            const std::vector<std::shared_ptr<const SiteApi>>& sites,
+                            const std::map<std::string, std::string>& absent) {
+  HttpRoutes routes = map_routes();
+  routes["/"] = routes.at("/map/sites.html");
+  routes.merge(routes_of(daemon));
+  for (const char* const path : kPathsOfSites) {
+    routes[path] = {[] { return ask_a_site(); }};
+  }
+  for (const auto& site : sites) {
+    add_below(daemon, site, routes);
+  }
+  for (const auto& [name, why] : absent) {
+    add_absent(daemon, name, absence(why), routes);
+  }
+  return routes;
+}
+
+std::string absence(const std::string& why) { return "it has not begun: " + why; }
 
 }  // namespace rayloc

@@ -1,19 +1,29 @@
 // The paths that raylocd answers over HTTP, and what with.
 //
+// Of the daemon:
 //   /healthz              200 while every stage makes progress, else 503 with their names
 //   /readyz               200 or 503, with reasons (readiness.h)
 //   /metrics              Prometheus text
+//   /api/v1/config        every key that holds, by section
+//   /api/v1/sites         an array: name, path, ready, reasons, warnings, counts of each site
+//   /  /map/NAME          the live map (daemon/http/map_files.h); with [[site]] the list of sites
+//   POST /api/v1/record/snapshot   202 and the files that what came lately is being written to
+//
+// Of a site, below /site/NAME, and where it is the only one ([site]) at the top as well:
 //   /api/v1/status        a v1::Heartbeat as JSON
 //   /api/v1/sources       an array of v1::SourceState
 //   /api/v1/targets       an array of the last v1::Envelope of each target
-//   /api/v1/config        every key that holds, by section
 //   /api/v1/map           what the map draws that does not move (map_geometry.h)
+//   /api/v1/solid         the same room as an isometric picture (map_solid.h)
 //   /api/v1/calibration   what the report beside the calibration says (map_geometry.h)
+//   /api/v1/presence      where somebody was in the last hours (map_presence.h)
 //   /api/v1/channel       channels of located devices, measured and simulated (map_channel.h)
 //   /api/v1/playback      a v1::Playback; POST changes it (playback_control.h); recordings only
+//   /readyz               of this site
 //   /events               server-sent events: what is published (map_events.h)
-//   /  /map/NAME          the live map (daemon/http/map_files.h)
-//   POST /api/v1/record/snapshot   202 and the files that what came lately is being written to
+//   /  /map/NAME          its live map
+//   /edit  /api/v1/edit  /api/v1/survey  /api/v1/calibrate   its editor (studio_routes.h), with
+//   [http] edit
 #pragma once
 
 #include <functional>
@@ -24,27 +34,54 @@
 
 #include "daemon/health/readiness.h"
 #include "daemon/http/http_server.h"
-#include "daemon/http/metrics.h"
 #include "daemon/pipeline/playback/playback.h"
 #include "daemon/publish/last_messages.h"
+#include "daemon/studio/calibration_job.h"
+#include "daemon/studio/site_editor.h"
+#include "daemon/studio/walked_survey.h"
 
 namespace rayloc {
 
-// Where the answers come from; called on the server's thread, and outlives it.
-struct HttpApi {
+// Where the answers of a site come from; called on the server's thread.
+struct SiteApi {
+  std::string component;  // of its topics and paths
   std::function<StatusMessages()> status;
-  std::function<ServiceHealth()> health;
-  std::function<std::vector<ExtraMetric>()> metrics;
-  std::function<std::string()> config;  // JSON
-  std::function<HttpReply()> snapshot;
+  std::function<Readiness()> readiness;
   std::shared_ptr<Playback> playback;  // null: this path does not exist
   std::shared_ptr<const LastMessages> last;
   std::shared_ptr<EventFeed> events;
-  std::string map;                       // JSON
-  std::string calibration;               // JSON
-  std::function<std::string()> channel;  // JSON
+  std::string map;                        // JSON
+  std::string solid;                      // JSON
+  std::string calibration;                // JSON
+  std::function<std::string()> channel;   // JSON
+  std::function<std::string()> presence;  // JSON
+  // Null: nothing is drawn or written here.
+  std::shared_ptr<const SiteEditor> editor;
+  std::shared_ptr<WalkedSurvey> survey;
+  std::shared_ptr<CalibrationJob> calibration_job;  // of that survey
 };
 
-std::map<std::string, HttpRoute> http_routes(HttpApi api);
+// The same of the daemon.
+struct DaemonApi {
+  std::function<std::vector<std::string>()> stuck_stages;
+  std::function<Readiness()> readiness;
+  std::function<std::string()> metrics;
+  std::function<std::string()> config;  // JSON
+  std::function<HttpReply()> snapshot;
+  // JSON; `root`: what leads from where it is asked for to the top, "" or "../../".
+  std::function<std::string(const std::string& root)> sites;
+};
+
+using HttpRoutes = std::map<std::string, HttpRoute>;
+
+// Of the only site, at the top.
+HttpRoutes single_site_routes(const DaemonApi& daemon, const std::shared_ptr<const SiteApi>& site);
+// Each below its own path. `absent`: that do not run, with why, by name; they answer that.
+HttpRoutes site_list_routes(const DaemonApi& daemon,
+                            const std::vector<std::shared_ptr<const SiteApi>>& sites,
+                            const std::map<std::string, std::string>& absent);
+
+// Why a site is not ready that has never begun.
+std::string absence(const std::string& why);
 
 }  // namespace rayloc

@@ -24,10 +24,9 @@ std::string hash_of(const Expected<std::string>& content) {
 
 InputFiles InputFiles::of(const DaemonSetup& setup) {
   InputFiles files;
-  for (const std::filesystem::path& file : setup.site.files) {
-    files.add(file);
+  if (!setup.config.has_site_list) {
+    files.add_site(setup.sites.front().site);
   }
-  files.add_scene(setup.site);
   const DaemonConfig& config = setup.config;
   for (const auto& secret :
        {config.curve.secret_file, config.http.token_file, config.privacy.key_file}) {
@@ -36,6 +35,19 @@ InputFiles InputFiles::of(const DaemonSetup& setup) {
     }
   }
   return files;
+}
+
+InputFiles InputFiles::of(const SiteSetup& setup) {
+  InputFiles files;
+  files.add_site(setup.site);
+  return files;
+}
+
+void InputFiles::add_site(const Site& site) {
+  for (const std::filesystem::path& file : site.files) {
+    add(file);
+  }
+  add_scene(site);
 }
 
 void InputFiles::add(const std::filesystem::path& file) {

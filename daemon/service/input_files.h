@@ -15,12 +15,16 @@ namespace rayloc {
 
 class InputFiles {
  public:
+  // What a reload cannot read anew: secrets, and the site of [site].
   static InputFiles of(const DaemonSetup& setup);
+  // The files of a site.
+  static InputFiles of(const SiteSetup& setup);
 
   // The paths of those whose contents differ, came or went; sorted.
   std::vector<std::string> changes_to(const InputFiles& newer) const;
 
  private:
+  void add_site(const Site& site);
   void add(const std::filesystem::path& file);
   void add_scene(const Site& site);
 

@@ -121,7 +121,9 @@ SocketDemand http_demand(const HttpConfig& http) {
   SocketDemand demand;
   demand.unit = "raylocd-http.socket";
   demand.line = "ListenStream=" + http.host + ":" + std::to_string(http.port);
-  if (!http.insecure && http.token_file.empty()) {
+  if (http.edit && http.token_file.empty()) {
+    demand.precaution = "set token_file in [http], which edit needs";
+  } else if (!http.insecure && http.token_file.empty()) {
     demand.precaution = "set token_file, or insecure = true, in [http]";
   }
   return demand;
@@ -130,7 +132,7 @@ SocketDemand http_demand(const HttpConfig& http) {
 SocketDemand source_demand(const SourceConfig& source) {
   const bool udp = source.kind == SourceKind::kUdp;
   SocketDemand demand;
-  demand.unit = "raylocd-source@" + source.access_point + ".socket";
+  demand.unit = "raylocd-source@" + source.instance + ".socket";
   demand.line = "ListenDatagram=" +
                 (udp ? "0.0.0.0:" + std::to_string(source.listen_port) : source.path.string());
   demand.listening = false;
@@ -181,7 +183,7 @@ Expected<void> check_passed_sockets(const PassedSockets& sockets, const DaemonCo
       continue;
     }
     const SocketDemand demand = source_demand(source);
-    const std::string name = "source-" + source.access_point;
+    const std::string name = "source-" + source.instance;
     if (sockets.find(name) && !source.only_interface.empty()) {
       return only_interface_error(source, demand.unit);
     }

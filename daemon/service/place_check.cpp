@@ -10,7 +10,7 @@
 #include "daemon/publish/socket/endpoint.h"
 #include "daemon/publish/socket/tcp_listener.h"
 #include "daemon/service/passed_socket_check.h"
-#include "daemon/service/source_factory.h"
+#include "daemon/service/sources/source_factory.h"
 
 namespace rayloc {
 namespace {
@@ -50,7 +50,8 @@ Expected<void> check_places(const DaemonConfig& config, const PassedSockets& soc
     }
   }
   for (const SourceConfig& source : config.sources) {
-    if (takes_socket(source) && sockets.find("source-" + source.access_point)) {
+    if (source.kind == SourceKind::kCluster ||
+        (takes_socket(source) && sockets.find("source-" + source.instance))) {
       continue;
     }
     if (Expected<void> is_free = check_source(source); !is_free) {

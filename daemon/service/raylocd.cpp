@@ -43,6 +43,12 @@ void stop_in_time(Service& service, const std::string& reason) {
                      stage,
                      recorder ? ": what waits for the disk is lost" : "");
   }
+  if (hung.empty() && service.preparing_sites()) {
+    spdlog::info("stopped while a site was being prepared");
+    spdlog::default_logger()->flush();
+    std::this_thread::sleep_for(kLinger);
+    std::_Exit(0);  // tracing cannot be interrupted
+  }
   if (!hung.empty()) {
     spdlog::default_logger()->flush();
     std::this_thread::sleep_for(kLinger);

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "daemon/config/config.h"
 #include "daemon/service/input_files.h"
@@ -22,12 +23,13 @@ class Reloader {
       : file_(setup.config.file), values_(setup.values), inputs_(InputFiles::of(setup)) {}
 
   struct Reload {
-    DaemonConfig config;    // as the files are now
-    ConfigChanges changes;  // since the start or the last reload; `config` may be applied as far
-                            // as `changes.applicable` goes
+    DaemonConfig config;           // as the files are now, as far as a reload applies them
+    std::vector<SiteSetup> sites;  // the same
+    ConfigChanges changes;         // since the start or the last reload
   };
   // An Error: what is wrong, by file:line:column; nothing is to be changed.
-  Expected<Reload> reload();
+  // Files of a site of [[site]] that are wrong are its own trouble.
+  Expected<Reload> reload(const RunningSetup& running);
   // What holds now.
   const ConfigValues& values() const { return values_; }
 

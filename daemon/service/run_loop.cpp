@@ -47,13 +47,15 @@ RunLoop::RunLoop(Service& service, const ServiceManager& manager, Reloader reloa
     : service_(service),
       manager_(manager),
       reloader_(std::move(reloader)),
-      watchdog_(service.stages(), patience(manager)),
+      watchdog_(std::in_place, service.stages(), patience(manager)),
       period_(std::min(kTick, patience(manager) / 2)) {
   service_.note_reload(true, &reloader_.values());
 }
 
 std::string RunLoop::run(const sigset_t& signals) {
-  const timespec wait{period_.count() / 1000, (period_.count() % 1000) * 1'000'000};
+  const auto period = std::min(period_, service_.tend_period());
+  const timespec wait{period.count() / 1000, (period.count() % 1000) * 1'000'000};
+  auto next = std::chrono::steady_clock::now();
   for (;;) {
     const int signal = sigtimedwait(&signals, nullptr, &wait);
     if (signal == SIGHUP) {
@@ -64,11 +66,28 @@ std::string RunLoop::run(const sigset_t& signals) {
       log_.finish();
       return signal == SIGINT ? "SIGINT" : "SIGTERM";
     }
-    tick();
+    if (const auto now = std::chrono::steady_clock::now(); signal > 0 || now >= next) {
+      next = now + period_;
+      tick();
+    } else {
+      tend_sites();
+    }
+  }
+}
+
+void RunLoop::tend_sites() {
+  if (service_.tend_sites()) {
+    watchdog_.emplace(service_.stages(), patience(manager_));
   }
 }
 
 void RunLoop::tick() {
+  // Before sites are tended: what is ended by a reload is no longer among the stages then.
+  const bool wished = service_.take_reload_wish();
+  if (wished || (reload_again_ && !service_.preparing_sites())) {
+    reload();
+  }
+  tend_sites();
   for (const std::string& error : service_.new_errors()) {
     log_.say(error, {LogLevel::kError, error, {}});
   }
@@ -111,7 +130,7 @@ void RunLoop::tell_readiness() {
 }
 
 void RunLoop::feed_watchdog() {
-  const std::vector<Watchdog::Stuck> stuck = watchdog_.check(std::chrono::steady_clock::now());
+  const std::vector<Watchdog::Stuck> stuck = watchdog_->check(std::chrono::steady_clock::now());
   std::vector<std::string> names;
   names.reserve(stuck.size());
   for (const Watchdog::Stuck& stage : stuck) {
@@ -148,14 +167,20 @@ void RunLoop::snapshot(const std::string& reason) {
 }
 
 void RunLoop::reload() {
+  reload_again_ = service_.preparing_sites();
+  if (reload_again_) {
+    spdlog::info("reload: again when the sites of the last one run");
+    return;
+  }
   manager_.reloading();
-  const Expected<Reloader::Reload> reload = reloader_.reload();
+  Expected<Reloader::Reload> reload = reloader_.reload(service_.running());
   if (!reload) {
     spdlog::error("reload: nothing has changed, the configuration is wrong:\n{}",
                   reload.error().message);
   } else {
     set_log_level(reload->config.log);
     service_.apply(reload->config);
+    service_.reload_sites(std::move(reload->sites), reload->changes.sites);
     const std::string applied = joined(reload->changes.applicable);
     spdlog::info("reload: {}", applied.empty() ? "no change" : "changed " + applied);
     if (!reload->changes.needs_restart.empty()) {

@@ -33,6 +33,7 @@ class RunLoop {
 
  private:
   void tick();
+  void tend_sites();
   void tell_readiness();
   void reload();
   void snapshot(const std::string& reason);
@@ -41,11 +42,12 @@ class RunLoop {
   Service& service_;
   const ServiceManager& manager_;
   Reloader reloader_;
-  Watchdog watchdog_;
+  std::optional<Watchdog> watchdog_;  // of the stages that there are
   std::chrono::milliseconds period_;  // between two ticks
   std::chrono::steady_clock::time_point next_status_{};
   std::chrono::steady_clock::time_point next_spare_{};  // memory that is given back
   bool stuck_ = false;
+  bool reload_again_ = false;  // asked for while sites were being prepared
   std::optional<bool> ready_;  // as the log says; nothing: it has not said yet
   LimitedLog log_{log_event};  // of errors: some come and go with every second
 };

@@ -4,34 +4,39 @@
 // Thread safety: one thread (main). It starts the others and joins them.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "capture/transport/file_descriptor.h"
+#include "daemon/cluster/broker.h"
+#include "daemon/cluster/capture_role.h"
+#include "daemon/cluster/gateway_role.h"
+#include "daemon/cluster/ownership/claim_keeper.h"
+#include "daemon/cluster/ownership/overload_rule.h"
 #include "daemon/config/config.h"
 #include "daemon/health/loss_watch.h"
 #include "daemon/health/readiness.h"
-#include "daemon/health/saturation.h"
-#include "daemon/health/status.h"
-#include "daemon/pipeline/device_estimator.h"
-#include "daemon/pipeline/estimator_list.h"
-#include "daemon/pipeline/person_estimator.h"
-#include "daemon/pipeline/pipeline.h"
-#include "daemon/pipeline/publisher_stage.h"
-#include "daemon/pipeline/record/recorder_stage.h"
-#include "daemon/pipeline/record/ring_snapshots.h"
-#include "daemon/pipeline/zone_estimator.h"
+#include "daemon/http/metrics.h"
+#include "daemon/machine/process_load.h"
+#include "daemon/pipeline/output/publisher_stage.h"
+#include "daemon/pipeline/record/system_now.h"
 #include "daemon/publish/last_messages.h"
-#include "daemon/publish/message_board.h"
 #include "daemon/publish/snapshot_server.h"
 #include "daemon/publish/socket/connection_guard.h"
-#include "daemon/publish/target_names.h"
 #include "daemon/service/http_api.h"
 #include "daemon/service/service_manager.h"
-#include "daemon/service/source_factory.h"
+#include "daemon/service/site_preparation.h"
+#include "daemon/service/site_runtime.h"
+#include "daemon/service/site_set.h"
+#include "daemon/service/sources/handed_sources.h"
 #include "engine/base/expected.h"
 
 namespace rayloc {
@@ -55,6 +60,19 @@ class Service {
 
   // What a reload may change. REQUIRES: `config` was validated.
   void apply(const DaemonConfig& config);
+  // With [[site]]: ends the sites that are gone, and begins to prepare those that are new, that are
+  // among `changed`, or whose files are others now. The others are not touched, and one whose files
+  // cannot be used goes on as it was. REQUIRES: no site is being prepared.
+  void reload_sites(std::vector<SiteSetup> setups, const std::set<std::string>& changed);
+  bool preparing_sites() const { return preparation_ != nullptr; }
+  // Whether somebody has written the files of a site in the map since the last call.
+  bool take_reload_wish() { return reload_wanted_.exchange(false); }
+  // Lets those go on that are prepared by now, and those that were claimed; whether there are other
+  // stages() than before.
+  bool tend_sites();
+  // How often that is to be done.
+  std::chrono::milliseconds tend_period() const;
+  RunningSetup running() const;
   void note_reload(bool successful, const ConfigValues* values);
   void note_stuck(std::vector<std::string> stages);
 
@@ -94,57 +112,117 @@ class Service {
  private:
   explicit Service(DaemonSetup setup) : setup_(std::move(setup)) {}
   Expected<void> check_resources(bool estimators_ready) const;
+  Expected<void> open_cluster();
+  void look_at_broker();
   Expected<void> open_publishing(PassedSockets& sockets);
-  Expected<void> open_estimators(std::shared_ptr<PathGridStore> path_grids);
-  void look_at_site();
   Expected<void> open_http(PassedSockets& sockets);
-  ServiceHealth health() const;  // as of now
+  ServiceHealth health_of(const RunningSite& site) const;  // as of now
   std::vector<ExtraMetric> extra_metrics() const;
+  ExtraMetric running_sites() const;
   std::vector<Stage> working_stages() const;
-  std::string stuck_in_pipeline() const;
   HttpReply answer_snapshot();
-  void add_ring(SourceWorker::Input& input);
-  void open_snapshots();
-  Expected<void> open_sources(PassedSockets& sockets, std::vector<SourceWorker::Input>& inputs);
+
+  // A site that is about to run: nobody hears it yet.
+  Expected<RunningSite> begin_site(std::unique_ptr<SiteRuntime> runtime, InputFiles files);
+  void end_sites(const std::vector<SiteSet::Site>& sites);
+  void let_go(const SiteSet::Site& site);
+  void end_for_exchange(const std::vector<SitePreparation::Prepared>& prepared);
+  void exchange_sites(std::vector<SitePreparation::Prepared> prepared);
+  void listen_to_owner(const std::string& site, std::shared_ptr<SiteOutput> output);
+  // Of a worker (service_worker.cpp).
+  Expected<void> open_claims();
+  void keep_ready(SitePreparation::Prepared prepared);
+  void tend_claims();
+  void own(const ClaimKeeper::Change& change);
+  Expected<void> begin_owned(SitePreparation::Prepared prepared, std::uint64_t generation);
+  void lose(const SiteSet::Site& site, const std::string& why);
+  void show(RunningSite site);
+  // Of one that computes along for sites of others (service_standby.cpp).
+  // What it computes along for becomes a part of the condition.
+  void tend_standby(v1::WorkerState& condition);
+  // Its load as well; a site that it is too slow for is offered to another worker.
+  void tend_load(v1::WorkerState& condition);
+  void stand_by(const std::string& name);
+  Expected<SiteSet::Site> computing_along(SitePreparation::Prepared prepared, StandbyStart along);
+  Expected<void> promote(const std::string& name, std::uint64_t generation);
+  void stand_by_no_more(const std::string& name, const std::string& why);
+  void note_audit(const RunningSite& site);
+  std::vector<ExtraMetric> standby_metrics() const;
+  void reload_worker(std::vector<SiteSetup> setups, const std::set<std::string>& changed);
+  void end_pipeline(const SiteSet::Site& site);
+  enum class AfterReload : std::uint8_t { kAsItWas, kEnded, kAbsent };
+  void note_trouble(const std::string& name, const std::string& trouble, AfterReload state);
+  std::optional<int> passed_socket(const std::string& name);
+  SiteRuntime::Surroundings surroundings(const std::function<void(const std::string&)>& log) const;
+  void fill_shared(StatusSources& status) const;
+  v1::Heartbeat shared() const;  // counters of what all sites share
+  Readiness readiness_of(const RunningSite& site) const;
+  void open_api(RunningSite& site) const;
+  void offer_editor(const RunningSite& running, SiteApi& api) const;
+  DaemonApi daemon_api();
+  HttpRoutes routes();
+  std::string metrics() const;
+  std::string sites_json(const std::string& root) const;
 
   const DaemonSetup setup_;
+  const bool has_site_list_ = setup_.config.has_site_list;
+  std::shared_ptr<Broker> broker_;        // null: not of a cluster
+  std::string broker_trouble_;            // why no server answers; empty: one does
+  std::unique_ptr<CaptureRole> capture_;  // null: no capture node
+  std::unique_ptr<ClaimKeeper> claims_;   // null: no worker
+  ProcessLoad load_;
+  OverloadRule overload_;
+  std::string claim_trouble_;             // that was told
+  std::unique_ptr<GatewayRole> gateway_;  // null: no gateway
+  // Of a worker: sites that it does not own, ready to run, by name, and those that are to be.
+  std::map<std::string, SitePreparation::Prepared> standby_;
+  std::vector<SiteSetup> to_prepare_;
+  // Those for which it computes along, by name; nobody hears them.
+  std::map<std::string, SiteSet::Site> along_;
+  using SteadyTime = std::chrono::steady_clock::time_point;
+  std::map<std::string, SteadyTime> along_not_before_;  // by site
+  SteadyTime along_looked_{};
+  // What was compared so far, of one site.
+  struct Audit {
+    StandbyAudit::Counters before;  // by those that have ended
+    StandbyAudit::Counters now;
+    bool is_told = false;  // of a difference, of the one that runs
+  };
+  mutable std::mutex audit_mutex_;
+  std::map<std::string, Audit> audits_;  // guarded by audit_mutex_; by site
   const std::shared_ptr<LimitedLog> limited_log_ = std::make_shared<LimitedLog>(log_event);
-  LossWatch losses_{limited_log_};
+  LossWatch shared_losses_{limited_log_};
+  const Timestamp started_ = system_now();
+  std::uint64_t epoch_ = 0;
   // Of threads that count no stage themselves; they outlive these.
   StageProgress guard_progress_;
   StageProgress snapshots_progress_;
   StageProgress http_progress_;
   std::shared_ptr<ConnectionGuard> guard_;
-  std::shared_ptr<TargetNames> names_;
-  std::unique_ptr<DeviceEstimator> estimator_;  // none with method "none"
-  std::unique_ptr<PersonEstimator> people_;     // none without a reference of the empty room
-  EstimatorList estimators_;                    // both
-  std::unique_ptr<ZoneEstimator> zones_;        // over them
   std::unique_ptr<PublisherStage> publisher_;
-  SiteLacks lacks_;  // none where nothing is to be located
-  RecordingClock recording_clock_;
-  std::vector<std::unique_ptr<RecorderStage>> recorders_;
-  std::vector<std::unique_ptr<DatagramRing>> rings_;
-  std::unique_ptr<RingSnapshots> snapshots_of_rings_;  // none where there are no rings
-  std::unique_ptr<Pipeline> pipeline_;
-  StatusSources status_;
+  SiteSet sites_;
+  std::shared_ptr<PathGridStore> path_grids_;
+  std::unique_ptr<SitePreparation> preparation_;       // null: no site is being prepared
+  HandedSources handed_;                               // of sites that are being exchanged
+  std::map<std::string, v1::ReloadCounters> reloads_;  // by site
+  std::vector<SiteSet::Site> abandoned_;  // did not end: what they use outlives the process
+  // Of sites that have ended: each as long as a channel of its map is still being traced, or
+  // somebody asks.
+  std::vector<std::shared_ptr<BackgroundText>> ended_channels_;
+  std::map<std::string, FileDescriptor> passed_;  // by name; for sites that come back
+  PassedSockets* sockets_ = nullptr;              // while it opens
+  mutable std::atomic<bool> reload_wanted_{false};
+  bool stages_changed_ = false;  // since tend_sites() said so
   std::shared_ptr<LastMessages> last_messages_;
-  std::shared_ptr<MessageBoard> message_board_;  // null without HTTP
   std::unique_ptr<SnapshotServer> snapshots_;
   mutable std::mutex health_mutex_;
   std::vector<std::string> stuck_stages_;  // guarded by health_mutex_
-  Saturation saturation_;                  // guarded by health_mutex_
   std::string config_json_;                // guarded by health_mutex_
   bool reload_failed_ = false;             // guarded by health_mutex_; the last one
   Timestamp reloaded_{};                   // guarded by health_mutex_; when
   std::unique_ptr<HttpServer> http_;       // last: its handlers look at all the others
   std::vector<std::string> told_errors_;
   std::vector<std::string> ended_errors_;
-  struct ToldWarning {
-    CalibrationWarning warning;
-    std::chrono::steady_clock::time_point time;
-  };
-  std::vector<ToldWarning> told_warnings_;
 };
 
 }  // namespace rayloc

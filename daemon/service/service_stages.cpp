@@ -37,7 +37,9 @@ Expected<void> Service::check_resources(bool estimators_ready) const {
                        : std::min<std::size_t>(std::thread::hardware_concurrency(), kMostTracing);
   // Of libzmq some 20, of HTTP two; the others are for clients.
   constexpr std::size_t kDescriptors = 48;
-  return check_start_resources(kThreads + tracing + 2 * sources, kDescriptors + 4 * sources);
+  const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first
+  return check_start_resources(kThreads + tracing + 2 * sources + estimations,
+                               kDescriptors + 4 * sources);
 }
 
 // However far a start has come: every thread ends before anything that it looks at. The publisher's
@@ -46,9 +48,11 @@ Service::~Service() {
   if (http_) {
     http_->stop();
   }
-  if (pipeline_) {
-    pipeline_->hurry();
-    pipeline_->stop();
+  for (const auto& [name, site] : along_) {
+    site->runtime->end();
+  }
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->end();
   }
   if (publisher_) {
     publisher_->halt();
@@ -57,7 +61,15 @@ Service::~Service() {
 
 void Service::start() {
   publisher_->start();
-  pipeline_->start();
+  for (const SiteSet::Site& site : sites_.all()) {
+    site->runtime->start();
+  }
+  if (claims_) {
+    claims_->start();
+  }
+  if (gateway_) {
+    gateway_->start();
+  }
   wait_until_started(working_stages());
   if (http_) {  // what it answers is of stages that run
     http_->start();
@@ -74,15 +86,19 @@ std::vector<Stage> Service::stages() const {
 }
 
 std::vector<Stage> Service::working_stages() const {
-  std::vector<Stage> stages = pipeline_->stages();
+  std::vector<Stage> stages;
+  for (const SiteSet::Site& site : sites_.all()) {
+    const std::vector<Stage> some = site->runtime->stages();
+    stages.insert(stages.end(), some.begin(), some.end());
+  }
+  if (claims_) {
+    stages.push_back({"claims", &claims_->progress()});
+    stages.push_back({"alive", &claims_->speaking()});
+  }
+  if (gateway_) {
+    stages.push_back({"gateway", &gateway_->progress()});
+  }
   stages.push_back({"publisher", &publisher_->progress()});
-  for (std::size_t i = 0; i < recorders_.size(); ++i) {
-    stages.push_back(
-        {"recorder " + setup_.config.sources[i].access_point, &recorders_[i]->progress()});
-  }
-  if (snapshots_of_rings_) {
-    stages.push_back({"ring snapshots", &snapshots_of_rings_->progress()});
-  }
   stages.push_back({"connection guard", &guard_progress_});
   stages.push_back({"snapshot server", &snapshots_progress_});
   return stages;
@@ -97,36 +113,58 @@ std::vector<std::string> Service::stop(const std::string& reason,
   if (http_) {
     shutdown.run("http", at(10), [this] { http_->stop(); });
   }
-  if (!shutdown.run("pipeline", at(75), [this] { pipeline_->stop(); })) {
-    pipeline_->hurry();
-    shutdown.wait_for("pipeline", at(94));
+  if (claims_) {
+    claims_->leave();
   }
-  for (std::size_t i = 0; i < recorders_.size(); ++i) {
-    shutdown.run("recorder " + setup_.config.sources[i].access_point, at(97), [this, i] {
-      recorders_[i]->finish();
+  for (const auto& [name, along] : along_) {  // nobody hears them, and nothing is left to say
+    shutdown.begin(along->label() + "standby", [one = along->runtime] { one->end(); });
+  }
+  std::vector<SiteSet::Site> sites = sites_.all();
+  std::erase_if(sites, [&](const SiteSet::Site& site) {  // that one is still being waited for
+    return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const SiteSet::Site& left) {
+      return left->runtime == site->runtime;
     });
+  });
+  // Together: each site drains for itself.
+  for (const SiteSet::Site& site : sites) {
+    shutdown.begin(site->label() + "pipeline", [this, site] { end_pipeline(site); });
   }
-  if (snapshots_of_rings_) {
-    shutdown.run("ring snapshots", at(97), [this] { snapshots_of_rings_->finish(); });
+  for (const SiteSet::Site& site : sites) {
+    if (!shutdown.wait_for(site->label() + "pipeline", at(75))) {
+      site->runtime->pipeline().hurry();
+    }
+  }
+  for (const SiteSet::Site& site : sites) {
+    shutdown.wait_for(site->label() + "pipeline", at(94));
+  }
+  for (const SiteSet::Site& site : sites) {
+    for (SiteRuntime::Closing& closing : site->runtime->closings()) {
+      shutdown.run(site->label() + closing.stage, at(97), std::move(closing.finish));
+    }
+  }
+  for (const auto& [name, site] : along_) {
+    shutdown.wait_for(site->label() + "standby", at(97));
+  }
+  if (gateway_) {
+    shutdown.run("gateway", at(97), [this] { gateway_->finish(); });
+  }
+  if (claims_) {
+    shutdown.run("claims", at(98), [this] { claims_->finish(); });
   }
   shutdown.run("publisher", at(100), [this, reason] { publisher_->finish(reason); });
   log_losses();  // of the last instant
   limited_log_->finish();
   std::vector<std::string> hung = shutdown.hung();
-  std::replace(hung.begin(), hung.end(), std::string("pipeline"), stuck_in_pipeline());
-  return hung;
-}
-
-// Which threads of it have not ended: one that has rests, and so does an estimation that waits; but
-// the sources whose frames it waits for have ended then.
-std::string Service::stuck_in_pipeline() const {
-  std::string names;
-  for (const Stage& stage : pipeline_->stages()) {
-    if (!stage.progress->resting()) {
-      names += (names.empty() ? "" : ", ") + stage.name;
-    }
+  for (const SiteSet::Site& site : sites) {
+    std::replace(hung.begin(),
+                 hung.end(),
+                 site->label() + "pipeline",
+                 site->label() + site->runtime->stuck_in_pipeline());
   }
-  return names.empty() ? "estimation" : names;
+  for (const SiteSet::Site& site : abandoned_) {
+    hung.push_back(site->label() + site->runtime->stuck_in_pipeline());
+  }
+  return hung;
 }
 
 }  // namespace rayloc

@@ -11,10 +11,14 @@ Shutdown::~Shutdown() {
   }
 }
 
-bool Shutdown::run(const std::string& name, Time deadline, std::function<void()> step) {
+void Shutdown::begin(const std::string& name, std::function<void()> step) {
   std::packaged_task<void()> task(std::move(step));
   std::future<void> done = task.get_future();
   late_.push_back({name, std::move(done), std::thread(std::move(task))});
+}
+
+bool Shutdown::run(const std::string& name, Time deadline, std::function<void()> step) {
+  begin(name, std::move(step));
   return wait_for(name, std::max(deadline, std::chrono::steady_clock::now() + kLeastTime));
 }
 

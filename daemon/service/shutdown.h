@@ -32,6 +32,8 @@ class Shutdown {
   Shutdown(const Shutdown&) = delete;
   Shutdown& operator=(const Shutdown&) = delete;
 
+  // Begins a step beside those that are to follow; wait_for() says whether it has returned.
+  void begin(const std::string& name, std::function<void()> step);
   // False when `step` has not returned by `deadline`, nor after kLeastTime.
   bool run(const std::string& name, Time deadline, std::function<void()> step);
   // Gives a step that was late until `deadline`; false when it has not returned by then.

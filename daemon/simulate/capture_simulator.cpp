@@ -23,11 +23,15 @@ RadioSetup setup_of(const RoomModel& room, std::size_t access_point, int bandwid
           room.access_points.at(access_point).cores};
 }
 
-// WIRE_FORMATS 1.2. The primary channel is the lowest.
+// WIRE_FORMATS 1.2. The primary channel is the lowest. 0, which names no channel, beyond 5 GHz.
 std::uint16_t chanspec_of(double centre_hz, int bandwidth_mhz) {
   constexpr unsigned kBand5GHz = 0xc000;
   constexpr unsigned kBand2GHz = 0x0000;
   constexpr double k5GHz = 5e9;
+  constexpr double kEndOf5GHz = 5.9e9;
+  if (centre_hz > kEndOf5GHz) {
+    return 0;
+  }
   const bool high = centre_hz > k5GHz;
   const auto channel =
       static_cast<unsigned>(std::lround((centre_hz - (high ? k5GHz : 2.407e9)) / 5e6));
@@ -87,6 +91,7 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
     : options_(options),
       tracer_(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
       past_person_(links_past_person(room, room.access_points[access_point].array, options)),
+      diffuse_(diffuse_of(room, room.access_points[access_point].array, options)),
       draw_(draw_of(room, access_point, options)),
       radio_(setup_of(room, access_point, options.bandwidth_mhz),
              options.impairments,
@@ -98,6 +103,20 @@ CaptureSimulator::CaptureSimulator(const RoomModel& room,
   radio_.turn_chains(options.chain_changes);
 }
 
+std::optional<CaptureSimulator::Diffuse> CaptureSimulator::diffuse_of(
+    const RoomModel& room, const AntennaArray& array, const CaptureOptions& options) {
+  if (!options.trace.diffuse) {
+    return std::nullopt;
+  }
+  Diffuse diffuse{{room.scene, options.trace, {.seed = options.seed}}, {}};
+  const std::vector<Receiver> antennas = array_elements<Receiver>(array);
+  diffuse.antennas.reserve(antennas.size());
+  for (const Receiver& antenna : antennas) {
+    diffuse.antennas.push_back(diffuse.field.lit_by(antenna));
+  }
+  return diffuse;
+}
+
 Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const SimulatedSpot& spot,
                                                                          std::size_t& count) {
   const Pose device{spot.position, spot.orientation};
@@ -107,19 +126,29 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const S
     return std::move(drawn.h);
   }
   const Pose sender = options_.person ? Pose{options_.person->transmitter, {}} : device;
-  const std::vector<Paths> paths = tracer_.trace(transmitter_at(sender, options_));
+  const Transmitter transmitter = transmitter_at(sender, options_);
+  const std::vector<Paths> paths = tracer_.trace(transmitter);
   for (const Paths& of_element : paths) {
     count += of_element.size();
   }
   auto h = array_csi(paths, radio_.grid());
+  const auto add = [&](std::size_t antenna, const Paths& added) {
+    const auto row = added.cfr(radio_.grid());
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      h[antenna * row.size() + k] += row[k];
+    }
+  };
   for (std::size_t antenna = 0; antenna < past_person_.size(); ++antenna) {
     const auto added = past_person_[antenna].trace({spot.position.x, spot.position.y});
     if (!added) {
       return tl::make_unexpected(added.error());
     }
-    const auto row = added->cfr(radio_.grid());
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      h[antenna * row.size() + k] += row[k];
+    add(antenna, *added);
+  }
+  if (diffuse_) {
+    const DiffuseField::End lit = diffuse_->field.lit_by(transmitter);
+    for (std::size_t antenna = 0; antenna < diffuse_->antennas.size(); ++antenna) {
+      add(antenna, diffuse_->field.between(lit, diffuse_->antennas[antenna]));
     }
   }
   return h;

@@ -20,6 +20,7 @@
 #include "engine/channel/mac_address.h"
 #include "engine/room/room_model.h"
 #include "engine/trace/array_tracer.h"
+#include "engine/trace/diffuse/diffuse_field.h"
 #include "engine/trace/scattering/scattering.h"
 #include "engine/trace/trace_options.h"
 
@@ -37,6 +38,7 @@ struct CaptureOptions {
   Polarization polarization = Polarization::kVertical;
   int bandwidth_mhz = 40;                 // of the channel
   std::optional<SimulatedPerson> person;  // then spots are the person's, not the device's
+  // With `diffuse` the phases of rough surfaces are those of `seed`.
   TraceOptions trace;
   // Channels are ChannelDraw's, traced as the likelihood does it, not by `trace`. REQUIRES: no
   // `person`.
@@ -77,6 +79,14 @@ class CaptureSimulator {
   CaptureOptions options_;
   ArrayTracer tracer_;
   std::vector<TargetLink> past_person_;  // of each antenna; empty without a person
+  struct Diffuse {
+    DiffuseField field;
+    std::vector<DiffuseField::End> antennas;
+  };
+  static std::optional<Diffuse> diffuse_of(const RoomModel& room,
+                                           const AntennaArray& array,
+                                           const CaptureOptions& options);
+  std::optional<Diffuse> diffuse_;
   std::optional<ChannelDraw> draw_;
   SimulatedRadio radio_;
   std::vector<std::uint8_t> cores_;

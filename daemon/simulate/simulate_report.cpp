@@ -135,6 +135,9 @@ std::string simulation_json(const SimulatedTruth& truth) {
                {"impairments", impairments_json(options.impairments)},
                {"access_points", std::move(access_points)},
                {"points", std::move(points)}};
+  if (options.trace.diffuse) {
+    json["diffuse"] = true;
+  }
   if (truth.handling.changes_anything()) {
     json["handling"] = handling_json(truth.handling);
   }

@@ -277,8 +277,10 @@ std::string to_toml(const CalibrationFile& calibration) {
       "# again instead. sigma 0: the data did not bound the value.\n"
       "format = " +
       std::to_string(kFormat) + "\nid = \"" + calibration.id + "\"  # of all inputs\nscene = \"" +
-      calibration.scene_hash + "\"\npoints = \"" + calibration.points_hash + "\"\nmethod = \"" +
-      calibration.method + "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
+      calibration.scene_hash +
+      (calibration.points_hash.empty() ? "" : "\"\npoints = \"" + calibration.points_hash) +
+      "\"\nmethod = \"" + calibration.method +
+      "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
       "\ntransmission = " + (calibration.transmission ? "true" : "false") +
       "\ntemper = " + value_text(calibration.likelihood_exponent, "1") +
       "\nleast_sigma = " + value_text(calibration.least_sigma, "m") + "\n";

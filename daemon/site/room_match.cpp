@@ -9,6 +9,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/site/keys/site_limits.h"
 #include "daemon/site/length_unit.h"
 #include "daemon/site/scene_frame.h"
 #include "daemon/site/upright.h"
@@ -20,7 +21,6 @@ constexpr std::string_view kAxes = "xyz";
 // Rooms, flats, halls, floors of offices. Outside of this the unit is probably not the metre.
 constexpr double kSmallestPlace = 0.5;  // [m]
 constexpr double kLargestPlace = 100;   // [m]
-constexpr double kFarthest = 10'000.0;  // [m], of a place that a site can state
 // An antenna may be this far outside of all meshes: before the outer face of a wall, on a mast.
 constexpr double kOutsideSlack = 1.0;  // [m]
 // [bounds] may reach this far out of the scene: to the middle of a wall.

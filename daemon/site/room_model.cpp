@@ -29,6 +29,9 @@ std::vector<TransmitterLevel> believed(std::vector<TransmitterLevel> levels, con
   return levels;
 }
 
+// [rad], chosen: a phase that is as uncertain as this is unknown; that of any phase is 1.8.
+constexpr double kUnknown = 1.5;
+
 // What was found of an access point, added to what was surveyed.
 void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& site) {
   Pose& pose = ap.array.pose;
@@ -45,6 +48,8 @@ void apply_to(RoomAccessPoint& ap, CalibratedAccessPoint&& found, const Site& si
               found.diffuse_exponent.value,
               found.diffuse_decay.value,
               found.noise.value};
+  const auto& sigma = found.gain_sigma;
+  ap.are_chains_known = sigma.empty() || *std::max_element(sigma.begin(), sigma.end()) < kUnknown;
   ap.gains = std::move(found.gains);
   ap.levels = believed(std::move(found.levels), site);
 }
@@ -123,8 +128,11 @@ SceneOptions scene_options(const Site& site) {
   SceneOptions options;
   options.carrier_hz = site.carrier.grid.centre_hz;
   for (const auto& [name, material] : site.materials) {
-    options.materials[name] = {
-        material.relative_permittivity, material.conductivity, material.thickness};
+    options.materials[name] = {material.relative_permittivity,
+                               material.conductivity,
+                               material.thickness,
+                               material.scattering_coefficient,
+                               material.xpd_coefficient};
   }
   return options;
 }
@@ -134,12 +142,16 @@ Expected<RoomModel> load_room_model(const Site& site) {
   if (!scene) {
     return tl::make_unexpected(std::move(scene.error()));
   }
+  return room_model_of(site, std::make_shared<const Scene>(*std::move(scene)));
+}
+
+Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene> scene) {
   if (auto checked = check_room(*scene, site); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
   RoomModel room;
   room.name = site.name;
-  room.scene = std::make_shared<const Scene>(*std::move(scene));
+  room.scene = std::move(scene);
   room.scene_hash = scene_hash(*room.scene);
   room.bounds_min = site.has_bounds ? site.bounds_min : room.scene->bounds_min();
   room.bounds_max = site.has_bounds ? site.bounds_max : room.scene->bounds_max();

@@ -3,6 +3,7 @@
 // room that the site states is an error (room_match.h, which has warnings as well).
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "daemon/site/site.h"
@@ -15,6 +16,8 @@ namespace rayloc {
 // The device model is that of the site's first transmitter with role "device", else the default
 // height with a vertical half-wave dipole; change `RoomModel::device` for another one.
 Expected<RoomModel> load_room_model(const Site& site);
+// The same with a scene that has been read, be it of the site's file or what is to stand there.
+Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene> scene);
 
 // Of a transmitter of the site; that of a fixed one is at the height of its position for certain.
 DeviceModel device_model(const SiteTransmitter& transmitter);

@@ -15,63 +15,41 @@ namespace fs = std::filesystem;
 constexpr std::string_view kSiteFile = "site.toml";
 constexpr std::size_t kLongestName = 64;
 
-// A file that the table names under `key` and that is there.
-std::optional<fs::path> existing_file(const TomlTable& table, std::string_view key) {
-  std::optional<fs::path> file = table.path(key);
-  if (!file) {
-    return std::nullopt;
-  }
-  std::error_code status;
-  if (!fs::is_regular_file(*file, status)) {
-    table.error_at(key,
-                   "'" + std::string(key) + "': no file " + file->string() +
-                       "; paths are relative to the folder of site.toml");
-    return std::nullopt;
-  }
-  return file;
-}
-
-void read_file_table(const TomlTable& root, std::string_view key, std::optional<fs::path>& file) {
-  if (const std::optional<TomlTable> table = root.table(key)) {
-    table->require({{"file", "file = \"" + std::string(key) + ".toml\""}});
-    file = existing_file(*table, "file");
+void read_file_table(const SiteTable& root, std::string_view key, std::optional<fs::path>& file) {
+  if (const std::optional<SiteTable> table = root.table(key)) {
+    file = table->file("file");
   }
 }
 
-void read_trainings(const TomlTable& root, Site& site) {
-  for (const TomlTable& table : root.tables("training")) {
-    table.require({{"method", "method = \"spotfi\""}, {"file", "file = \"training/spotfi.toml\""}});
-    const auto method = table.string("method");
-    const auto file = existing_file(table, "file");
+void read_trainings(const SiteTable& root, Site& site) {
+  for (const SiteTable& table : root.tables("training")) {
+    const auto method = table.text("method");
+    const auto file = table.file("file");
     if (method && file && !site.training_files.emplace(*method, *file).second) {
       table.error_at("method", "another [[training]] is of method " + *method + "; keep one");
     }
   }
 }
 
-void read_root(const TomlTable& root, Site& site) {
-  root.require({{"name", "name = \"office\""},
-                {"scene", "scene = \"scene.xml\""},
-                {"carrier", "[carrier] with bandwidth_mhz, centre_hz, tones, active"},
-                {"access_point", "[[access_point]] with id, position, [[access_point.antenna]]"}});
-  site.name = read_topic_name(root).value_or("");
-  site.scene_file = existing_file(root, "scene").value_or(fs::path());
-  if (const std::optional<TomlTable> bounds = root.table("bounds")) {
+void read_root(const SiteTable& root, Site& site) {
+  site.name = read_topic_name(root.toml()).value_or("");
+  site.scene_file = root.file("scene").value_or(fs::path());
+  if (const std::optional<SiteTable> bounds = root.table("bounds")) {
     read_bounds(*bounds, site);
   }
-  if (const std::optional<TomlTable> carrier = root.table("carrier")) {
+  if (const std::optional<SiteTable> carrier = root.table("carrier")) {
     read_carrier(*carrier, site.carrier);
   }
-  if (const std::optional<TomlTable> targets = root.table("targets")) {
+  if (const std::optional<SiteTable> targets = root.table("targets")) {
     read_targets(*targets, site);
   }
-  read_access_points(root, site);
+  read_access_points(root.tables("access_point"), site);
   read_transmitters(root, site);
-  if (const std::optional<TomlTable> person = root.table("person")) {
+  if (const std::optional<SiteTable> person = root.table("person")) {
     read_person(*person, site);
   }
   read_materials(root, site);
-  if (const std::optional<TomlTable> georeference = root.table("georeference")) {
+  if (const std::optional<SiteTable> georeference = root.table("georeference")) {
     read_georeference(*georeference, site);
   }
   read_zones(root, site);
@@ -86,7 +64,7 @@ Expected<Site> read_document(TomlDocument& document) {
   if (site.directory.empty()) {
     site.directory = ".";
   }
-  read_root(document.root(), site);
+  read_root({document.root(), ""}, site);
   site.files = document.named_paths();
   site.files.push_back(document.file());
   if (const Expected<void> result = document.finish(); !result) {

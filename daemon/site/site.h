@@ -71,6 +71,8 @@ struct MaterialOverride {
   std::optional<double> relative_permittivity;
   std::optional<double> conductivity;  // [S/m]
   std::optional<double> thickness;     // [m]
+  std::optional<double> scattering_coefficient;
+  std::optional<double> xpd_coefficient;
 };
 
 struct Georeference {

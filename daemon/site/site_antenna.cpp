@@ -13,16 +13,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 2> kPolarizations = {"V", "H"};
 constexpr std::uintmax_t kLargestTable = 64 << 20;  // [bytes]; every degree takes 0.5 MB
 
 // The text of a table of gains, or what is wrong.
 Expected<std::string> read_table(const fs::path& file) {
   std::error_code status;
-  if (!fs::is_regular_file(file, status)) {
-    return bad_input("no file " + file.string() +
-                     "; paths are relative to the folder of this file");
-  }
   if (fs::file_size(file, status) > kLargestTable || status) {
     return bad_input(file.string() + " is larger than 64 MB: no table of gains");
   }
@@ -48,16 +43,12 @@ Expected<AntennaPattern> load_pattern(const fs::path& file) {
 
 }  // namespace
 
-AntennaPattern read_pattern(const TomlTable& table) {
+AntennaPattern read_pattern(const SiteTable& table) {
   constexpr auto kUsual = AntennaPattern::kHalfWaveDipole;
-  const std::optional<std::string> name = table.choice("pattern", kAntennaPatternNames);
-  const std::optional<fs::path> file = table.path("pattern_file");
-  if (!file) {
+  const std::optional<std::string> name = table.choice("pattern");
+  const std::optional<fs::path> file = table.file("pattern_file");
+  if (!file || name) {
     return name ? parse_antenna_pattern(*name).value_or(kUsual) : kUsual;
-  }
-  if (table.has("pattern")) {
-    table.error_at("pattern_file", "'pattern' is stated as well; keep one of the two");
-    return kUsual;
   }
   auto pattern = load_pattern(*file);
   if (!pattern) {
@@ -67,10 +58,9 @@ AntennaPattern read_pattern(const TomlTable& table) {
   return *std::move(pattern);
 }
 
-Polarization read_polarization(const TomlTable& table) {
-  return table.choice("polarization", kPolarizations).value_or("V") == "H"
-             ? Polarization::kHorizontal
-             : Polarization::kVertical;
+Polarization read_polarization(const SiteTable& table) {
+  return table.choice("polarization").value_or("V") == "H" ? Polarization::kHorizontal
+                                                           : Polarization::kVertical;
 }
 
 }  // namespace rayloc

@@ -64,6 +64,14 @@ Expected<std::map<std::string, std::string>> take_trainings(const Site& site,
     const auto made_with = toml::parse(*content, file.string())["calibration"].value<std::string>();
     if (made_with && made_with == toml::parse(calibration)["id"].value<std::string>()) {
       const std::string name = "training/" + method + ".toml";
+      if (const auto weights =
+              toml::parse(*content, file.string())["network"]["weights"].value<std::string>()) {
+        auto bytes = read_file(file.parent_path() / *weights);
+        if (!bytes) {
+          return tl::make_unexpected(std::move(bytes.error()));
+        }
+        files["training/" + *weights] = *std::move(bytes);
+      }
       tables.push_back(toml::table{{"method", method}, {"file", name}});
       files[name] = *std::move(content);
     }
@@ -235,6 +243,22 @@ Expected<Site> load_calibrated_site(const std::string& directory,
   return site;
 }
 
+Expected<Site> load_uncalibrated_site(const std::string& directory,
+                                      const fs::path& output,
+                                      bool force) {
+  auto site = load_site(directory);
+  if (!site) {
+    return site;
+  }
+  if (site->calibration_file) {
+    return make_error(ErrorKind::kConfiguration, directory + ": is calibrated already");
+  }
+  if (auto checked = check_output(output, site->directory, force); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return site;
+}
+
 Expected<void> prepare_output(const fs::path& directory, bool force) {
   if (auto checked = check_output(directory, {}, force); !checked) {
     return checked;
@@ -245,6 +269,14 @@ Expected<void> prepare_output(const fs::path& directory, bool force) {
     return cannot("created", directory, status.message());
   }
   return {};
+}
+
+bool is_below(const fs::path& folder, const fs::path& path) {
+  std::error_code failed;
+  const fs::path whole = fs::weakly_canonical(folder, failed);
+  const fs::path inner = failed ? fs::path() : fs::weakly_canonical(path, failed);
+  return !failed &&
+         std::mismatch(whole.begin(), whole.end(), inner.begin(), inner.end()).first == whole.end();
 }
 
 Expected<void> write_file(const fs::path& file, const std::string& content) {

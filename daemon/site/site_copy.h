@@ -24,6 +24,11 @@ Expected<Site> load_calibrated_site(const std::string& directory,
                                     const std::filesystem::path& output,
                                     bool force);
 
+// The same of a site that must not be calibrated yet.
+Expected<Site> load_uncalibrated_site(const std::string& directory,
+                                      const std::filesystem::path& output,
+                                      bool force);
+
 // Creates `directory`. An error when it exists and is not empty, unless `force`: then files of the
 // same names are replaced, others stay.
 Expected<void> prepare_output(const std::filesystem::path& directory, bool force);
@@ -40,6 +45,10 @@ Expected<void> write_site(const Site& site,
                           const std::map<std::string, std::string>& refined = {});
 
 Expected<std::string> read_file(const std::filesystem::path& file);
+
+// Whether `path` is in that folder or below it, through whatever links; false where nobody can
+// tell.
+bool is_below(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 // Replaces the file in one step: a reader sees the old or the new one.
 Expected<void> write_file(const std::filesystem::path& file, const std::string& content);

@@ -6,15 +6,14 @@
 namespace rayloc {
 namespace {
 
-constexpr double kFarthest = 10'000.0;  // [m], of any coordinate: beyond it is a slip of the pen
 // An access point or transmitter may stand this far outside the stated bounds: behind a panel, on
 // the far side of a wall.
 constexpr double kBoundsSlack = 0.5;  // [m]
 
 }  // namespace
 
-std::optional<Vec3d> read_position(const TomlTable& table, const Site& site) {
-  const auto values = table.numbers<3>("position", "position = [1.2, -0.4, 2.1]");
+std::optional<Vec3d> read_position(const SiteTable& table, const Site& site) {
+  const auto values = table.numbers<3>("position");
   if (!values) {
     return std::nullopt;
   }
@@ -40,10 +39,9 @@ std::optional<Vec3d> read_position(const TomlTable& table, const Site& site) {
   return position;
 }
 
-void read_bounds(const TomlTable& bounds, Site& site) {
-  bounds.require({{"x", "x = [-2.5, 2.5]"}, {"y", "y = [-2, 2]"}, {"z", "z = [0, 2.7]"}});
+void read_bounds(const SiteTable& bounds, Site& site) {
   const auto axis = [&bounds](std::string_view key, double& min, double& max) {
-    const auto values = bounds.numbers<2>(key, std::string(key) + " = [0, 2.7]");
+    const auto values = bounds.numbers<2>(key);
     if (!values) {
       return false;
     }
@@ -63,43 +61,37 @@ void read_bounds(const TomlTable& bounds, Site& site) {
   site.has_bounds = x && y && z;
 }
 
-void read_person(const TomlTable& person, Site& site) {
+void read_person(const SiteTable& person, Site& site) {
   SitePerson& out = site.person.emplace();
-  out.radius = person.number("radius_m", {0.05, 0.5, "m"}).value_or(out.radius);
-  out.height = person.number("height_m", {0.3, 2.5, "m"}).value_or(out.height);
-  out.area_centre = person.numbers<2>("area_centre", "area_centre = [0, 0.3]");
-  out.area_radius = person.number("area_radius_m", {0.01, kFarthest, "m"});
-  if (person.has("area_centre") != person.has("area_radius_m")) {
-    person.error("[person] states one of 'area_centre' and 'area_radius_m'; write both or none");
-  }
+  out.radius = person.number("radius_m").value_or(out.radius);
+  out.height = person.number("height_m").value_or(out.height);
+  out.area_centre = person.numbers<2>("area_centre");
+  out.area_radius = person.number("area_radius_m");
 }
 
-void read_materials(const TomlTable& root, Site& site) {
+void read_materials(const SiteTable& root, Site& site) {
   for (const auto& [name, table] : root.named_tables("materials")) {
     MaterialOverride& out = site.materials[name];
-    out.relative_permittivity = table.number("relative_permittivity", {1.0, 1e4});
-    out.conductivity = table.number("conductivity", {0.0, 1e9, "S/m"});
-    out.thickness = table.number("thickness_m", {1e-5, 10.0, "m"});
+    out.relative_permittivity = table.number("relative_permittivity");
+    out.conductivity = table.number("conductivity");
+    out.thickness = table.number("thickness_m");
+    out.scattering_coefficient = table.number("scattering_coefficient");
+    out.xpd_coefficient = table.number("xpd_coefficient");
   }
 }
 
-void read_georeference(const TomlTable& georeference, Site& site) {
-  georeference.require({{"latitude", "latitude = 49.87"}, {"longitude", "longitude = 8.65"}});
+void read_georeference(const SiteTable& georeference, Site& site) {
   Georeference& out = site.georeference.emplace();
-  out.latitude = georeference.number("latitude", {-90.0, 90.0, "degrees"}).value_or(0.0);
-  out.longitude = georeference.number("longitude", {-180.0, 180.0, "degrees"}).value_or(0.0);
-  out.altitude = georeference.number("altitude_m", {-1000.0, kFarthest, "m"}).value_or(0.0);
-  out.rotation = georeference.number("rotation_deg", {-360.0, 360.0, "degrees"}).value_or(0.0) *
-                 std::numbers::pi / 180.0;
+  out.latitude = georeference.number("latitude").value_or(0.0);
+  out.longitude = georeference.number("longitude").value_or(0.0);
+  out.altitude = georeference.number("altitude_m").value_or(0.0);
+  out.rotation = georeference.number("rotation_deg").value_or(0.0) * std::numbers::pi / 180.0;
 }
 
-void read_targets(const TomlTable& targets, Site& site) {
-  constexpr std::array<std::string_view, 2> kUnlisted = {"track", "ignore"};
-  site.targets.track_unlisted = targets.choice("unlisted", kUnlisted).value_or("track") == "track";
-  site.targets.height =
-      targets.number("height_m", {-kFarthest, kFarthest, "m"}).value_or(site.targets.height);
-  site.targets.height_sigma =
-      targets.number("height_sigma_m", kHeightSigmaRange).value_or(site.targets.height_sigma);
+void read_targets(const SiteTable& targets, Site& site) {
+  site.targets.track_unlisted = targets.choice("unlisted").value_or("track") == "track";
+  site.targets.height = targets.number("height_m").value_or(site.targets.height);
+  site.targets.height_sigma = targets.number("height_sigma_m").value_or(site.targets.height_sigma);
 }
 
 }  // namespace rayloc

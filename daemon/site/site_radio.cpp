@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "capture/decode/decoder_registry.h"
 #include "daemon/site/site_tables.h"
 #include "engine/base/constants.h"
 #include "engine/base/suggestion.h"
@@ -9,10 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::array<std::string_view, 2> kRoles = {"device", "fixed"};
-
 constexpr double kMinAntennaDistance = 1e-3;  // [m]; closer is the same antenna written twice
-constexpr double kMaxAntennaOffset = 10.0;    // [m]
 
 // Centre of an 802.11 channel of the 5 GHz band, or of the other bands that share its number.
 // Source: IEEE 802.11-2020, 17.3.8.4.2, 19.3.15, 27.3.23.2.
@@ -29,7 +25,7 @@ std::vector<double> channel_centres_mhz(int channel) {
 }
 
 // The channel must be one of those that the stated band consists of, or its centre.
-void check_channel(const TomlTable& table, int channel, double bandwidth_mhz, double centre_hz) {
+void check_channel(const SiteTable& table, int channel, double bandwidth_mhz, double centre_hz) {
   const std::vector<double> centres = channel_centres_mhz(channel);
   const double reach = (bandwidth_mhz - 20.0) / 2.0 + 1.0;
   std::string stated;
@@ -45,10 +41,10 @@ void check_channel(const TomlTable& table, int channel, double bandwidth_mhz, do
                      to_text(reach - 1.0) + " MHz away; correct 'channel' or 'centre_hz'");
 }
 
-std::vector<std::int16_t> read_active(const TomlTable& carrier, std::int64_t tones) {
-  constexpr std::string_view kExample = "active = [[-58, -2], [2, 58]]";
+std::vector<std::int16_t> read_active(const SiteTable& carrier, std::int64_t tones) {
+  const std::string example(site_key("carrier", "active").example);
   std::vector<std::int16_t> index;
-  const auto ranges = carrier.pairs("active", kExample);
+  const auto ranges = carrier.pairs("active");
   if (!ranges) {
     return index;
   }
@@ -63,7 +59,7 @@ std::vector<std::int16_t> read_active(const TomlTable& carrier, std::int64_t ton
                        "'active' has [" + to_text(first) + ", " + to_text(last) +
                            "]; write ascending, separate ranges of whole tone numbers "
                            "from " +
-                           to_text(low) + " to " + to_text(high) + ": " + std::string(kExample));
+                           to_text(low) + " to " + to_text(high) + ": " + example);
       return {};
     }
     for (int tone = static_cast<int>(first); tone <= static_cast<int>(last); ++tone) {
@@ -72,19 +68,18 @@ std::vector<std::int16_t> read_active(const TomlTable& carrier, std::int64_t ton
     next = last + 1.0;
   }
   if (index.empty()) {
-    carrier.error_at("active", "'active' names no tone; write " + std::string(kExample));
+    carrier.error_at("active", "'active' names no tone; write " + example);
   }
   return index;
 }
 
-double read_angle(const TomlTable& table, std::string_view key) {
-  return table.number(key, {-360.0, 360.0, "degrees"}).value_or(0.0) * kDegree;
+double read_angle(const SiteTable& table, std::string_view key) {
+  return table.number(key).value_or(0.0) * kDegree;
 }
 
-void read_antenna(const TomlTable& table, SiteAccessPoint& access_point) {
-  table.require({{"core", "core = 0"}, {"offset", "offset = [0, -0.089, 0]"}});
-  const std::optional<std::int64_t> core = table.integer("core", {0.0, 3.0});
-  const auto offset = table.numbers<3>("offset", "offset = [0, -0.089, 0]");
+void read_antenna(const SiteTable& table, SiteAccessPoint& access_point) {
+  const std::optional<std::int64_t> core = table.integer("core");
+  const auto offset = table.numbers<3>("offset");
   if (core && std::find(access_point.cores.begin(), access_point.cores.end(), *core) !=
                   access_point.cores.end()) {
     table.error_at("core",
@@ -109,8 +104,8 @@ void read_antenna(const TomlTable& table, SiteAccessPoint& access_point) {
   }
 }
 
-void read_access_point_id(const TomlTable& table, const Site& site, SiteAccessPoint& out) {
-  const std::optional<std::string> id = table.string("id");
+void read_access_point_id(const SiteTable& table, const Site& site, SiteAccessPoint& out) {
+  const std::optional<std::string> id = table.text("id");
   if (!id) {
     return;
   }
@@ -124,8 +119,8 @@ void read_access_point_id(const TomlTable& table, const Site& site, SiteAccessPo
   out.id = *id;
 }
 
-std::optional<MacAddress> read_mac(const TomlTable& table, const Site& site) {
-  const std::optional<std::string> text = table.string("mac");
+std::optional<MacAddress> read_mac(const SiteTable& table, const Site& site) {
+  const std::optional<std::string> text = table.text("mac");
   if (!text) {
     return std::nullopt;
   }
@@ -140,23 +135,21 @@ std::optional<MacAddress> read_mac(const TomlTable& table, const Site& site) {
   return *mac;
 }
 
-SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
-  table.require({{"role", "role = \"device\""}, {"mac", "mac = \"02:52:4c:00:00:01\""}});
+SiteTransmitter read_transmitter(const SiteTable& table, const Site& site) {
   SiteTransmitter out;
-  const std::optional<std::string> role = table.choice("role", kRoles);
+  const std::optional<std::string> role = table.choice("role");
   const bool fixed = role == "fixed";
   out.role = fixed ? TransmitterRole::kFixed : TransmitterRole::kDevice;
   out.mac = read_mac(table, site).value_or(MacAddress{});
-  out.name = table.string("name").value_or("");
+  out.name = table.text("name").value_or("");
   out.position = read_position(table, site);
-  out.height = table.number("height_m", {-10'000.0, 10'000.0, "m"}).value_or(site.targets.height);
-  out.height_sigma =
-      table.number("height_sigma_m", kHeightSigmaRange).value_or(site.targets.height_sigma);
+  out.height = table.number("height_m").value_or(site.targets.height);
+  out.height_sigma = table.number("height_sigma_m").value_or(site.targets.height_sigma);
   out.pattern = read_pattern(table);
   out.polarization = read_polarization(table);
   out.constant_power = table.boolean("constant_power").value_or(false);
   if (fixed) {
-    table.require({{"position", "position = [1.25, -0.45, 1.2]"}});
+    table.require("position");
     if (table.has("height_m")) {
       table.error_at("height_m",
                      "'height_m' of a fixed transmitter is in its 'position'; remove it");
@@ -171,29 +164,17 @@ SiteTransmitter read_transmitter(const TomlTable& table, const Site& site) {
 
 }  // namespace
 
-void read_carrier(const TomlTable& carrier, Carrier& out) {
-  carrier.require({{"bandwidth_mhz", "bandwidth_mhz = 40"},
-                   {"centre_hz", "centre_hz = 5190000000"},
-                   {"tones", "tones = 128"},
-                   {"active", "active = [[-58, -2], [2, 58]]"}});
-  const auto channel = carrier.integer("channel", {1.0, 233.0});
-  const auto bandwidth = carrier.integer("bandwidth_mhz", {20.0, 160.0, "MHz"});
-  const auto centre = carrier.number("centre_hz", {2.4e9, 7.2e9, "Hz"});
-  const auto tones = carrier.integer("tones", {64.0, 2048.0});
-  const auto spacing = carrier.number("tone_spacing_hz", {78'125.0, 312'500.0, "Hz"});
+void read_carrier(const SiteTable& carrier, Carrier& out) {
+  const auto channel = carrier.integer("channel");
+  const auto bandwidth = carrier.integer("bandwidth_mhz");
+  const auto centre = carrier.number("centre_hz");
+  const auto tones = carrier.integer("tones");
+  const auto spacing = carrier.number("tone_spacing_hz");
   out.channel = static_cast<int>(channel.value_or(0));
   out.bandwidth_mhz = static_cast<int>(bandwidth.value_or(0));
   out.grid.centre_hz = centre.value_or(0.0);
   out.grid.spacing_hz = spacing.value_or(out.grid.spacing_hz);
-  const bool usual = out.bandwidth_mhz == 20 || out.bandwidth_mhz == 40 ||
-                     out.bandwidth_mhz == 80 || out.bandwidth_mhz == 160;
-  carrier.ask_for("active");
-  if (bandwidth && !usual) {
-    carrier.error_at(
-        "bandwidth_mhz",
-        "'bandwidth_mhz' is " + std::to_string(*bandwidth) + "; write 20, 40, 80 or 160");
-    return;
-  }
+  carrier.toml().ask_for("active");
   if (bandwidth && channel && centre) {
     check_channel(carrier, out.channel, static_cast<double>(*bandwidth), *centre);
   }
@@ -211,29 +192,26 @@ void read_carrier(const TomlTable& carrier, Carrier& out) {
   out.grid.tone_index = read_active(carrier, *tones);
 }
 
-void read_access_points(const TomlTable& root, Site& site) {
-  for (const TomlTable& table : root.tables("access_point")) {
-    table.require({{"id", "id = \"ap1\""},
-                   {"position", "position = [-1.4, 1.05, 1.2]"},
-                   {"antenna", "[[access_point.antenna]] with core = 0, offset = [0, 0, 0]"}});
+void read_access_points(std::span<const SiteTable> tables, Site& site) {
+  for (const SiteTable& table : tables) {
     SiteAccessPoint out;
     read_access_point_id(table, site, out);
-    out.format = table.choice("format", wire_formats()).value_or("");
+    out.format = table.choice("format").value_or("");
     out.array.pose.position = read_position(table, site).value_or(Vec3d{});
     out.array.pose.orientation = {read_angle(table, "yaw_deg"),
                                   read_angle(table, "pitch_deg"),
                                   read_angle(table, "roll_deg")};
     out.array.pattern = read_pattern(table);
     out.array.polarization = read_polarization(table);
-    for (const TomlTable& antenna : table.tables("antenna")) {
+    for (const SiteTable& antenna : table.tables("antenna")) {
       read_antenna(antenna, out);
     }
     site.access_points.push_back(std::move(out));
   }
 }
 
-void read_transmitters(const TomlTable& root, Site& site) {
-  for (const TomlTable& table : root.tables("transmitter")) {
+void read_transmitters(const SiteTable& root, Site& site) {
+  for (const SiteTable& table : root.tables("transmitter")) {
     site.transmitters.push_back(read_transmitter(table, site));
   }
 }

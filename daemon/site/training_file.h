@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "daemon/site/site.h"
@@ -12,14 +13,17 @@
 
 namespace rayloc {
 
-// `content`: hash of the recordings and points that it was learned from.
+// `content`: hash of the recordings and points that it was learned from. The weights of a network
+// are a file of their own beside it (weights_file.h), METHOD.f32.
 std::string training_toml(const Training& training, const Site& site, const std::string& content);
 
 // Of the file that the site names for the method; null where it names none. An Error
-// (kConfiguration) for a file that is broken, of another method, calibration or radio. Laws of
-// level hold for the transmitters whose power the site still states to be constant.
+// (kConfiguration) for a file that is broken, of another method, calibration or radio, or whose
+// weights are. Laws of level hold for the transmitters whose power the site still states to be
+// constant. `settings`: of the method.
 Expected<std::shared_ptr<const Training>> load_training(const Site& site,
                                                         const std::string& method,
-                                                        const RoomModel& room);
+                                                        const RoomModel& room,
+                                                        std::span<const BaselineSetting> settings);
 
 }  // namespace rayloc

@@ -1,18 +1,11 @@
-// parallel_for, serially, Lazy, Kept and Tally: the only concurrency of the engine (oneTBB).
+// parallel_for, concurrency and serially: with kept.h the only concurrency of the engine (oneTBB).
 //
 // parallel_for: every index is visited exactly once, in any order and on any thread; each call of
 // `body` writes only what belongs to its index. Results are then the same bytes whatever the number
 // of threads.
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstddef>
-#include <cstdint>
-#include <deque>
-#include <memory>
-#include <mutex>
-#include <unordered_map>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -31,93 +24,16 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
                     });
 }
 
+// Threads that parallel_for may use, its caller's among them: a count. No result depends on it.
+inline std::size_t concurrency() {
+  return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+}
+
 // body() without the help of other threads, for a library that would take some and then depend on
 // their number.
 template <typename Body>
 void serially(const Body& body) {
   tbb::task_arena(1).execute(body);
 }
-
-// A value that whoever asks first makes. Threads that ask at the same time may each make one; all
-// use the one that is kept. No lock is held meanwhile.
-template <typename T>
-class Lazy {
- public:
-  Lazy() = default;
-  ~Lazy() { delete value_.load(std::memory_order_relaxed); }
-  Lazy(const Lazy&) = delete;
-  Lazy& operator=(const Lazy&) = delete;
-
-  // make(): a std::unique_ptr to the T. REQUIRES: it always makes the same.
-  template <typename Make>
-  const T& get(const Make& make) const {
-    const T* value = value_.load(std::memory_order_acquire);
-    if (value == nullptr) {
-      std::unique_ptr<const T> made = make();
-      if (value_.compare_exchange_strong(
-              value, made.get(), std::memory_order_acq_rel, std::memory_order_acquire)) {
-        value = made.release();
-      }
-    }
-    return *value;
-  }
-
-  // nullptr when nobody has asked yet.
-  const T* if_made() const { return value_.load(std::memory_order_acquire); }
-
- private:
-  mutable std::atomic<const T*> value_ = nullptr;
-};
-
-// Values by number, made when somebody asks for them and kept while there is room: those that were
-// made first go first. What is kept changes the time that it takes to ask and nothing else.
-template <typename T>
-class Kept {
- public:
-  // most: a count of values.
-  explicit Kept(std::size_t most) : most_of_shard_(most / kShards + 1) {}
-
-  // make(): a T. REQUIRES: it always makes the same.
-  template <typename Make>
-  std::shared_ptr<const T> get(std::size_t number, const Make& make) const {
-    Shard& shard = shards_[number % kShards];
-    {
-      const std::lock_guard lock(shard.mutex);
-      if (const auto found = shard.values.find(number); found != shard.values.end()) {
-        return found->second;
-      }
-    }
-    auto made = std::make_shared<const T>(make());
-    const std::lock_guard lock(shard.mutex);
-    if (shard.values.emplace(number, made).second) {
-      shard.order.push_back(number);
-      if (shard.order.size() > most_of_shard_) {
-        shard.values.erase(shard.order.front());
-        shard.order.pop_front();
-      }
-    }
-    return made;
-  }
-
- private:
-  static constexpr std::size_t kShards = 16;  // a count, chosen: threads hardly wait for each other
-  struct Shard {
-    std::mutex mutex;
-    std::unordered_map<std::size_t, std::shared_ptr<const T>> values;
-    std::deque<std::size_t> order;  // in which they were made
-  };
-  std::size_t most_of_shard_;
-  mutable std::array<Shard, kShards> shards_;
-};
-
-// How often something was asked for; on it may depend what is worth keeping, but no result.
-class Tally {
- public:
-  void add() const { count_.fetch_add(1, std::memory_order_relaxed); }
-  std::uint32_t count() const { return count_.load(std::memory_order_relaxed); }
-
- private:
-  mutable std::atomic<std::uint32_t> count_ = 0;
-};
 
 }  // namespace rayloc

@@ -10,9 +10,6 @@
 namespace rayloc {
 namespace {
 
-// Probability that the map says nothing of the place, as RayLoc has it with one access point: what
-// a wrong path leaves is in the map itself.
-constexpr double kElsewhere = 0.03;
 constexpr double kMostCells = 12000.0;  // of a room, about a count: as many as RayLoc's own map
 constexpr std::size_t kMapGrain = 256;  // cells a task, a count
 
@@ -34,7 +31,7 @@ void summarise_plan(const RoomModel& room,
   estimate.loss = -*std::max_element(map.begin(), map.end());
   PosteriorOptions posterior;
   posterior.accuracy_confidence = options.accuracy_confidence;
-  posterior.outlier = kElsewhere;
+  posterior.outlier = options.elsewhere;
   posterior.least_sigma = room.least_sigma;
   summarise_posterior(grid, map, posterior, estimate);
 }

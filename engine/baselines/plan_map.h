@@ -12,6 +12,9 @@ namespace rayloc {
 struct PlanMapOptions {
   double step = 0.05;                 // [m], of the cells; more where the room is large
   double accuracy_confidence = 0.95;  // of what is stated as accuracy
+  // Probability that the map says nothing of the place, as RayLoc has it with one access point:
+  // what a wrong path leaves is in the map itself.
+  double elsewhere = 0.03;
 };
 
 // Fills what summarise_posterior() does, and the loss. log_likelihood: of a device at a place, from

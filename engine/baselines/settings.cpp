@@ -64,6 +64,15 @@ std::size_t choice_of(std::span<const BaselineSetting> table,
   return static_cast<std::size_t>(found - setting->choices.begin());
 }
 
+std::string setting_text(std::span<const BaselineSetting> table,
+                         const BaselineValues& values,
+                         std::string_view key) {
+  const BaselineSetting* setting = find(table, key);
+  RAYLOC_CHECK(setting != nullptr);
+  return setting->choices.empty() ? number_text(number_of(table, values, key))
+                                  : std::string(setting->choices[choice_of(table, values, key)]);
+}
+
 Expected<void> read_baseline_value(std::string_view assignment,
                                    std::string_view method,
                                    std::span<const BaselineSetting> table,

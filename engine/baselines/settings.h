@@ -34,6 +34,11 @@ std::size_t choice_of(std::span<const BaselineSetting> table,
                       const BaselineValues& values,
                       std::string_view key);
 
+// Either as the command line would have it.
+std::string setting_text(std::span<const BaselineSetting> table,
+                         const BaselineValues& values,
+                         std::string_view key);
+
 // "KEY=VALUE", as the command line has it, into `values`. Errors (kUsage) name the nearest key, or
 // what the value may be.
 Expected<void> read_baseline_value(std::string_view assignment,

@@ -55,6 +55,8 @@ struct RoomCalibration {
   std::vector<RoomParameter> parameters;
   std::vector<PointFit> points;  // of every point and access point that was used or held out
   std::vector<CalibrationStep> history;
+  // [m], of the points on each axis, as it was known or found (joint method; else 0).
+  double survey_sigma = 0.0;
   bool interrupted = false;  // the caller asked to stop: the last good state
 };
 

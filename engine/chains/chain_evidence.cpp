@@ -146,6 +146,32 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
   return evidence;
 }
 
+std::vector<double> places_whatever_turned(const AccessPointMap& map,
+                                           const ObservedBurst& observed,
+                                           const TurnGrid& grid,
+                                           double likelihood_exponent,
+                                           std::span<const double> probability) {
+  RAYLOC_CHECK(grid.chains() == map.antennas() && grid.size() == probability.size());
+  const double nowhere = map.nowhere(observed);
+  const CoarseLook look = coarse_look(map, observed, grid);
+  std::vector<double> of_cell(map.cells(), -kMost);
+  parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
+    if (look.windows[cell] == 0) {
+      return;
+    }
+    std::vector<float> values(grid.size());
+    log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
+    double sum = 0.0;
+    for (std::size_t s = 0; s < values.size(); ++s) {
+      sum += probability[s] *
+             std::exp(
+                 std::min(likelihood_exponent * (static_cast<double>(values[s]) - nowhere), kMost));
+    }
+    of_cell[cell] = std::log(std::max(sum, std::numeric_limits<double>::min()));
+  });
+  return of_cell;
+}
+
 TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
                               const TurnGrid& grid,

@@ -31,7 +31,15 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
                            const TurnGrid& grid,
                            double likelihood_exponent,
                            std::span<const double> log_weight);
-// The same of a device at a known place; nowhere: log-likelihood of what it is compared with.
+// [cell]: what an access point says of the place although nobody knows its chains: ln of the mean
+// of exp(likelihood_exponent l) over the states, each as probable as stated, [state].
+std::vector<double> places_whatever_turned(const AccessPointMap& map,
+                                           const ObservedBurst& observed,
+                                           const TurnGrid& grid,
+                                           double likelihood_exponent,
+                                           std::span<const double> probability);
+// As turn_evidence(), of a device at a known place; nowhere: log-likelihood of what it is compared
+// with.
 TurnEvidence turn_evidence_at(const PlaceModel& place,
                               const ObservedArray& observed,
                               const TurnGrid& grid,

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <utility>
 
+#include "engine/chains/cell_belief.h"
 #include "engine/chains/chain_evidence.h"
+#include "engine/chains/chain_frames.h"
 
 namespace rayloc {
 namespace {
@@ -17,6 +20,7 @@ constexpr double kTurnedAfterCycle = 0.98;   // a probability: chips start in st
 constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or unheard
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
 constexpr double kDoubted = 0.2;    // probability of what is believed: from here on it is compared
+constexpr double kShaken = 0.9;     // the same: from here on nothing is refined
 constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
 constexpr double kWithdrawnLead = 5.0;     // [nat], by which another state explains more
 constexpr double kUndoubtedLead = 12.0;    // the same, while the belief sees no turn
@@ -33,36 +37,11 @@ constexpr std::size_t kCompareAfter = 3;   // new ones, before states are compar
 constexpr std::size_t kRefineAfter = 8;    // new ones, before what was learned is refined
 constexpr std::size_t kMostNeeded = 200;   // stated at most
 constexpr std::size_t kModes = 6;          // a count of states to compare, chosen
-constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
 // [s], chosen: between looks.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
 constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
-constexpr auto kSettledPeriod = std::chrono::seconds(10);         // [s], chosen
-
-void multiply(const RoomAccessPoint& ap, const std::vector<Value>& factors, CsiFrame& frame) {
-  for (std::size_t row = 0; row < frame.cores.size(); ++row) {
-    const auto core = std::find(ap.cores.begin(), ap.cores.end(), frame.cores[row]);
-    if (core == ap.cores.end()) {
-      continue;
-    }
-    const std::complex<float> factor(factors[static_cast<std::size_t>(core - ap.cores.begin())]);
-    for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
-      for (std::complex<float>& value : frame.csi.row(row, stream)) {
-        value *= factor;
-      }
-    }
-  }
-}
-
-// In which somebody who walks moves by less than half a wavelength: over a whole burst the arrays
-// of different places would be averaged.
-std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
-  const auto end = std::find_if(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
-    return frame.time - frames.front().time > kMoment;
-  });
-  return frames.first(static_cast<std::size_t>(end - frames.begin()));
-}
+constexpr auto kSettledPeriod = std::chrono::seconds(5);          // [s], chosen
 
 // Without a chain that is dead the states are others.
 bool has_all_antennas(const HeardArray& heard) {
@@ -72,7 +51,7 @@ bool has_all_antennas(const HeardArray& heard) {
 // What was heard with the levels of the favourite state taken out, which the grid does not know.
 ObservedBurst level_undone(const HeardArray& heard, const ChainMemory& ap) {
   std::vector<Value> h = heard.h;
-  rayloc::multiply(inverses(ap.level), h);
+  multiply(inverses(ap.level), h);
   return heard.map->observe(h, heard.observed.array.noise);
 }
 
@@ -81,12 +60,28 @@ ObservedBurst level_undone(const HeardArray& heard, const ChainMemory& ap) {
 ChainLearner::ChainLearner(std::shared_ptr<const Localizer> localizer)
     : localizer_(std::move(localizer)),
       aligner_(localizer_->room().grid),
-      close_(localizer_->room().likelihood_exponent) {}
+      close_(localizer_->room().likelihood_exponent) {
+  begin();
+}
 ChainLearner::~ChainLearner() = default;
 
 bool ChainLearner::learns_from(LikelihoodKind kind) {
   return kind == LikelihoodKind::kPartial || kind == LikelihoodKind::kCoherent ||
          kind == LikelihoodKind::kPathCovariance;
+}
+
+// Frames of chains that nobody knows count for nothing from the first one on.
+void ChainLearner::begin() {
+  for (const auto& [access_point, state] : restored_) {
+    of(access_point);
+  }
+  const std::vector<RoomAccessPoint>& access_points = localizer_->room().access_points;
+  for (std::size_t a = 0; a < access_points.size(); ++a) {
+    const std::size_t chains = access_points[a].cores.size();
+    if (!access_points[a].are_chains_known && chains > 1 && chains <= kMostChains) {
+      of(a);
+    }
+  }
 }
 
 ChainMemory& ChainLearner::of(std::size_t access_point) {
@@ -100,6 +95,9 @@ ChainMemory& ChainLearner::of(std::size_t access_point) {
   ++changes_;
   if (const auto before = restored_.find(access_point); before != restored_.end()) {
     adopt(before->second);
+  } else if (!localizer_->room().access_points[access_point].are_chains_known) {
+    kept.belief.doubt(kTurnedAfterCycle);
+    kept.know(ChainKnowledge::kLearning, {});
   }
   return kept;
 }
@@ -169,9 +167,10 @@ void ChainLearner::hear(std::span<const CsiFrame> frames) {
       })) {
     close_.add(*localizer_, known_of(told.observation));
   }
+  const CellsOfEach unknown = whatever_turned(told);
   for (const HeardArray* heard : told.arrays) {
     const std::size_t a = heard->map->number();
-    weigh(*heard, by_others(told.observation, a), told.time, of(a));
+    weigh(*heard, by_others(told.observation, unknown, a), told.time, of(a));
   }
   refine_closely();
 }
@@ -201,38 +200,48 @@ bool ChainLearner::is_new(const HeardArray& heard, const ChainMemory& ap) const 
          });
 }
 
-std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
-                                            std::size_t left_out) const {
-  RoomObservation others;
-  for (const HeardArray& heard : observation.arrays) {
-    const auto found = aps_.find(heard.map->number());
-    if (found != aps_.end() && found->first != left_out && found->second.is_known()) {
-      others.arrays.push_back(heard);
-    }
+ChainLearner::CellsOfEach ChainLearner::whatever_turned(const Told& told) {
+  CellsOfEach unknown;
+  if (told.arrays.empty()) {
+    return unknown;
   }
-  const std::size_t cells = localizer_->grid().size();
-  const double uniform = 1.0 / static_cast<double>(cells);
-  std::vector<double> weight(cells, uniform);
+  for (const HeardArray& heard : told.observation.arrays) {
+    const std::size_t a = heard.map->number();
+    const bool is_alone = told.arrays.size() == 1 && told.arrays.front() == &heard;
+    if (is_alone || !has_all_antennas(heard) || of(a).is_known()) {
+      continue;
+    }
+    unknown[a] = places_whatever_turned(*heard.map,
+                                        level_undone(heard, of(a)),
+                                        of(a).belief.grid(),
+                                        localizer_->room().likelihood_exponent,
+                                        of(a).belief.probability());
+  }
+  return unknown;
+}
+
+std::vector<double> ChainLearner::by_others(const RoomObservation& observation,
+                                            const CellsOfEach& unknown,
+                                            std::size_t left_out) const {
+  RoomObservation others = known_of(observation);
+  std::erase_if(others.arrays,
+                [&](const HeardArray& heard) { return heard.map->number() == left_out; });
+  CellBelief belief(localizer_->grid().size());
   const Localizer::Evidence evidence =
       others.arrays.empty() ? Localizer::Evidence() : localizer_->evidence(others);
   if (!evidence.log_likelihood.empty()) {
-    const double exponent = localizer_->room().likelihood_exponent;
-    const auto& map = evidence.log_likelihood;
-    const double top = *std::max_element(map.begin(), map.end());
-    double sum = 0.0;
-    for (std::size_t cell = 0; cell < cells; ++cell) {
-      weight[cell] = std::exp(exponent * (map[cell] - top));
-      sum += weight[cell];
+    std::vector<double> map = evidence.log_likelihood;
+    for (double& one : map) {
+      one *= localizer_->room().likelihood_exponent;
     }
-    const double wrong = std::max(evidence.elsewhere, kOthersWrong);
-    for (double& one : weight) {
-      one = (1.0 - wrong) * one / sum + wrong * uniform;
+    belief.hear(map, std::max(evidence.elsewhere, kOthersWrong));
+  }
+  for (const auto& [number, map] : unknown) {
+    if (number != left_out) {
+      belief.hear(map, kOthersWrong);
     }
   }
-  for (double& one : weight) {
-    one = std::log(one);
-  }
-  return weight;
+  return belief.log_probability();
 }
 
 void ChainLearner::weigh(const HeardArray& heard,
@@ -298,13 +307,16 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
     ap.last_sure = ap.belief.as_believed() > ChainMemory::kSure ? time : ap.last_sure;
     // Levels that have changed hide from the belief what the comparison sees.
     const bool is_certain = !is_learned && ap.belief.as_believed() > ChainMemory::kSure;
-    if (is_certain || ap.unrefined < kRefineAfter) {
+    // Bursts from before a turn would confirm what was right then.
+    const bool is_shaken = is_learned && ap.belief.as_believed() < kShaken;
+    if (is_certain || is_shaken || ap.unrefined < kRefineAfter) {
       return;
     }
   } else if (!is_learning) {
     ap.forget_until_sure();
   }
-  if (ap.heard.size() < ChainMemory::kLeastBursts || ap.unrefined < kCompareAfter) {
+  if (ap.heard.size() < ChainMemory::kLeastBursts ||
+      (ap.unrefined < kCompareAfter && ap.heard.size() != kLeastLearned)) {
     return;
   }
   ap.unrefined = 0;
@@ -329,9 +341,8 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
                                  : best.log_evidence - believed->log_evidence < needed) {
       return;
     }
-    ap.know(ChainKnowledge::kLearning, time);
+    withdraw(time, ap);
     ap.state.bursts = ap.heard.size();
-    close_.clear();
   }
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
   if (ap.heard.size() >= kLeastLearned && lead >= kLearnedLead && sigma < kMostSigma) {
@@ -407,29 +418,17 @@ bool ChainLearner::leaves_alone() const {
   });
 }
 
-std::vector<CsiFrame> ChainLearner::undone(std::span<const CsiFrame> frames) const {
-  std::vector<CsiFrame> result(frames.begin(), frames.end());
-  for (const auto& [number, learned] : aps_) {
-    if (learned.state.knowledge == ChainKnowledge::kAsCalibrated) {
-      continue;
-    }
-    const std::vector<Value> undoing = inverses(learned.state.factors.factor);
-    for (CsiFrame& frame : result) {
-      if (static_cast<std::size_t>(frame.access_point) == number) {
-        multiply(localizer_->room().access_points[number], undoing, frame);
-      }
+FrameDoubt ChainLearner::doubt(std::span<const CsiFrame> believed) const {
+  std::set<int> heard;
+  FrameDoubt doubt{1.0};
+  for (const CsiFrame& frame : believed) {
+    if (heard.insert(frame.access_point).second) {
+      const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
+      doubt.probability *=
+          found == aps_.end() ? kTurnedAtStart : 1.0 - found->second.belief.as_believed();
     }
   }
-  return result;
-}
-
-std::vector<CsiFrame> ChainLearner::believed(std::span<const CsiFrame> frames) const {
-  std::vector<CsiFrame> kept = undone(frames);
-  std::erase_if(kept, [&](const CsiFrame& frame) {
-    const auto found = aps_.find(static_cast<std::size_t>(frame.access_point));
-    return found != aps_.end() && found->second.state.knowledge == ChainKnowledge::kLearning;
-  });
-  return kept;
+  return heard.empty() ? FrameDoubt() : doubt;
 }
 
 std::vector<ChainState> ChainLearner::states() const {
@@ -446,7 +445,9 @@ void ChainLearner::adopt(const ChainState& state) {
   ap.heard.clear();
   close_.clear();
   ap.believe(state.factors);
+  const bool before = believes_nobody();
   ap.state = state;
+  withdrawals_ += !before && believes_nobody() ? 1U : 0U;
   ap.last_sure = state.since;
   if (state.knowledge == ChainKnowledge::kLearning) {
     ap.belief.doubt(kTurnedAfterCycle);
@@ -464,18 +465,28 @@ void ChainLearner::power_cycled(std::size_t access_point, Timestamp time) {
   ++changes_;
   ap.belief.doubt(kTurnedAfterCycle);
   ap.heard.clear();
-  close_.clear();
   ap.last_sure = time;
+  withdraw(time, ap);
+}
+
+void ChainLearner::withdraw(Timestamp time, ChainMemory& ap) {
+  const bool before = believes_nobody();
   ap.know(ChainKnowledge::kLearning, time);
+  withdrawals_ += !before && believes_nobody() ? 1U : 0U;
+  close_.clear();
+}
+
+bool ChainLearner::believes_nobody() const {
+  return std::all_of(aps_.begin(), aps_.end(), [](const auto& one) {
+    return one.second.state.knowledge == ChainKnowledge::kLearning;
+  });
 }
 
 void ChainLearner::restart() {
   aps_.clear();
   close_.clear();
   heard_.clear();
-  for (const auto& [access_point, state] : restored_) {
-    of(access_point);
-  }
+  begin();
 }
 
 }  // namespace rayloc

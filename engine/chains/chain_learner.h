@@ -52,12 +52,17 @@ class ChainLearner {
   std::vector<CsiFrame> believed(std::span<const CsiFrame> frames) const;
   // The same of all access points.
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const;
+  // That none of the access points of believed frames is right to be believed.
+  FrameDoubt doubt(std::span<const CsiFrame> believed) const;
   // Whether either would change nothing.
   bool leaves_alone() const;
 
   // By access point, of those of which anything was heard or restored.
   std::vector<ChainState> states() const;
   std::uint64_t changes() const { return changes_; }  // a count: as long as it stays, they stay
+  // How often the last access point that was believed was given up: all that frames said until then
+  // may have been wrong.
+  std::uint64_t withdrawals() const { return withdrawals_; }
   // What others have found out of an access point takes the place of what was found out here.
   void adopt(const ChainState& state);
   // The same, of before this program began: it outlives restart(). REQUIRES: of this room.
@@ -71,21 +76,30 @@ class ChainLearner {
   struct Told;
   // `last`: when an access point was looked at for such a transmitter.
   Told new_of(std::span<const CsiFrame> frames, Timestamp ChainMemory::*last);
+  void begin();
   ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time, Timestamp ChainMemory::*last) const;
   bool is_new(const HeardArray& heard, const ChainMemory& ap) const;
   // Of the arrays those of access points whose chains are known, all antennas of each.
   RoomObservation known_of(const RoomObservation& observation) const;
+  // By access point whose chains nobody knows, where others are learned from the same burst: what
+  // it says of every cell all the same.
+  using CellsOfEach = std::map<std::size_t, std::vector<double>>;
+  CellsOfEach whatever_turned(const Told& told);
   // Of a burst of which an access point's own part is left out: ln of how likely the device is in
-  // every cell, by the access points whose chains are known.
-  std::vector<double> by_others(const RoomObservation& observation, std::size_t left_out) const;
+  // every cell, by the other access points.
+  std::vector<double> by_others(const RoomObservation& observation,
+                                const CellsOfEach& unknown,
+                                std::size_t left_out) const;
   void weigh(const HeardArray& heard,
              std::span<const double> log_weight,
              Timestamp time,
              ChainMemory& ap);
   void weigh_known(const HeardArray& heard, const Vec3d& place, Timestamp time, ChainMemory& ap);
   void remember(RememberedBurst burst, const HeardArray& heard, Timestamp time, ChainMemory& ap);
+  void withdraw(Timestamp time, ChainMemory& ap);
+  bool believes_nobody() const;
   void decide(const AccessPointMap& map, Timestamp time, ChainMemory& ap);
   void believe(const ChainFactors& refined, ChainMemory& ap);
   void refine_closely();
@@ -95,6 +109,7 @@ class ChainLearner {
   Aligner aligner_;
   CloseBursts close_;
   std::uint64_t changes_ = 0;
+  std::uint64_t withdrawals_ = 0;
   std::map<std::size_t, ChainMemory> aps_;  // by access point of the room
   std::map<std::size_t, ChainState> restored_;
   std::map<std::size_t, Timestamp> heard_;  // the last frame of each access point

@@ -108,6 +108,24 @@ Expected<void> validate(const RadioMaterial& material) {
   if (!(material.thickness > 0.0)) {
     return refuse("thickness", material.thickness, "must be more than 0 [m]");
   }
+  const SurfaceScattering& scattering = material.scattering;
+  const auto is_share = [](double value) { return value >= 0.0 && value <= 1.0; };
+  const auto is_exponent = [](double value) { return value > 0.0 && value <= kMostAlpha; };
+  if (!is_share(scattering.scattering_coefficient)) {
+    return refuse("scattering_coefficient", scattering.scattering_coefficient, "must be 0 to 1");
+  }
+  if (!is_share(scattering.xpd_coefficient)) {
+    return refuse("xpd_coefficient", scattering.xpd_coefficient, "must be 0 to 1");
+  }
+  if (!is_share(scattering.lambda)) {
+    return refuse("lambda_", scattering.lambda, "must be 0 to 1");
+  }
+  if (!is_exponent(scattering.alpha_r)) {
+    return refuse("alpha_r", scattering.alpha_r, "must be more than 0 and at most 100");
+  }
+  if (!is_exponent(scattering.alpha_i)) {
+    return refuse("alpha_i", scattering.alpha_i, "must be more than 0 and at most 100");
+  }
   return {};
 }
 

@@ -14,6 +14,7 @@
 
 #include "engine/base/complex.h"
 #include "engine/base/expected.h"
+#include "engine/em/surface_scattering.h"
 
 namespace rayloc {
 
@@ -25,6 +26,7 @@ struct RadioMaterial {
   double relative_permittivity = 1.0;    // real part, >= 1
   double conductivity = 0.0;             // [S/m], >= 0
   double thickness = kDefaultThickness;  // [m], > 0; kHalfSpace: no second face
+  SurfaceScattering scattering = {};     // only where TraceOptions::diffuse asks for it
 
   friend bool operator==(const RadioMaterial&, const RadioMaterial&) = default;
 };

@@ -1,6 +1,7 @@
 #include "engine/likelihood/lane_kernel.h"
 
 #include "engine/base/check.h"
+#include "engine/base/work_done.h"
 
 // Highway compiles this file once for each kind of processor (trace/cfr_kernel.cpp says how).
 #undef HWY_TARGET_INCLUDE
@@ -174,6 +175,10 @@ LaneRow whiten(const std::complex<float>* whitener,
     sum = {};
   }
   LaneRow power{};
+  const std::size_t size = re.size();
+  WorkDone::add(kLaneCount * size * (4 * (size + 1) + 6 + 8 * sums.size()),
+                size * (size + 1) / 2 * sizeof(*whitener) + re.size_bytes() + im.size_bytes() +
+                    along.size_bytes());
   HWY_DYNAMIC_DISPATCH(whiten)(whitener, re, im, along, sums, power);
   return power;
 }
@@ -187,12 +192,16 @@ void fetch(std::span<const std::complex<float>> whitener) {
 
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension) {
   LaneRow values{};
+  WorkDone::add(48 * kLaneCount, sizeof(power) + sizeof(along) + sizeof(values));
   HWY_DYNAMIC_DISPATCH(at_best_gain)(power, along, static_cast<float>(dimension), values);
   return values;
 }
 
 void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im) {
   RAYLOC_CHECK(re.size() == im.size());
+  WorkDone::add(kLaneCount * terms.size() * (6 + 8 * re.size()),
+                terms.size() * (sizeof(LaneSums) + re.size() * sizeof(*terms.front().mean)) +
+                    2 * (re.size_bytes() + im.size_bytes()));
   HWY_DYNAMIC_DISPATCH(add_turned)(terms, re, im);
 }
 

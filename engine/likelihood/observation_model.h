@@ -104,6 +104,9 @@ class ObservationModel {
   // part. Else rays.size().
   std::size_t coverable(std::span<const Ray> rays) const;
 
+  // R of one antenna, for a tail that decays so fast [s]: [coordinate][coordinate].
+  std::vector<std::complex<double>> diffuse_covariance(double decay) const;
+
   // Nothing known but a diffuse tail: what every place is compared with. It lasts as long as usual,
   // not as long as in this room, for what is no channel of it may come from any.
   PlaceModel nowhere(const ModelError& error) const;
@@ -150,8 +153,6 @@ class ObservationModel {
   PathKnowledge knowledge_;
   double wave_number_;  // [rad/m], at the centre
   DelayBasis basis_;
-  std::vector<std::complex<double>> diffuse_covariance(double decay) const;
-
   std::vector<std::vector<std::complex<double>>> diffuse_;  // R of one antenna, [decay][q][q]
 };
 

@@ -81,4 +81,11 @@ PlaceModel PlaceMoments::factorised(std::size_t antennas,
                    noise);
 }
 
+Eigen::MatrixXcd PlaceMoments::covariance(std::size_t antennas,
+                                          const std::vector<Value>& covariance) const {
+  Eigen::MatrixXcd all = sigma;
+  add_rest(diffuse / static_cast<double>(antennas), 0.0, covariance, all);
+  return all.selfadjointView<Eigen::Lower>();
+}
+
 }  // namespace rayloc

@@ -31,6 +31,10 @@ struct PlaceMoments {
                         const std::vector<std::complex<double>>& covariance,
                         double noise) const;
 
+  // Sigma, whole, without the noise.
+  Eigen::MatrixXcd covariance(std::size_t antennas,
+                              const std::vector<std::complex<double>>& covariance) const;
+
   Eigen::MatrixXcd sigma;  // the lower triangle
   PlaceMean mean;
   double diffuse = 0.0;  // power of what is not traced, share of the traced

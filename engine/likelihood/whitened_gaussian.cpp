@@ -43,10 +43,6 @@ std::vector<Value> unwhiten(std::span<const std::complex<float>> whitener,
   return result;
 }
 
-std::vector<Value> unwhiten(const WhitenedGaussian& gaussian, std::span<const Value> u) {
-  return unwhiten(gaussian.whitener, u);
-}
-
 // Without std::complex's product, which looks for infinities.
 Value inner_product(std::span<const Value> a, std::span<const Value> b) {
   double re = 0.0;

@@ -25,8 +25,6 @@ std::vector<std::complex<double>> whiten(const WhitenedGaussian& gaussian,
 // W^H u
 std::vector<std::complex<double>> unwhiten(std::span<const std::complex<float>> whitener,
                                            std::span<const std::complex<double>> u);
-std::vector<std::complex<double>> unwhiten(const WhitenedGaussian& gaussian,
-                                           std::span<const std::complex<double>> u);
 
 // a^H b
 std::complex<double> inner_product(std::span<const std::complex<double>> a,

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/cell_places.h"
 #include "engine/room/raised_ray.h"
 #include "engine/room/ray.h"
 #include "engine/scene/scene.h"
@@ -18,6 +20,9 @@ namespace {
 // A count, chosen: of boxes of a cell and a layer that are kept, of 1.5 kB each at 40 MHz. Few are
 // looked at, and mostly the same again: those along a walk.
 constexpr std::size_t kMostBoxes = 16'384;
+// Bytes, chosen: of what is kept of boxes for tracks, and as much of what they share. A walk
+// through a room needs a thousand boxes or two.
+constexpr std::size_t kFieldBytes = std::size_t{48} << 20U;
 // A count, chosen: of the heights that a cell as a whole is made of, which costs as much as so many
 // cells.
 constexpr std::size_t kMostInColumn = 5;
@@ -37,7 +42,45 @@ std::vector<HeightSlice> coarsened(const HeightLayers& layers, std::size_t most)
   return coarse;
 }
 
+double wavelength_of(const RoomModel& room) { return kSpeedOfLight / room.grid.centre_hz; }
+
+// How many are kept. `dimension`: of an observation.
+std::size_t kept_covariances(std::size_t dimension) {
+  const std::size_t turn = dimension * dimension * sizeof(std::complex<float>);
+  return kFieldBytes / (turn + 2 * dimension * sizeof(double) + sizeof(FieldCovariance));
+}
+
+std::size_t kept_fields(std::size_t dimension, const FieldLattice& lattice) {
+  const std::size_t sums = dimension + lattice.plan.count_x + lattice.heights.size();
+  const std::size_t by_y = lattice.plan.count_y / kLaneCount * kFieldRays * sizeof(LaneSums);
+  return kFieldBytes / (sums * sizeof(RaySums) + by_y + sizeof(RayField));
+}
+
 }  // namespace
+
+FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, double wavelength) {
+  const Lattice closest = places_of_cell(grid, wavelength);
+  const auto lanes = static_cast<double>(kLaneCount);
+  FieldLattice places;
+  places.plan.count_x = closest.count_x;
+  places.plan.step_x = closest.step_x;
+  // Not quite as close as in x where whole rows would be half empty.
+  const double rows = std::max(1.0, std::round(static_cast<double>(closest.count_y) / lanes));
+  places.plan.count_y = static_cast<std::size_t>(rows * lanes);
+  places.plan.step_y = grid.step_y / static_cast<double>(places.plan.count_y);
+  for (const HeightSlice& slice : slices_of_box(grid, heights, 0, wavelength)) {
+    places.heights.push_back(slice.offset - heights.offset.front());
+  }
+  return places;
+}
+
+std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
+                                       const HeightLayers& heights,
+                                       std::size_t layer,
+                                       double wavelength) {
+  return slices_of(
+      heights, layer, grid.height_sigma, NearbyLikelihood::kHeightDistance * wavelength);
+}
 
 struct AccessPointMap::Tracing {
   const Source source;
@@ -73,7 +116,10 @@ AccessPointMap::AccessPointMap(const Source& source,
       tracing_(std::move(tracing)),
       nowhere_(likelihood_->nowhere(access_point().error)),
       boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)),
-      close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)) {
+      close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)),
+      field_lattice_(places_of_box(source.grid, source.heights, wavelength_of(*source.room))),
+      covariances_(std::make_unique<Kept<FieldCovariance>>(kept_covariances(model_.dimension()))),
+      fields_(std::make_unique<Kept<RayField>>(kept_fields(model_.dimension(), field_lattice_))) {
   build_cells();
   for (std::size_t i = 0; i < offsets_.size(); ++i) {
     without_.push_back(std::make_unique<Lazy<AccessPointMap>>());
@@ -215,6 +261,55 @@ std::unique_ptr<const CloseLook> AccessPointMap::look_at(std::size_t cell,
     look->nearby_ = likelihood_->nearby(place, *look->box_, error, observed);
   }
   return look->nearby_ == nullptr ? nullptr : std::move(look);
+}
+
+std::vector<Ray> AccessPointMap::rays_at(std::size_t cell, double height) const {
+  return raised_rays(tracing_->rays[cell], height, source_.room->device, access_point().array);
+}
+
+// The device within half the distance between places of the middle.
+ObservationModel::Place AccessPointMap::field_place(std::span<const Ray> rays) const {
+  const double height =
+      field_lattice_.heights.size() > 1 ? field_lattice_.heights[1] - field_lattice_.heights[0] : 0;
+  return {rays,
+          offsets_,
+          std::sqrt(field_lattice_.plan.step_x * field_lattice_.plan.step_y),
+          0.0,
+          height};
+}
+
+std::shared_ptr<const FieldCovariance> AccessPointMap::field_covariance(std::size_t cell,
+                                                                        std::size_t layer) const {
+  const std::size_t count = source_.heights.size();
+  const std::size_t bands = band_of(count - 1) + 1;
+  return covariances_->get(cell * bands + band_of(layer), [&] {
+    const std::size_t first = band_of(layer) * kLayersOfBand;
+    const std::size_t last = std::min(first + kLayersOfBand, count) - 1;
+    const double middle = 0.5 * (source_.heights.offset[first] + source_.heights.offset[last]);
+    const std::vector<Ray> rays = rays_at(cell, middle);
+    return rayloc::field_covariance(model_, field_place(rays), access_point().error);
+  });
+}
+
+std::shared_ptr<const RayField> AccessPointMap::field(std::size_t cell,
+                                                      std::size_t layer,
+                                                      const FieldCovariance& covariance) const {
+  return fields_->get(cell * source_.heights.size() + layer, [&] {
+    const std::vector<Ray> rays = rays_in(cell, layer);
+    return ray_field(model_, covariance, field_place(rays), access_point().error, field_lattice_);
+  });
+}
+
+std::pair<FieldTerms, std::shared_ptr<const RayField>> FieldLook::at(std::size_t layer) {
+  if (!burst_ || AccessPointMap::band_of(layer) != band_) {
+    band_ = AccessPointMap::band_of(layer);
+    covariance_ = map_.field_covariance(cell_, layer);
+    burst_.emplace(
+        *covariance_, observed_.array, map_.access_point().error.noise + observed_.array.noise);
+  }
+  auto field = map_.field(cell_, layer, *covariance_);
+  FieldTerms terms = burst_->terms(*field);
+  return {terms, std::move(field)};
 }
 
 std::vector<Ray> AccessPointMap::rays_to(const Vec3d& position) const {

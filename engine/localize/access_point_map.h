@@ -13,12 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "engine/base/parallel.h"
+#include "engine/base/kept.h"
 #include "engine/base/vec3.h"
 #include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/likelihood/nearby_likelihood.h"
 #include "engine/likelihood/observation_model.h"
+#include "engine/likelihood/ray_field.h"
 #include "engine/localize/path_grid.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/height_layers.h"
@@ -48,6 +49,13 @@ class CloseLook {
   std::vector<Ray> rays_;
   std::unique_ptr<const NearbyLikelihood> nearby_;
 };
+
+// The places of a box, a multiple of eight in y, and the probabilities of their heights in a layer.
+FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, double wavelength);
+std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
+                                       const HeightLayers& heights,
+                                       std::size_t layer,
+                                       double wavelength);
 
 class AccessPointMap {
  public:
@@ -102,6 +110,17 @@ class AccessPointMap {
                                            std::size_t layer,
                                            const ObservedBurst& observed) const;
 
+  // Whether a burst can be compared with the places of boxes by their RayField.
+  bool has_fields() const { return source_.likelihood == LikelihoodKind::kPartial; }
+  // Of a cell and the layers about this one; of a box. REQUIRES: has_fields(), is_reachable(cell).
+  std::shared_ptr<const FieldCovariance> field_covariance(std::size_t cell,
+                                                          std::size_t layer) const;
+  std::shared_ptr<const RayField> field(std::size_t cell,
+                                        std::size_t layer,
+                                        const FieldCovariance& covariance) const;
+  // Layers next to each other that share a covariance have the same number.
+  static std::size_t band_of(std::size_t layer) { return layer / kLayersOfBand; }
+
   // Traces those of a device at a place.
   std::vector<Ray> rays_to(const Vec3d& position) const;
   // What a device at the place of these rays would let be heard, the place known to `survey_sigma`
@@ -122,6 +141,10 @@ class AccessPointMap {
                  std::vector<Vec3d> offsets);
   void build_cells();
   double cell_size() const;
+  // A count, chosen: three layers are 0.45 m, over which a ray turns by a few degrees.
+  static constexpr std::size_t kLayersOfBand = 3;
+  std::vector<Ray> rays_at(std::size_t cell, double height) const;
+  ObservationModel::Place field_place(std::span<const Ray> rays) const;
   std::vector<Ray> rays_in(std::size_t cell, std::size_t layer) const;
 
   Source source_;
@@ -130,11 +153,32 @@ class AccessPointMap {
   ObservationModel model_;
   std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
   PlaceLikelihood nowhere_;
-  std::vector<PlaceLikelihood> cells_;                          // the device at any of the heights
-  std::unique_ptr<Kept<PlaceLikelihood>> boxes_;                // at one of them, as a whole ...
-  std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;          // ... and for its places
+  std::vector<PlaceLikelihood> cells_;                  // the device at any of the heights
+  std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // at one of them, as a whole ...
+  std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for its places
+  FieldLattice field_lattice_;
+  std::unique_ptr<Kept<FieldCovariance>> covariances_;          // of a cell and a band of layers
+  std::unique_ptr<Kept<RayField>> fields_;                      // of a box
   std::vector<double> level_db_;                                // of each cell that a ray leads to
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
+};
+
+// A burst at the boxes of one cell, layer after layer.
+class FieldLook {
+ public:
+  // All of them outlive it. REQUIRES: map.has_fields(), map.is_reachable(cell).
+  FieldLook(const AccessPointMap& map, std::size_t cell, const ObservedBurst& observed)
+      : map_(map), cell_(cell), observed_(observed) {}
+
+  std::pair<FieldTerms, std::shared_ptr<const RayField>> at(std::size_t layer);
+
+ private:
+  const AccessPointMap& map_;
+  std::size_t cell_;
+  const ObservedBurst& observed_;
+  std::size_t band_ = 0;
+  std::shared_ptr<const FieldCovariance> covariance_;
+  std::optional<FieldBurst> burst_;
 };
 
 }  // namespace rayloc

@@ -22,6 +22,10 @@ struct SearchFocus {
   std::vector<double> log_prior;     // of `cells`, natural logarithm
   std::vector<double> layer_weight;  // [layer], probability
   std::vector<std::size_t> cells;    // where the device may be; empty: in all cells of the room
+  // The best boxes are looked at by few of their places first, and what it costs is bounded;
+  // otherwise by all of them, as Localizer::locate() does. What is looked for in some cells is so
+  // in any case.
+  bool is_quick = false;
   // Of all other cells a sample, which stands for them. REQUIRES: not empty where `cells` is not.
   std::vector<std::size_t> others;
 };

@@ -14,6 +14,8 @@
 #include "engine/likelihood/level.h"
 #include "engine/likelihood/likelihood.h"
 #include "engine/localize/access_point_map.h"
+#include "engine/localize/fix_warnings.h"
+#include "engine/localize/tracked_search.h"
 #include "engine/localize/watched_area.h"
 #include "engine/observe/alignment.h"
 #include "engine/posterior/access_point_fusion.h"
@@ -29,10 +31,11 @@ namespace {
 // search misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
 constexpr double kFarBelow = 1e4;  // [nat], chosen: what such a cell loses, to weigh nothing
-constexpr double kMostElsewhere = 2.0 / 3.0;  // more, and there is no fix
+// Of the mass before a burst, chosen: with more in no box of the tracked search, that would decide
+// between hills by which of them it looks at.
+constexpr double kMostNotLookedAt = 0.1;
 // Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
 constexpr double kLeastCaptured = 0.5;
-constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
 // A ratio, chosen: a perfect fit is -300 dB and not infinite.
 constexpr double kLeastResidual = 1e-30;
 
@@ -41,8 +44,6 @@ struct AccessPointMaps {
   std::vector<double> nowhere;            // [array], log-likelihood of that
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
-
-using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, [array]
 
 }  // namespace
 
@@ -78,8 +79,11 @@ class Localizer::Impl {
 
   RoomObservation hear_burst(std::span<const CsiFrame> frames) const;
   Evidence evidence(const RoomObservation& observation, Look look, const SearchFocus& focus) const;
-  LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
+  LocationEstimate locate(std::span<const CsiFrame> frames,
+                          double likelihood_exponent,
+                          double doubt) const;
   const RoomModel& room() const { return *room_; }
+  const WatchedArea& area() const { return area_; }
   const RoomGrid& grid() const { return grid_; }
   const HeightLayers& heights() const { return heights_; }
   const LocalizerOptions& options() const { return options_; }
@@ -96,6 +100,15 @@ class Localizer::Impl {
                           double likelihood_exponent,
                           double far_below,
                           const ComparedCells& compared) const;
+  Evidence finished(RoomMap map,
+                    const AccessPointFusion& fusion,
+                    const ComparedCells& compared) const;
+  Evidence tracked_evidence(TrackedSearch& search,
+                            std::vector<HeardArray> heard,
+                            const SearchFocus& focus) const;
+  TrackedSearch::Room search_room() const {
+    return {grid_, heights_, kSpeedOfLight / room_->grid.centre_hz, room_->likelihood_exponent};
+  }
   CloseSearch close_search(const std::vector<HeardArray>& heard,
                            const AccessPointMaps& maps,
                            const AccessPointFusion& fusion,
@@ -105,11 +118,6 @@ class Localizer::Impl {
   void keep_explained(std::vector<HeardArray>& heard,
                       AccessPointMaps& maps,
                       LocationEstimate& estimate) const;
-  void warn_of_doubtful(const std::vector<HeardArray>& heard,
-                        const RoomMap& map,
-                        double likelihood_exponent,
-                        const RaysOfEach& rays,
-                        LocationEstimate& estimate) const;
   double model_residual(const std::vector<HeardArray>& heard, const RaysOfEach& rays) const;
 
   std::shared_ptr<const RoomModel> room_;
@@ -287,32 +295,9 @@ void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
   }
 }
 
-// Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
-void Localizer::Impl::warn_of_doubtful(const std::vector<HeardArray>& heard,
-                                       const RoomMap& map,
-                                       double likelihood_exponent,
-                                       const RaysOfEach& rays,
-                                       LocationEstimate& estimate) const {
-  const std::vector<double> doubt = doubts(map, likelihood_exponent);
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    const std::string name = "access point " + heard[i].map->access_point().id;
-    if (heard.size() > 1 && doubt[i] > 0.5) {
-      estimate.warnings.push_back(name +
-                                  " contradicts the others: it is covered, was moved or has "
-                                  "changed; what it hears is not believed");
-      continue;
-    }
-    const auto odds = heard[i].map->covered_log_odds(rays[i], heard[i].observed);
-    if (odds && likelihood_exponent * *odds > kCoveredForCertain) {
-      estimate.warnings.push_back(name +
-                                  ": the direct way to the device is not as the plan has it: it is "
-                                  "covered, or the chains have changed");
-    }
-  }
-}
-
 LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
-                                         double likelihood_exponent) const {
+                                         double likelihood_exponent,
+                                         double doubt) const {
   RoomObservation observation = hear_burst(frames);
   LocationEstimate& estimate = observation.estimate;
   if (observation.arrays.empty()) {
@@ -335,10 +320,10 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
       log_mean_exp(map.log_likelihood, likelihood_exponent), options_.faults.elsewhere);
   const double outside = take_outside(area_, likelihood_exponent, map.log_likelihood);
   const double elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
-  if (elsewhere > kMostElsewhere) {
+  if (elsewhere > WatchedArea::kMostElsewhere) {
     estimate.reason =
         outside > contradicted
-            ? "the device is beside the area: the scene explains it better there"
+            ? WatchedArea::kBeside
             : "what the access points hear contradicts each other: the device is not in "
               "the area, or more than one of them has changed";
     return std::move(estimate);
@@ -348,7 +333,7 @@ LocationEstimate Localizer::Impl::locate(std::span<const CsiFrame> frames,
                       {likelihood_exponent,
                        options_.accuracy_confidence,
                        options_.max_hypotheses,
-                       elsewhere,
+                       1.0 - (1.0 - elsewhere) * (1.0 - doubt),
                        room_->least_sigma},
                       estimate,
                       map.within);
@@ -367,6 +352,12 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
                                               Look look,
                                               const SearchFocus& focus) const {
   std::vector<HeardArray> heard = observation.arrays;
+  if (look == Look::kPlaces && !focus.cells.empty() && heard.front().map->has_fields()) {
+    TrackedSearch search(search_room(), heard, focus);
+    if (search.not_looked_at() < kMostNotLookedAt) {
+      return tracked_evidence(search, std::move(heard), focus);
+    }
+  }
   const double likelihood_exponent = room_->likelihood_exponent;
   const ComparedCells compared = compared_cells(grid_, focus);
   AccessPointMaps maps = maps_of(heard, likelihood_exponent, 0.0, compared);
@@ -378,17 +369,66 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
-  Evidence result;
-  if (look == Look::kPlaces) {
+  const bool is_quick =  // the places of one height are few
+      focus.is_quick && focus.cells.empty() && !heights_.is_known() &&
+      heard.front().map->has_fields();
+  if (look == Look::kPlaces && is_quick) {
+    search_best_boxes(search_room(), heard, maps.nowhere, fusion, focus, map);
+  } else if (look == Look::kPlaces) {
     search_closely(close_search(heard, maps, fusion, likelihood_exponent, focus, compared), map);
-    result.within = std::move(map.within);
   }
+  return finished(std::move(map), fusion, compared);
+}
+
+// Of a device that is known to be about somewhere.
+Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
+                                                      std::vector<HeardArray> heard,
+                                                      const SearchFocus& focus) const {
+  const double exponent = room_->likelihood_exponent;
+  SearchFocus looked;
+  looked.cells = search.cells();
+  looked.others = focus.others;
+  const ComparedCells compared = compared_cells(grid_, looked);
+  ComparedCells others;
+  others.cells = focus.others;
+  AccessPointMaps maps = maps_of(heard, exponent, 0.0, others);
+  const auto close = search.look(maps.nowhere);
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    maps.cell[i].insert(maps.cell[i].begin(), close[i].begin(), close[i].end());
+    if (*std::max_element(maps.cell[i].begin(), maps.cell[i].end()) <= 0.0) {
+      maps.cell[i].clear();
+    }
+  }
+  for (std::size_t i = heard.size(); i-- > 0;) {
+    if (maps.cell[i].empty()) {
+      search.leave_out(i);
+      const auto at = static_cast<std::ptrdiff_t>(i);
+      heard.erase(heard.begin() + at);
+      maps.cell.erase(maps.cell.begin() + at);
+    }
+  }
+  if (heard.empty()) {
+    return {};
+  }
+  const std::vector<double> faulty(heard.size(), options_.faults.access_point);
+  const AccessPointFusion fusion(maps.cell, exponent, faulty, compared.weights);
+  RoomMap map = fuse(maps.cell, fusion);
+  search.put_together(fusion, map);
+  return finished(std::move(map), fusion, compared);
+}
+
+// With the probability of being elsewhere.
+Localizer::Evidence Localizer::Impl::finished(RoomMap map,
+                                              const AccessPointFusion& fusion,
+                                              const ComparedCells& compared) const {
+  const double exponent = room_->likelihood_exponent;
+  Evidence result;
+  result.within = std::move(map.within);
   result.log_likelihood = std::move(map.log_likelihood);
-  const double contradicted =
-      fusion.elsewhere(log_mean_exp(result.log_likelihood, likelihood_exponent, compared.weights),
-                       options_.faults.elsewhere);
-  const double outside = take_outside(
-      area_, likelihood_exponent, result.log_likelihood, compared.cells, compared.weights);
+  const double contradicted = fusion.elsewhere(
+      log_mean_exp(result.log_likelihood, exponent, compared.weights), options_.faults.elsewhere);
+  const double outside =
+      take_outside(area_, exponent, result.log_likelihood, compared.cells, compared.weights);
   result.cells = compared.cells;
   result.weights = compared.weights;
   result.elsewhere = 1.0 - (1.0 - contradicted) * (1.0 - outside);
@@ -410,12 +450,13 @@ Localizer::~Localizer() = default;
 Localizer::Localizer(Localizer&&) noexcept = default;
 Localizer& Localizer::operator=(Localizer&&) noexcept = default;
 
-LocationEstimate Localizer::locate(std::span<const CsiFrame> frames) const {
-  return impl_->locate(frames, impl_->room().likelihood_exponent);
+LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
+                                   const FrameDoubt& doubt) const {
+  return impl_->locate(frames, impl_->room().likelihood_exponent, doubt.probability);
 }
 LocationEstimate Localizer::locate(std::span<const CsiFrame> frames,
                                    double likelihood_exponent) const {
-  return impl_->locate(frames, likelihood_exponent);
+  return impl_->locate(frames, likelihood_exponent, 0.0);
 }
 
 RoomObservation Localizer::hear(std::span<const CsiFrame> frames) const {
@@ -428,6 +469,7 @@ Localizer::Evidence Localizer::evidence(const RoomObservation& observation,
   return impl_->evidence(observation, look, focus);
 }
 
+const WatchedArea& Localizer::area() const { return impl_->area(); }
 const RoomGrid& Localizer::grid() const { return impl_->grid(); }
 const HeightLayers& Localizer::heights() const { return impl_->heights(); }
 const RoomModel& Localizer::room() const { return impl_->room(); }

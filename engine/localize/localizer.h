@@ -23,6 +23,7 @@
 #include "engine/localize/close_search.h"
 #include "engine/localize/heard_array.h"
 #include "engine/localize/path_grid.h"
+#include "engine/localize/watched_area.h"
 #include "engine/observe/burst.h"
 #include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
@@ -41,6 +42,12 @@ struct LocalizerOptions {
   std::shared_ptr<PathGridStore> path_grids;
 };
 
+// Probability that frames say nothing of the place, beside what they show themselves: that the
+// chains have turned (ChainLearner::doubt()).
+struct FrameDoubt {
+  double probability = 0.0;
+};
+
 class Localizer {
  public:
   // An Error when the room cannot be modelled at all (no scene, empty room, no access point).
@@ -52,7 +59,8 @@ class Localizer {
   Localizer& operator=(Localizer&&) noexcept;
 
   // `frames`: one transmitter, any access points, in order of time.
-  LocationEstimate locate(std::span<const CsiFrame> frames) const;
+  // What is doubted is left over, beside what the hypotheses state.
+  LocationEstimate locate(std::span<const CsiFrame> frames, const FrameDoubt& doubt = {}) const;
   // With another exponent of the likelihood than RoomModel::likelihood_exponent: for fitting that.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
@@ -79,7 +87,8 @@ class Localizer {
   Evidence evidence(const RoomObservation& observation,
                     Look look = Look::kCells,
                     const SearchFocus& focus = {}) const;
-  const RoomGrid& grid() const;
+  const WatchedArea& area() const;
+  const RoomGrid& grid() const;  // of the area
   const HeightLayers& heights() const;
 
   const RoomModel& room() const;

@@ -88,6 +88,13 @@ std::string path_grid_key(const RoomModel& room,
   hash.add(room.trace.softness);
   hash.add(static_cast<std::uint64_t>(room.trace.candidates));
   hash.add(static_cast<std::uint64_t>(room.trace.rays));
+  // Named only where they are on: grids that were made before they could be are still known.
+  if (room.trace.diffraction) {
+    hash.add(std::string_view(room.trace.double_diffraction ? "two edges" : "an edge"));
+  }
+  if (room.trace.diffuse) {
+    hash.add(std::string_view("diffuse"));
+  }
   add_antenna(hash, room.device.pattern, room.device.polarization);
   const AntennaArray& array = access_point.array;
   hash.add(array.pose.position);

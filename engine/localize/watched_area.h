@@ -17,6 +17,12 @@
 namespace rayloc {
 
 struct WatchedArea {
+  // A probability that the device is not there: with more of it there is no fix, ...
+  static constexpr double kMostElsewhere = 2.0 / 3.0;
+  // ... where it is beside the area for this reason.
+  static constexpr const char* kBeside =
+      "the device is beside the area: the scene explains it better there";
+
   RoomGrid grid;
   std::vector<char> inside;  // [cell], of the calibrated area; empty: all are
 };

@@ -10,7 +10,6 @@
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
 #include "engine/monitor/chain_turns.h"
-#include "engine/monitor/debounce.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/burst.h"
 #include "engine/observe/chain_gains.h"
@@ -26,7 +25,6 @@ constexpr double kShiftStep = 0.01;        // [m], a sixth of a wavelength
 // [rad], chosen: at 6 degrees the scan has three to either side.
 constexpr double kYawStep = 2.0 * kDegree;
 constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
-constexpr int kRescan = 10;  // windows from one scan to the next: it takes as long as ten fixes
 // [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
 constexpr double kMostJumpBound = 1.309;
 // [rad]: chips start at least a quarter turn apart. A phase known worse than that tells no jump.
@@ -53,25 +51,6 @@ struct Spot {
   std::vector<CsiFrame> frames;  // of the window
   std::vector<Value> usual;      // phasor of each chain in the first windows
   bool settled = false;          // kSteady windows agreed about `usual`
-};
-
-// What the windows of an access point have told.
-struct Told {
-  Told(std::size_t chains, std::optional<double> usual_fit)
-      : usual(usual_fit), jump(chains, Debounce(CalibrationMonitor::kSteady)), jump_phase(chains) {}
-  std::size_t bursts = 0;  // of the window
-  std::optional<double> usual;
-  std::vector<double> first;  // fits of the first windows, until `usual` is known
-  double fit = 0.0;           // of the last window
-  double slow = 0.0;          // mean of what is unexplained
-  bool has_slow = false;
-  Debounce moved{CalibrationMonitor::kSteady};
-  std::vector<Debounce> jump;  // of each chain
-  std::vector<double> jump_phase;
-  ArrayMotion motion;
-  double moved_fit = 0.0;
-  int since_scan = kRescan;  // windows
-  bool drifted = false;
 };
 
 // What an access point heard of one spot in a window, chains removed.
@@ -116,10 +95,10 @@ class CalibrationMonitor::AccessPoint {
         arrays_(room, index),
         aligner_(room.grid),
         stated_usual_(usual),
-        told_(ap_.cores.size(), usual) {}
+        told_(index, ap_.cores.size(), usual) {}
 
   void restart() {
-    told_ = Told(ap_.cores.size(), stated_usual_);
+    told_ = Told(index_, ap_.cores.size(), stated_usual_);
     for (const auto& spot : spots_) {
       spot->frames.clear();
       spot->usual.clear();
@@ -145,6 +124,12 @@ class CalibrationMonitor::AccessPoint {
     }
   }
 
+  const Told& told() const { return told_; }
+  void go_on(const Told& told) {
+    if (told.jump.size() == ap_.cores.size()) {
+      told_ = told;
+    }
+  }
   void know(const Transmitter& transmitter, std::vector<Value> array);
   void append_warnings(std::vector<CalibrationWarning>& out) const;
 
@@ -391,9 +376,9 @@ void CalibrationMonitor::AccessPoint::evaluate(const std::vector<HeardSpot>& hea
     told_.jump[m].update(now);
   }
   told_.moved.update(moved);
-  told_.slow += told_.has_slow ? kSlowness * (1.0 - told_.fit - told_.slow) : 1.0 - told_.fit;
-  told_.has_slow = true;
-  told_.drifted = is_worse(told_.slow, usual, told_.drifted ? 0.5 : 1.0);
+  const double before = told_.slow.value_or(1.0 - told_.fit);
+  told_.slow = before + kSlowness * (1.0 - told_.fit - before);
+  told_.drifted = is_worse(*told_.slow, usual, told_.drifted ? 0.5 : 1.0);
 }
 
 CalibrationWarning CalibrationMonitor::AccessPoint::warning(CalibrationProblem problem) const {
@@ -435,7 +420,7 @@ void CalibrationMonitor::AccessPoint::append_warnings(std::vector<CalibrationWar
   }
   if (told_.drifted && !explained) {
     CalibrationWarning one = warning(CalibrationProblem::kResidualDrift);
-    one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow) +
+    one.text = "residual_drift: access point " + ap_.id + ": " + percent(told_.slow.value_or(0.0)) +
                " of what it hears of known transmitters is unexplained, usually " +
                percent(1.0 - told_.usual.value_or(told_.fit)) + "; has the room changed?";
     out.push_back(std::move(one));
@@ -467,6 +452,24 @@ void CalibrationMonitor::observe(const Transmitter& transmitter, std::span<const
   for (const auto& ap : aps_) {
     if (ap != nullptr) {
       ap->observe(transmitter, frames);
+    }
+  }
+}
+
+std::vector<CalibrationMonitor::Told> CalibrationMonitor::told() const {
+  std::vector<Told> all;
+  for (const auto& ap : aps_) {
+    if (ap != nullptr) {
+      all.push_back(ap->told());
+    }
+  }
+  return all;
+}
+
+void CalibrationMonitor::go_on(const std::vector<Told>& told) {
+  for (const Told& one : told) {
+    if (one.access_point < aps_.size() && aps_[one.access_point] != nullptr) {
+      aps_[one.access_point]->go_on(one);
     }
   }
 }

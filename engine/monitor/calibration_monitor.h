@@ -32,6 +32,7 @@
 #include "engine/base/vec3.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/likelihood/spot_arrays.h"
+#include "engine/monitor/debounce.h"
 #include "engine/room/room_model.h"
 
 namespace rayloc {
@@ -58,11 +59,13 @@ class CalibrationMonitor {
  public:
   // A count, chosen: several, as people who walk by spoil one.
   static constexpr std::size_t kBursts = 5;
-  static constexpr int kSteady = 2;           // a count of windows, chosen: one alone may be spoilt
-  static constexpr double kJump = 0.785;      // [rad]
-  static constexpr double kMostShift = 0.05;  // [m], along x and y of the room
-  static constexpr double kMostYaw = 0.105;   // [rad], 6 degrees
-  static constexpr double kDriftRatio = 3.0;  // people and doors move the share by less
+  static constexpr int kSteady = 2;  // a count of windows, chosen: one alone may be spoilt
+  // Windows from one scan to the next: it takes as long as ten fixes.
+  static constexpr int kRescan = 10;
+  static constexpr double kJump = 0.785;       // [rad]
+  static constexpr double kMostShift = 0.05;   // [m], along x and y of the room
+  static constexpr double kMostYaw = 0.105;    // [rad], 6 degrees
+  static constexpr double kDriftRatio = 3.0;   // people and doors move the share by less
   static constexpr double kLeastDrift = 0.05;  // what noise leaves unexplained moves by less
   static constexpr double kPlaceSigma = 0.01;  // [m], of stated places
 
@@ -82,6 +85,30 @@ class CalibrationMonitor {
   void know(const Transmitter& transmitter,
             std::size_t access_point,
             std::vector<std::complex<double>> array);
+
+  // What the windows of an access point have told. Later windows do not tell it again: who goes on
+  // in place of another monitor has to be told.
+  struct Told {
+    // Before the first window.
+    Told(std::size_t ap, std::size_t chains, std::optional<double> usual_fit)
+        : access_point(ap), usual(usual_fit), jump(chains, Debounce(kSteady)), jump_phase(chains) {}
+    std::size_t access_point;
+    std::size_t bursts = 0;  // of the window that is not over
+    std::optional<double> usual;
+    std::vector<double> first;                  // fits of the first windows, until `usual` is known
+    double fit = 0.0;                           // of the last window
+    std::optional<double> slow = std::nullopt;  // mean of what is unexplained
+    Debounce moved{kSteady};
+    std::vector<Debounce> jump;      // of each chain
+    std::vector<double> jump_phase;  // [rad]
+    ArrayMotion motion;
+    double moved_fit = 0.0;
+    int since_scan = kRescan;  // windows
+    bool drifted = false;
+  };
+  std::vector<Told> told() const;  // by access point
+  // Before the first burst, and after know(). Of the room's access points only.
+  void go_on(const std::vector<Told>& told);
 
   // The frames of a burst of a transmitter, of all access points. Access points without gains and
   // those that no ray reaches are left alone.

@@ -5,8 +5,9 @@ namespace rayloc {
 
 class Debounce {
  public:
-  // Begins with no.
-  explicit Debounce(int contradictions) : contradictions_(contradictions) {}
+  // Begins with no, or goes on with the state and the run of one before.
+  explicit Debounce(int contradictions, bool state = false, int run = 0)
+      : contradictions_(contradictions), state_(state), run_(run) {}
 
   void update(bool now) {
     run_ = now == state_ ? 0 : run_ + 1;
@@ -16,11 +17,12 @@ class Debounce {
     }
   }
   bool state() const { return state_; }
+  int run() const { return run_; }  // of contradictions
 
  private:
   int contradictions_;
-  bool state_ = false;
-  int run_ = 0;
+  bool state_;
+  int run_;
 };
 
 }  // namespace rayloc

@@ -78,25 +78,4 @@ std::vector<Value> AccompaniedGaussian::reduced(std::span<const Value> u) const 
   return result;
 }
 
-std::vector<std::vector<Value>> AccompaniedGaussian::reduction() const {
-  std::vector<std::vector<Value>> rows;
-  for (std::size_t c = 0; c < columns_; ++c) {  // of B^H W: (W^H b)^H
-    rows.push_back(unwhiten(gaussian_, b_[c]));
-    for (Value& value : rows.back()) {
-      value = std::conj(value);
-    }
-  }
-  Column at{};
-  for (std::size_t k = 0; k < shift_.size() && columns_ > 0; ++k) {
-    for (std::size_t c = 0; c < columns_; ++c) {
-      at[c] = rows[c][k];
-    }
-    solve(std::span(at).first(columns_));
-    for (std::size_t c = 0; c < columns_; ++c) {
-      rows[c][k] = at[c];
-    }
-  }
-  return rows;
-}
-
 }  // namespace rayloc

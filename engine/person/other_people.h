@@ -44,9 +44,6 @@ class AccompaniedGaussian {
   // ln det M
   double log_determinant() const { return log_determinant_; }
 
-  // F with |W' x|^2 = |W x|^2 - |F x|^2: C^-1 B^H W, M = C C^H; [column of B][coordinate].
-  std::vector<std::vector<std::complex<double>>> reduction() const;
-
  private:
   using Column = std::array<std::complex<double>, OtherPeople::kMostColumns>;
 

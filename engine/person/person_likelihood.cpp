@@ -72,6 +72,19 @@ void add_samples(const ScatteredRay& ray,
   }
 }
 
+// W of a square as it is looked at closely.
+Eigen::MatrixXcd whitener_of(const PersonPlace& place) {
+  const auto n = static_cast<Index>(place.mean.size() / place.mean_power.size());
+  Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
+  const std::complex<float>* next = place.close.whitener.data();
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j <= i; ++j) {
+      whitener(i, j) = Value(*next++);
+    }
+  }
+  return whitener;
+}
+
 }  // namespace
 
 PersonLikelihood::PersonLikelihood(const OfdmGrid& grid,
@@ -238,21 +251,23 @@ PersonPlace PersonLikelihood::place(const ScatteredPatch& patch,
   }
   PersonPlace place;
   place.close = factorise(sigma, {}, model);
-  place.sample.resize(patch.sample.size());
+  place.mean.reserve(patch.sample.size());
+  place.mean_power.reserve(places);
   std::vector<Value> mean(size);
   std::vector<Value> mu(size);
   for (std::size_t p = 0; p < places; ++p) {
     for (std::size_t i = 0; i < size; ++i) {
       const Value z = scale * Value(patch.sample[p * size + i]);
-      place.sample[p * size + i] = std::complex<float>(z);
       mean[i] += z / static_cast<double>(places);
       mu[i] = empty_[i] + z;
     }
-    place.mean_power.push_back(static_cast<float>(power_of(whiten(place.close, mu))));
+    const auto whitened = whiten(place.close, mu);
+    place.mean.insert(place.mean.end(), whitened.begin(), whitened.end());
+    place.mean_power.push_back(static_cast<float>(power_of(whitened)));
   }
   for (std::size_t p = 0; p < places; ++p) {
     for (std::size_t i = 0; i < size; ++i) {
-      mu[i] = Value(place.sample[p * size + i]) - mean[i];
+      mu[i] = scale * Value(patch.sample[p * size + i]) - mean[i];
     }
     add_outer(1.0 / static_cast<double>(places), mu, 0, sigma);
   }
@@ -299,16 +314,13 @@ OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
   }
   const double noise = model.noise / static_cast<double>(size);
   for (const PersonStand& person : people) {
-    Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
+    const auto echo = echo_of(person);
     for (std::size_t i = 0; i < size; ++i) {
-      company.added[i] += Value(person.place->sample[person.sample * size + i]);
-      for (std::size_t j = 0; j <= i; ++j) {
-        whitener(static_cast<Index>(i), static_cast<Index>(j)) =
-            Value(person.place->close.whitener[triangle_size(i) + j]);
-      }
+      company.added[i] += echo(static_cast<Index>(i));
     }
-    const Eigen::MatrixXcd lower =
-        whitener.triangularView<Eigen::Lower>().solve(Eigen::MatrixXcd::Identity(n, n));
+    const Eigen::MatrixXcd lower = whitener_of(*person.place)
+                                       .triangularView<Eigen::Lower>()
+                                       .solve(Eigen::MatrixXcd::Identity(n, n));
     sum += lower * lower.adjoint() - turned * turned.adjoint() -
            noise * Eigen::MatrixXcd::Identity(n, n);
   }
@@ -356,125 +368,105 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
          with.log_determinant();
 }
 
-// A burst as the model of a square sees it, at every delay.
+// What a sample place makes of a burst, at every delay.
 struct PersonLikelihood::CloseLook {
-  std::array<double, kDelays> power{};                      // |W y|^2
-  std::array<Value, kDelays> along_empty{};                 // x0^H Sigma^-1 y
-  std::array<std::vector<std::complex<float>>, kDelays> v;  // Sigma^-1 y
-  double log_determinant = 0.0;                             // of Sigma
-  // With company |W mu|^2 is more by shift + 2 Re(turn^H z) - sum |base_i + reduce_i z|^2, of dH z.
-  double shift = 0.0;
-  std::vector<std::complex<float>> turn;
-  std::vector<Value> base;
-  std::vector<std::vector<std::complex<float>>> reduce;
-
-  double along(std::size_t delay, const std::complex<float>* z) const {
-    float re = 0.0F;
-    float im = 0.0F;
-    for (std::size_t i = 0; i < v[delay].size(); ++i) {
-      const std::complex<float> a = v[delay][i];
-      re += z[i].real() * a.real() + z[i].imag() * a.imag();
-      im += z[i].real() * a.imag() - z[i].imag() * a.real();
-    }
-    return std::abs(along_empty[delay] + Value(static_cast<double>(re), static_cast<double>(im)));
-  }
-  double mean_power(double alone, const std::complex<float>* z) const {
-    double result = alone + shift;
-    for (std::size_t i = 0; i < turn.size(); ++i) {
-      result += 2.0 * (std::conj(Value(turn[i])) * Value(z[i])).real();
-    }
-    for (std::size_t r = 0; r < reduce.size(); ++r) {
-      float re = 0.0F;
-      float im = 0.0F;
-      for (std::size_t i = 0; i < turn.size(); ++i) {
-        const std::complex<float> a = reduce[r][i];
-        re += a.real() * z[i].real() - a.imag() * z[i].imag();
-        im += a.real() * z[i].imag() + a.imag() * z[i].real();
-      }
-      result -= std::norm(base[r] + Value(static_cast<double>(re), static_cast<double>(im)));
-    }
-    return std::max(result, 0.0);
-  }
+  std::array<double, kDelays> power{};  // y^H Sigma^-1 y
+  std::array<double, kDelays> along{};  // |mu^H Sigma^-1 y|
+  double mean_power = 0.0;              // mu^H Sigma^-1 mu
 };
 
-PersonLikelihood::CloseLook PersonLikelihood::look(const PersonPlace& place,
-                                                   const Observed& observed,
-                                                   const OtherPeople& company) const {
-  CloseLook result;
-  result.log_determinant = place.close.log_determinant;
-  std::vector<Value> mean = empty_;
-  std::optional<AccompaniedGaussian> with;
-  if (!company.empty()) {
-    with.emplace(place.close, company);
-    result.log_determinant += with->log_determinant();
-    const auto turn = unwhiten(place.close, with->shift());
-    result.turn.assign(turn.begin(), turn.end());
-    result.shift = power_of(with->shift()) + 2.0 * inner_product(turn, empty_).real();
-    for (std::size_t i = 0; i < mean.size(); ++i) {
-      mean[i] += company.added[i];
-    }
-    for (const auto& row : with->reduction()) {
-      Value base;
-      for (std::size_t i = 0; i < row.size(); ++i) {
-        base += row[i] * mean[i];
-      }
-      result.base.push_back(base);
-      result.reduce.emplace_back(row.begin(), row.end());
+// The sample places of a square beside others.
+class PersonLikelihood::AccompaniedPlace {
+ public:
+  AccompaniedPlace(const PersonPlace& place, const Observed& observed, const OtherPeople& company)
+      : place_(place), with_(place.close, company) {
+    for (std::size_t t = 0; t < kDelays; ++t) {
+      const auto u = whiten(place.close, observed.y[t]);
+      power_[t] = std::max(with_.power(u), kLeastPower);
+      reduced_[t] = with_.reduced(u);
     }
   }
-  for (std::size_t t = 0; t < kDelays; ++t) {
-    const auto u = whiten(place.close, observed.y[t]);
-    const auto reduced = with ? with->reduced(u) : u;
-    const auto v = unwhiten(place.close, reduced);
-    const double power = with ? with->power(u) : power_of(u);
-    result.power[t] = std::max(power, kLeastPower);
-    result.along_empty[t] = inner_product(mean, v);
-    result.v[t].assign(v.begin(), v.end());
+
+  double log_determinant() const { return place_.close.log_determinant + with_.log_determinant(); }
+  CloseLook at(std::size_t sample) const {
+    const auto mean = place_.mean_of(sample);
+    std::vector<Value> whitened(mean.begin(), mean.end());
+    for (std::size_t i = 0; i < whitened.size(); ++i) {
+      whitened[i] += with_.shift()[i];
+    }
+    CloseLook look{power_, {}, with_.power(whitened)};
+    for (std::size_t t = 0; t < kDelays; ++t) {
+      look.along[t] = std::abs(inner_product(whitened, reduced_[t]));
+    }
+    return look;
   }
-  return result;
-}
+
+ private:
+  const PersonPlace& place_;
+  AccompaniedGaussian with_;
+  std::array<double, kDelays> power_{};
+  std::array<std::vector<Value>, kDelays> reduced_;  // what is left of W y
+};
 
 void PersonLikelihood::log_likelihood(const PersonPlace& place,
                                       const Observed& observed,
                                       const OtherPeople& company,
                                       std::span<double> out) const {
   RAYLOC_CHECK(out.size() == place.mean_power.size());
-  const std::size_t size = dimension();
-  const auto d = static_cast<double>(size);
-  const CloseLook close = look(place, observed, company);
+  if (company.empty()) {
+    std::vector<LaneSums> along(out.size());
+    LaneRow power =
+        rayloc::whiten(place.close.whitener.data(), observed.re, observed.im, place.mean, along);
+    for (float& one : power) {
+      one = std::max(one, static_cast<float>(kLeastPower));
+    }
+    for (std::size_t p = 0; p < out.size(); ++p) {
+      const LaneRow best = at_best_gain(power, along[p], dimension());
+      out[p] = static_cast<double>(*std::max_element(best.begin(), best.end())) -
+               static_cast<double>(place.mean_power[p]) - place.close.log_determinant;
+    }
+    return;
+  }
+  const AccompaniedPlace with(place, observed, company);
   for (std::size_t p = 0; p < out.size(); ++p) {
-    const std::complex<float>* z = place.sample.data() + p * size;
+    const CloseLook look = with.at(p);
     double best = -std::numeric_limits<double>::infinity();
     for (std::size_t t = 0; t < kDelays; ++t) {
-      best = std::max(best, gain_profile(close.power[t], close.along(t, z), d));
+      best = std::max(best,
+                      gain_profile(look.power[t], look.along[t], static_cast<double>(dimension())));
     }
-    out[p] = best - close.mean_power(static_cast<double>(place.mean_power[p]), z) -
-             close.log_determinant;
+    out[p] = best - look.mean_power - with.log_determinant();
   }
 }
 
-double PersonLikelihood::echo_power(const PersonPlace& place, std::size_t sample) const {
-  double power = 0.0;
-  for (std::size_t i = 0; i < dimension(); ++i) {
-    power += std::norm(Value(place.sample[sample * dimension() + i]));
-  }
-  return power;
+// a dH of a sample place.
+Eigen::VectorXcd PersonLikelihood::echo_of(const PersonStand& stand) const {
+  const auto mean = stand.place->mean_of(stand.sample);
+  Eigen::VectorXcd echo(static_cast<Index>(mean.size()));
+  std::transform(mean.begin(), mean.end(), echo.data(), [](std::complex<float> value) {
+    return Value(value);
+  });
+  whitener_of(*stand.place).triangularView<Eigen::Lower>().solveInPlace(echo);
+  return echo - Eigen::Map<const Eigen::VectorXcd>(empty_.data(), echo.size());
+}
+
+double PersonLikelihood::echo_power(const PersonStand& stand) const {
+  return echo_of(stand).squaredNorm();
 }
 
 double PersonLikelihood::misfit(const PersonStand& stand,
                                 const Observed& observed,
                                 const OtherPeople& company) const {
   const auto d = static_cast<double>(dimension());
-  const CloseLook close = look(*stand.place, observed, company);
-  const std::complex<float>* z = stand.place->sample.data() + stand.sample * dimension();
-  const double mean_power =
-      close.mean_power(static_cast<double>(stand.place->mean_power[stand.sample]), z);
+  const OtherPeople nobody{std::vector<Value>(dimension()), {}};
+  const CloseLook look =
+      AccompaniedPlace(*stand.place, observed, company.empty() ? nobody : company).at(stand.sample);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < kDelays; ++t) {
-    const double a = close.power[t];
-    const double b = close.along(t, z);
+    const double a = look.power[t];
+    const double b = look.along[t];
     const double r = best_gain(a, b, d);
-    least = std::min(least, (a * r * r - 2.0 * b * r + mean_power) / d);
+    least = std::min(least, (a * r * r - 2.0 * b * r + look.mean_power) / d);
   }
   return least;
 }

@@ -25,6 +25,8 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "engine/channel/ofdm_grid.h"
 #include "engine/likelihood/delay_basis.h"
 #include "engine/likelihood/lane_kernel.h"
@@ -65,9 +67,14 @@ struct ScatteredPatch {
 // A square with the errors of a model.
 struct PersonPlace {
   WhitenedGaussian whole;
-  WhitenedGaussian close;                   // without the spread of the samples; no mean
-  std::vector<std::complex<float>> sample;  // a dH
-  std::vector<float> mean_power;            // |W mu|^2 of each sample
+  WhitenedGaussian close;                 // without the spread of the samples; no mean
+  std::vector<std::complex<float>> mean;  // W mu of every sample place, [place][coordinate]
+  std::vector<float> mean_power;          // |W mu|^2
+
+  std::span<const std::complex<float>> mean_of(std::size_t sample) const {
+    const std::size_t size = mean.size() / mean_power.size();
+    return std::span(mean).subspan(sample * size, size);
+  }
 };
 
 // One of the sample places of a square.
@@ -131,7 +138,7 @@ class PersonLikelihood {
   std::span<const std::complex<double>> empty() const { return empty_; }
 
   // Of what a person at a sample place adds; 1: as much as the empty room.
-  double echo_power(const PersonPlace& place, std::size_t sample) const;
+  double echo_power(const PersonStand& stand) const;
 
   // What a sample place leaves unexplained, in units of what its model expects to: about 1.
   double misfit(const PersonStand& stand,
@@ -140,9 +147,8 @@ class PersonLikelihood {
 
  private:
   struct CloseLook;
-  CloseLook look(const PersonPlace& place,
-                 const Observed& observed,
-                 const OtherPeople& company) const;
+  class AccompaniedPlace;
+  Eigen::VectorXcd echo_of(const PersonStand& stand) const;
   WhitenedGaussian factorise(std::vector<std::complex<double>> sigma,
                              std::span<const std::complex<double>> mean,
                              const PersonModel& model) const;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -46,6 +47,25 @@ struct ArrayMap {
   }
 };
 
+// The cells that are worth a close look, the best first.
+std::vector<std::size_t> best_cells(std::span<const std::size_t> cells,
+                                    const std::vector<double>& total,
+                                    double likelihood_exponent) {
+  double top = -std::numeric_limits<double>::infinity();
+  for (const std::size_t cell : cells) {
+    top = std::max(top, total[cell]);
+  }
+  const double least = top - kCloseMargin / likelihood_exponent;
+  std::vector<std::size_t> best;
+  std::copy_if(cells.begin(), cells.end(), std::back_inserter(best), [&](std::size_t cell) {
+    return total[cell] >= least;
+  });
+  std::stable_sort(
+      best.begin(), best.end(), [&](std::size_t a, std::size_t b) { return total[a] > total[b]; });
+  best.resize(std::min(best.size(), kMostClose));
+  return best;
+}
+
 }  // namespace
 
 class PersonLocalizer::Impl {
@@ -73,6 +93,8 @@ class PersonLocalizer::Impl {
 
  private:
   std::vector<std::size_t> clear_cells(const PersonContext& context) const;
+  std::vector<std::size_t> looked_at(const PersonContext& context) const;
+  CellWeights weights_of(const PersonContext& context) const;
   ArrayMap whole_map(const PersonObservation::Array& array,
                      std::span<const std::size_t> cells,
                      std::span<const PersonSample> others) const;
@@ -146,6 +168,25 @@ std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext&
     }
   }
   return cells;
+}
+
+std::vector<std::size_t> PersonLocalizer::Impl::looked_at(const PersonContext& context) const {
+  if (context.cells.empty()) {
+    return clear_cells(context);
+  }
+  std::vector<std::size_t> cells(context.cells.begin(), context.cells.end());
+  cells.insert(cells.end(), context.sample.begin(), context.sample.end());
+  return cells;
+}
+
+// How many cells each of looked_at() stands for.
+CellWeights PersonLocalizer::Impl::weights_of(const PersonContext& context) const {
+  if (context.cells.empty() || context.sample.empty()) {
+    return {};
+  }
+  const auto free = std::count(squares_.standing.free.begin(), squares_.standing.free.end(), 1);
+  const auto others = static_cast<double>(free) - static_cast<double>(context.cells.size());
+  return {context.cells.size(), others / static_cast<double>(context.sample.size())};
 }
 
 ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
@@ -261,7 +302,7 @@ bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>&
   }
   const auto strong = std::count_if(arrays.begin(), arrays.end(), [&](const ArrayMap& of) {
     const PersonLinkMap& link = squares_.links[of.array->link];
-    return link.likelihood.echo_power(link.cells[best.cell], best.sample) > kStrongEcho;
+    return link.likelihood.echo_power({&link.cells[best.cell], best.sample}) > kStrongEcho;
   });
   return strong > 1;
 }
@@ -272,52 +313,47 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   PersonMap map;
   std::vector<double>& total = map.log_likelihood;
   total.assign(squares_.standing.grid.size(), kNowhere);
-  std::vector<std::size_t> order = clear_cells(context);
-  if (order.empty()) {  // they stand in all there is
+  std::vector<std::size_t> cells = looked_at(context);
+  if (cells.empty()) {  // they stand in all there is
     map.is_explained = false;
     map.somebody = kNowhere;
     return map;
   }
   std::vector<ArrayMap> arrays;
   for (const PersonObservation::Array& array : observation.arrays) {
-    arrays.push_back(whole_map(array, order, context.others));
+    arrays.push_back(whole_map(array, cells, context.others));
   }
-  for (const std::size_t cell : order) {
+  for (const std::size_t cell : cells) {
     total[cell] = 0.0;
     for (const ArrayMap& one : arrays) {
       total[cell] += one.against_nobody(one.whole[cell]);
     }
   }
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return total[a] > total[b];
-  });
-  const double least = total[order.front()] - kCloseMargin / likelihood_exponent;
-  std::size_t close = 0;
-  while (close < std::min(order.size(), kMostClose) && total[order[close]] >= least) {
-    ++close;
-  }
-  const auto samples = close_map(arrays, {order.data(), close});
-  choose_places({order.data(), close}, samples, map);
+  const std::vector<std::size_t> close = best_cells(cells, total, likelihood_exponent);
+  const auto samples = close_map(arrays, close);
+  choose_places(close, samples, map);
   // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
   map.misfit = judge(arrays, map.places.front(), map);
   const double exponent = likelihood_exponent / map.misfit;
   map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());
   const Lattice lattice = squares_.lattice();
-  for (std::size_t n = 0; n < close; ++n) {
+  for (std::size_t n = 0; n < close.size(); ++n) {
     const auto [log_mean, mass] =
         summarise_places(lattice, {samples.data() + n * places_, places_}, exponent);
-    total[order[n]] = log_mean;
-    map.within.emplace_back(order[n], mass);
-  }
-  for (const std::size_t cell : order) {
-    total[cell] *= exponent;
+    total[close[n]] = log_mean;
+    map.within.emplace_back(close[n], mass);
   }
   std::vector<double> standing;
-  standing.reserve(order.size());
-  for (const std::size_t cell : order) {
+  standing.reserve(cells.size());
+  for (const std::size_t cell : cells) {
+    total[cell] *= exponent;
     standing.push_back(total[cell]);
   }
-  map.somebody = log_mean_exp(standing, 1.0);
+  map.weights = weights_of(context);
+  map.somebody = log_mean_exp(standing, 1.0, map.weights);
+  if (!context.cells.empty()) {
+    map.cells = std::move(cells);
+  }
   return map;
 }
 

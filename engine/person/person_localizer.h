@@ -24,6 +24,7 @@
 #include "engine/person/person_scattering.h"
 #include "engine/person/person_squares.h"
 #include "engine/person/standing_room.h"
+#include "engine/posterior/access_point_fusion.h"
 #include "engine/posterior/posterior.h"
 #include "engine/room/location_estimate.h"
 #include "engine/room/room_model.h"
@@ -55,12 +56,21 @@ struct PersonContext {
   // them.
   std::span<const PersonSample> others{};
   std::optional<PersonSample> about{};  // only within 0.3 m of it
+  // Cells to look at instead, where somebody can stand, and cells that stand for the others of the
+  // room; empty: all of it.
+  std::span<const std::size_t> cells{};
+  std::span<const std::size_t> sample{};
 };
 
 // What a burst says of a person's place.
 struct PersonMap {
-  // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand.
+  // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand and
+  // where nobody looked.
   std::vector<double> log_likelihood;
+  // Those that were looked at, where PersonContext::cells says so, its sample behind them; empty:
+  // all. How many each stands for.
+  std::vector<std::size_t> cells;
+  CellWeights weights;
   KnownCells within;      // where in the best cells
   double somebody = 0.0;  // logarithm of the mean over the places where somebody can stand
   std::vector<std::string> warnings;

@@ -7,6 +7,19 @@
 
 namespace rayloc {
 
+namespace {
+
+double log_sum_exp(std::span<const double> terms) {
+  const double top = *std::max_element(terms.begin(), terms.end());
+  double sum = 0.0;
+  for (const double term : terms) {
+    sum += std::exp(term - top);
+  }
+  return top + std::log(sum);
+}
+
+}  // namespace
+
 double log_add(double a, double b) {
   const double top = std::max(a, b);
   return top + std::log1p(std::exp(std::min(a, b) - top));
@@ -38,7 +51,26 @@ AccessPointFusion::AccessPointFusion(std::span<const std::vector<double>> maps,
     log_right_.push_back(std::log1p(-faulty[i]));
     log_wrong_.push_back(std::log(faulty[i]) + log_mean_.back());
     log_nothing_ += log_wrong_.back();
+    auto& factor = log_factor_.emplace_back();
+    double whole = 1.0;
+    for (std::size_t k = 0; k < kBlunted.size(); ++k) {
+      const Blunted& blunted = kBlunted[k];
+      whole -= blunted.probability;
+      factor[1 + k] = std::log(blunted.probability) + log_right_.back() + log_mean_.back() -
+                      log_mean_exp(maps[i], blunted.exponent * likelihood_exponent, weights);
+    }
+    factor[0] = std::log(whole) + log_right_.back();
   }
+}
+
+AccessPointFusion::Terms AccessPointFusion::right(std::size_t i, double log_likelihood) const {
+  const double tempered = likelihood_exponent_ * log_likelihood;
+  Terms terms = log_factor_[i];
+  terms[0] += tempered;
+  for (std::size_t k = 0; k < kBlunted.size(); ++k) {
+    terms[1 + k] += kBlunted[k].exponent * tempered;
+  }
+  return terms;
 }
 
 double AccessPointFusion::log_likelihood(std::span<const double> of_each) const {
@@ -47,7 +79,7 @@ double AccessPointFusion::log_likelihood(std::span<const double> of_each) const 
   }
   double sum = 0.0;
   for (std::size_t i = 0; i < log_right_.size(); ++i) {
-    sum += log_add(log_right_[i] + likelihood_exponent_ * of_each[i], log_wrong_[i]);
+    sum += log_add(log_sum_exp(right(i, of_each[i])), log_wrong_[i]);
   }
   // ln (exp(sum) - exp(nothing))
   const double above = sum - log_nothing_;
@@ -58,8 +90,9 @@ double AccessPointFusion::log_likelihood(std::span<const double> of_each) const 
 }
 
 double AccessPointFusion::faulty(std::size_t i, double log_likelihood) const {
-  const double odds = log_right_[i] + likelihood_exponent_ * log_likelihood - log_wrong_[i];
-  return 1.0 / (1.0 + std::exp(odds));
+  const Terms terms = right(i, log_likelihood);
+  const double believed = log_sum_exp(std::span(terms).first(kBlunted.size()));
+  return 1.0 / (1.0 + std::exp(believed - log_add(terms.back(), log_wrong_[i])));
 }
 
 double AccessPointFusion::elsewhere(double log_mean, double prior) const {

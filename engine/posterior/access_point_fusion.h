@@ -12,8 +12,15 @@
 // one cannot outvote the others, and two that contradict each other leave both of their places. The
 // last term is what says nothing of the place; it belongs to "elsewhere", with the burst of a
 // device that is not in the room at all.
+//
+// Between right and wrong lies an access point that was bumped since it was calibrated, by
+// millimetres or a degree: it still knows the room, but less sharply than it says. So its density
+// exp(t l_i(x)) / Z_i is a mixture over what is left of its sharpness (kBlunted), each with its own
+// mean over the room: that of the largest exponent, while the others agree to within what it
+// states; a wider one, where they do not.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -37,6 +44,17 @@ struct CellWeights {
   double of(std::size_t n) const { return n < ones ? 1.0 : others; }
 };
 
+// What may be left of the sharpness of an access point: its log-likelihood is multiplied by
+// `exponent` with this probability. Standard deviations grow by its inverse root: two and four
+// times.
+struct Blunted {
+  double exponent;
+  double probability;
+};
+// Chosen: a loss of one half is common, more is rare. With much more of it one that contradicts the
+// others would hardly count.
+inline constexpr std::array<Blunted, 2> kBlunted = {{{1.0 / 4.0, 0.25}, {1.0 / 16.0, 0.02}}};
+
 class AccessPointFusion {
  public:
   // maps: [access point][cell], log-likelihoods of all cells of the room, or of some that stand for
@@ -52,18 +70,30 @@ class AccessPointFusion {
   static constexpr double kNothing = -1e4;
   double log_likelihood(std::span<const double> of_each) const;
 
-  // Of a place: the probability that access point i is wrong when the device is there.
+  // Of a place: the probability that access point i is wrong, or has lost all of its sharpness but
+  // the last of kBlunted, when the device is there.
   double faulty(std::size_t i, double log_likelihood) const;
+
+  // ln of 1 - e_i, of e_i Z_i, and of what the powers of exp(t l_i) are multiplied by: that of the
+  // whole sharpness, then of each of kBlunted.
+  using Terms = std::array<double, 1 + kBlunted.size()>;
+  double log_right(std::size_t i) const { return log_right_[i]; }
+  double log_wrong(std::size_t i) const { return log_wrong_[i]; }
+  const Terms& log_factor(std::size_t i) const { return log_factor_[i]; }
 
   // Probability of "elsewhere"; log_mean: of exp(t l) over the room, its logarithm.
   double elsewhere(double log_mean, double prior) const;
 
  private:
+  // ln of (1 - e_i) Z_i times what each of the mixture has: the whole sharpness, then kBlunted.
+  Terms right(std::size_t i, double log_likelihood) const;
+
   double likelihood_exponent_;
-  std::vector<double> log_mean_;   // ln Z_i
-  std::vector<double> log_right_;  // ln (1 - e_i)
-  std::vector<double> log_wrong_;  // ln (e_i Z_i)
-  double log_nothing_ = 0.0;       // ln prod e_i Z_i
+  std::vector<double> log_mean_;  // ln Z_i
+  std::vector<Terms> log_factor_;
+  std::vector<double> log_right_;
+  std::vector<double> log_wrong_;
+  double log_nothing_ = 0.0;  // ln prod e_i Z_i
 };
 
 // ln (e^a + e^b).

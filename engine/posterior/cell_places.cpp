@@ -12,9 +12,9 @@ namespace rayloc {
 namespace {
 
 // Of the places from which `take` is true; their mass.
-template <typename Take>
+template <typename Masses, typename Take>
 std::pair<double, CellMoments> moments_of(const Lattice& lattice,
-                                          const std::vector<double>& mass,
+                                          const Masses& mass,
                                           const Take& take) {
   double sum = 0.0;
   CellMoments m;
@@ -25,12 +25,13 @@ std::pair<double, CellMoments> moments_of(const Lattice& lattice,
       continue;
     }
     const Vec3d p = lattice.offset(x, y);
-    sum += mass[i];
-    m.x += mass[i] * p.x;
-    m.y += mass[i] * p.y;
-    m.xx += mass[i] * p.x * p.x;
-    m.xy += mass[i] * p.x * p.y;
-    m.yy += mass[i] * p.y * p.y;
+    const auto here = static_cast<double>(mass[i]);
+    sum += here;
+    m.x += here * p.x;
+    m.y += here * p.y;
+    m.xx += here * p.x * p.x;
+    m.xy += here * p.x * p.y;
+    m.yy += here * p.y * p.y;
   }
   m.x /= sum;
   m.y /= sum;
@@ -74,33 +75,42 @@ std::pair<double, CellMass> summarise_places(const Lattice& lattice,
 
 std::pair<double, CellMass> summarise_box(const Lattice& lattice,
                                           std::span<const PlacesAtHeight> heights) {
-  std::size_t best_height = 0;
-  std::size_t best = 0;
-  for (std::size_t h = 0; h < heights.size(); ++h) {
-    for (std::size_t i = 0; i < heights[h].log_mass.size(); ++i) {
-      if (heights[h].log_mass[i] > heights[best_height].log_mass[best]) {
-        best_height = h;
-        best = i;
-      }
+  double top = heights.front().log_mass.front();
+  for (const PlacesAtHeight& one : heights) {
+    top = std::max(top, *std::max_element(one.log_mass.begin(), one.log_mass.end()));
+  }
+  std::vector<double> at;
+  std::vector<float> mass;
+  mass.reserve(heights.size() * lattice.size());
+  for (const PlacesAtHeight& one : heights) {
+    at.push_back(one.height);
+    for (const double log_mass : one.log_mass) {
+      mass.push_back(static_cast<float>(std::exp(log_mass - top)));
     }
   }
-  const double top = heights[best_height].log_mass[best];
+  const auto [sum, where] = summarise_masses(lattice, at, mass);
+  return {top + std::log(sum), where};
+}
+
+std::pair<double, CellMass> summarise_masses(const Lattice& lattice,
+                                             std::span<const double> heights,
+                                             std::span<const float> mass) {
+  const auto peak =
+      static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
+  const std::size_t best_height = peak / lattice.size();
+  const std::size_t best = peak % lattice.size();
   const auto is_beside = [](std::size_t a, std::size_t b) { return a <= b + 1 && b <= a + 1; };
   std::vector<WeightedMoments> all;
   std::vector<WeightedMoments> near;
   double sum = 0.0;
   double near_sum = 0.0;
-  const double apart = heights.size() > 1 ? std::abs(heights[1].height - heights[0].height) : 0.0;
+  const double apart = heights.size() > 1 ? std::abs(heights[1] - heights[0]) : 0.0;
   for (std::size_t h = 0; h < heights.size(); ++h) {
-    std::vector<double> mass;
-    mass.reserve(lattice.size());
-    for (const double one : heights[h].log_mass) {
-      mass.push_back(std::exp(one - top));
-    }
+    const auto of_height = mass.subspan(h * lattice.size(), lattice.size());
     const auto add = [&](const auto& take, std::vector<WeightedMoments>& to, double& total) {
-      auto [share, moments] = moments_of(lattice, mass, take);
+      auto [share, moments] = moments_of(lattice, of_height, take);
       if (share > 0.0) {
-        moments.z = heights[h].height;
+        moments.z = heights[h];
         moments.zz = apart * apart / 12.0;
         to.push_back({share, moments});
         total += share;
@@ -122,7 +132,7 @@ std::pair<double, CellMass> summarise_box(const Lattice& lattice,
   for (WeightedMoments& one : near) {
     one.share /= near_sum;
   }
-  return {top + std::log(sum), {mixture_of(all), mixture_of(near), near_sum / sum, {}}};
+  return {sum, {mixture_of(all), mixture_of(near), near_sum / sum, {}}};
 }
 
 CellMoments mixture_of(std::span<const WeightedMoments> parts) {

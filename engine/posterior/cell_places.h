@@ -29,6 +29,11 @@ struct PlacesAtHeight {
 std::pair<double, CellMass> summarise_box(const Lattice& lattice,
                                           std::span<const PlacesAtHeight> heights);
 
+// The same of masses that are no logarithms, [height][place]; their sum.
+std::pair<double, CellMass> summarise_masses(const Lattice& lattice,
+                                             std::span<const double> heights,
+                                             std::span<const float> mass);
+
 // Moments of a mixture; the shares are 1 in all.
 struct WeightedMoments {
   double share = 0.0;

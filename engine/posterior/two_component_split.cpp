@@ -17,15 +17,25 @@ constexpr double kStartShare = 0.5;  // of the hill's mass, the densest, that th
 
 double determinant(const HillMass& g) { return g.xx * g.yy - g.xy * g.xy; }
 
-// Mean of the logarithm of the Gaussian's density over the part, up to a constant.
-double log_density(const HillMass& gaussian, const HillMass& part) {
-  const double det = determinant(gaussian);
-  const double dx = part.x - gaussian.x;
-  const double dy = part.y - gaussian.y;
-  const double square = gaussian.yy * (dx * dx + part.xx) -
-                        2.0 * gaussian.xy * (dx * dy + part.xy) + gaussian.xx * (dy * dy + part.yy);
-  return -0.5 * (std::log(det) + square / det);
-}
+// Mean of the logarithm of a Gaussian's density over a part, up to a constant.
+class LogDensity {
+ public:
+  explicit LogDensity(const HillMass& gaussian)
+      : of_(gaussian), inverse_(1.0 / determinant(gaussian)), log_(-std::log(inverse_)) {}
+
+  double operator()(const HillMass& part) const {
+    const double dx = part.x - of_.x;
+    const double dy = part.y - of_.y;
+    const double square = of_.yy * (dx * dx + part.xx) - 2.0 * of_.xy * (dx * dy + part.xy) +
+                          of_.xx * (dy * dy + part.yy);
+    return -0.5 * (log_ + square * inverse_);
+  }
+
+ private:
+  const HillMass& of_;
+  double inverse_;
+  double log_;
+};
 
 HillMass weighted_sum(std::span<const HillMass> parts, std::span<const double> share) {
   HillMass sum;
@@ -86,6 +96,7 @@ HillMass sum_of(std::span<const HillMass> parts) {
 
 std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillMass> parts) {
   const HillMass whole = sum_of(parts);
+  const LogDensity of_whole(whole);
   std::vector<double> share = densest(parts, whole.mass);
   std::vector<double> rest(parts.size());
   std::array<HillMass, 2> components;
@@ -96,16 +107,20 @@ std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillM
     if (std::min(components[0].mass, components[1].mass) < kLeastMass * whole.mass) {
       return std::nullopt;
     }
-    gain = 0.0;
+    const LogDensity of_core(components[0]);
+    const LogDensity of_foot(components[1]);
+    const double log_core = std::log(components[0].mass / whole.mass);
+    const double log_foot = std::log(components[1].mass / whole.mass);
+    const bool is_last = iteration + 1 == kIterations;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-      const double core =
-          std::log(components[0].mass / whole.mass) + log_density(components[0], parts[i]);
-      const double foot =
-          std::log(components[1].mass / whole.mass) + log_density(components[1], parts[i]);
-      const double top = std::max(core, foot);
-      const double both = top + std::log(std::exp(core - top) + std::exp(foot - top));
-      share[i] = std::exp(core - both);
-      gain += parts[i].mass / whole.mass * (both - log_density(whole, parts[i]));
+      const double core = log_core + of_core(parts[i]);
+      const double foot = log_foot + of_foot(parts[i]);
+      share[i] = 1.0 / (1.0 + std::exp(foot - core));
+      if (is_last) {
+        const double top = std::max(core, foot);
+        const double both = top + std::log(std::exp(core - top) + std::exp(foot - top));
+        gain += parts[i].mass / whole.mass * (both - of_whole(parts[i]));
+      }
     }
   }
   if (gain < kLeastGain) {

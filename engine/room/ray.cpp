@@ -34,6 +34,8 @@ class RayFollower {
   // Straight on.
   void meet(interactions::Transmission /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
   void meet(interactions::Shadowing /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
+  // Not among the paths of a calibrated room, which has no image for it.
+  void meet(interactions::Diffraction /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
 
   Mat3<float> mirror() const {
     return {single(mirror_.row0), single(mirror_.row1), single(mirror_.row2)};

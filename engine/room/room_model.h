@@ -51,6 +51,7 @@ struct RoomAccessPoint {
   ModelError error;
   // Of the transmitters whose power is known to be constant; of others the level says nothing.
   std::vector<TransmitterLevel> levels = {};
+  bool are_chains_known = true;  // false: any phase of one chain against another is as likely
 };
 
 // The device that is looked for: how it radiates and how high it is.

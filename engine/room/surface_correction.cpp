@@ -15,6 +15,7 @@ struct IsCorrected {
   constexpr bool operator()(interactions::Reflection /*met*/) const { return true; }
   constexpr bool operator()(interactions::Transmission /*met*/) const { return false; }
   constexpr bool operator()(interactions::Shadowing /*met*/) const { return false; }
+  constexpr bool operator()(interactions::Diffraction /*met*/) const { return false; }
 };
 
 Complex<double> factor_of(const Path& path, std::span<const std::complex<double>> correction) {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -12,6 +11,7 @@
 #include <embree3/rtcore.h>
 
 #include "engine/base/parallel.h"
+#include "engine/scene/embree_error.h"
 
 namespace rayloc {
 namespace {
@@ -79,7 +79,7 @@ class Bvh::Impl {
     // Never "threads=1": with TBB that would hold for the whole process.
     device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr) {
-      return failed();
+      return embree_error(rtcGetDeviceError(nullptr));
     }
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
@@ -92,8 +92,8 @@ class Bvh::Impl {
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
     serially([&] { rtcCommitScene(scene_); });
-    if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
-      return failed();
+    if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+      return embree_error(error);
     }
     return {};
   }
@@ -138,12 +138,6 @@ class Bvh::Impl {
     ray.mask = 0xffffffffU;
     rtcOccluded1(scene_, &query.context, &ray);
     return query.blocked;
-  }
-
-  Expected<void> failed() const {
-    return make_error(ErrorKind::kInternal,
-                      "Embree cannot be used (error " +
-                          std::to_string(static_cast<int>(rtcGetDeviceError(device_))) + ")");
   }
 
   // Whether the query has its answer with this piece.

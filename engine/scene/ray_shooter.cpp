@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <embree3/rtcore.h>
 
 #include "engine/base/parallel.h"
+#include "engine/scene/embree_error.h"
+#include "engine/scene/piece_corners.h"
 
 namespace rayloc {
 namespace {
@@ -20,21 +21,6 @@ constexpr float kClearance = 1e-5F;
 struct Corner {
   float x, y, z;
 };
-
-// The corners of a convex piece: where its edges meet.
-std::vector<Vec3d> corners_of(const Surface& surface, const Surface::Piece& piece) {
-  const auto edges = surface.edges(piece);
-  std::vector<Vec3d> corners;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const Surface::Edge& e = edges[i];
-    const Surface::Edge& f = edges[i + 1 == edges.size() ? 0 : i + 1];
-    const double determinant = e.a * f.b - f.a * e.b;
-    const double u = (e.b * f.c - f.b * e.c) / determinant;
-    const double v = (f.a * e.c - e.a * f.c) / determinant;
-    corners.push_back(surface.origin() + u * surface.u_axis() + v * surface.v_axis());
-  }
-  return corners;
-}
 
 }  // namespace
 
@@ -72,7 +58,7 @@ class RayShooter::Impl {
     // Never "threads=1": with TBB that would hold for the whole process.
     device_ = rtcNewDevice(nullptr);
     if (device_ == nullptr) {
-      return failed();
+      return embree_error(rtcGetDeviceError(nullptr));
     }
     scene_ = rtcNewScene(device_);
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
@@ -97,8 +83,8 @@ class RayShooter::Impl {
     rtcAttachGeometry(scene_, geometry);
     rtcReleaseGeometry(geometry);
     serially([&] { rtcCommitScene(scene_); });
-    if (rtcGetDeviceError(device_) != RTC_ERROR_NONE) {
-      return failed();
+    if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {
+      return embree_error(error);
     }
     return {};
   }
@@ -150,16 +136,10 @@ class RayShooter::Impl {
   float clearance() const { return clearance_; }
 
  private:
-  Expected<void> failed() const {
-    return make_error(ErrorKind::kInternal,
-                      "Embree cannot be used (error " +
-                          std::to_string(static_cast<int>(rtcGetDeviceError(device_))) + ")");
-  }
-
   void add(const Surface& surface, std::uint32_t number) {
     const Vec3d& normal = surface.plane().normal;
     for (const Surface::Piece& piece : surface.pieces()) {
-      const std::vector<Vec3d> corners = corners_of(surface, piece);
+      const std::vector<Vec3d> corners = piece_corners(surface, piece);
       for (std::size_t i = 2; i < corners.size(); ++i) {
         for (const Vec3d& corner : {corners[0], corners[i - 1], corners[i]}) {
           const Vec3d from_origin = corner - origin_;

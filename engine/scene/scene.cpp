@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "engine/base/check.h"
-#include "engine/base/parallel.h"
+#include "engine/base/kept.h"
 #include "engine/scene/ray_shooter.h"
 
 namespace rayloc {

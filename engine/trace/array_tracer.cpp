@@ -42,7 +42,10 @@ std::vector<Paths> ArrayTracer::trace(const Transmitter& transmitter) const {
     }
     return paths;
   }
-  parallel_for(paths.size(), 1, [&](std::size_t i) { paths[i] = tracers_[i].trace(transmitter); });
+  const auto lit = tracers_.front().lit_by(transmitter);
+  parallel_for(paths.size(), 1, [&](std::size_t i) {
+    paths[i] = tracers_[i].trace(transmitter, lit.get());
+  });
   return paths;
 }
 

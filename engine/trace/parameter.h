@@ -25,6 +25,12 @@ struct Parameter {
     kRelativePermittivity,  // of a material, real part
     kConductivity,          // [S/m]
     kThickness,             // [m]
+    // Of a material that scatters (em/surface_scattering.h), with TraceOptions::diffuse.
+    kScatteringCoefficient,
+    kXpdCoefficient,
+    kAlphaReflected,  // alpha_r
+    kAlphaBack,       // alpha_i
+    kLobeShare,       // lambda_
   };
 
   Kind kind = Kind::kTransmitterPosition;
@@ -56,6 +62,7 @@ struct Parameter {
     return {Kind::kConductivity, material, 0};
   }
   static Parameter thickness(std::uint32_t material) { return {Kind::kThickness, material, 0}; }
+  static Parameter scattering(Kind kind, std::uint32_t material) { return {kind, material, 0}; }
 
   friend bool operator==(const Parameter&, const Parameter&) = default;
 };

@@ -11,14 +11,20 @@
 
 namespace rayloc {
 
+inline constexpr std::uint32_t kNoEdge = 0xffffffff;  // no index: not at an edge
+
 struct Interaction {
   InteractionKind kind = InteractionKind::kReflection;
   std::uint32_t object = 0;   // index into Scene::objects()
-  std::uint32_t surface = 0;  // index into Scene::surfaces()
+  std::uint32_t surface = 0;  // index into Scene::surfaces(); of an edge its face 0
   Vec3d position;             // [m], world: where the path meets the surface
   double weight = 1.0;        // below 1 only with soft visibility (visibility.h)
   // A crossing of a face at the very place of the mirror before or after it (coplanar_faces.h).
   bool at_mirror = false;
+  // Of two diffractions at edges of one face: the way between them goes along face n of the first,
+  // else along its face 0 (diffraction/edge_pair.h).
+  bool along_face_n = false;
+  std::uint32_t edge = kNoEdge;  // of a diffraction: index into TraceContext::wedges
 };
 
 struct Path {

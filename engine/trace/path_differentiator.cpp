@@ -1,119 +1,18 @@
 #include "engine/trace/path_differentiator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
-#include <ceres/jet.h>
-
 #include "engine/base/constants.h"
+#include "engine/trace/dual_link.h"
 #include "engine/trace/evaluate_path.h"
 
 namespace rayloc {
 namespace {
 
 using Kind = Parameter::Kind;
-
-template <int N>
-using Dual = ceres::Jet<double, N>;
-
-template <int N>
-Vec3<Dual<N>> constant(const Vec3d& v) {
-  return {Dual<N>(v.x), Dual<N>(v.y), Dual<N>(v.z)};
-}
-
-// Parameters that are varied together, each by a lane of the dual numbers.
-template <int N>
-struct Block {
-  std::array<const Parameter*, static_cast<std::size_t>(N)> parameters{};
-  int size = 0;
-
-  // Unit derivative by a parameter of that kind, index and axis.
-  void seed(Dual<N>& value, Kind kind, std::uint32_t index, int axis, double slope) const {
-    for (int lane = 0; lane < size; ++lane) {
-      if (*parameters[static_cast<std::size_t>(lane)] == Parameter{kind, index, axis}) {
-        value.v[lane] += slope;
-      }
-    }
-  }
-  bool varies_material(std::uint32_t material) const {
-    return std::any_of(parameters.begin(), parameters.begin() + size, [&](const Parameter* p) {
-      return p->kind >= Kind::kRelativePermittivity && p->index == material;
-    });
-  }
-  void seed(Vec3<Dual<N>>& value, Kind kind, std::uint32_t index) const {
-    seed(value.x, kind, index, 0, 1.0);
-    seed(value.y, kind, index, 1, 1.0);
-    seed(value.z, kind, index, 2, 1.0);
-  }
-};
-
-struct EndKinds {
-  Kind position;
-  Kind orientation;
-  Kind array_turn;
-};
-// The parameters that move a transmitter, as parameter.h orders them.
-constexpr EndKinds kTransmitterKinds{
-    Kind::kTransmitterPosition, Kind::kTransmitterOrientation, Kind::kTransmitterArrayTurn};
-// The parameters that move a receiver, as parameter.h orders them.
-constexpr EndKinds kReceiverKinds{
-    Kind::kReceiverPosition, Kind::kReceiverOrientation, Kind::kReceiverArrayTurn};
-
-template <int N>
-LinkEnd<Dual<N>> dual_end(const RadioDevice& device, const EndKinds& kinds, const Block<N>& block) {
-  const Orientation& o = device.orientation;
-  Vec3<Dual<N>> array_turn{Dual<N>(o.yaw), Dual<N>(o.pitch), Dual<N>(o.roll)};
-  block.seed(array_turn, kinds.array_turn, 0);
-  Vec3<Dual<N>> turn = array_turn;
-  block.seed(turn, kinds.orientation, 0);
-
-  LinkEnd<Dual<N>> end;
-  end.pattern = device.pattern;
-  end.polarization = device.polarization;
-  end.world_from_antenna = rotation_from_yaw_pitch_roll(turn.x, turn.y, turn.z);
-  const Vec3d origin = device.position - rotation(o) * device.lever;
-  end.position =
-      constant<N>(origin) + rotation_from_yaw_pitch_roll(array_turn.x, array_turn.y, array_turn.z) *
-                                constant<N>(device.lever);
-  block.seed(end.position, kinds.position, 0);
-  return end;
-}
-
-template <int N>
-Facet<Dual<N>> dual_facet(const TraceContext& context,
-                          std::uint32_t surface,
-                          const Block<N>& block) {
-  const Facet<double>& facet = context.facets[surface];
-  const std::uint32_t object = context.scene->owner(surface).object;
-  const std::uint32_t material = context.scene->objects()[object].material;
-  const Vec3d& normal = facet.plane.normal;
-
-  Facet<Dual<N>> dual;
-  block.seed(dual.shift, Kind::kObjectTranslation, object);
-  Dual<N> offset(0.0);
-  block.seed(offset, Kind::kSurfaceOffset, surface, 0, 1.0);
-  dual.shift = dual.shift + offset * constant<N>(normal);
-  dual.plane.normal = constant<N>(normal);
-  dual.plane.offset = Dual<N>(facet.plane.offset) + dot(dual.shift, dual.plane.normal);
-
-  const double omega = 2.0 * std::numbers::pi * context.scene->carrier_hz();
-  dual.relative_permittivity = {Dual<N>(facet.relative_permittivity.re),
-                                Dual<N>(facet.relative_permittivity.im)};
-  block.seed(dual.relative_permittivity.re, Kind::kRelativePermittivity, material, 0, 1.0);
-  block.seed(dual.relative_permittivity.im,
-             Kind::kConductivity,
-             material,
-             0,
-             -1.0 / (omega * kVacuumPermittivity));
-  dual.thickness = Dual<N>(facet.thickness);
-  block.seed(dual.thickness, Kind::kThickness, material, 0, 1.0);
-  dual.table = block.varies_material(material) ? nullptr : facet.table;
-  return dual;
-}
 
 // The derivatives of `path` by the parameters of a block.
 template <int N>
@@ -124,7 +23,7 @@ class BlockEvaluator {
                  const RadioDevice& receiver)
       : context_(context), transmitter_(transmitter), receiver_(receiver) {}
 
-  PathCoefficient<Dual<N>> evaluate(const Path& path, const Block<N>& block) {
+  PathCoefficient<Dual<N>> evaluate(const Path& path, const ParameterBlock<N>& block) {
     if (block.parameters != last_.parameters || last_.size == 0) {
       last_ = block;  // neighbouring paths mostly share their blocks
       transmitter_end_ = dual_end<N>(transmitter_, kTransmitterKinds, block);
@@ -142,15 +41,39 @@ class BlockEvaluator {
   const TraceContext& context_;
   const RadioDevice& transmitter_;
   const RadioDevice& receiver_;
-  Block<N> last_;
+  ParameterBlock<N> last_;
   LinkEnd<Dual<N>> transmitter_end_;
   LinkEnd<Dual<N>> receiver_end_;
 };
 
 }  // namespace
 
-Expected<void> PathDifferentiator::check(const Parameter& parameter) const {
-  const Scene& scene = *context_.scene;
+namespace {
+
+// Of the kinds of em/surface_scattering.h.
+Expected<void> check_scattering(const TraceContext& context, const Parameter& parameter) {
+  const RadioMaterial& material = context.scene->materials()[parameter.index];
+  const SurfaceScattering& rough = material.scattering;
+  const std::string what = "no derivative by the scattering of '" + material.name + "': ";
+  if (!context.options.diffuse) {
+    return bad_input(what + "it is traced as smooth; ask for diffuse scattering");
+  }
+  if (!rough.is_rough() || rough.scattering_coefficient == 1.0) {
+    return bad_input(what + "its scattering_coefficient must be above 0 and below 1");
+  }
+  const bool is_lambertian = rough.pattern == ScatteringPattern::kLambertian;
+  const bool has_back = rough.pattern == ScatteringPattern::kBackscattering;
+  const bool of_back = parameter.kind == Kind::kAlphaBack || parameter.kind == Kind::kLobeShare;
+  if ((is_lambertian && parameter.kind == Kind::kAlphaReflected) || (of_back && !has_back)) {
+    return bad_input(what + "its scattering_pattern has no such lobe");
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<void> check_parameter(const TraceContext& context, const Parameter& parameter) {
+  const Scene& scene = *context.scene;
   std::size_t count = 1;
   int axes = 3;
   std::string what = "antenna";
@@ -167,6 +90,11 @@ Expected<void> PathDifferentiator::check(const Parameter& parameter) const {
     case Kind::kRelativePermittivity:
     case Kind::kConductivity:
     case Kind::kThickness:
+    case Kind::kScatteringCoefficient:
+    case Kind::kXpdCoefficient:
+    case Kind::kAlphaReflected:
+    case Kind::kAlphaBack:
+    case Kind::kLobeShare:
       count = scene.materials().size();
       axes = 1;
       what = "material";
@@ -190,7 +118,8 @@ Expected<void> PathDifferentiator::check(const Parameter& parameter) const {
                      scene.materials()[parameter.index].name +
                      "': it is a half space; give the material a thickness");
   }
-  return {};
+  return parameter.kind >= Kind::kScatteringCoefficient ? check_scattering(context, parameter)
+                                                        : Expected<void>{};
 }
 
 bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) const {
@@ -204,7 +133,13 @@ bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) c
       case Kind::kRelativePermittivity:
       case Kind::kConductivity:
       case Kind::kThickness:
+      case Kind::kScatteringCoefficient:
         return scene.objects()[scene.owner(surface).object].material == parameter.index;
+      case Kind::kXpdCoefficient:
+      case Kind::kAlphaReflected:
+      case Kind::kAlphaBack:
+      case Kind::kLobeShare:
+        return false;  // of what is scattered alone, which no path is
       default:
         return true;
     }
@@ -213,14 +148,16 @@ bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) c
   return by_an_end ||
          std::any_of(path.interactions.begin(), path.interactions.end(), [&](const Interaction& i) {
            const auto& covers = context_.covers[i.surface];
-           return is_meant(i.surface) || std::any_of(covers.begin(), covers.end(), is_meant);
+           const bool at_far_face = is_edge(i.kind) && is_meant(context_.wedges[i.edge].face_n);
+           return at_far_face || is_meant(i.surface) ||
+                  std::any_of(covers.begin(), covers.end(), is_meant);
          });
 }
 
 Expected<PathDerivatives> PathDifferentiator::differentiate(
     const Paths& paths, std::span<const Parameter> parameters) const {
   for (const Parameter& parameter : parameters) {
-    if (auto valid = check(parameter); !valid) {
+    if (auto valid = check_parameter(context_, parameter); !valid) {
       return tl::make_unexpected(valid.error());
     }
   }
@@ -246,7 +183,7 @@ PathDerivatives PathDifferentiator::run(const Paths& paths,
       }
     }
     for (std::size_t first = 0; first < wanted.size(); first += N) {
-      Block<N> block;
+      ParameterBlock<N> block;
       for (std::size_t i = first; i < wanted.size() && i < first + N; ++i) {
         block.parameters[static_cast<std::size_t>(block.size++)] = &parameters[wanted[i]];
       }

@@ -13,6 +13,10 @@
 
 namespace rayloc {
 
+// An Error when a parameter does not exist in this scene, or has no derivative: the thickness of a
+// half space, the lobe of a smooth material.
+Expected<void> check_parameter(const TraceContext& context, const Parameter& parameter);
+
 class PathDifferentiator {
  public:
   // What is passed outlives the differentiator.
@@ -21,15 +25,13 @@ class PathDifferentiator {
                      const Receiver& receiver)
       : context_(context), transmitter_(transmitter), receiver_(receiver) {}
 
-  // An Error when a parameter does not exist in this scene, or has no derivative: the thickness of
-  // a half space.
+  // An Error as of check_parameter().
   Expected<PathDerivatives> differentiate(const Paths& paths,
                                           std::span<const Parameter> parameters) const;
 
  private:
   template <int N>
   PathDerivatives run(const Paths& paths, std::span<const Parameter> parameters) const;
-  Expected<void> check(const Parameter& parameter) const;
   bool depends(const Path& path, const Parameter& parameter) const;
 
   const TraceContext& context_;

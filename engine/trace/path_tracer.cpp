@@ -9,10 +9,14 @@
 
 #include "engine/base/constants.h"
 #include "engine/base/parallel.h"
+#include "engine/trace/diffraction/edge_finder.h"
+#include "engine/trace/diffraction/edge_pair_finder.h"
 #include "engine/trace/evaluate_path.h"
+#include "engine/trace/images/image_tree.h"
 #include "engine/trace/interaction_finder.h"
 #include "engine/trace/path_differentiator.h"
 #include "engine/trace/round_trips.h"
+#include "engine/trace/trace_context.h"
 
 namespace rayloc {
 namespace {
@@ -26,8 +30,8 @@ bool canonical_order(const Path& a, const Path& b) {
                                       b.interactions.begin(),
                                       b.interactions.end(),
                                       [](const Interaction& x, const Interaction& y) {
-                                        return std::tie(x.surface, x.kind) <
-                                               std::tie(y.surface, y.kind);
+                                        return std::tie(x.surface, x.kind, x.edge, x.along_face_n) <
+                                               std::tie(y.surface, y.kind, y.edge, y.along_face_n);
                                       });
 }
 
@@ -40,7 +44,8 @@ bool at_the_same_places(const Path& a, const Path& b) {
                     b.interactions.begin(),
                     b.interactions.end(),
                     [](const Interaction& x, const Interaction& y) {
-                      return x.kind == y.kind && norm(x.position - y.position) < kSamePlace;
+                      return x.kind == y.kind && x.along_face_n == y.along_face_n &&
+                             norm(x.position - y.position) < kSamePlace;
                     });
 }
 
@@ -75,6 +80,12 @@ Path evaluate(const TraceContext& context,
 
 PathTracer::PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options)
     : context_(std::make_shared<const TraceContext>(std::move(scene), options)) {}
+
+const Scene& PathTracer::scene() const { return *context_->scene; }
+
+const TraceOptions& PathTracer::options() const { return context_->options; }
+
+double PathTracer::wavelength() const { return context_->wavelength; }
 
 Paths PathTracer::trace(const Transmitter& transmitter, const Receiver& receiver) const {
   return at(receiver).trace(transmitter);
@@ -113,7 +124,31 @@ std::vector<ReceiverTracer> PathTracer::at(std::span<const Receiver> receivers) 
   return tracers;
 }
 
+ReceiverTracer::ReceiverTracer(std::shared_ptr<const TraceContext> context,
+                               Receiver receiver,
+                               std::shared_ptr<const ImageTree> tree,
+                               std::size_t root)
+    : context_(std::move(context)),
+      receiver_(std::move(receiver)),
+      tree_(std::move(tree)),
+      root_(root) {
+  if (context_->options.diffraction) {
+    lit_edges_ = std::make_shared<const LitEdges>(*context_, tree_, root_);
+  }
+}
+
 Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
+  return trace(transmitter, lit_by(transmitter).get());
+}
+
+std::shared_ptr<const LitEdges> ReceiverTracer::lit_by(const Transmitter& transmitter) const {
+  if (!context_->options.diffraction) {
+    return nullptr;
+  }
+  return std::make_shared<const LitEdges>(*context_, edge_tree(*context_, transmitter.position), 0);
+}
+
+Paths ReceiverTracer::trace(const Transmitter& transmitter, const LitEdges* lit) const {
   const LinkEnd<double> from = link_end(transmitter);
   const LinkEnd<double> to = link_end(receiver_);
   // A count, chosen: memory for a room of three reflections.
@@ -134,6 +169,16 @@ Paths ReceiverTracer::trace(const Transmitter& transmitter) const {
       visit_round_trips(*context_, interactions, 0, add);
     }
   });
+  if (lit != nullptr) {
+    EdgeFinder(context_).visit(*lit, *lit_edges_, [&](const std::vector<Interaction>& met) {
+      paths.push_back(evaluate(*context_, met, from, to));
+    });
+    if (context_->options.double_diffraction) {
+      EdgePairFinder(context_).visit(*lit, *lit_edges_, [&](const std::vector<Interaction>& met) {
+        paths.push_back(evaluate(*context_, met, from, to));
+      });
+    }
+  }
   std::sort(paths.begin(), paths.end(), canonical_order);
   if (context_->has_covers && context_->options.softness == 0.0) {
     drop_repeated(paths);

@@ -1,5 +1,5 @@
 // PathTracer: the paths of a link: line of sight, specular reflections and, on request, straight
-// transmission through objects, exactly.
+// transmission through objects and diffraction at one edge, exactly.
 //
 //   PathTracer tracer(scene);
 //   Paths paths = tracer.trace(transmitter, receiver);
@@ -20,22 +20,23 @@
 
 #include "engine/base/expected.h"
 #include "engine/scene/scene.h"
-#include "engine/trace/images/image_tree.h"
 #include "engine/trace/parameter.h"
 #include "engine/trace/path_derivatives.h"
 #include "engine/trace/paths.h"
 #include "engine/trace/radio_device.h"
-#include "engine/trace/trace_context.h"
 #include "engine/trace/trace_options.h"
 
 namespace rayloc {
 
+class ImageTree;
+class LitEdges;
 class ReceiverTracer;
+struct TraceContext;
 
 class PathTracer {
  public:
-  // REQUIRES: scene != nullptr, options.max_depth >= 0, options.softness finite and >= 0. The
-  // carrier is that of the scene.
+  // REQUIRES: scene != nullptr, options.max_depth >= 0, options.softness finite and >= 0,
+  // not both softness and diffraction. The carrier is that of the scene.
   explicit PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options = {});
 
   // Builds an image tree at the receiver for this one link; use at() for many.
@@ -47,9 +48,9 @@ class PathTracer {
   // see about the same share an image tree. What each hears is what it hears alone.
   std::vector<ReceiverTracer> at(std::span<const Receiver> receivers) const;
 
-  const Scene& scene() const { return *context_->scene; }
-  const TraceOptions& options() const { return context_->options; }
-  double wavelength() const { return context_->wavelength; }  // [m]
+  const Scene& scene() const;
+  const TraceOptions& options() const;
+  double wavelength() const;  // [m]
 
  private:
   std::shared_ptr<const TraceContext> context_;
@@ -59,6 +60,9 @@ class PathTracer {
 class ReceiverTracer {
  public:
   Paths trace(const Transmitter& transmitter) const;
+  // The same for elements of one array: what the transmitter lights is the same for all of them.
+  std::shared_ptr<const LitEdges> lit_by(const Transmitter& transmitter) const;
+  Paths trace(const Transmitter& transmitter, const LitEdges* lit) const;
 
   // Derivatives of every path by every parameter. `paths`: what trace(transmitter) gave. An Error
   // when a parameter does not exist or has no derivative; never zero in silence.
@@ -74,16 +78,13 @@ class ReceiverTracer {
   ReceiverTracer(std::shared_ptr<const TraceContext> context,
                  Receiver receiver,
                  std::shared_ptr<const ImageTree> tree,
-                 std::size_t root)
-      : context_(std::move(context)),
-        receiver_(std::move(receiver)),
-        tree_(std::move(tree)),
-        root_(root) {}
+                 std::size_t root);
 
   std::shared_ptr<const TraceContext> context_;
   Receiver receiver_;
   std::shared_ptr<const ImageTree> tree_;
-  std::size_t root_;  // of the tree
+  std::size_t root_;                           // of the tree
+  std::shared_ptr<const LitEdges> lit_edges_;  // only with diffraction
 };
 
 }  // namespace rayloc

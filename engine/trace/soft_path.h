@@ -171,6 +171,12 @@ class SoftPath {
     wave.field = Complex<T>{T(1) - weight, T(0)} * wave.field;
   }
 
+  void pass(interactions::Diffraction /*met*/,
+            const SoftInteraction<T>& /*interaction*/,
+            Passage& /*passage*/) const {
+    check_failed("a path over an edge has hard edges", __FILE__, __LINE__);
+  }
+
   void pass(interactions::Transmission /*met*/,
             const SoftInteraction<T>& interaction,
             Passage& passage) const {

@@ -43,6 +43,8 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
     : scene(std::move(the_scene)), options(the_options) {
   RAYLOC_CHECK(scene != nullptr && options.max_depth >= 0);
   RAYLOC_CHECK(std::isfinite(options.softness) && options.softness >= 0.0);
+  RAYLOC_CHECK(options.softness == 0.0 || !options.diffraction);
+  RAYLOC_CHECK(options.diffraction || !options.double_diffraction);
   wavelength = kSpeedOfLight / scene->carrier_hz();
   slab_tables.reserve(scene->materials().size());
   for (const RadioMaterial& material : scene->materials()) {
@@ -57,6 +59,9 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
                       material.thickness,
                       {},
                       &slab_tables[scene->objects()[scene->owner(i).object].material]});
+    if (options.diffuse) {
+      facets.back().specular = material.scattering.specular_factor();
+    }
     opaque.push_back(is_opaque(facets.back(), wavelength));
   }
   auto coplanar = find_coplanar_faces(*scene, options);
@@ -68,11 +73,20 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
     covers = find_covers(*scene, coplanar);
   }
   has_covers = std::any_of(covers.begin(), covers.end(), [](const auto& c) { return !c.empty(); });
+  if (options.diffraction) {
+    wedges = find_wedges(*scene);
+  }
   if (options.softness > 0.0) {
     auto bvh = Bvh::create(scene->surfaces(), options.softness);
     RAYLOC_CHECK(bvh.has_value());  // Embree worked for the scene itself
     soft_bvh = std::move(*bvh);
   }
+}
+
+MetWedge TraceContext::wedge(std::uint32_t edge) const {
+  const Wedge& wedge = wedges[edge];
+  const WedgeBody through = wedge.is_free() ? WedgeBody::kSheet : WedgeBody::kSolid;
+  return {wedge, options.transmission ? through : WedgeBody::kOpaque};
 }
 
 void TraceContext::crossings(const Segment& segment, std::vector<Crossing>& found) const {

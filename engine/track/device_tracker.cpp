@@ -1,6 +1,12 @@
 #include "engine/track/device_tracker.h"
 
+#include <algorithm>
+#include <functional>
+#include <iterator>
 #include <utility>
+
+#include "engine/base/parallel.h"
+#include "engine/track/looked_cells.h"
 
 namespace rayloc {
 namespace {
@@ -12,6 +18,12 @@ std::shared_ptr<const FreeSpace> free_space_of(const Localizer& localizer) {
   }
   return std::make_shared<const FreeSpace>(
       make_free_space(*localizer.room().scene, localizer.grid(), access_points));
+}
+
+// Of the moments at which a target is looked for in the whole room.
+Duration phase_of(const MacAddress& address) {
+  const auto steps = static_cast<int>(std::hash<MacAddress>()(address) % 100);
+  return kWholeRoomPeriod * steps / 100;
 }
 
 }  // namespace
@@ -40,6 +52,7 @@ bool DeviceTracker::coast(Tracks::value_type& track,
   auto& [device, entry] = track;
   while (entry.due < until) {
     auto estimate = entry.track.coast(entry.due);
+    entry.track.rest();
     entry.due += options_.coasting_interval;
     if (estimate) {
       updates.push_back({device, *std::move(estimate)});
@@ -54,67 +67,119 @@ bool DeviceTracker::coast(Tracks::value_type& track,
 
 void DeviceTracker::hear_moment(Tracks::value_type& track,
                                 std::span<const CsiFrame> frames,
-                                std::vector<DeviceUpdate>& updates) {
+                                const FrameDoubt& doubt,
+                                TrackerCounters& counters,
+                                std::vector<DeviceUpdate>& updates) const {
   auto& [device, entry] = track;
   const bool begins = !entry.track.state();
-  ++counters_.moments;
-  auto estimate = entry.track.hear(frames);
+  ++counters.moments;
+  auto estimate = entry.track.hear(frames, doubt);
   if (estimate) {
-    ++counters_.used;
-    counters_.begun += begins ? 1U : 0U;
+    ++counters.used;
+    counters.begun += begins ? 1U : 0U;
     entry.due = estimate->location.time + options_.track.coast_after;
     updates.push_back({device, *std::move(estimate)});
     return;
   }
   switch (estimate.error()) {
     case MomentRefusal::kOutOfOrder:
-      ++counters_.out_of_order;
+      ++counters.out_of_order;
       break;
     case MomentRefusal::kUnusable:
-      ++counters_.unusable;
+      ++counters.unusable;
       break;
     case MomentRefusal::kUnexplained:
-      ++counters_.unexplained;
+      ++counters.unexplained;
       break;
   }
 }
 
-void DeviceTracker::hear(const MacAddress& device,
-                         std::span<const CsiFrame> frames,
-                         std::vector<DeviceUpdate>& updates,
-                         std::optional<Timestamp> heard_since) {
-  if (frames.empty()) {
-    return;
-  }
-  auto found = tracks_.find(device);
-  if (found != tracks_.end() &&
-      !coast(*found, heard_since.value_or(frames.front().time), updates)) {
-    tracks_.erase(found);
-    found = tracks_.end();
-  }
-  if (found == tracks_.end()) {
-    if (tracks_.size() >= options_.max_tracks && options_.always.count(device) == 0) {
-      ++counters_.refused;
-      return;
-    }
-    found = tracks_.emplace(device, Entry{Track(localizer_, space_, options_.track), {}}).first;
-  }
+TrackerCounters DeviceTracker::hear_moments(Tracks::value_type& track,
+                                            const DeviceBurst& burst,
+                                            std::vector<DeviceUpdate>& updates) const {
+  TrackerCounters counters;
+  const std::span<const CsiFrame> frames = burst.frames;
   for (std::size_t begin = 0; begin < frames.size();) {
     std::size_t end = begin + 1;
     while (end < frames.size() && frames[end].time - frames[begin].time <= options_.moment) {
       ++end;
     }
-    hear_moment(*found, frames.subspan(begin, end - begin), updates);
+    hear_moment(track, frames.subspan(begin, end - begin), burst.doubt, counters, updates);
     begin = end;
   }
-  if (!found->second.track.state()) {
+  track.second.track.rest();
+  return counters;
+}
+
+DeviceTracker::Tracks::iterator DeviceTracker::track_of(const DeviceBurst& burst,
+                                                        std::vector<DeviceUpdate>& updates) {
+  auto found = tracks_.find(burst.device);
+  if (found != tracks_.end() &&
+      !coast(*found, burst.heard_since.value_or(burst.frames.front().time), updates)) {
     tracks_.erase(found);
+    found = tracks_.end();
   }
+  if (found == tracks_.end()) {
+    if (tracks_.size() >= options_.max_tracks && options_.always.count(burst.device) == 0) {
+      ++counters_.refused;
+      return found;
+    }
+    found =
+        tracks_
+            .emplace(burst.device,
+                     Entry{Track(localizer_, space_, options_.track, phase_of(burst.device)), {}})
+            .first;
+  }
+  return found;
+}
+
+std::vector<std::vector<DeviceUpdate>> DeviceTracker::hear(std::span<const DeviceBurst> bursts) {
+  std::vector<std::vector<DeviceUpdate>> updates(bursts.size());
+  std::vector<Tracks::iterator> tracks;
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    tracks.push_back(bursts[i].frames.empty() ? tracks_.end() : track_of(bursts[i], updates[i]));
+  }
+  std::vector<TrackerCounters> counters(bursts.size());
+  parallel_for(bursts.size(), 1, [&](std::size_t i) {
+    if (tracks[i] != tracks_.end()) {
+      counters[i] = hear_moments(*tracks[i], bursts[i], updates[i]);
+    }
+  });
+  for (std::size_t i = 0; i < bursts.size(); ++i) {
+    counters_ += counters[i];
+    if (tracks[i] != tracks_.end() && !tracks[i]->second.track.state()) {
+      tracks_.erase(tracks[i]);
+    }
+  }
+  return updates;
+}
+
+void DeviceTracker::hear(const MacAddress& device,
+                         std::span<const CsiFrame> frames,
+                         std::vector<DeviceUpdate>& updates,
+                         std::optional<Timestamp> heard_since,
+                         const FrameDoubt& doubt) {
+  const DeviceBurst burst{device, frames, heard_since, doubt};
+  auto heard = hear(std::span(&burst, 1));
+  std::move(heard.front().begin(), heard.front().end(), std::back_inserter(updates));
 }
 
 bool DeviceTracker::follows(const MacAddress& device) const {
   const auto found = tracks_.find(device);
   return found != tracks_.end() && found->second.track.state() != TrackState::kTentative;
+}
+
+Timestamp DeviceTracker::heard_until(Timestamp now) const {
+  for (const auto& [device, entry] : tracks_) {
+    now = std::min(now, entry.track.heard());
+  }
+  return now;
+}
+
+void DeviceTracker::forget_places() {
+  for (auto& [device, entry] : tracks_) {
+    entry.track.forget_place();
+  }
 }
 
 void DeviceTracker::restart(const std::string& reason, std::vector<DeviceUpdate>& updates) {

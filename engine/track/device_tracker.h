@@ -54,26 +54,46 @@ struct DeviceUpdate {
   FilteredEstimate estimate;
 };
 
+// The frames of one device, in order of time.
+struct DeviceBurst {
+  MacAddress device;
+  std::span<const CsiFrame> frames;
+  // The device has not been silent since then, earlier bursts were left out; its first frame when
+  // nothing is stated.
+  std::optional<Timestamp> heard_since = std::nullopt;
+  FrameDoubt doubt = {};
+};
+
 class DeviceTracker {
  public:
   DeviceTracker(std::shared_ptr<const Localizer> localizer, DeviceTrackerOptions options);
 
-  // Appends an estimate for every moment of the burst. `frames`: of `device`, in order of time.
-  // `heard_since`: the device has not been silent since then, earlier bursts were left out; its
-  // first frame when nothing is stated.
+  // [burst]: an estimate for every moment of the burst. Devices are independent of each other, so
+  // that the machine's cores share the bursts. REQUIRES: every burst is of another device.
+  std::vector<std::vector<DeviceUpdate>> hear(std::span<const DeviceBurst> bursts);
+  // The same of one, appended.
   void hear(const MacAddress& device,
             std::span<const CsiFrame> frames,
             std::vector<DeviceUpdate>& updates,
-            std::optional<Timestamp> heard_since = std::nullopt);
+            std::optional<Timestamp> heard_since = std::nullopt,
+            const FrameDoubt& doubt = {});
 
   // No frame before `now` comes any more: appends where the silent ones may be, forgets the lost.
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
 
+  // What was heard so far may have been wrong: each device may be anywhere, and is followed on.
+  void forget_places();
+
   // Every track ends, for that reason: time may go back.
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates);
 
-  // Whether it has a track of the device that was confirmed: one heard once may be anybody.
+  // Whether it has a track of the device at all.
+  bool has(const MacAddress& device) const { return tracks_.count(device) > 0; }
+  // The same of one that was confirmed: one heard once may be anybody.
   bool follows(const MacAddress& device) const;
+  // When the device that has been silent longest of those with a track was heard; `now` without
+  // any.
+  Timestamp heard_until(Timestamp now) const;
   std::size_t size() const { return tracks_.size(); }
   const TrackerCounters& counters() const { return counters_; }
 
@@ -86,9 +106,17 @@ class DeviceTracker {
 
   // States what is due before `until`; false when the track is lost.
   bool coast(Tracks::value_type& track, Timestamp until, std::vector<DeviceUpdate>& updates);
+  // The track of a burst, coasted up to it; the end when there are too many.
+  Tracks::iterator track_of(const DeviceBurst& burst, std::vector<DeviceUpdate>& updates);
+  // What becomes of the track of one device, and of nothing else.
+  TrackerCounters hear_moments(Tracks::value_type& track,
+                               const DeviceBurst& burst,
+                               std::vector<DeviceUpdate>& updates) const;
   void hear_moment(Tracks::value_type& track,
                    std::span<const CsiFrame> frames,
-                   std::vector<DeviceUpdate>& updates);
+                   const FrameDoubt& doubt,
+                   TrackerCounters& counters,
+                   std::vector<DeviceUpdate>& updates) const;
 
   std::shared_ptr<const Localizer> localizer_;
   std::shared_ptr<const FreeSpace> space_;

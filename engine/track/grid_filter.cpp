@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/highest.h"
+#include "engine/base/work_done.h"
 
 namespace rayloc {
 namespace {
@@ -128,6 +130,7 @@ void GridFilter::carry(Mode& mode, double seconds) const {
   const double cells_y = mode.velocity_y * seconds / grid.step_y;
   const double steps = std::max(1.0, std::ceil(std::max(std::abs(cells_x), std::abs(cells_y))));
   for (auto left = static_cast<std::size_t>(steps); left > 0; --left) {
+    WorkDone::add(6 * window_.size(), 26 * window_.size());
     move_x(cells_x / steps, mode.mass);
     move_y(cells_y / steps, mode.mass);
   }
@@ -139,6 +142,8 @@ void GridFilter::predict(Duration elapsed) {
   const double seconds = to_seconds(elapsed);
   const double parts = std::max(1.0, std::ceil(4.0 * seconds / motion_.direction_time));
   for (auto left = static_cast<std::size_t>(parts); left > 0; --left) {
+    // Masses are read and written once to change, and once for each step of each walk.
+    WorkDone::add(modes_.size() * window_.size() * 4, modes_.size() * window_.size() * 12);
     change_modes(seconds / parts);
     for (std::size_t k = 1; k < modes_.size(); ++k) {
       carry(modes_[k], seconds / parts);
@@ -199,6 +204,7 @@ void GridFilter::update(const Sampled& burst, double exponent, double elsewhere)
       values[*at] = static_cast<float>(likelihood.scale * likelihood.of[n] + outlier);
     }
   }
+  WorkDone::add(3 * modes_.size() * values.size(), 24 * modes_.size() * values.size());
   for (Mode& mode : modes_) {
     for (std::size_t i = 0; i < values.size(); ++i) {
       mode.mass[i] *= values[i];
@@ -294,6 +300,57 @@ void GridFilter::widen() {
   }
   away_ = 0.0;
   normalise();
+}
+
+void GridFilter::rest(std::size_t most, const std::vector<double>& mass) {
+  if (window_.size() <= most || is_resting()) {
+    return;
+  }
+  kept_.cells.reserve(most);
+  kept_.mass.reserve(most * modes_.size());
+  kept_.others.reserve(modes_.size());
+  for (const std::size_t cell : highest(mass, most)) {
+    kept_.cells.push_back(static_cast<std::uint32_t>(cell));
+  }
+  std::sort(kept_.cells.begin(), kept_.cells.end());
+  const double others = std::max(0.0, free_cells() - static_cast<double>(most));
+  for (Mode& mode : modes_) {
+    double left = sum_of(mode.mass);
+    for (const std::uint32_t cell : kept_.cells) {
+      kept_.mass.push_back(mode.mass[cell]);
+      left -= static_cast<double>(mode.mass[cell]);
+    }
+    kept_.others.push_back(others > 0.0 ? static_cast<float>(std::max(0.0, left) / others) : 0.0F);
+    mode.mass = std::vector<float>();  // gives the memory back
+  }
+}
+
+void GridFilter::wake() {
+  if (!is_resting()) {
+    return;
+  }
+  const float* kept = kept_.mass.data();
+  for (std::size_t k = 0; k < modes_.size(); ++k) {
+    std::vector<float>& mass = modes_[k].mass;
+    mass.resize(window_.size());
+    for (std::size_t n = 0; n < mass.size(); ++n) {
+      const bool is_free = space_->free[window_.cell(n, space_->grid)] != 0;
+      mass[n] = is_free ? kept_.others[k] : 0.0F;
+    }
+    for (const std::uint32_t cell : kept_.cells) {
+      mass[cell] = *kept++;
+    }
+  }
+  kept_ = {};
+}
+
+// Of the window, a count.
+double GridFilter::free_cells() const {
+  double count = 0.0;
+  for (std::size_t n = 0; n < window_.size(); ++n) {
+    count += space_->free[window_.cell(n, space_->grid)] != 0 ? 1.0 : 0.0;
+  }
+  return count;
 }
 
 std::vector<double> GridFilter::mass() const {

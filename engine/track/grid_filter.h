@@ -8,9 +8,11 @@
 // A filter may narrow itself to a window of the room that holds nearly all of its mass: it then
 // costs and takes what the window does, whatever the size of the room. The rest of the mass is one
 // number, away(), of a target that is anywhere else. The window moves and grows with the mass.
+// Between two bursts a filter may rest: it then takes little memory, however wide its window is.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -64,6 +66,12 @@ class GridFilter {
   const CellWindow& window() const { return window_; }
   double away() const { return away_; }  // probability
 
+  // Keeps the masses of the `most` best cells of the window, where it has more; the rest is spread
+  // evenly over the others, mode by mode. Nothing but wake() until then. `mass`: mass().
+  void rest(std::size_t most, const std::vector<double>& mass);
+  void wake();
+  bool is_resting() const { return !kept_.cells.empty(); }
+
   std::vector<double> mass() const;  // [cell of window()], of all modes, sums to 1
   double standing() const;           // probability, of a target in the window
 
@@ -78,6 +86,14 @@ class GridFilter {
     double scale = 0.0;
   };
 
+  // What a resting filter keeps.
+  struct Kept {
+    std::vector<std::uint32_t> cells;  // of window_, in order
+    std::vector<float> mass;           // [mode][of cells]
+    std::vector<float> others;         // [mode], of every other cell that is free
+  };
+
+  double free_cells() const;
   void normalise();
   void change_modes(double seconds);
   void carry(Mode& mode, double seconds) const;
@@ -90,7 +106,8 @@ class GridFilter {
   MotionModel motion_;
   CellWindow window_;
   double away_ = 0.0;
-  std::vector<Mode> modes_;  // the first stands
+  std::vector<Mode> modes_;  // the first stands; without masses while it rests
+  Kept kept_;                // empty: it is awake
 };
 
 }  // namespace rayloc

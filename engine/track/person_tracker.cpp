@@ -6,12 +6,12 @@
 
 #include "engine/base/parallel.h"
 #include "engine/scene/scene.h"
+#include "engine/track/filter_summary.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kLeastWeight = 0.02;  // of a moment that is worth working out the map for
-constexpr double kLeastMass = 1e-300;  // a probability, chosen: keeps its logarithm finite
 // Height at which walls are in the way of a walk and chairs are not, share of the body's.
 constexpr double kWalkHeight = 0.8;
 // Share of the power by which two frames of a room at rest differ beyond noise: the phases of
@@ -57,13 +57,6 @@ double correlation(const PersonLikelihood::Observed& a, const PersonLikelihood::
   return power_x > 0.0 && power_y > 0.0 ? std::norm(product) / (power_x * power_y) : 0.0;
 }
 
-std::vector<double> logarithm(std::vector<double> mass) {
-  for (double& value : mass) {
-    value = std::log(std::max(value, kLeastMass));
-  }
-  return mass;
-}
-
 }  // namespace
 
 PersonTrackerCounters& PersonTrackerCounters::operator+=(const PersonTrackerCounters& other) {
@@ -84,7 +77,8 @@ PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
     : localizer_(std::move(localizer)),
       options_(std::move(options)),
       space_(std::make_shared<const FreeSpace>(make_space(
-          localizer_->room(), localizer_->standing_room(), localizer_->reference().person.body))) {}
+          localizer_->room(), localizer_->standing_room(), localizer_->reference().person.body))),
+      time_(options_.last_moment) {}
 
 // By how much what the person adds has changed since the last moment: 0 not at all, 1 as by a move.
 // The access points count by what they hear of the person.
@@ -104,7 +98,7 @@ double PersonTracker::change_of(const PersonObservation& observation) const {
 }
 
 std::uint64_t PersonTracker::number() const {
-  return life_ ? life_->track : options_.first_number + counters_.begun * options_.number_step;
+  return life_ ? life_->track : options_.first_number + numbers_ * options_.number_step;
 }
 
 void PersonTracker::begin(Timestamp time) {
@@ -113,27 +107,72 @@ void PersonTracker::begin(Timestamp time) {
   life_->track = next;
   life_->time = time;
   life_->weighed = time;
+  life_->looked = time;
   ++counters_.begun;
 }
 
 void PersonTracker::predict(Timestamp time) {
+  if (!options_.is_exhaustive && life_->moments > 0) {
+    life_->filter.narrow(kOutOfWindow, time - life_->time);
+  }
   life_->filter.predict(time - life_->time);
   life_->time = time;
 }
 
+PersonMap PersonTracker::map(const PersonObservation& observation,
+                             const LookedCells& looked) const {
+  PersonContext context;
+  context.cells = looked.cells;
+  context.sample = looked.others;
+  return localizer_->map(observation, localizer_->reference().person.likelihood_exponent, context);
+}
+
+// Where the filter has somebody; the whole room where it does not know, where nobody is seen there,
+// and now and then.
+PersonMap PersonTracker::look(const PersonObservation& observation) {
+  Life& life = *life_;
+  if (life.time - life.looked >= kWholeRoomPeriod || life.filter.away() > kMostAway) {
+    life.filter.widen();
+  }
+  const LookedCells looked = looked_cells(life.filter, *space_, life.moments);
+  if (!looked.is_all()) {
+    PersonMap narrow = map(observation, looked);
+    if (sight_of(narrow, 0.0) == Sight::kSeen) {
+      return narrow;
+    }
+    life.filter.widen();
+  }
+  life.looked = life.time;
+  return map(observation, {});
+}
+
+// The filter hears of the cells that were looked at.
+void PersonTracker::learn(const PersonMap& map, double weight) {
+  if (map.cells.empty()) {
+    life_->filter.update(map.log_likelihood, weight);
+    return;
+  }
+  std::vector<double> log_likelihood;
+  log_likelihood.reserve(map.cells.size());
+  for (const std::size_t cell : map.cells) {
+    log_likelihood.push_back(map.log_likelihood[cell]);
+  }
+  life_->filter.update(GridFilter::Sampled{log_likelihood, map.cells, map.weights}, weight, 0.0);
+}
+
+PersonTracker::Sight PersonTracker::sight_of(const PersonMap& map, double least) {
+  if (!map.is_explained || map.is_transmitter_doubtful) {
+    return Sight::kUnexplained;
+  }
+  return map.somebody < least ? Sight::kNobody : Sight::kSeen;
+}
+
 PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) {
   const PersonModel& person = localizer_->reference().person;
-  const double likelihood_exponent = person.likelihood_exponent;
   const Timestamp time = observation.estimate.time;
-  const auto judge = [](const PersonMap& map, double least) {
-    if (!map.is_explained || map.is_transmitter_doubtful) {
-      return Sight::kUnexplained;
-    }
-    return map.somebody < least ? Sight::kNobody : Sight::kSeen;
-  };
   if (!life_) {
-    PersonMap map = localizer_->map(observation, likelihood_exponent);
-    const Sight sight = judge(map, kSomebody);
+    PersonMap map = this->map(observation, {});
+    const Sight sight = sight_of(map, kSomebody);
     if (sight == Sight::kSeen) {
       begin(time);
       life_->filter.update(map.log_likelihood, 1.0);
@@ -152,11 +191,11 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   life_->filter.weigh_change(change);
   life_->credit = credit;
   if (weight >= kLeastWeight) {
-    PersonMap map = localizer_->map(observation, likelihood_exponent);
-    if (const Sight sight = judge(map, 0.0); sight != Sight::kSeen) {
+    PersonMap map = look(observation);
+    if (const Sight sight = sight_of(map, 0.0); sight != Sight::kSeen) {
       return sight;
     }
-    life_->filter.update(map.log_likelihood, weight);
+    learn(map, weight);
     life_->within = std::move(map.within);
     life_->credit += weight;
     life_->is_clear = map.somebody >= kSomebody;
@@ -219,11 +258,11 @@ void PersonTracker::report(LocationEstimate location,
                            bool is_seen,
                            std::optional<TrackTransition> transition,
                            std::vector<PersonUpdate>& updates) {
-  summarise_posterior(localizer_->standing_room().grid,
-                      logarithm(life_->filter.mass()),
-                      {1.0, location.accuracy_confidence, localizer_->options().max_hypotheses},
-                      location,
-                      is_seen ? life_->within : KnownCells{});
+  PosteriorOptions options;
+  options.accuracy_confidence = location.accuracy_confidence;
+  options.max_hypotheses = localizer_->options().max_hypotheses;
+  summarise_filter(
+      life_->filter, space_->grid, options, is_seen ? life_->within : KnownCells{}, location);
   PersonUpdate update;
   update.track = life_->track;
   update.estimate.location = std::move(location);
@@ -234,6 +273,7 @@ void PersonTracker::report(LocationEstimate location,
   updates.push_back(std::move(update));
   if (life_->state == TrackState::kLost) {
     ++counters_.lost;
+    numbers_ += life_->time < options_.numbered_before ? 0U : 1U;
     life_.reset();
   }
 }

@@ -13,6 +13,7 @@
 // Thread safety: for one thread.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -24,6 +25,7 @@
 #include "engine/person/person_localizer.h"
 #include "engine/track/free_space.h"
 #include "engine/track/grid_filter.h"
+#include "engine/track/looked_cells.h"
 #include "engine/track/track.h"
 
 namespace rayloc {
@@ -52,12 +54,19 @@ struct PersonTrackerOptions {
   // Without a clear sight, as a track needs to begin, any track is lost: a link that hears little
   // of a person hears as much of an empty room, and one who has left would stay for ever.
   Duration doubt_after = std::chrono::seconds(10);
+  // Every moment is compared with the whole room: the reference of looking where somebody may be.
+  bool is_exhaustive = false;
   // Between two predicted positions while the transmitter is silent.
   Duration coasting_interval = std::chrono::milliseconds(200);
   // Tracks are numbered first_number, first_number + number_step, ...: trackers of several
   // transmitters never use the same number, whichever sees somebody first.
   std::uint64_t first_number = 1;
   std::uint64_t number_step = 1;
+  // Before it another tracker has numbered all, the next but first_number: who is lost before then
+  // gives the number back.
+  Timestamp numbered_before = Timestamp::min();
+  // The last moment that the other one has looked at: the next is `interval` later.
+  std::optional<Timestamp> last_moment = std::nullopt;
 };
 
 // moments = used + nobody + unexplained + out_of_order + unusable; begun = lost + tracks now.
@@ -100,10 +109,15 @@ class PersonTracker {
 
   // Of the track, or of the next one where there is none.
   std::uint64_t number() const;
+  std::optional<Timestamp> last_moment() const { return time_; }
+  // When the person was seen clearly last; `now` without a track.
+  Timestamp seen_until(Timestamp now) const { return life_ ? std::min(now, life_->clear) : now; }
   const PersonTrackerCounters& counters() const { return counters_; }
 
  private:
   enum class Sight : std::uint8_t { kSeen, kNobody, kUnexplained };
+  // `least`: of PersonMap::somebody, for somebody to be there.
+  static Sight sight_of(const PersonMap& map, double least);
 
   struct Life {
     GridFilter filter;
@@ -112,6 +126,7 @@ class PersonTracker {
     Timestamp seen{};
     Timestamp clear{};    // last time that somebody was seen as clearly as a track needs to begin
     Timestamp weighed{};  // last moment that was
+    Timestamp looked{};   // last moment that was compared with the whole room
     Timestamp due{};      // of the next predicted position, if the transmitter stays silent
     TrackState state = TrackState::kTentative;
     std::size_t moments = 0;  // in which somebody was seen
@@ -126,6 +141,9 @@ class PersonTracker {
   void begin(Timestamp time);
   void predict(Timestamp time);
   double change_of(const PersonObservation& observation) const;
+  PersonMap look(const PersonObservation& observation);
+  PersonMap map(const PersonObservation& observation, const LookedCells& looked) const;
+  void learn(const PersonMap& map, double weight);
   Sight weigh(const PersonObservation& observation);
   std::optional<TrackTransition> age(Timestamp time, bool is_seen);
   LocationEstimate unheard(Timestamp time) const;
@@ -139,6 +157,7 @@ class PersonTracker {
   std::shared_ptr<const FreeSpace> space_;
   std::optional<Life> life_;
   std::optional<Timestamp> time_;  // of the last moment
+  std::uint64_t numbers_ = 0;      // that were used up
   PersonTrackerCounters counters_;
 };
 

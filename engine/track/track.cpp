@@ -5,28 +5,19 @@
 #include <utility>
 
 #include "engine/base/highest.h"
+#include "engine/track/filter_summary.h"
+#include "engine/track/looked_cells.h"
 
 namespace rayloc {
 namespace {
 
 constexpr double kLeastWeight = 0.02;   // of a burst that is worth working out the map for
-constexpr double kLeastMass = 1e-300;   // a probability, chosen: keeps its logarithm finite
 constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
-// Probabilities, chosen: what a window leaves out, and what of it no burst is compared with ...
-constexpr double kOutOfWindow = 1e-4;
-constexpr double kNotCompared = 1e-3;  // a probability, chosen
-// ... and of being out of the window, from which on the whole room is looked at.
-constexpr double kMostAway = 0.02;
-constexpr std::size_t kOthers = 128;  // a count, chosen: cells that stand for the rest of the room
+// Counts of cells, chosen: what a resting track keeps, with 17 modes 29 KiB ...
+constexpr std::size_t kRestingCells = 400;
+constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... and where in a cell its mass is
 // [s], chosen: a step or two of a walk.
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
-
-std::vector<double> logarithm(std::vector<double> mass) {
-  for (double& value : mass) {
-    value = std::log(std::max(value, kLeastMass));
-  }
-  return mass;
-}
 
 // Of a cell; 0 of one that the burst was not compared with. The first of its cells are in order.
 double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
@@ -44,19 +35,22 @@ double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
 
 Track::Track(std::shared_ptr<const Localizer> localizer,
              std::shared_ptr<const FreeSpace> space,
-             const TrackOptions& options)
-    : localizer_(std::move(localizer)),
+             const TrackOptions& options,
+             Duration phase)
+    : phase_(phase),
+      localizer_(std::move(localizer)),
       options_(options),
       aligner_(localizer_->room().grid),
       space_(std::move(space)),
-      filter_(space_, options.motion) {}
+      filter_(space_, options.motion),
+      whole_room_period_(kFirstWholeRoomPeriod) {}
 
 // Share of the power that differs from the last burst, mean over the access points that heard both.
 std::optional<double> Track::change_of(const RoomObservation& observation) const {
   double sum = 0.0;
   double count = 0.0;
   for (const HeardArray& now : observation.arrays) {
-    for (const HeardArray& before : last_) {
+    for (const Earlier& before : last_) {
       if (now.ap == before.ap && now.h.size() == before.h.size()) {
         sum += 1.0 - aligner_.align(before.h, now.h).correlation;
         count += 1.0;
@@ -84,17 +78,33 @@ double Track::motion_of(double change, const RoomObservation& observation) const
 bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   const std::optional<double> change = change_of(observation);
   const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
-  const double credit = credit_ * (1.0 - novelty);
-  const double share =
-      bursts_ == 0 ? 1.0 : std::min(1.0, to_seconds(elapsed) / to_seconds(options_.evidence_time));
-  const double weight = share * (1.0 - credit);
+  // What access points say that join is all new, also of a device at rest.
+  const bool is_joining = is_joined(observation);
+  const double credit = is_joining ? 0.0 : credit_ * (1.0 - novelty);
+  const Duration unseen = time_ - looked_;  // what is out of the window
+  bool is_wide = widens(is_joining);
+  // Cells that come into the window have had no evidence of their own since then: this burst counts
+  // for as long. Else no single look could leave a hill that was followed wrongly, for the next
+  // window leaves out again what little mass it gave to the right one.
+  const bool is_new = knows_nothing_ || is_joining;
+  const auto weight_of_burst = [&] {
+    const Duration since = is_wide ? std::max(elapsed, unseen) : elapsed;
+    const double share =
+        is_new ? 1.0 : std::min(1.0, to_seconds(since) / to_seconds(options_.evidence_time));
+    return share * (1.0 - credit);
+  };
+  double weight = weight_of_burst();
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kLeastWeight) {
-    evidence = look(observation);
+    if (is_joining) {  // soon again: one burst of one more may mislead
+      whole_room_period_ = kFirstWholeRoomPeriod;
+    }
+    evidence = look(observation, is_wide);
     if (map.empty()) {
       return false;
     }
+    weight = weight_of_burst();
   }
   if (change) {
     filter_.weigh_change(motion_of(*change, observation));
@@ -106,26 +116,66 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
                    evidence.elsewhere);
     within_ = std::move(evidence.within);
     credit_ += weight;
+    looked_with_.resize(localizer_->room().access_points.size());
+    for (const HeardArray& heard : observation.arrays) {
+      looked_with_[heard.ap] = time_;
+    }
     const auto mass = filter_.mass();
     learn_height(mass, weight);
     const auto peak =
         static_cast<std::size_t>(std::max_element(mass.begin(), mass.end()) - mass.begin());
     loss_ = -value_of(evidence, filter_.window().cell(peak, space_->grid));
   }
-  last_ = observation.arrays;
+  last_.clear();
+  for (const HeardArray& heard : observation.arrays) {
+    last_.push_back({heard.ap, heard.h});
+  }
   ++bursts_;
+  knows_nothing_ = false;
   return true;
 }
 
-// At the whole room where the filter has it, and where nothing in the window explains the burst.
-Localizer::Evidence Track::look(const RoomObservation& observation) {
-  if (filter_.away() > kMostAway) {
+// One of its access points was heard, or believed, in no burst that was weighed in the last
+// seconds: it may tell places apart that all others find alike.
+bool Track::is_joined(const RoomObservation& observation) const {
+  return std::any_of(
+      observation.arrays.begin(), observation.arrays.end(), [&](const HeardArray& heard) {
+        return heard.ap >= looked_with_.size() || !looked_with_[heard.ap] ||
+               time_ - *looked_with_[heard.ap] > kWholeRoomPeriod;
+      });
+}
+
+// Now and then, where an access point joins, and where the filter has the target elsewhere: a hill
+// that was followed wrongly explains enough to be followed on.
+bool Track::widens(bool is_joining) const {
+  // By the time of the frames, not by when the track began: who takes it over looks when it would.
+  const auto number = [&](Timestamp time) {
+    return (time.time_since_epoch() + phase_) / whole_room_period_;
+  };
+  const bool is_due = number(time_) != number(looked_);
+  return !filter_.window().is_all_of(space_->grid) &&
+         (is_due || filter_.away() > kMostAway || is_joining);
+}
+
+// Also at the whole room where nothing in the window explains the burst: then `is_wide`.
+Localizer::Evidence Track::look(const RoomObservation& observation, bool& is_wide) {
+  const auto look_wide = [&] {
     filter_.widen();
+    whole_room_period_ = std::min(2 * whole_room_period_, kWholeRoomPeriod);
+  };
+  if (is_wide) {
+    look_wide();
+  } else if (filter_.window().is_all_of(space_->grid)) {
+    whole_room_period_ = kFirstWholeRoomPeriod;
   }
   auto evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
   if (evidence.log_likelihood.empty() && !filter_.window().is_all_of(space_->grid)) {
-    filter_.widen();
+    is_wide = true;
+    look_wide();
     evidence = localizer_->evidence(observation, Localizer::Look::kPlaces, focus());
+  }
+  if (filter_.window().is_all_of(space_->grid)) {
+    looked_ = time_;
   }
   return evidence;
 }
@@ -134,58 +184,19 @@ Localizer::Evidence Track::look(const RoomObservation& observation) {
 // but where the burst is looked at, and where closely.
 SearchFocus Track::focus() const {
   SearchFocus focus;
-  const CellWindow& window = filter_.window();
+  focus.is_quick = !options_.is_exhaustive;
   if (!localizer_->heights().is_known()) {
     focus.layer_weight = layers_;
   }
-  if (window.is_all_of(space_->grid)) {
-    if (!layers_.empty()) {
-      focus.log_prior = logarithm(filter_.mass());
-    }
-    return focus;
-  }
-  const std::vector<double> mass = filter_.mass();
-  const std::vector<std::size_t> order = highest(mass, mass.size());
-  double left = 1.0;
-  std::vector<std::size_t> numbers;
-  for (std::size_t i = 0; i < order.size() && left > kNotCompared; ++i) {
-    numbers.push_back(order[i]);
-    left -= mass[order[i]];
-  }
-  std::sort(numbers.begin(), numbers.end());
-  for (const std::size_t number : numbers) {
-    focus.cells.push_back(window.cell(number, space_->grid));
-    focus.log_prior.push_back(std::log(std::max(mass[number], kLeastMass)));
-  }
-  focus.others = sample_of_others(focus.cells);
-  if (focus.others.empty()) {
-    focus.cells.clear();
-    focus.log_prior.clear();
+  LookedCells looked = looked_cells(filter_, *space_, bursts_);
+  if (!looked.is_all()) {
+    focus.log_prior = log_masses(std::move(looked.mass));
+    focus.cells = std::move(looked.cells);
+    focus.others = std::move(looked.others);
+  } else if (filter_.window().is_all_of(space_->grid) && !layers_.empty()) {
+    focus.log_prior = log_masses(filter_.mass());
   }
   return focus;
-}
-
-// A lattice over the room, another one with every burst, so that in time all of it is looked at.
-// `cells`: in order.
-std::vector<std::size_t> Track::sample_of_others(const std::vector<std::size_t>& cells) const {
-  const RoomGrid& grid = space_->grid;
-  const auto stride = static_cast<std::size_t>(
-      std::max(1.0, std::round(std::sqrt(static_cast<double>(grid.size()) / kOthers))));
-  // From one lattice to the next by about the golden section of their number.
-  const std::size_t lattices = stride * stride;
-  const std::size_t turn = bursts_ % lattices *
-                           static_cast<std::size_t>(0.618 * static_cast<double>(lattices)) %
-                           lattices;
-  std::vector<std::size_t> others;
-  for (std::size_t x = turn / stride; x < grid.count_x; x += stride) {
-    for (std::size_t y = turn % stride; y < grid.count_y; y += stride) {
-      const std::size_t cell = x * grid.count_y + y;
-      if (space_->free[cell] != 0 && !std::binary_search(cells.begin(), cells.end(), cell)) {
-        others.push_back(cell);
-      }
-    }
-  }
-  return others;
 }
 
 // To where the device may be when `reach` has gone by. The first bursts are of the whole room.
@@ -274,23 +285,15 @@ void Track::enter(TrackState state,
 FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& within) const {
   FilteredEstimate estimate;
   location.reason.clear();
-  const CellWindow& window = filter_.window();
-  KnownCells in_window;
-  for (const auto& [cell, mass] : within) {
-    if (const auto number = window.number(cell, space_->grid)) {
-      in_window.emplace_back(*number, mass);
-    }
-  }
-  summarise_posterior(window.grid_of(space_->grid),
-                      logarithm(filter_.mass()),
-                      {1.0,
-                       location.accuracy_confidence,
-                       localizer_->options().max_hypotheses,
-                       filter_.away(),
-                       localizer_->room().least_sigma,
-                       static_cast<double>(space_->grid.size())},
-                      location,
-                      in_window);
+  summarise_filter(filter_,
+                   space_->grid,
+                   {1.0,
+                    location.accuracy_confidence,
+                    localizer_->options().max_hypotheses,
+                    doubt_.probability,
+                    localizer_->room().least_sigma},
+                   within,
+                   location);
   location.loss = loss_;
   estimate.location = std::move(location);
   estimate.standing = filter_.standing();
@@ -326,7 +329,46 @@ void Track::remember(FilteredEstimate& estimate) {
   estimate.velocity = (1.0 / spread) * product;
 }
 
-tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFrame> frames) {
+void Track::rest() {
+  const bool is_small =
+      within_.size() <= kRestingWithin && filter_.window().size() <= kRestingCells;
+  if (options_.is_exhaustive || filter_.is_resting() || is_small) {
+    return;
+  }
+  const std::vector<double> mass = filter_.mass();
+  if (within_.size() > kRestingWithin) {
+    std::vector<double> of_cells;
+    of_cells.reserve(within_.size());
+    for (const auto& [cell, of_cell] : within_) {
+      const auto number = filter_.window().number(cell, space_->grid);
+      of_cells.push_back(number ? mass[*number] : 0.0);
+    }
+    std::vector<std::size_t> best = highest(of_cells, kRestingWithin);
+    std::sort(best.begin(), best.end());
+    KnownCells kept;
+    kept.reserve(best.size());
+    for (const std::size_t i : best) {
+      kept.push_back(std::move(within_[i]));
+    }
+    within_ = std::move(kept);
+  }
+  filter_.rest(kRestingCells, mass);
+}
+
+void Track::forget_place() {
+  filter_ = GridFilter(space_, options_.motion);
+  knows_nothing_ = true;
+  credit_ = 0.0;
+  loss_ = 0.0;
+  within_.clear();
+  layers_.clear();
+  last_.clear();
+  fixes_.clear();
+}
+
+tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFrame> frames,
+                                                          const FrameDoubt& doubt) {
+  filter_.wake();
   RoomObservation observation = localizer_->hear(frames);
   const Timestamp time = observation.estimate.time;
   if (state_ && time <= time_) {
@@ -341,6 +383,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
     return tl::make_unexpected(MomentRefusal::kUnexplained);
   }
   heard_ = time;
+  doubt_ = doubt;
   FilteredEstimate estimate = summarise(std::move(observation.estimate), within_);
   remember(estimate);
   if (!state_ && bursts_ < options_.confirming_bursts) {
@@ -354,6 +397,7 @@ tl::expected<FilteredEstimate, MomentRefusal> Track::hear(std::span<const CsiFra
 }
 
 FilteredEstimate Track::predict(Timestamp time) {
+  filter_.wake();
   advance(time);
   fixes_.clear();
   LocationEstimate location;

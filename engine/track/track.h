@@ -61,13 +61,22 @@ enum class MomentRefusal {
 
 class Track {
  public:
-  // `localizer` and `space` belong together: the same grid.
+  // `localizer` and `space` belong together: the same grid. `phase`: of the moments at which the
+  // whole room is looked at, another one for each target, so that not all are at once.
   Track(std::shared_ptr<const Localizer> localizer,
         std::shared_ptr<const FreeSpace> space,
-        const TrackOptions& options);
+        const TrackOptions& options,
+        Duration phase = {});
+
+  // Takes little memory until the next call.
+  void rest();
 
   // Frames of the target within a moment that it does not move in.
-  tl::expected<FilteredEstimate, MomentRefusal> hear(std::span<const CsiFrame> frames);
+  tl::expected<FilteredEstimate, MomentRefusal> hear(std::span<const CsiFrame> frames,
+                                                     const FrameDoubt& doubt = {});
+
+  // What was heard so far may have been wrong: the target may be anywhere, and is followed on.
+  void forget_place();
 
   // It is `now` and the target has been silent. Nothing unless it coasts, or is lost for good.
   std::optional<FilteredEstimate> coast(Timestamp now);
@@ -77,8 +86,14 @@ class Track {
 
   // Nothing before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
+  Timestamp heard() const { return heard_; }  // last usable burst
 
  private:
+  // What is compared with the next burst.
+  struct Earlier {
+    std::size_t ap = 0;                   // HeardArray::ap
+    std::vector<std::complex<double>> h;  // HeardArray::h
+  };
   struct Fix {
     Timestamp time;
     Vec3d position;
@@ -88,8 +103,9 @@ class Track {
   double motion_of(double change, const RoomObservation& observation) const;
   bool weigh(const RoomObservation& observation, Duration elapsed);
   SearchFocus focus() const;
-  std::vector<std::size_t> sample_of_others(const std::vector<std::size_t>& cells) const;
-  Localizer::Evidence look(const RoomObservation& observation);
+  bool is_joined(const RoomObservation& observation) const;
+  bool widens(bool is_joining) const;
+  Localizer::Evidence look(const RoomObservation& observation, bool& is_wide);
   void spread_height(double seconds);
   void learn_height(const std::vector<double>& mass, double weight);
   void narrow(Duration reach);
@@ -99,6 +115,7 @@ class Track {
   FilteredEstimate summarise(LocationEstimate location, const KnownCells& within) const;
   void remember(FilteredEstimate& estimate);
 
+  Duration phase_;
   std::shared_ptr<const Localizer> localizer_;
   TrackOptions options_;
   Aligner aligner_;
@@ -107,14 +124,21 @@ class Track {
   std::optional<TrackState> state_;  // nothing before the first usable burst
   Timestamp time_;                   // of the filter
   Timestamp heard_;                  // last usable burst
-  std::size_t bursts_ = 0;           // usable ones
-  double credit_ = 0.0;              // of a snapshot's weight, given to the present channel
-  double loss_ = 0.0;                // at the last position
+  Timestamp looked_;                 // at the whole room, last
+  Duration whole_room_period_;       // until it is looked at again
+  std::vector<std::optional<Timestamp>>
+      looked_with_;            // last look with its frames, [HeardArray::ap]
+  std::size_t bursts_ = 0;     // usable ones
+  bool knows_nothing_ = true;  // of the place: no usable burst yet, or forgotten
+  double credit_ = 0.0;        // of a snapshot's weight, given to the present channel
+  double loss_ = 0.0;          // at the last position
+  // Of the last frames: all that the filter holds rests on the same chains, and is doubted alike.
+  FrameDoubt doubt_;
   // Where in a cell its mass is, of the best cells of the last burst that was weighed.
   KnownCells within_;
   std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
-  std::vector<HeardArray> last_;  // of the last usable burst
-  std::deque<Fix> fixes_;         // of the last second
+  std::vector<Earlier> last_;   // of the last usable burst
+  std::deque<Fix> fixes_;       // of the last second
 };
 
 }  // namespace rayloc

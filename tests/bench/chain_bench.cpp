@@ -1,13 +1,17 @@
 // How many bursts it takes until receive chains are known again after a power cycle, and how well,
 // on recordings of a calibrated site:
 //
-//   chain_bench SITE CYCLES [AP=]FILE...
+//   chain_bench [--verbose | --again | --unseen] SITE CYCLES [AP=]FILE...
 //
 // The recordings' most heard transmitter is listened to in bursts of 0.2 s, by every access point
 // for itself. CYCLES power cycles are made by turning the chains of all frames at random, all the
 // way round and by 1.5 dB; the first is the recording as it is. A line for each cycle and access
 // point: bursts that counted and seconds until the chains were learned for the first time, how
 // often, and the phases learned then and at the end [degrees] beside those of the turns made.
+//
+// --again: half-way through the recording the access point is off for a minute and comes back with
+// other chains (--unseen: without the minute): how many bursts what was believed until then is
+// believed still.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +20,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -32,6 +37,7 @@ using Value = std::complex<double>;
 using Frames = std::vector<CsiFrame>;
 
 constexpr auto kBurst = std::chrono::milliseconds(200);
+constexpr auto kOff = std::chrono::minutes(1);
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr double kLevelSigma = 0.17;  // of ln, 1.5 dB
 
@@ -82,20 +88,28 @@ std::string phases(const std::vector<Value>& factor, const std::vector<Value>& m
   return text;
 }
 
+using Turns = std::vector<std::vector<Value>>;  // [access point][chain]
+
+// Of a power cycle; of the first, number 0: none.
+Turns turns_of(const RoomModel& room, int number, std::mt19937& random) {
+  std::uniform_real_distribution<double> around(-std::numbers::pi, std::numbers::pi);
+  std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
+  Turns made(room.access_points.size());
+  for (std::size_t a = 0; a < made.size(); ++a) {
+    for (std::size_t m = 0; m < room.access_points[a].cores.size(); ++m) {
+      made[a].push_back(std::polar(std::exp(level(random)), number == 0 ? 0.0 : around(random)));
+    }
+  }
+  return made;
+}
+
 void cycle(const std::shared_ptr<const Localizer>& localizer,
            const std::vector<Frames>& bursts,
            int number,
            bool verbose) {
   const RoomModel& room = localizer->room();
   std::mt19937 random(static_cast<unsigned>(number));
-  std::uniform_real_distribution<double> around(-std::numbers::pi, std::numbers::pi);
-  std::normal_distribution<double> level(0.0, number == 0 ? 0.0 : kLevelSigma);
-  std::vector<std::vector<Value>> made(room.access_points.size());
-  for (std::size_t a = 0; a < made.size(); ++a) {
-    for (std::size_t m = 0; m < room.access_points[a].cores.size(); ++m) {
-      made[a].push_back(std::polar(std::exp(level(random)), number == 0 ? 0.0 : around(random)));
-    }
-  }
+  const Turns made = turns_of(room, number, random);
   struct First {
     std::size_t bursts = 0;
     double seconds = 0.0;
@@ -155,9 +169,82 @@ void cycle(const std::shared_ptr<const Localizer>& localizer,
   std::fflush(stdout);
 }
 
-int run(const std::vector<std::string>& arguments, bool verbose) {
+// What is believed of an access point from the second power cycle on.
+struct Withdrawal {
+  bool believed = false;               // when the chains turned
+  std::vector<Value> factor;           // that were believed then
+  std::optional<std::size_t> bursts;   // since, until they were believed no more
+  std::optional<std::size_t> learned;  // since, until others were
+};
+
+void again(const std::shared_ptr<const Localizer>& localizer,
+           const std::vector<Frames>& bursts,
+           int number,
+           bool unseen) {
+  const RoomModel& room = localizer->room();
+  std::mt19937 random(static_cast<unsigned>(number));
+  const Turns first = turns_of(room, number, random);
+  const Turns second = turns_of(room, 1, random);
+  ChainLearner learner(localizer);
+  std::map<std::size_t, Withdrawal> of;
+  const std::size_t half = bursts.size() / 2;
+  for (std::size_t n = 0; n < bursts.size(); ++n) {
+    if (n == half) {
+      for (const ChainState& state : learner.states()) {
+        of[state.access_point] = {state.knowledge != ChainKnowledge::kLearning,
+                                  state.factors.factor,
+                                  std::nullopt,
+                                  std::nullopt};
+      }
+    }
+    Frames frames = bursts[n];
+    turn(room, n < half ? first : second, frames);
+    for (CsiFrame& frame : frames) {
+      frame.time += n < half || unseen ? Duration(0) : Duration(kOff);
+    }
+    learner.hear(frames);
+    if (n < half) {
+      continue;
+    }
+    for (const ChainState& state : learner.states()) {
+      Withdrawal& one = of[state.access_point];
+      const bool same = state.knowledge != ChainKnowledge::kLearning && !one.bursts;
+      // A burst that refines factors does not withdraw them.
+      double turned = 0.0;
+      for (std::size_t m = 1; same && m < one.factor.size(); ++m) {
+        turned = std::max(turned,
+                          std::abs(std::arg(state.factors.factor[m] / state.factors.factor[0] /
+                                            (one.factor[m] / one.factor[0]))));
+      }
+      if (!one.bursts && (!same || turned * kDegrees > 45.0)) {
+        one.bursts = n - half + 1;
+      }
+      if (one.bursts && !one.learned && state.knowledge == ChainKnowledge::kLearned) {
+        one.learned = n - half + 1;
+      }
+    }
+  }
+  const auto text = [](const std::optional<std::size_t>& count) {
+    return count ? std::to_string(*count) : std::string("never");
+  };
+  for (const ChainState& state : learner.states()) {
+    const Withdrawal& one = of[state.access_point];
+    std::printf(
+        "cycle %d %s: %s when turned again; withdrawn after %s bursts, learned anew after %s; at "
+        "the end:%s\n",
+        number,
+        room.access_points[state.access_point].id.c_str(),
+        one.believed ? "believed" : "not believed",
+        text(one.bursts).c_str(),
+        text(one.learned).c_str(),
+        phases(state.factors.factor, second[state.access_point]).c_str());
+  }
+  std::fflush(stdout);
+}
+
+int run(const std::vector<std::string>& arguments, const std::string& option) {
   if (arguments.size() < 3) {
-    std::fputs("chain_bench [--verbose] SITE CYCLES [AP=]FILE...\n", stderr);
+    std::fputs("chain_bench [--verbose | --again | --unseen] SITE CYCLES [AP=]FILE...\n", stderr);
     return 64;
   }
   const auto site = load_site(arguments[0]);
@@ -195,7 +282,11 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
   const auto localizer = std::make_shared<const Localizer>(*std::move(made));
   const std::vector<Frames> bursts = bursts_of(std::move(frames));
   for (int number = 0; number < std::atoi(arguments[1].c_str()); ++number) {
-    cycle(localizer, bursts, number, verbose);
+    if (option == "--again" || option == "--unseen") {
+      again(localizer, bursts, number, option == "--unseen");
+    } else {
+      cycle(localizer, bursts, number, option == "--verbose");
+    }
   }
   return 0;
 }
@@ -205,9 +296,10 @@ int run(const std::vector<std::string>& arguments, bool verbose) {
 
 int main(int argc, char** argv) {
   std::vector<std::string> arguments(argv + 1, argv + argc);
-  const bool verbose = !arguments.empty() && arguments[0] == "--verbose";
-  if (verbose) {
+  std::string option;
+  if (!arguments.empty() && arguments[0].starts_with("--")) {
+    option = arguments[0];
     arguments.erase(arguments.begin());
   }
-  return rayloc::bench::run(arguments, verbose);
+  return rayloc::bench::run(arguments, option);
 }

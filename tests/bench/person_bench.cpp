@@ -9,7 +9,9 @@
 // Build with the release preset and -DRAYLOC_BENCHMARKS=ON.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <string>
@@ -76,7 +78,18 @@ struct Prepared {
   std::shared_ptr<const PersonLocalizer> localizer;
   std::vector<TargetPosition> places;
   std::vector<std::vector<CsiFrame>> bursts;  // [place]
+  std::vector<std::vector<CsiFrame>> walk;    // [moment], of somebody who walks, a frame of each
 };
+
+constexpr auto kInterval = std::chrono::milliseconds(80);  // of a tracker's moments
+constexpr std::size_t kMoments = 120;                      // of the walk, a count
+
+// North of the islands, from west to east and back.
+TargetPosition place_of_walk(std::size_t moment, double length) {
+  const double way = 0.6 * length;
+  const double along = std::fmod(0.08 * 0.8 * static_cast<double>(moment), 2.0 * way);
+  return {0.15 * length + std::min(along, 2.0 * way - along), 3.7};
+}
 
 PersonReference reference_of(const RoomModel& room,
                              const std::vector<std::vector<TargetLink>>& links) {
@@ -110,6 +123,11 @@ const Prepared& prepared(const LaboratorySize& size) {
         test::frames_of(*one.room,
                         channels(*one.room, links, &one.places.back()),
                         {kFrames, 30.0, static_cast<unsigned>(one.bursts.size() + 1)}));
+  }
+  for (std::size_t i = 0; i < kMoments; ++i) {
+    const TargetPosition place = place_of_walk(i, size.length);
+    one.walk.push_back(test::frames_of(
+        *one.room, channels(*one.room, links, &place), {1, 30.0, static_cast<unsigned>(i + 1)}));
   }
   return one;
 }
@@ -175,32 +193,36 @@ void BM_Snapshot(benchmark::State& state) {
   }
 }
 
-// Somebody who is somewhere else in every moment, so that nothing is left out.
-class Walk {
+// A tracker that hears bursts one after the other, over and over.
+class Tracked {
  public:
-  explicit Walk(const Prepared& p) : p_(p), tracker_(p.localizer, {}) {}
+  Tracked(const Prepared& p, const std::vector<std::vector<CsiFrame>>& bursts)
+      : access_points_(p.room->access_points.size()), bursts_(bursts), tracker_(p.localizer, {}) {}
 
   void step(int number) {
-    std::vector<CsiFrame> moment = p_.bursts[static_cast<std::size_t>(number) % p_.bursts.size()];
-    moment.resize(p_.room->access_points.size());  // a frame of each
-    for (std::size_t i = 0; i < moment.size(); ++i) {
-      moment[i].time = Timestamp(std::chrono::milliseconds(80) * number);
+    std::vector<CsiFrame> moment = bursts_[static_cast<std::size_t>(number) % bursts_.size()];
+    moment.resize(access_points_);  // a frame of each
+    for (CsiFrame& frame : moment) {
+      frame.time = Timestamp(kInterval * number);
     }
     tracker_.hear(moment, updates_);
     updates_.clear();
   }
 
  private:
-  const Prepared& p_;
+  std::size_t access_points_;
+  const std::vector<std::vector<CsiFrame>>& bursts_;
   PersonTracker tracker_;
   std::vector<PersonUpdate> updates_;
 };
 
+// Of somebody who walks.
 void BM_TrackerStep(benchmark::State& state) {
-  Walk walk(prepared(size_of(state)));
+  const Prepared& p = prepared(size_of(state));
+  Tracked tracked(p, p.walk);
   int next = 0;
   for (auto _ : state) {
-    walk.step(next++);
+    tracked.step(next++);
   }
 }
 
@@ -248,8 +270,11 @@ void print_summary(const BestTimes& best) {
     benchmark::DoNotOptimize(
         p.localizer->locate(p.bursts[static_cast<std::size_t>(i) % p.bursts.size()]));
   });
-  Walk walk(p);
+  Tracked walk(p, p.walk);
   print_latency("tracker step, one access point", 400, [&](int i) { walk.step(i); });
+  Tracked jumps(p, p.bursts);
+  print_latency(
+      "the same, somebody who is somewhere else every time", 400, [&](int i) { jumps.step(i); });
   print_peak_memory();
 }
 

@@ -6,6 +6,7 @@
 //   BM_CachedLink     the same found, in trees that have been asked for them before
 //   BM_NewPlace       the same, asked for the first time, and for the fifth, when trees look
 //   closely BM_ColdLink       trees and paths of devices in the laboratory, three antennas, depth 3
+//   BM_RadioMap       10,000 cells of office floors of 100 to 100,000 triangles, tree included
 //   BM_Depth          tree and paths of one antenna, 1 to 6 reflections, laboratory
 //   BM_Triangles      the same at depth 3 in office floors of 100 to 100,000 triangles
 //   BM_Receivers      the same for 1 to 10,000 positions in the laboratory
@@ -25,6 +26,7 @@
 #include <vector>
 
 #include "engine/base/parallel.h"
+#include "engine/room/radio_map.h"
 #include "engine/trace/array_tracer.h"
 #include "engine/trace/images/shooting.h"
 #include "engine/trace/path_tracer.h"
@@ -290,6 +292,28 @@ void BM_Receivers(benchmark::State& state) {
   state.counters["bytes/path"] = static_cast<double>(bytes) / static_cast<double>(count);
 }
 
+// A map of an office floor in about 10,000 cells, tree included, on all cores.
+void BM_RadioMap(benchmark::State& state) {
+  constexpr double kCells = 10'000.0;
+  const Room where = room(state.range(0));
+  const PathTracer tracer(where.scene, {.max_depth = kDepth, .rays = kRays});
+  const Vec3d lower = where.scene->bounds_min();
+  const Vec3d upper = where.scene->bounds_max();
+  const double step = std::sqrt((upper.x - lower.x) * (upper.y - lower.y) / kCells);
+  const RadioMapGrid grid = radio_map_grid(lower, upper, test::office_device().z, step);
+  AntennaArray array;
+  array.pose.position = where.access_point;
+  array.element_offset = {Vec3d{}};
+  std::size_t heard = 0;
+  for (auto _ : state) {
+    const RadioMap map = radio_map(tracer, array, grid);
+    heard = static_cast<std::size_t>(std::count_if(
+        map.path_gain.begin(), map.path_gain.end(), [](double g) { return g > 0.0; }));
+  }
+  state.counters["cells"] = static_cast<double>(grid.size());
+  state.counters["heard"] = static_cast<double>(heard);
+}
+
 void repeat(benchmark::internal::Benchmark* benchmark) {
   benchmark->Repetitions(7)->UseRealTime()->MeasureProcessCPUTime();
 }
@@ -311,6 +335,7 @@ BENCHMARK(BM_CachedLink)->Apply(repeat)->Unit(benchmark::kMicrosecond);
 BENCHMARK(BM_NewPlace)->Arg(1)->Arg(5)->Apply(in_ms);
 BENCHMARK(BM_Depth)->DenseRange(1, 6)->Apply(in_ms);
 BENCHMARK(BM_Triangles)->Apply(by_tens<100, 100'000>);
+BENCHMARK(BM_RadioMap)->Apply(by_tens<100, 100'000>);
 BENCHMARK(BM_Receivers)->Apply(by_tens<1, 10'000>);
 
 BENCHMARK(BM_ColdLinkBy<by_rays>)->Name("BM_ColdLinkRays")->Arg(1)->Arg(kSurveyed)->Apply(in_ms);

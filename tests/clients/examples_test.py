@@ -45,7 +45,7 @@ def expect_output(words: list[str], folder: Path, ready: Callable[[str], bool]) 
         process.wait()
 
 
-@pytest.mark.parametrize("example", sorted(EXAMPLES.iterdir()), ids=lambda path: str(path.name))
+@pytest.mark.parametrize("example", sorted(EXAMPLES.glob("*.*")), ids=lambda path: str(path.name))
 def test_examples_show_the_device(example: Path, daemon: Daemon, tmp_path: Path) -> None:
     pattern = PRINTS[example.name]
     words = [sys.executable, str(example), daemon.endpoint]
@@ -55,7 +55,7 @@ def test_examples_show_the_device(example: Path, daemon: Daemon, tmp_path: Path)
 
 
 def test_examples_are_short() -> None:
-    for example in EXAMPLES.iterdir():
+    for example in EXAMPLES.glob("*.*"):
         assert len(example.read_text().splitlines()) <= 25, example
 
 

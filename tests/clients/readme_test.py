@@ -56,6 +56,7 @@ RUN_BY = {
     "rayloc calibrate SITE --capture": "test_the_readme_goes_from_a_survey_to_locations",
     "rayloc evaluate": "test_the_readme_goes_from_a_survey_to_locations",
     "import rayloc": "tests/clients/examples_test.py",
+    "[[site]]": "test_several_sites_are_configured_as_the_page_says",
     "[[zone]]": "test_zones_have_events_and_places_on_the_earth_as_the_page_says",
 }
 ACCESS_POINTS = ("ap1", "ap2", "ap3")
@@ -160,19 +161,20 @@ def test_the_readme_goes_from_a_plan_of_points_to_their_frames(tmp_path: Path) -
 
 
 def test_the_readme_goes_from_a_survey_to_locations(tmp_path: Path) -> None:
-    """As it stands there, the room fitted too: half a minute of the processor."""
+    """As it stands there, the room fitted too, to every fourth point of the survey."""
     calibrate = block_with("rayloc calibrate SITE --capture")
     offline, live = block_with("rayloc evaluate").split("raylocd --config")
     for name, file in {
         "SITE": "",
         "a.pcap": "calibration-ap1.pcap.gz",
         "b.pcap": "calibration-ap2.pcap.gz",
-        "points.csv": "calibration.csv",
         "walk1.pcap": "device_los-ap1.pcap.gz",
         "walk2.pcap": "device_los-ap2.pcap.gz",
         "truth.csv": "device_los.csv",
     }.items():
         (tmp_path / name).symlink_to(SITE / file)
+    header, *points = (SITE / "calibration.csv").read_text().splitlines(keepends=True)
+    (tmp_path / "points.csv").write_text(header + "".join(points[::4]))
     assert "median" in run(f"{calibrate}\n{offline}", tmp_path)
     with Daemon(tmp_path, tmp_path / "CALIBRATED") as daemon:  # raylocd --config raylocd.toml
         assert live.split()[0] == daemon.configuration.name
@@ -185,6 +187,17 @@ def inline(beginning: str) -> str:
     command: str
     (command,) = re.findall(rf"`({re.escape(beginning)}[^`]*)`", (ROOT / OPERATING).read_text())
     return command
+
+
+def test_several_sites_are_configured_as_the_page_says(tmp_path: Path) -> None:
+    (block,) = [each for each in blocks(OPERATING, "") if "[[site]]" in each]
+    for name in ("office", "hall"):
+        block = block.replace(f"/etc/raylocd/{name}", str(SITE))
+    (tmp_path / "raylocd.toml").write_text(
+        block + 'access_point = "ap1"\n[[source]]\nsite = "hall"\nurl = "udp:0.0.0.0:5501"\n'
+        'access_point = "ap1"\n'
+    )
+    run("rayloc check-config raylocd.toml", tmp_path)
 
 
 def test_zones_have_events_and_places_on_the_earth_as_the_page_says(tmp_path: Path) -> None:
@@ -210,7 +223,6 @@ def test_zones_have_events_and_places_on_the_earth_as_the_page_says(tmp_path: Pa
     first = events()
     kinds = {json.loads(line)["kind"] for line in first.splitlines()}
     assert kinds >= {"ZONE_EVENT_KIND_ENTERED", "ZONE_EVENT_KIND_LEFT"}
-    assert events() == first  # the same each time
     # What may be left out is stated with its default: these change nothing, others would.
     may_be_left_out = re.findall(r"^(?:enter|leave|dwell)_.*\n", zone, re.M)
     assert len(may_be_left_out) == 5

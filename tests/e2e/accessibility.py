@@ -24,20 +24,26 @@ CONTRAST = """(() => {
 })()"""
 
 # Of what is drawn on the map, by the computed style with all its opacities, to each ground that it may lie
-# on. Drawn besides what is there: targets of every colour, live and stale, with other places, and a dot of
-# each step. A mark counts by its outline or its filling, what is seen better; text by its filling.
+# on. Drawn besides what is there: targets of every colour, live and stale, with other places, a dot of each
+# step, and a zone of each kind. A mark counts by its outline or its filling, what is seen better; text by its
+# filling. Of a trail the last seconds count: the rest is to fade.
 DRAWN = """(async () => {
   const {Targets} = await import('/map/targets.js');
   const {dotOf} = await import('/map/fits.js');
   const place = (x, weight) => ({position: {x, y: 0}, weight, position_covariance: [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0]});
   const location = {position: {x: 0, y: 0}, accuracy_m: 1, accuracy_confidence: 0.95, track_state: '', quality: {},
     hypotheses: [place(0, 0.4), place(1, 0.4), place(2, 0.1)]};
-  const view = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y], mark: (x, y) => `translate(${100 * x} ${100 * y})`};
+  const view = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y]};
+  view.mark = view.flat = (x, y) => `translate(${100 * x} ${100 * y})`;
   const sample = new Targets();
   sample.show(Array.from({length: 16}, (_, i) => ({target: {key: `sample ${i}`, name: 'sample', colour: i % 8},
     location, stale: i < 8 ? null : 1, trail: [{x: 0, y: 0}, {x: 1, y: 1}], zones: []})), view);
   const dots = [0.1, 0.3, 0.5, 0.7, 0.9].map((share) => dotOf({share}));
   document.querySelector('#residuals').append(...dots);
+  const {svg} = await import('/map/draw.js');
+  const zones = [0, 1, 2, 3].map((i) => svg('g', {class: `z${i}`}, [svg('polygon', {class: `zone z${i}`}),
+    svg('rect', {class: 'zone-tag'}), svg('text', {class: 'zone-name'}, ['sample'])]));
+  document.querySelector('#zones').append(...zones);
   const linear = (c) => (c /= 255) <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4;
   const luminance = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
   const ratio = (a, b) => { const [h, l] = [luminance(a), luminance(b)].sort((x, y) => y - x); return (h + 0.05) / (l + 0.05); };
@@ -60,18 +66,18 @@ DRAWN = """(async () => {
   const found = [];
   for (const e of document.querySelectorAll('#map :is(circle, ellipse, path, polygon, polyline, rect, text)')) {
     const style = getComputedStyle(e);
-    if (style.display === 'none' || e.matches('.floor, .ceiling') || e.getAttribute('visibility') === 'hidden') continue;
+    if (style.display === 'none' || e.matches('.floor, .ceiling') || e.closest('#solid') || e.matches('.old-1, .old-2, .old-3, .old-4') || e.getAttribute('visibility') === 'hidden') continue;
     const text = e.tagName === 'text';
     const on = e.matches('.furniture') ? grounds.slice(0, 2) : grounds;  // that is a ground itself
     const name = [e.tagName, e.getAttribute('class') || e.parentElement.getAttribute('class') || ''].join(' ').trim();
     found.push([name, text ? 4.5 : 3, text ? least(e, 'fill', on) : Math.max(least(e, 'fill', on), least(e, 'stroke', on))]);
   }
   sample.show([], null);
-  dots.forEach((dot) => dot.remove());
+  [...dots, ...zones].forEach((one) => one.remove());
   return found;
 })()"""
 MARKS = ("circle dot", "circle region outer", "ellipse region part", "ellipse ghost", "circle ghost",
-         "polyline trail", "polygon furniture", "path", "text", "circle residual fit-0",
+         "polyline old-0", "polygon furniture", "path leaf", "path pane", "text zone-name", "text object-name", "path", "text", "circle residual fit-0",
          "circle residual fit-4")
 
 
@@ -84,14 +90,20 @@ def show_theme(page, theme):
     assert page.ask("document.documentElement.dataset.theme") == theme
 
 
+def check_texts(page, theme, least):
+    """What is written, more than `least` pieces of it, in the theme that is shown."""
+    texts = page.ask(CONTRAST)
+    assert len(texts) > least, texts
+    for name, ratio in texts:
+        assert ratio >= 4.5, f"{theme}: the text of {name} has a contrast of {ratio:.2f}"
+
+
 def check_contrast(page, theme):
     """Text 4.5, whatever is drawn 3, in that theme."""
     show_theme(page, theme)
     page.ask("document.querySelectorAll('details').forEach(d => { d.open = true; })")
-    texts, drawn = page.ask(CONTRAST), page.ask(DRAWN)
-    assert len(texts) > 40, texts
-    for name, ratio in texts:
-        assert ratio >= 4.5, f"{theme}: the text of {name} has a contrast of {ratio:.2f}"
+    check_texts(page, theme, 40)
+    drawn = page.ask(DRAWN)
     for mark in MARKS:
         assert any(name.startswith(mark) for name, _, _ in drawn), f"no {mark} is drawn"
     for name, wanted, ratio in drawn:
@@ -151,7 +163,7 @@ def check_by_keyboard(page, target):
         assert seen, f"no visible focus at {name}"
         reached.append(name)
         use(page, name, target)
-    wanted = ["Skip to the list of targets", "theme", "map", "zoom-in", "zoom-out", "fit", "play",
+    wanted = ["Skip to the list of targets", "theme", "map", "zoom-in", "zoom-out", "fit", "solid-look", "heat-look", "play",
               "scrubber", "speed", "live", target, "event-list", CHANNEL, CALIBRATION,
               "show-residuals", "fits", "Legend"]
     missing = [name for name in wanted if name not in reached]
@@ -173,6 +185,17 @@ def use(page, name, target):
         page.wait(f"{chosen} === 'true'")
         page.press("Escape")
         page.wait(f"{chosen} === 'false'")
+    elif name == "solid-look":
+        page.press("Enter")
+        page.wait("document.querySelectorAll('#solid polygon').length > 30 && getComputedStyle(document.querySelector('#plan')).display === 'none'")
+        page.press(" ")
+        page.wait("getComputedStyle(document.querySelector('#solid')).display === 'none'")
+    elif name == "heat-look":
+        page.press("Enter")
+        page.wait("document.querySelectorAll('#heat rect').length > 0 && "
+                  "/^Where somebody was in the last 24 h/.test(document.querySelector('#heat-text').textContent)")
+        page.press(" ")
+        page.wait("!document.querySelector('#heat-text').checkVisibility()")
     elif name == "theme":
         before = page.ask("document.querySelector('#theme').textContent")
         page.press("Enter")

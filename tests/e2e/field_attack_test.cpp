@@ -158,7 +158,7 @@ Start start_under(const std::string& limit) {
 TEST(Field, RaylocdStartsUnderALimitOfMemoryOrNamesIt) {
   bool any_ready = false;
   bool any_named = false;
-  for (const std::uint64_t mib : {350U, 425U, 450U, 500U, 600U, 900U}) {
+  for (const std::uint64_t mib : {250U, 300U, 350U, 425U, 450U, 500U, 600U, 900U}) {
     const Start start = start_under("--as=" + std::to_string(mib << 20U));
     if (start.ready) {
       any_ready = true;

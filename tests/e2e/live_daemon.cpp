@@ -67,16 +67,15 @@ LiveDaemon::LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOpti
   endpoint_ = "tcp://127.0.0.1:" + std::to_string(free_port(SOCK_STREAM));
   configuration_ = folder / "raylocd.toml";
   std::ofstream toml(configuration_);
-  toml << "[site]\ndirectory = \"" << options.site.string() << "\"\n";
-  for (const std::string& access_point : options.access_points) {
-    udp_ports_.push_back(free_port(SOCK_DGRAM));
-    const std::string port = std::to_string(udp_ports_.back());
-    std::string source =
-        options.source.empty() ? "kind = \"udp\"\nlisten = \"127.0.0.1:PORT\"" : options.source;
-    if (const std::size_t at = source.find("PORT"); at != std::string::npos) {
-      source.replace(at, 4, port);
-    }
-    toml << "[[source]]\naccess_point = \"" << access_point << "\"\n" << source << "\n";
+  std::vector<LiveSite> sites = options.sites;
+  if (sites.empty()) {
+    sites.push_back({"", options.site, options.access_points});
+  }
+  for (const LiveSite& site : sites) {
+    toml << (site.name.empty() ? "[site]\n" : "[[site]]\nname = \"" + site.name + "\"\n")
+         << "directory = \"" << site.directory.string() << "\"\n"
+         << site.more_configuration;
+    write_sources(site, options, toml);
   }
   http_port_ = free_port(SOCK_STREAM);
   toml << "[http]\nlisten = \"127.0.0.1:" << http_port_ << "\"\n" << options.http_configuration;
@@ -97,17 +96,37 @@ LiveDaemon::LiveDaemon(const std::filesystem::path& folder, const LiveDaemonOpti
   subscriber_ = std::make_unique<Process>(folder, "sub", "rayloc", subscribe);
 }
 
+void LiveDaemon::write_sources(const LiveSite& site,
+                               const LiveDaemonOptions& options,
+                               std::ostream& toml) {
+  for (const std::string& access_point : site.access_points) {
+    udp_ports_.push_back(free_port(SOCK_DGRAM));
+    const std::string port = std::to_string(udp_ports_.back());
+    std::string source =
+        options.source.empty() ? "kind = \"udp\"\nlisten = \"127.0.0.1:PORT\"" : options.source;
+    for (const auto& [word, text] : {std::pair("PORT", port), std::pair("SITE", site.name)}) {
+      if (const std::size_t at = source.find(word); at != std::string::npos) {
+        source.replace(at, 4, text);
+      }
+    }
+    toml << "[[source]]\naccess_point = \"" << access_point << "\"\n"
+         << (site.name.empty() ? "" : "site = \"" + site.name + "\"\n") << source << "\n";
+  }
+}
+
 bool LiveDaemon::ready() {
   return eventually(kPatience,
                     [this] {
                       if (!daemon_->running() || !subscriber_->running()) {
                         return true;  // no use waiting any longer
                       }
-                      const bool bound = std::none_of(
-                          udp_ports_.begin(), udp_ports_.end(), [](std::uint16_t port) {
-                            return can_bind(SOCK_DGRAM, port);
-                          });
-                      return bound && !bodies("heartbeat").empty();
+                      // A port is tried by taking it, which the daemon must not meet when it
+                      // begins.
+                      return !bodies("heartbeat").empty() &&
+                             std::none_of(
+                                 udp_ports_.begin(), udp_ports_.end(), [](std::uint16_t port) {
+                                   return can_bind(SOCK_DGRAM, port);
+                                 });
                     }) &&
          daemon_->running() && subscriber_->running();
 }

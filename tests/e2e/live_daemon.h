@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -36,14 +37,25 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+// One of several sites.
+struct LiveSite {
+  std::string name;
+  std::filesystem::path directory;
+  std::vector<std::string> access_points = {"ap2"};
+  std::string more_configuration = {};  // further keys of its [[site]]
+};
+
 struct LiveDaemonOptions {
-  std::filesystem::path site;
+  std::filesystem::path site = {};
   std::vector<std::string> access_points = {"ap1", "ap2", "ap3"};
   std::string more_configuration = {};  // TOML behind what the fixture writes
   std::string http_configuration = {};  // further keys of [http]
-  // TOML of each [[source]] instead of a UDP port; PORT in it stands for the port that the access
+  // TOML of each [[source]] instead of a UDP port; SITE in it stands for the site's name, and PORT
+  // for the port that the access
   // point sends to, which ready() then wants to see bound by the test.
   std::string source = {};
+  // [[site]] instead of `site` and `access_points`; addresses are in their order.
+  std::vector<LiveSite> sites = {};
   std::string snapshot = {};  // endpoint; empty: a socket in the folder
   ProcessSetting setting = {};
   std::vector<std::string> subscriptions = {"v1/"};    // of the subscriber
@@ -82,6 +94,8 @@ class LiveDaemon {
   std::string errors() const;
 
  private:
+  void write_sources(const LiveSite& site, const LiveDaemonOptions& options, std::ostream& toml);
+
   std::vector<std::uint16_t> udp_ports_;
   std::uint16_t http_port_ = 0;
   std::string endpoint_;

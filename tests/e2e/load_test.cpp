@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::chrono::seconds kPatience{120};
 constexpr int kRate = 50'000;  // datagrams a second
-constexpr int kSeconds = 30;   // at each rate, unless stated
+constexpr int kSeconds = 12;   // at each rate, unless stated
 
 std::vector<std::string> sender_arguments(const LiveDaemon& daemon, int rate, int seconds) {
   return {"send",

@@ -6,9 +6,18 @@
   const {Targets} = await import('/map/targets.js');
   const {showCalibration, showChannel} = await import('/map/panels.js');
   const {dotOf, pointsOf} = await import('/map/fits.js');
-  const {Plan} = await import('/map/plan.js');
+  const {Plan, furnitureOf} = await import('/map/plan.js');
   const {showSources} = await import('/map/sources.js');
   const {View} = await import('/map/view.js');
+  const {wholeNames} = await import('/map/solid.js');
+  const {shadeOf} = await import('/map/heat.js');
+  const {Labels} = await import('/map/labels.js');
+  const {drawnOpening} = await import('/map/openings.js');
+  const {colouredZones} = await import('/map/zones.js');
+  const {stayText, trackText, zoneText} = await import('/map/words.js');
+  const {Draft, freeName} = await import('/map/draft.js');
+  const {carried, fitted, scaled} = await import('/map/underlay.js');
+  const {calibrationText} = await import('/map/calibrate.js');
 
   const same = (found, wanted, what) => {
     if (JSON.stringify(found) !== JSON.stringify(wanted)) {
@@ -29,7 +38,8 @@
     position: '2020-01-01T00:00:10Z', speed}}});
 
   // A metre is a hundred pixels.
-  const VIEW = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y], mark: (x, y) => `translate(${100 * x} ${100 * y})`};
+  const VIEW = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y]};
+  VIEW.mark = VIEW.flat = (x, y) => `translate(${100 * x} ${100 * y})`;
 
   const begin = (messages) => {
     const said = [];
@@ -40,11 +50,40 @@
   };
 
   const checks = {
+    'a picture begins within the room, and is scaled about the first of two places'() {
+      const place = fitted([800, 300], {min: [1, 2, 0], max: [5, 5, 3]});
+      same(place, {pixel: 0.005, corner: [1, 2.75]}, 'fitted');
+      const now = scaled(place, [[2, 3.75], [2, 2.75]], 2);
+      same(now, {pixel: 0.01, corner: [0, 1.75]}, 'scaled');
+      // The place in the picture that the first is of stays there.
+      const pixelOf = ({corner, pixel}, at) => at.map((one, i) => (one - corner[i]) / pixel);
+      same(pixelOf(now, [2, 3.75]), pixelOf(place, [2, 3.75]), 'the first place');
+      same(carried(now, [[1, 1], [1.5, 0]]), {pixel: 0.01, corner: [0.5, 0.75]}, 'moved');
+    },
+
+    'a calibration says how far it is, or what came of it'() {
+      same(calibrationText({running: true, seconds: 12.4, share: 0.42, text: 'joint: fit'}), 'Calibrating for 12 s: 42 %, joint: fit', 'running');
+      same(calibrationText({running: true, seconds: 0.2, share: 0, text: 'reading'}), 'Calibrating for 0 s: reading', 'begun');
+      same(calibrationText({running: false, verdict: 'Good: expect 4 cm.'}), 'Good: expect 4 cm.', 'ended');
+    },
+
     'a device that was lost long ago is no news'() {
       const {model, said} = begin([location(NOW - 5 * HOUR), location(NOW - 1000, person('7'))]);
       same(said, ['person 7 appeared'], 'announced');
       same(model.at(NOW).map(({target}) => target.name), ['person 7'], 'shown');
       same(model.first, NOW - 1000, 'what can be reviewed begins');
+    },
+
+    'a reload that prepares the site anew is another start'() {
+      const beat = (sent, started) => ({sent: new Date(sent).toISOString(), heartbeat: {started}});
+      const {model, tell} = begin([beat(NOW, 'yesterday')]);
+      const first = model.start;
+      tell(NOW + 1000, [beat(NOW + 1000, 'yesterday')]);
+      same(model.start, first, 'the start');
+      same(model.events.length, 0, 'events');
+      tell(NOW + 2000, [beat(NOW + 2000, 'today')]);
+      same(model.start === first, false, 'it is the same');
+      same(model.events.map(({text}) => text), ['the site was prepared anew'], 'events');
     },
 
     'what can be reviewed moves on'() {
@@ -126,7 +165,7 @@
       const show = (change) => {
         const {model} = begin([location(NOW, change)]);
         targets.show(model.at(NOW), VIEW);
-        return [text('.target'), text('tr').replace('confirmed1.00, 2.00', '')];
+        return [text('.target'), text('tr').replace('located1.00, 2.00', '')];
       };
       const at = (x) => ({position: {x, y: 2}, weight: 0.5, position_covariance: [0.01, 0, 0, 0, 0.01, 0, 0, 0, 0]});
       same(show({}), [key, key], 'of one that is sure');
@@ -149,7 +188,7 @@
         const [outer] = document.querySelectorAll('#regions circle');
         const [inner] = document.querySelectorAll('#regions ellipse');
         return {
-          outer: [...['cx', 'cy', 'r'].map((name) => outer.getAttribute(name)), outer.textContent],
+          outer: [...middle(outer.getAttribute('transform')), Number(outer.getAttribute('r')), outer.textContent],
           inner: [...middle(inner.getAttribute('transform')), ...size(inner), inner.textContent],
           ghosts: [...document.querySelectorAll('#ghosts title')].map((one) => one.textContent),
           listed: document.querySelector('tr[data-target] td p').textContent,
@@ -158,7 +197,7 @@
       const place = (x, weight, sigma, y = 2) => ({position: {x, y, z: 1}, weight,
         position_covariance: [sigma * sigma, 0, 0, 0, sigma * sigma, 0, 0, 0, 0.0025]});
       const piece = (x, y, weight, xx, yy) => ({...place(x, weight, 1, y), position_covariance: [xx, 0, 0, 0, yy, 0, 0, 0, 0.0025]});
-      const outer = ['100', '200', '150', 'within 1.50 m with 90 %'];
+      const outer = [100, 200, 150, 'within 1.50 m with 90 %'];
       const near = (found, wanted) => found.slice(0, 4).every((v, i) => Math.abs(v - wanted[i]) <= 2);
 
       // Of a normal distribution half lies within 1.18 sigma.
@@ -239,13 +278,31 @@
         zone(NOW - 1000, 'DWELLED', {dwell: '3s', inside: [device]})]);
       same(model.at(NOW)[0].zones, ['desk'], 'inside');
       same(model.inside(NOW - 2000).get('desk').size, 2, 'inside, then');
-      const left = zone(NOW + 100, 'LEFT', {dwell: '4.100s', reason: 'it was seen outside'});
+      const left = zone(NOW + 100, 'LEFT', {dwell: '4.100s', reason: 'its probability was at most 0.3 for 1 s'});
       tell(NOW + 200, [left, location(NOW + 150, {zones: [{zone: 'desk', probability: 0.6}]}), left]);
       same(model.at(NOW + 200)[0].zones, [], 'inside, after it left');
       same(model.at(NOW)[0].zones, ['desk'], 'inside, in review');
       const name = device.mac;
-      same(model.events.map(({text}) => text), [`${name} left desk after 4.1 s (it was seen outside)`,
-        `${name} has been in desk for 3.0 s`, `${name} entered desk`], 'events');
+      same(model.events.map(({text}) => text), [`${name} left desk after 4 s`, `${name} has been in desk for 3 s`,
+        `${name} entered desk`], 'events');
+    },
+
+    'events are told in plain words'() {
+      const phone = {mac: '02:00:00:00:00:01', name: 'phone'};
+      const track = (state, target = phone) => trackText({state: `TRACK_STATE_${state}`, target, reason: 'not heard for too long'});
+      same(['TENTATIVE', 'CONFIRMED', 'COASTING', 'LOST'].map((state) => track(state)), ['phone is heard for the first time',
+        'phone is located', 'phone is not heard at the moment', 'phone is gone: not heard for too long'], 'a device');
+      same(track('COASTING', {track: '3'}), 'person 3 is not seen at the moment', 'a person');
+      const left = (dwell, reason) => zoneText({target: phone, zone: 'desk2', kind: 'ZONE_EVENT_KIND_LEFT', dwell, reason});
+      same(left('4.1s'), 'phone left desk2 after 4 s', 'a zone');
+      same(left('0.2s', 'its track was lost'), 'phone left desk2 after 0.2 s: its track was lost', 'with an unusual reason');
+      same([0, 59, 100, 5340, 7500].map(stayText), ['0.1 s', '59 s', '2 min', '89 min', '2 h 5 min'], 'stays');
+      const source = (sent, status, detail) => ({sent: new Date(sent).toISOString(), source: {access_point: 'ap9', detail,
+        status: `SOURCE_STATUS_${status}`, counters: {}}});
+      const {model} = begin([source(NOW - 40, 'WAITING'), source(NOW - 30, 'RECEIVING'), source(NOW - 20, 'STALLED'),
+        source(NOW - 10, 'RECEIVING'), source(NOW, 'FAILED', 'torn file')]);
+      same(model.events.map(({text}) => text), ['ap9 cannot be heard: torn file', 'ap9 is heard again', 'ap9 has fallen silent',
+        'ap9 is heard'], 'an access point');
     },
 
     'a channel is shown with its age, its place and its name'() {
@@ -305,6 +362,98 @@
       const view = new View(document.querySelector('#map'), () => {});
       same(view.toPixel(1, 2).every(Number.isFinite), true, 'pixels');
       same(view.mark(1, 2).includes('NaN'), false, 'the place of a mark');
+    },
+
+    'a trail fades'() {
+      const {model} = begin(Array.from({length: 20}, (_, i) => location(NOW - 1000 * (19 - i), {position: {x: i, y: 0}})));
+      const targets = new Targets();
+      targets.show(model.at(NOW), VIEW);
+      const lines = [...document.querySelectorAll('#trails polyline')];
+      same(lines.map((line) => line.getAttribute('class')), ['old-4', 'old-3', 'old-2', 'old-1', 'old-0'], 'the oldest below');
+      const ends = lines.map((line) => line.getAttribute('points').split(' ').map((point) => Number(point.split(',')[0]) / 100));
+      same([ends[4][0], ends[4].at(-1), ends[3][0], ends[3].at(-1)], [19, 16, 16, 12], 'each from where the one before ends');
+      targets.show([], null);
+    },
+
+    'names do not cover one another'() {
+      const text = (content) => {
+        const made = document.createElementNS('http://www.w3.org/2000/svg', 'text');
+        made.textContent = content;
+        document.querySelector('#names').append(made);
+        return made;
+      };
+      const labels = new Labels({unit: 1, width: 400, height: 400});
+      const [a, b, c] = ['first', 'second', 'third'].map(text);
+      same(labels.place(a, [[100, 100]]), [100, 100], 'the first');
+      same(labels.place(b, [[105, 105], [100, 300]]), [100, 300], 'the next free one');
+      same(labels.place(c, [[100, 105]], false), null, 'none is free');
+      same(labels.place(c, [[399, 50], [200, 200]]), [200, 200], 'not over the edge');
+      for (const one of [a, b, c]) one.remove();
+    },
+
+    'zones that are near to one another are told apart'() {
+      const zone = (x) => ({polygon: [[x, 0], [x + 1, 0], [x + 1, 1]]});
+      same(colouredZones([zone(0), zone(1.5), zone(3), zone(1)]).map(({kind}) => kind), ['z0', 'z1', 'z0', 'z2'], 'kinds');
+    },
+
+    'furniture is named as a whole'() {
+      const area = (x) => [[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]];
+      const piece = (name, x, kind = 'furniture') => ({kind, name, area: area(x)});
+      same(furnitureOf([piece('chair0_seat', 0), piece('chair0_back', 1), piece('side_table', 5), piece('side_lamp', 9),
+        piece('wall', 0, 'cut'), piece('cabinet', 12, 'cut furniture')]).map(({name, low, high}) => [name, low[0], high[0]]),
+        [['chair0', 0, 2], ['side table', 5, 6], ['side lamp', 9, 10], ['cabinet', 12, 13]], 'the largest first');
+      same(wholeNames([{name: 'chair0_seat', at: [0, 0, 0.4]}, {name: 'chair0_back', at: [0.2, 0, 0.9]}, {name: 'desk_lamp', at: [9, 0, 1]}]),
+        [{name: 'chair0', at: [0.2, 0, 0.9]}, {name: 'desk lamp', at: [9, 0, 1]}], 'in three dimensions');
+    },
+
+    'who sits outweighs who passes, and both are seen'() {
+      same([1, 4, 60, 3600].map((stay) => shadeOf(stay, 3600)), [0, 0, 2, 4], 'shades');
+      same([0, 0.5].map((longest) => shadeOf(longest, longest)), [4, 4], 'of hardly anything');
+    },
+
+    'doors swing into the room'() {
+      const [, swing, leaf] = drawnOpening({kind: 'door', area: [[0, 0], [0.9, 0], [0.9, 0.2], [0, 0.2]]});
+      same(leaf.getAttribute('d'), 'M0 0 L0 -0.9', 'the leaf');
+      same(swing.getAttribute('d'), 'M0 -0.9 A0.9 0.9 0 0 1 0.9 0', 'the way that it swings');
+      same(drawnOpening({kind: 'window', area: [[0, 0], [1, 0], [1, 0.2], [0, 0.2]]}).at(-1).getAttribute('d'), 'M0 0.1 L1 0.1', 'a pane');
+    },
+
+    'the solid view stands on the floor of the plan'() {
+      const view = new View(document.querySelector('#map'), () => {});
+      view.turn('solid');
+      const box = view.element.getBoundingClientRect();
+      const [x, y] = view.toPixel(1.5, -2);
+      same(view.toWorld(box.left + x, box.top + y).map((v) => Math.round(1000 * v) / 1000), [1.5, -2], 'and back');
+      const [east, north, up] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((one) => view.toPixel(...one).map((v, i) => Math.sign(Math.round(v - view.toPixel(0, 0)[i]))));
+      same([east, north, up], [[1, -1], [-1, -1], [0, -1]], 'to the right, to the left, up');
+      view.element.style.removeProperty('--tall');
+    },
+
+    'a pixel is where its place of the world is drawn'() {
+      const view = new View(document.querySelector('#map'), () => {});
+      const box = view.element.getBoundingClientRect();
+      const [x, y] = view.toPixel(1.5, -2);
+      same(view.toWorld(box.left + x, box.top + y).map((v) => Math.round(1000 * v) / 1000), [1.5, -2], 'the place');
+    },
+
+    'what is undone comes back, until something else is drawn'() {
+      let changes = 0;
+      const draft = new Draft({zones: []}, () => { changes += 1; });
+      const add = (name) => draft.change(({zones}) => zones.push(name));
+      add('a');
+      draft.change(() => {});  // of nothing: no step
+      add('b');
+      draft.undo();
+      same([draft.content.zones, draft.isChanged], [['a'], true], 'undone');
+      draft.redo();
+      same(draft.content.zones, ['a', 'b'], 'done again');
+      draft.undo();
+      add('c');
+      draft.redo();
+      same(draft.content.zones, ['a', 'c'], 'there is nothing to be done again');
+      for (let i = 0; i < 5; i += 1) draft.undo();
+      same([draft.content.zones, draft.isChanged, changes], [[], false, 8], 'all undone');
+      same(freeName('zone', ['zone1', 'zone3']), 'zone2', 'a name that nobody has');
     },
 
     'what is told again after a reconnection counts once'() {

@@ -5,7 +5,7 @@ Chromium, and the pixels that it shows.
     map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
-PART: live, places, recording, walk, no-room; all of them unless told.
+PART: live, places, recording, walk, reload, editor, first-hour, no-room; all of them unless told.
 """
 
 import argparse
@@ -29,6 +29,7 @@ import tomllib
 
 import accessibility
 from browser import Browser
+import editor
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
 SITE = os.path.join(ROOT, "tests/data/sites/meeting_room")
@@ -124,15 +125,15 @@ class Daemon:
             connection.close()
 
     def position(self):
-        """Of the device, as located() tells it."""
-        location = self.located(DEVICE)
-        return location and (location["position"]["x"], location["position"]["y"])
+        """Of the device, as located() tells it; None while it has none."""
+        place = (self.located(DEVICE) or {}).get("position")
+        return place and (place["x"], place["y"])
 
-    def located(self, mac):
-        """The last filtered estimate of it, as a new viewer is told it."""
+    def located(self, mac, site=""):
+        """The last filtered estimate of it, as a new viewer is told it. `site`: its path."""
         connection = http.client.HTTPConnection("127.0.0.1", self.http, timeout=PATIENCE)
         try:
-            connection.request("GET", "/events")
+            connection.request("GET", f"/{site}events")
             answer = connection.getresponse()
             assert answer.status == 200, answer.status
             for line in answer:
@@ -237,6 +238,8 @@ def shown_at(page, expected, colour):
 def assert_shown(page, daemon, colour, what):
     def error():
         position = daemon.position()
+        if position is None:
+            return None
         expected = expected_pixel(position, map_box(page))
         shown = shown_at(page, expected, colour)
         return None if shown is None else (math.dist(shown, expected), position)
@@ -262,7 +265,7 @@ class MapTest:
     def open(self, width, height, phone=False):
         page = self.browser.page(width, height, phone)
         page.go(self.daemon.url)
-        page.wait("document.querySelectorAll('#plan polygon').length > 5")
+        page.wait("document.querySelectorAll('#plan > *').length > 5")
         self.pages.append(page)
         return page
 
@@ -321,7 +324,7 @@ class MapTest:
         page.wait(f"{EMPTY}.startsWith('The floor plan is not known')")
         assert page.ask("getComputedStyle(document.querySelector('#markers')).display") == "none"
         page.call("Network.setBlockedURLs", urls=[])
-        page.wait("document.querySelectorAll('#plan polygon').length > 5")
+        page.wait("document.querySelectorAll('#plan > *').length > 5")
         page.wait("!document.querySelector('#empty').checkVisibility()")
         assert not silent_errors(page), page.errors
         self.close(page)
@@ -385,7 +388,7 @@ class MapTest:
         page.wait(f"{CONNECTION} === 'Connected'")
         page.wait(f"{TIME_SHOWN} === 'live'")
         page.wait(f"{EVENTS}.includes('raylocd was started again')")
-        assert "confirmed" in page.ask(EVENTS), "what happened before is forgotten"
+        assert "is located" in page.ask(EVENTS), "what happened before is forgotten"
         with Sending(self.recording, 2, self.daemon):
             page.wait(SHOWN)
             eventually("the device is located", self.daemon.position)
@@ -419,12 +422,29 @@ class MapTest:
             letters = page.ask("document.querySelector('#markers text').getBoundingClientRect().height")
             assert 13 <= letters / max(1, width / 1920) <= 26, f"{width}: letters of {letters} pixels"
             self.artefact(page, f"{width}")
+            self.nothing_is_covered(page, width)
             if phone:
                 small = page.ask("[...document.querySelectorAll('button')].filter(b => "
                                  "b.checkVisibility() && "
                                  "b.getBoundingClientRect().height < 24).length")
                 assert small == 0, "buttons too small for a finger"
             self.check(page)
+
+    def nothing_is_covered(self, page, width):
+        """Names stand apart from one another and from the buttons; tables show all their columns."""
+        boxes = page.ask("[...document.querySelectorAll('#fixed .access-point > text, #zones .zone-tag, .zoom button')]"
+                         ".map((e) => { const b = e.getBoundingClientRect(); return [e.textContent, b.left, b.top, b.right, b.bottom]; })")
+        assert len(boxes) >= 5 + len(ACCESS_POINTS), boxes
+        for i, one in enumerate(boxes):
+            for other in boxes[:i]:
+                apart = one[1] >= other[3] or other[1] >= one[3] or one[2] >= other[4] or other[2] >= one[4]
+                assert apart, f"{width} pixels wide: {one} covers {other}"
+        cut = page.ask("[...document.querySelectorAll('.wide')].filter((e) => e.checkVisibility() && "
+                       "e.scrollWidth > e.clientWidth + 1).map((e) => e.getAttribute('aria-labelledby'))")
+        assert not cut, f"{width} pixels wide: columns of {cut} are cut off"
+        share = page.ask("document.querySelector('#plan').getBoundingClientRect().height / "
+                         "document.querySelector('#map').getBoundingClientRect().height")
+        assert width > 390 or share > 0.6, f"{width} pixels wide: the plan takes {share:.2f} of its box"
 
     def sixteen_viewers(self):
         pages = [self.open(640, 480) for _ in range(16)]
@@ -474,6 +494,7 @@ class MapTest:
     def run(self):
         page = self.open(1920, 1080)
         self.follow_spots(page)
+        self.nothing_is_covered(page, 1920)
         self.check(page)
         accessibility.check_by_keyboard(page, DEVICE)
         accessibility.check_tree(page)
@@ -531,7 +552,7 @@ class PlaybackTest(MapTest):
                    and math.dist(p, (truth["x"], truth["y"])) < 0.3)
         assert_shown(page, self.daemon, LIVE_COLOUR, f"{5 * steps} s into the recording")
         # What was before the move is not joined to it.
-        page.wait("[...document.querySelectorAll('#trails polyline')].every((line) => "
+        page.wait("[...document.querySelectorAll('#trails g')].every((line) => "
                   "line.getBBox().width < 100 && line.getBBox().height < 100)")
         assert f"{5 * steps // 60}:{5 * steps % 60:02}.0 of " in \
             page.ask(f"{self.POSITION}.getAttribute('aria-valuetext')")
@@ -645,7 +666,7 @@ class WalkTest(PlaybackTest):
 
     def run(self):
         page = self.open(1280, 760)
-        trail = "document.querySelector('#trails polyline')"
+        trail = "document.querySelector('#trails g')"
         self.walk_until(page, f"{CELLS}[4].textContent === 'corner' && {trail}.getBBox().width > 250")
         page.wait("document.querySelectorAll('#source-rows td.good').length === 3")
         self.artefact(page, "walk")
@@ -658,12 +679,50 @@ class WalkTest(PlaybackTest):
         with open(os.path.join(SITE, "walk.csv"), encoding="ascii") as file:
             path = [(float(row["x"]), float(row["y"])) for row in csv.DictReader(file)]
         assert min(math.dist(one, (x, y)) for one in path) < 0.4, (x, y)
+        self.solid_room(page)
         self.ask_for("position=0&speed=0.25&state=playing")
         self.channel_of_a_burst(page)
+        self.where_somebody_was(page, path)
         self.check(page)
         self.close(page)
         if self.picture:
             shutil.copy(os.path.join(self.out, "walk.png"), self.picture)
+
+    def solid_room(self, page):
+        """In three dimensions the mark stands where the isometric projection puts its place, by those of two access
+        points; the room is drawn, and the plan comes back."""
+        page.ask("document.querySelector('#map').focus()")
+        page.press("3")
+        page.wait("document.querySelectorAll('#solid polygon').length > 30 && getComputedStyle(document.querySelector('#plan')).display === 'none'")
+        told = self.daemon.located(DEVICE)["position"]
+        with open(os.path.join(SITE, "site.toml"), "rb") as file:
+            stated = [one["position"] for one in tomllib.load(file)["access_point"]]
+
+        def on_page(place):
+            x, y, z = place
+            return math.sqrt(1 / 2) * (x - y), -math.sqrt(1 / 6) * (x + y + 2 * z)
+
+        def pixel(selector):
+            return page.ask(f"(() => {{ const m = document.querySelector('{selector}').getCTM(); return [m.e, m.f]; }})()")
+        first, second = (pixel(f"#ap-{name}") for name in ACCESS_POINTS[:2])
+        scale = math.dist(first, second) / math.dist(*map(on_page, stated[:2]))
+        wanted = [q + scale * (a - b) for q, a, b in zip(first, on_page([told[axis] for axis in "xyz"]), on_page(stated[0]))]
+        shown = pixel(f'.target[data-target="{DEVICE}"]')
+        assert math.dist(shown, wanted) <= PIXELS, (shown, wanted)
+        page.press("3")
+        page.wait("getComputedStyle(document.querySelector('#solid')).display === 'none'")
+
+    def where_somebody_was(self, page, path):
+        """In cells along the walk, and nowhere else."""
+        presence = json.loads(self.daemon.get("api/v1/presence")[1])
+        assert sum(stay for _, _, stay in presence["cells"]) > 2 and presence["left_out"] == 0, presence
+        away = [(x, y) for x, y, stay in presence["cells"] if stay > 0.5 and min(math.dist((x, y), one) for one in path) > 0.6]
+        assert not away, away
+        page.ask("document.querySelector('#heat-look').click()")
+        page.wait("document.querySelectorAll('#heat rect').length > 2")
+        assert DEVICE not in json.dumps(presence) and "phone" not in json.dumps(presence)
+        self.artefact(page, "heat")
+        page.ask("document.querySelector('#heat-look').click()")
 
     def channel_of_a_burst(self, page):
         """The panel: of the burst and the place of one location, by name; while nobody stands still."""
@@ -678,6 +737,11 @@ class WalkTest(PlaybackTest):
         page.wait(f"(async () => (await (await fetch('api/v1/channel')).json()).some((one) => one.name === 'phone' && "
                   f"JSON.stringify({told}[one.time]) === JSON.stringify(one.position)))()")
         page.ask("document.querySelector('#csi').open = false; window.listening.close()")
+        page.ask("document.querySelector('#solid-look').click()")
+        ways = "new Set([...document.querySelectorAll('#rays title')].map((one) => one.textContent.split(':')[0]))"
+        page.wait(f"{ways}.size === {len(ACCESS_POINTS)}")
+        self.artefact(page, "solid")
+        page.ask("document.querySelector('#solid-look').click()")
 
     def walk_until(self, page, there):
         """From the beginning, and again where a busy machine has missed the moment."""
@@ -773,6 +837,436 @@ class NoRoomTest(MapTest):
                 print(name)
 
 
+class ReloadTest(MapTest):
+    """A map that is open shows what a reload has made of its site, one of several."""
+
+    def run(self):
+        page = self.open(1280, 800)
+        page.wait(f"{ZONE} === 'corner'")
+        path = os.path.join(self.daemon.site, "site.toml")
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text.replace('name = "corner"', 'name = "desk"'))
+        self.daemon.process.send_signal(signal.SIGHUP)
+        page.wait(f"{ZONE} === 'desk'")
+        page.wait("document.querySelector('#event-list').textContent.includes('the site was prepared anew')")
+        self.check(page)
+        self.close(page)
+
+
+class EditorTest(MapTest):
+    """From an empty folder and a drawing to a target on the map, by the clicks of a person."""
+
+    SPOT = 3
+    SAID = "document.querySelector('#said').textContent"
+
+    def run(self):
+        office = os.path.join(self.folder, "office")
+        drawing = os.path.join(self.folder, "office.obj")
+        editor.write_obj(SITE, drawing)
+        editor.refuse_strangers(self.daemon.binaries, office)
+        studio = editor.Studio(self.folder, self.daemon.binaries, office)
+        try:
+            page = self.browser.page(1280, 800)
+            self.pages.append(page)
+            page.go(eventually("rayloc studio serves", studio.address))
+            person = editor.Person(page)
+            self.draw(page, person, drawing)
+            self.draw_over(page, person)
+            self.mistakes(page, person, office)
+            person.click_at(person.pixel(-1.4, 1.05))  # with its handle and its fields
+            for theme in ("light", "dark"):
+                accessibility.show_theme(page, theme)
+                accessibility.check_texts(page, theme, 20)
+                self.artefact(page, f"editor-{theme}")
+            refused = [one for one in page.errors if "422" not in one]
+            assert not refused, refused
+            assert all(url.startswith((studio.address(), "about:blank", "blob:" + studio.address())) for url in page.requests), page.requests
+            self.close(page)
+        finally:
+            studio.stop()
+        # Two lines of a shell and a walk with the phone, for which a person needs as long as for forty clicks.
+        self.locate(office)
+        person.clicks += 40
+        self.go_on(person, office)
+        minutes = person.clicks * editor.SECONDS_PER_CLICK / 60
+        print(f"from an empty folder to a target: {person.clicks} clicks, {minutes:.1f} minutes")
+        assert minutes <= 15, minutes
+
+    def draw(self, page, person, drawing):
+        page.wait(f"{self.SAID} === 'Nothing is here yet'")
+        person.choose_file("#import", drawing)
+        page.wait(f"{self.SAID}.startsWith('office is begun')")
+        page.wait("document.querySelectorAll('#plan polygon').length > 5")
+        with open(os.path.join(SITE, "site.toml"), "rb") as file:
+            stated = tomllib.load(file)["access_point"][:2]
+        for one in stated:
+            person.place_access_point(one["id"], one["position"], one["yaw_deg"])
+        spot = self.recording.spots[self.SPOT]
+        corners = [person.pixel(spot["x"] + side, spot["y"] + side) for side in (-0.5, 0.5)]
+        person.click("[data-tool=zone]")
+        person.drag(*corners)
+        page.wait("document.querySelector('.zone-name').textContent === 'zone1'")
+        person.click("[data-tool=furniture]")
+        person.drag(person.pixel(-0.2, 1.1), person.pixel(0.1, 1.3))
+        page.wait("document.querySelector('.object-name').textContent === 'furniture1'")
+        person.fill("[data-field=name]", "crate")
+        person.fill('[data-field="height [m]"]', "0.2")
+        person.name_device(DEVICE, "phone")
+
+    def draw_over(self, page, person):
+        """A picture of a floor plan under the drawing: two places and a length, moved, faded, taken away."""
+        picture, pdf, broken = (os.path.join(self.folder, name) for name in ("plan.png", "plan.pdf", "broken.png"))
+        red, green = (255, 0, 0), (0, 160, 0)
+        editor.write_png(picture, 600, 300, [(100, 200, red), (500, 200, green)], 20)
+        for path, content in ((pdf, b"%PDF-1.7\n"), (broken, b"no picture")):
+            with open(path, "wb") as file:
+                file.write(content)
+        person.choose_file("#underlay-file", pdf)
+        page.wait(f"{self.SAID}.includes('export the page as PNG')")
+        person.choose_file("#underlay-file", broken)
+        page.wait(f"{self.SAID} === 'broken.png is no picture that this browser reads: take a PNG or a JPEG'")
+        person.choose_file("#underlay-file", picture)
+        page.wait(f"{self.SAID}.startsWith('plan.png lies under the drawing')")
+        page.wait("document.querySelector('#underlay-picture image') !== null")
+        page.ask("(() => { const e = document.querySelector('#underlay-shown'); e.value = 1; e.dispatchEvent(new Event('input')); })()")
+        person.clicks += 1
+        drawn = "document.querySelectorAll('#plan, #drawn, #marks').forEach((e) => { e.style.visibility = '%s'; })"
+        page.ask(drawn % "hidden")  # its own lines may cross the marks
+
+        def place_of(x, colour):
+            """Of the square of that colour, on the page by its pixels, and on the floor."""
+            left, top, scale = page.ask("(() => { const b = document.querySelector('#underlay-picture image').getBoundingClientRect();"
+                                        " return [b.x, b.y, b.width / 600]; })()")
+            corner = [int(left + x * scale) - 25, int(top + 200 * scale) - 25]
+            x, y, count = page.pixels(*corner, 50, 50).middle_of(colour)
+            at = (corner[0] + x, corner[1] + y)
+            origin, unit = person.pixel(0, 0), person.pixel(1, 1)
+            return at, [(a - b) / (c - b) for a, b, c in zip(at, origin, unit)], count
+
+        def settle():
+            page.ask("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        marks = ((100, red), (500, green))
+        ends = [eventually("the picture is shown", lambda one=one: (p := place_of(*one))[2] > 20 and p) for one in marks]
+        for pixel, _, _ in ends:
+            person.click_at(pixel)
+        page.wait("document.activeElement.id === 'underlay-length'")
+        person.fill("#underlay-length", "2")
+        said = page.wait(f"{self.SAID}.startsWith('The picture is ') && {self.SAID}")
+        assert abs(float(said.split()[3]) - 3) < 0.02, said  # 600 of its pixels, of 2 m for 400, as well as was clicked
+        settle()
+        now = [place_of(*one) for one in marks]
+        assert math.dist(now[0][1], ends[0][1]) < 0.03, (now, ends)
+        assert abs(math.dist(now[0][1], now[1][1]) - 2) < 0.03, now
+        person.click("#underlay-move")
+        person.drag(now[0][0], person.pixel(-1.0, 0.5))
+        settle()
+        assert math.dist(place_of(*marks[0])[1], (-1.0, 0.5)) < 0.03, place_of(*marks[0])
+        page.ask(drawn % "visible")
+        page.ask("(() => { const e = document.querySelector('#underlay-shown'); e.value = 0.4; e.dispatchEvent(new Event('input')); })()")
+        page.wait("document.querySelector('#underlay-picture').getAttribute('opacity') === '0.4'")
+        self.artefact(page, "editor-underlay")
+        for theme in ("light", "dark"):
+            accessibility.show_theme(page, theme)
+            accessibility.check_texts(page, theme, 20)
+        accessibility.show_theme(page, "light")
+        person.click("#underlay-remove")
+        page.wait("document.querySelector('#underlay-picture').childElementCount === 0")
+
+    def mistakes(self, page, person, office):
+        """What is undone comes back, and what is refused stays drawn."""
+        ids = "[...document.querySelectorAll('#marks .access-point text')].map((e) => e.textContent).join()"
+        person.click_at(person.pixel(-1.4, 1.05))
+        person.click("#delete")
+        page.wait(f"{ids} === 'ap2'")
+        person.click("#undo")
+        page.wait(f"{ids} === 'ap1,ap2'")
+        person.click_at(person.pixel(self.recording.spots[self.SPOT]["x"], self.recording.spots[self.SPOT]["y"]))
+        person.fill("[data-field=name]", "a/b")
+        person.click("#save")
+        page.wait(f"{self.SAID}.startsWith('Not saved') && {self.SAID}.includes(\"without '/'\")")
+        with open(os.path.join(office, "site.toml"), encoding="utf-8") as file:
+            begun = file.read()
+        assert "access_point]]\nid = \"ap1\"" not in begun.replace("# ", "#"), begun
+        assert page.ask(ids) == "ap1,ap2" and page.ask("document.querySelectorAll('#drawn .furniture').length") == 1
+        person.fill("[data-field=name]", "desk")
+        person.click("#save")
+        page.wait(f"{self.SAID}.startsWith('saved')")
+        with open(os.path.join(office, "site.toml"), encoding="utf-8") as file:
+            saved = file.read()
+        assert saved.startswith(begun), "what was there stays as it was"
+        written = tomllib.loads(saved)
+        assert [one["id"] for one in written["access_point"]] == ["ap1", "ap2"], saved
+        assert written["zone"][0]["name"] == "desk" and written["transmitter"][0]["name"] == "phone", saved
+        with open(os.path.join(office, "site.toml.bak"), encoding="utf-8") as file:
+            assert file.read() == begun
+        rayloc(self.daemon.binaries, "scene", "check", office)
+
+    def locate(self, office):
+        located = os.path.join(self.folder, "located")
+        captures = [f"{one}={SITE}/{name}-{one}.pcap.gz" for name in ("device_los", "walk") for one in ACCESS_POINTS[:2]]
+        rayloc(self.daemon.binaries, "calibrate", office, "--unsurveyed", "--quiet", "--capture", *captures, "--out", located)
+        self.daemon.listen({"office": located}, ACCESS_POINTS[:2])
+        self.daemon.url += "site/office/"
+        self.daemon.start()
+
+    def go_on(self, person, office):
+        """The target is on the map; what is named then takes effect in the raylocd that runs."""
+        page = self.open(1280, 800)
+        person.page = page
+        with Sending(self.recording, self.SPOT, self.daemon, access_points=ACCESS_POINTS[:2]):
+            page.wait(f"{CELLS}[0].textContent.includes('phone') && {CELLS}[1].className === 'good'")
+            page.wait("document.querySelector('#markers .target')?.checkVisibility()")
+            self.artefact(page, "editor-located")
+            person.click("#edit")
+            page.wait("document.querySelector('#drawn .zone') !== null")
+            spot = self.recording.spots[self.SPOT]
+            person.click_at(person.pixel(spot["x"], spot["y"]))
+            person.fill("[data-field=name]", "bench")
+            person.click("#save")
+            page.wait(f"{self.SAID} === 'saved; raylocd takes it up now'")
+            person.click("#live-map")
+            page.wait(f"{ZONE}.startsWith('bench')")
+            self.check(page)
+            self.close(page)
+            self.walk(person, spot)
+
+    def walk(self, person, spot):
+        """A point of a survey, on a phone."""
+        phone = self.browser.page(390, 844, True)
+        self.pages.append(phone)
+        phone.go(self.daemon.url + "edit")
+        phone.wait("document.querySelectorAll('#plan polygon').length > 5")
+        assert phone.ask("document.documentElement.scrollWidth") <= 390
+        person = editor.Person(phone)
+        person.click("#survey-tool")
+        person.click_at(person.pixel(spot["x"], spot["y"]))
+        phone.wait("document.querySelector('#survey-text').textContent.endsWith(': enough')")
+        self.artefact(phone, "editor-survey")
+        person.click("#survey-keep")
+        phone.wait("document.querySelector('#survey-text').textContent.startsWith('1 points')")
+        with open(os.path.join(self.folder, "located", "survey.csv"), encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == 1 and math.dist((float(rows[0]["x"]), float(rows[0]["y"])), (spot["x"], spot["y"])) < 0.02, rows
+        self.check(phone)
+        self.close(phone)
+
+
+class FirstHourTest(MapTest):
+    """From an empty folder, the DXF of an office and two access points to a target on the map, by the clicks of a
+    person; and the same from a scan of that office."""
+
+    ACCESS_POINTS = (("ap1", (0.6, 0.6, 2.2), 33), ("ap2", (5.8, 3.8, 2.2), -147))
+    SURVEY = ((1.5, 1.2), (2.5, 3.4), (3.4, 1.0), (4.6, 2.6), (5.4, 1.6), (1.2, 3.2))
+    SPOT = (2.5, 2.9)
+    HEIGHT = 1.2
+    SHELL = 40  # clicks: what a person needs for the lines of a shell and of raylocd.toml
+    ON_FOOT = 12  # clicks: half a minute to go to a point and stand there, with what is clicked
+    TEXT = "document.querySelector('#calibrate-text').textContent"
+
+    def run(self):
+        self.folder = os.path.join(self.folder, "first-hour")
+        os.makedirs(self.folder)
+        drawing, scan = (os.path.join(self.folder, name) for name in ("office.dxf", "office.glb"))
+        office, scanned = (os.path.join(self.folder, name) for name in ("office", "scanned"))
+        editor.write_dxf(drawing)
+        clicks = {"office": self.draw("office", drawing)}
+        assert editor.write_scan(office, scan) > 20000
+        clicks["scanned"] = self.draw("scanned", scan)
+        for i, place in enumerate((*self.SURVEY, self.SPOT)):
+            self.simulate(office, f"spot{i}", place)
+        names = [one[0] for one in self.ACCESS_POINTS]
+        self.daemon.listen({"office": office}, names)
+        self.daemon.start()
+        walked, pressed = self.survey()
+        self.daemon.stop()
+        clicks["office"] += walked + pressed
+        shutil.copy(os.path.join(office, "survey.csv"), scanned)
+        clicks["scanned"] += walked + self.calibrate_scanned(scanned)
+        self.daemon.listen({name: os.path.join(self.folder, name, "calibrated") for name in clicks}, names)
+        self.daemon.start()
+        for name in clicks:
+            with self.sending(len(self.SURVEY), 2):
+                self.find(name)
+        for name, count in clicks.items():
+            count += self.SHELL + self.ON_FOOT * len(self.SURVEY)
+            minutes = count * editor.SECONDS_PER_CLICK / 60
+            print(f"from an empty folder and a file to a target ({name}): {count} clicks, {minutes:.1f} minutes")
+            assert minutes <= 15, minutes
+
+    def studio(self, name, *options):
+        studio = editor.Studio(self.folder, self.daemon.binaries, os.path.join(self.folder, name), *options)
+        page = self.browser.page(1280, 800)
+        page.go(eventually("rayloc studio serves", studio.address))
+        return studio, page, editor.Person(page)
+
+    def draw(self, name, file):
+        """The site of that name, in `rayloc studio`; how many clicks."""
+        studio, page, person = self.studio(name)
+        try:
+            page.wait(f"{EditorTest.SAID} === 'Nothing is here yet'")
+            person.choose_file("#import", file)
+            page.wait(f"{EditorTest.SAID}.startsWith('{name} is begun')")
+            for one in self.ACCESS_POINTS:
+                person.place_access_point(*one)
+            person.name_device(DEVICE, "phone")
+            person.click("#save")
+            page.wait(f"{EditorTest.SAID}.startsWith('saved')")
+            self.artefact(page, f"first-hour-{name}")
+            assert not page.errors, page.errors
+        finally:
+            page.close()
+            studio.stop()
+        rayloc(self.daemon.binaries, "scene", "check", os.path.join(self.folder, name))
+        return person.clicks
+
+    def captures(self, what):
+        return [os.path.join(self.folder, f"{what}-{one}.pcap") for one, _, _ in self.ACCESS_POINTS]
+
+    def simulate(self, office, what, place):
+        """What the access points of the office hear of the phone there for 40 s."""
+        points = os.path.join(self.folder, what + ".csv")
+        begin = time.time() - 3600
+        with open(points, "w", encoding="ascii") as file:
+            file.write(f"t_start,t_end,x,y,z\n{begin:.3f},{begin + 40:.3f},{place[0]},{place[1]},{self.HEIGHT}\n")
+        outputs = [f"{one}={file}" for (one, _, _), file in zip(self.ACCESS_POINTS, self.captures(what))]
+        rayloc(self.daemon.binaries, "simulate", office, "--points", points, "--frames", "1000", "--quiet", "--out", *outputs)
+
+    def sending(self, spot, sites=1):
+        """`rayloc send` of the phone there to so many sites, at the recorded pace."""
+        return SendingProcess(self.daemon, self.captures(f"spot{spot}"), sites)
+
+    def survey(self):
+        """On a phone, in the raylocd that records; how many clicks for the points, and for the calibration."""
+        phone = self.browser.page(390, 844, True)
+        self.pages.append(phone)
+        phone.go(self.daemon.url + "site/office/edit")
+        phone.wait("document.querySelectorAll('#plan > *').length > 5")
+        person = editor.Person(phone)
+        person.click("#calibrate-start")
+        phone.wait(f"{EditorTest.SAID}.startsWith('Not calibrated: walk a survey first')")
+        person.clicks = 0
+        for i, place in enumerate(self.SURVEY):
+            with self.sending(i):
+                person.click("#survey-tool")
+                person.click_at(person.pixel(*place))
+                phone.wait("document.querySelector('#survey-text').textContent.endsWith(': enough')")
+                person.click("#survey-keep")
+                phone.wait(f"document.querySelector('#survey-text').textContent.startsWith('{i + 1} points')")
+        walked, person.clicks = person.clicks, 0
+        self.calibrate(phone, person, "office")
+        assert phone.ask("document.documentElement.scrollWidth") <= 390
+        self.artefact(phone, "first-hour-calibrated")
+        phone.errors = [one for one in phone.errors if "422" not in one]
+        self.check(phone)
+        self.read_report(phone)
+        self.close(phone)
+        return walked, person.clicks
+
+    def calibrate(self, page, person, name):
+        """By the button; what it says is what the report says."""
+        page.ask("document.querySelector('#calibrate-what').value = 'chains'")
+        person.clicks += 2
+        person.click("#calibrate-start")
+        page.wait(f"{self.TEXT}.startsWith('Calibrating for')")
+        page.wait(f"{self.TEXT}.startsWith('Good: expect ')")
+        with open(os.path.join(self.folder, name, "calibrated", "report.json"), encoding="utf-8") as file:
+            assert page.ask(self.TEXT) == json.load(file)["verdict"]["expectation"]
+        assert page.ask("document.querySelector('#calibrate-next').textContent").startswith(
+            f"It is in {self.folder}/{name}/calibrated. ")
+
+    def read_report(self, page):
+        """The link leads to it, with its own styles and nothing that the policy refuses."""
+        page.go(page.ask("document.querySelector('#calibrate-report').href"))
+        page.wait("document.querySelectorAll('svg').length > 0")
+        assert page.ask("getComputedStyle(document.body).maxWidth") != "none"
+        assert not page.errors, page.errors
+
+    def calibrate_scanned(self, folder):
+        """In `rayloc studio`, of what raylocd recorded: ended with it, stopped, and done."""
+        recorded = os.path.join(self.daemon.folder, "recorded", "office")
+        captures = [f"{file.partition('-')[0]}={recorded}/{file}" for file in sorted(os.listdir(recorded))]
+        studio, page, person = self.studio("scanned", "--capture", *captures)
+        person.click("#calibrate-start")
+        page.wait(f"{self.TEXT}.startsWith('Calibrating for')")
+        eventually("the calibration is a process", lambda: self.calibrations(folder))
+        page.close()
+        studio.stop()
+        eventually("the calibration ends with the studio", lambda: not self.calibrations(folder))
+        shutil.rmtree(os.path.join(folder, "calibrated"), ignore_errors=True)
+        studio, page, person = self.studio("scanned", "--capture", *captures)
+        try:
+            person.click("#calibrate-start")
+            page.wait(f"{self.TEXT}.startsWith('Calibrating for')")
+            person.click("#calibrate-stop")
+            page.wait(f"{self.TEXT}.startsWith('Stopped.')")
+            assert not os.path.exists(os.path.join(folder, "calibrated"))
+            person.clicks = 0
+            self.calibrate(page, person, "scanned")
+            for theme in ("light", "dark"):
+                accessibility.show_theme(page, theme)
+                accessibility.check_texts(page, theme, 20)
+            assert not page.errors, page.errors
+        finally:
+            page.close()
+            studio.stop()
+        return person.clicks
+
+    @staticmethod
+    def calibrations(folder):
+        """Processes of `rayloc calibrate` of that site."""
+        found = []
+        for name in os.listdir("/proc"):
+            try:
+                with open(f"/proc/{name}/cmdline", "rb") as file:
+                    words = file.read().split(b"\0")
+            except (NotADirectoryError, FileNotFoundError, ProcessLookupError):
+                continue
+            if b"calibrate" in words and folder.encode() in words:
+                found.append(name)
+        return found
+
+    def find(self, name):
+        """The target is on the map where the phone is."""
+        path = f"site/{name}/"
+        page = self.browser.page(1280, 800)
+        page.go(self.daemon.url + path)
+        self.pages.append(page)
+        page.wait(f"{CELLS}[0].textContent.includes('phone') && {CELLS}[1].className === 'good'")
+        page.wait("document.querySelector('#markers .target')?.checkVisibility()")
+        place = eventually("the phone is located", lambda: self.daemon.located(DEVICE, path))["position"]
+        off = math.dist((place["x"], place["y"]), self.SPOT)
+        print(f"{name}: {off:.2f} m off")
+        assert off < 0.3, place
+        self.artefact(page, f"first-hour-{name}-located")
+        self.check(page)
+        self.close(page)
+
+
+class SendingProcess:
+    """`rayloc send`, of two access points to each of so many sites of a raylocd."""
+
+    def __init__(self, daemon, files, sites):
+        ports = daemon.udp[:len(files) * sites]
+        self.command = [os.path.join(daemon.binaries, "rayloc"), "send", *files * sites]
+        for port in ports:
+            self.command += ["--to", f"127.0.0.1:{port}"]
+
+    def __enter__(self):
+        self.process = subprocess.Popen(self.command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                        stderr=subprocess.DEVNULL)
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(PATIENCE)
+
+
+def rayloc(binaries, *arguments):
+    subprocess.run([os.path.join(binaries, "rayloc"), *arguments], check=True, stdin=subprocess.DEVNULL,
+                   stdout=subprocess.DEVNULL)
+
+
 def assert_counted(daemon):
     """However it was moved, every datagram that was received is accounted for."""
     for source in json.loads(daemon.get("api/v1/sources")[1]):
@@ -809,6 +1303,47 @@ def of_walk(folder, binaries, site):
     return Daemon(folder, binaries, with_zone(site, "walk", -1.0, 0.9), "walk")
 
 
+class LaterDaemon(Daemon):
+    """raylocd on a site that is yet to be drawn."""
+
+    listens = False
+
+    def listen(self, directories, access_points):
+        """To those access points of each of the sites, whose folders are given by their names."""
+        self.listens = True
+        while len(self.udp) < len(directories) * len(access_points):
+            self.udp.append(free_port(socket.SOCK_DGRAM))
+        ports = iter(self.udp)
+        tables = ""
+        for name, directory in directories.items():
+            tables += f'[[site]]\nname = "{name}"\ndirectory = "{directory}"\n'
+            tables += "".join(f'[[source]]\nsite = "{name}"\naccess_point = "{one}"\nkind = "udp"\n'
+                              f'listen = "127.0.0.1:{next(ports)}"\n' for one in access_points)
+        path = os.path.join(self.folder, "raylocd.toml")
+        with open(path, encoding="utf-8") as file:
+            rest = file.read()
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(tables + rest[rest.index("[http]"):])
+
+    def start(self):
+        if self.listens:
+            super().start()
+
+
+def of_sites(folder, binaries, site):
+    """One of several sites, with a zone."""
+    daemon = Daemon(folder, binaries, with_zone(site, "sites", -1.0, 0.9))
+    path = os.path.join(folder, "raylocd.toml")
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text.replace("[site]\n", '[[site]]\nname = "room"\n')
+                   .replace("[[source]]\n", '[[source]]\nsite = "room"\n'))
+    daemon.site = f"{site}-sites"
+    daemon.url += "site/room/"
+    return daemon
+
+
 def calibrate(folder, binaries):
     site = os.path.join(folder, "site")
     captures = [f"{name}={SITE}/calibration-{name}.pcap.gz" for name in ACCESS_POINTS]
@@ -824,6 +1359,10 @@ PARTS = {
     "places": (PlacesTest, Daemon),
     "recording": (PlaybackTest, of_spots),
     "walk": (WalkTest, of_walk),
+    "reload": (ReloadTest, of_sites),
+    "editor": (EditorTest, lambda folder, binaries, site: LaterDaemon(folder, binaries, site, http_keys="edit = true\n")),
+    "first-hour": (FirstHourTest, lambda folder, binaries, site: LaterDaemon(
+        folder, binaries, site, http_keys="edit = true\n", extra=f'[record]\ndirectory = "{folder}/recorded"\n')),
     "no-room": (NoRoomTest, lambda folder, binaries, site:
                 Daemon(folder, binaries, site, extra='[engine]\nmethod = "none"\n')),
 }

@@ -99,6 +99,8 @@ std::map<std::string, std::string> outputs_of(const std::filesystem::path& folde
                            "/api/v1/map",
                            "/api/v1/calibration",
                            "/api/v1/channel",
+                           "/api/v1/presence",
+                           "/api/v1/solid",
                            "/api/v1/config"}) {
     outputs[std::string("http ") + path] = http_get(daemon.http_port(), path);
   }

@@ -31,7 +31,9 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
 std::vector<std::string> command_line(const std::string& file,
                                       const std::vector<std::string>& arguments,
                                       const ProcessSetting& setting) {
-  std::vector<std::string> words = setting.wrapper;
+  // A test that dies takes its processes along.
+  std::vector<std::string> words = {"setpriv", "--pdeathsig", "KILL", "--"};
+  words.insert(words.end(), setting.wrapper.begin(), setting.wrapper.end());
   if (!setting.sockets.empty()) {
     // sd_listen_fds(3) wants to be sure that the sockets are for this very process.
     for (const char* word : {"/bin/sh", "-c", R"(LISTEN_PID=$$ exec "$0" "$@")"}) {

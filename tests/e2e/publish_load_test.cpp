@@ -21,7 +21,7 @@ namespace rayloc::e2e {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
-constexpr int kSeconds = 30;  // of load at each rate, unless stated
+constexpr int kSeconds = 12;  // of load at each rate, unless stated
 // Messages queued for each subscriber, `publish.send_high_water_mark`. What comes at 20,000
 // datagrams/s has a queue of three seconds, so that a busy machine does not look like a reader that
 // is stuck; what becomes of one that is stuck is shown with the default.

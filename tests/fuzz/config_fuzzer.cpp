@@ -25,7 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return 0;
   }
   require(!config->sources.empty());
-  require(!config->site_directory.empty());
+  require(!config->sites.empty() && !config->sites.front().directory.empty());
   require(config->engine.burst > rayloc::Duration::zero());
   require(config->limits.ring_frames > 0 && config->limits.max_targets > 0);
   const EndpointReach reach = rayloc::endpoint_reach(config->publish.endpoint);

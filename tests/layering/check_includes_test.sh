@@ -39,13 +39,14 @@ caught capture/source/a.cpp '#include "daemon/site/site.h"' 'capture/source may 
 caught daemon/site/a.cpp '#include "daemon/pipeline/pipeline.h"' 'daemon/site may include'
 caught daemon/publish/a.cpp '#include "capture/transport/datagram.h"' 'daemon/publish may include'
 caught daemon/pipeline/a.cpp '#include "daemon/command/verb.h"' 'daemon/pipeline may include'
-caught daemon/pipeline/a.cpp '#include "rayloc/v1/location.pb.h"' 'publisher_stage'
-caught daemon/pipeline/a.h '#include "daemon/publish/location_message.h"' 'publisher_stage'
-caught daemon/pipeline/publisher_stage.cpp '#include "rayloc/v1/location.pb.h"' 'location.h travels'
+caught daemon/pipeline/a.cpp '#include "rayloc/v1/location.pb.h"' 'only output'
+caught daemon/pipeline/a.h '#include "daemon/publish/location_message.h"' 'only output'
+caught daemon/pipeline/output/publisher_stage.cpp '#include "rayloc/v1/location.pb.h"' 'location.h travels'
 caught engine/em/a.cpp '#include "../scene/scene.h"' 'quoted includes'
 caught engine/scene/a.cpp '#include <embree3/rtcore.h>' 'Embree'
 caught engine/localize/a.cpp '#include <hwy/highway.h>' 'Highway'
 caught daemon/pipeline/a.cpp '#include <zmq.hpp>' 'ZeroMQ'
+caught daemon/cluster/a.cpp '#include <nats/nats.h>' 'libnats'
 caught daemon/cli/a.cpp '#include <CLI/CLI.hpp>' 'CLI11'
 caught engine/trace/a.cpp '#include <tbb/parallel_for.h>' 'parallel.h'
 caught engine/trace/a.cpp '#include <fstream>' 'files'
@@ -62,9 +63,10 @@ passes engine/scene/bvh.cpp '#include <embree3/rtcore.h>' \
   engine/localize/grid.cpp '#include "engine/trace/path.h"' \
   capture/source/udp_source.cpp '#include <sys/socket.h>' \
   daemon/publish/publisher.cpp '#include <zmq.hpp>' \
+  daemon/cluster/nats/nats_broker.cpp '#include <nats/nats.h>' \
   daemon/publish/publisher.cpp '#include "rayloc/v1/location.pb.h"' \
-  daemon/pipeline/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
-  daemon/pipeline/publisher_stage.cpp '#include "daemon/publish/location_message.h"' \
+  daemon/pipeline/output/publisher_stage.h '#include "rayloc/v1/heartbeat.pb.h"' \
+  daemon/pipeline/output/publisher_stage.cpp '#include "daemon/publish/location_message.h"' \
   daemon/cli/sub.cpp '#include "daemon/publish/subscriber.h"'
 
 # A new folder must get its row.

@@ -203,6 +203,9 @@ std::vector<std::uint32_t> TracedLink::path_keys() const {
     for (const Path& path : at_receiver.trace(transmitter)) {
       for (const Interaction& interaction : path.interactions) {
         keys.push_back(2 * interaction.surface + (is_mirror(interaction.kind) ? 1U : 0U));
+        if (is_edge(interaction.kind)) {
+          keys.push_back(interaction.edge);
+        }
       }
       keys.push_back(kNoSurface);
     }

@@ -48,8 +48,9 @@ struct HeldOutFixes {
 struct CalibrationReport {
   std::string site;
   std::string calibration_id;
-  double holdout = 0.0;       // share of the points
-  double survey_error = 0.0;  // [m], that was assumed
+  double holdout = 0.0;                    // share of the points
+  double survey_error = 0.0;               // [m]
+  std::string survey_error_is = "stated";  // or "found" by the fit, or "assumed"
   std::uint64_t seed = 0;
   std::vector<std::string> access_points;  // by PointFit::access_point
   std::vector<Vec3d> positions;            // [m], of each CalibrationPoint

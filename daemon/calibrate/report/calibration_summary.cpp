@@ -4,6 +4,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/calibrate/report/expectation.h"
 #include "daemon/calibrate/report/fit_summary.h"
 
 namespace rayloc::cli {
@@ -40,6 +41,9 @@ void print_summary(const CalibrationReport& report, std::span<const AccessPointU
                  report.refused.size(),
                  report.refused.front().what.c_str(),
                  report.refused.front().reason.c_str());
+  }
+  if (report.verdict.is_success()) {
+    std::fprintf(stderr, "%s\n", expectation(report).c_str());
   }
 }
 

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/calibrate/report/calibration_report.h"
+#include "daemon/calibrate/report/expectation.h"
 #include "daemon/calibrate/report/fit_summary.h"
 #include "daemon/calibrate/report/parameter_change.h"
 #include "daemon/calibrate/report/report_figures.h"
@@ -125,6 +126,19 @@ std::string mistake_table(const std::vector<TriedMistake>& mistakes) {
              "one "
              "half of the points and judged by the other half. Standard errors are those of the "
              "mean difference, point by point.");
+}
+
+std::string first_words(const CalibrationReport& report) {
+  std::string html = "<p><strong>" + html_text(expectation(report)) + "</strong></p>\n";
+  const std::vector<std::string> next = advice(report);
+  if (!next.empty() && report.verdict.is_success()) {
+    html += paragraph("What would help most:") + "<ol>\n";
+    for (const std::string& one : next) {
+      html += "<li>" + html_text(one) + "</li>\n";
+    }
+    html += "</ol>\n";
+  }
+  return html;
 }
 
 // Nothing of a success: then only the list of what was tried, behind all else.
@@ -273,7 +287,8 @@ std::string to_html(const CalibrationReport& report) {
   RAYLOC_CHECK(!report.methods.empty() && report.positions.size() == report.held_out.size());
   return html_page(
       "Calibration of " + report.site,
-      failure(report) + headline(report) + section("Methods", method_table(report)) +
+      first_words(report) + failure(report) + headline(report) +
+          section("Methods", method_table(report)) +
           section("Course of the fit", progress(report)) +
           section("Fit of the points held out", fit_distributions(report)) +
           section("What moved",

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "daemon/calibrate/report/calibration_report.h"
+#include "daemon/calibrate/report/expectation.h"
 #include "daemon/calibrate/report/fit_summary.h"
 #include "daemon/calibrate/report/parameter_change.h"
 #include "engine/base/check.h"
@@ -144,8 +145,11 @@ Json mistakes_json(const std::vector<TriedMistake>& mistakes) {
   return all;
 }
 
-Json verdict_json(const CalibrationVerdict& verdict) {
+Json verdict_json(const CalibrationReport& report) {
+  const CalibrationVerdict& verdict = report.verdict;
   return {{"success", verdict.is_success()},
+          {"expectation", expectation(report)},
+          {"advice", advice(report)},
           {"reasons", verdict.reasons},
           {"explained_by", mistakes_json(verdict.found)},
           {"tried", mistakes_json(verdict.tried)}};
@@ -163,12 +167,13 @@ Json to_json(const CalibrationReport& report) {
   const double wavelength = kSpeedOfLight / report.before.grid.centre_hz;
   constexpr double kMebibyte = 1024.0 * 1024.0;
   return {{"method", written.method},
-          {"verdict", verdict_json(report.verdict)},
+          {"verdict", verdict_json(report)},
           {"site", report.site},
           {"calibration_id", report.calibration_id},
           {"seed", report.seed},
           {"holdout", report.holdout},
           {"survey_error_m", report.survey_error},
+          {"survey_error_is", report.survey_error_is},
           {"points", report.positions.size()},
           {"seconds", written.seconds},
           {"peak_memory_mib",

@@ -2,14 +2,18 @@
 import {ask} from './ask.js';
 import {byId, setText} from './draw.js';
 import {Feed} from './feed.js';
+import {Heat} from './heat.js';
 import {Model} from './model.js';
 import {showCalibration, showFits, watchChannel} from './panels.js';
 import {Plan} from './plan.js';
 import {Playback} from './playback.js';
+import {Solid} from './solid.js';
 import {showDaemon, showEvents, showSources} from './sources.js';
 import {Targets} from './targets.js';
+import {offerThemes} from './theme.js';
 import {Timeline} from './timeline.js';
 import {View} from './view.js';
+import {offerSites} from './choice.js';
 
 const ANNOUNCE_MS = 1500;
 const DRAW_MS = 250;  // at least so often: ages grow without a message
@@ -25,22 +29,24 @@ const targets = new Targets();
 const timeline = new Timeline(model);
 const playback = new Playback(model);
 const view = new View(byId('map'), () => { stirred = true; });
+const heat = new Heat(() => { stirred = true; });
+const solid = new Solid(view, () => { stirred = true; });
 let plan = null;
-let mapOf = null;  // the epoch that the plan was fetched for
+let mapOf = null;  // the start of the site that the plan was fetched for
 let stirred = true;
 let drawn = 0;
 let link = null;  // 'open', 'lost' or 'refused', from the first answer on
 
 // Asks until it is answered; the tables do without the plan.
-async function fetchPlan(epoch) {
-  mapOf = epoch;
+async function fetchPlan(start) {
+  mapOf = start;
   try {
     const [map, report] = await Promise.all([ask('api/v1/map', {}, PLAN_MS), ask('api/v1/calibration')]);
-    if (mapOf === epoch) showPlan(map, report);
+    if (mapOf === start) showPlan(map, report);
   } catch (error) {
-    if (mapOf !== epoch) return;  // another start of raylocd is asked by now
+    if (mapOf !== start) return;  // another start is asked by now
     if (!plan) setText(byId('empty'), `The floor plan is not known: ${error.message}. Trying again.`);
-    setTimeout(() => { if (mapOf === epoch) fetchPlan(epoch); }, AGAIN_MS);
+    setTimeout(() => { if (mapOf === start) fetchPlan(start); }, AGAIN_MS);
   }
 }
 
@@ -53,6 +59,7 @@ function showPlan(map, report) {
   } else {
     const moved = !plan || JSON.stringify(plan.map.bounds) !== JSON.stringify(map.bounds);
     plan = new Plan(map);
+    solid.forget();
     if (moved) view.show(map.bounds);
   }
   showCalibration(report);
@@ -63,7 +70,8 @@ function showPlan(map, report) {
 function told(kind) {
   return (body) => {
     model[kind](body);
-    if (kind === 'snapshot' && mapOf !== body.epoch) fetchPlan(body.epoch);
+    const start = model.start;
+    if (start !== null && mapOf !== start) fetchPlan(start);
     stirred = true;
   };
 }
@@ -117,16 +125,19 @@ function showRoom(moment, isPresent) {
   byId('empty').hidden = Boolean(plan);
   byId('scale').hidden = !plan;
   if (!plan) return;
-  plan.place(view);
   plan.showSources(model, isPresent);
   plan.showZones(model.inside(moment));
+  plan.place(view);  // after what names say, which may be longer now
+  heat.place(view);
+  solid.place(targets.selected, isPresent, plan.taken);
   showScale();
 }
 
 function showScale() {
   const steps = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200];
-  const metres = steps.find((m) => m * view.scale >= 60 * view.unit) || 500;
-  byId('scale-bar').style.width = `${metres * view.scale}px`;
+  const scale = view.scale * (view.isSolid ? Math.sqrt(2 / 3) : 1);  // along each axis
+  const metres = steps.find((m) => m * scale >= 60 * view.unit) || 500;
+  byId('scale-bar').style.width = `${metres * scale}px`;
   setText(byId('scale-text'), `${metres} m`);
 }
 
@@ -136,40 +147,6 @@ function announce() {
   }
 }
 
-const THEMES = {auto: 'as the system', light: 'light', dark: 'dark'};
-const systemDark = matchMedia('(prefers-color-scheme: dark)');
-let theme = remembered('theme') || 'auto';
-
-// Where the browser keeps nothing of a site, it throws.
-function remembered(name) {
-  try {
-    return localStorage.getItem(`rayloc-${name}`);
-  } catch {
-    return null;
-  }
-}
-
-function remember(name, value) {
-  try {
-    localStorage.setItem(`rayloc-${name}`, value);
-  } catch {
-    // Then it holds as long as the page is open.
-  }
-}
-
-function showTheme() {
-  const dark = theme === 'dark' || (theme === 'auto' && systemDark.matches);
-  document.documentElement.dataset.theme = dark ? 'dark' : 'light';
-  setText(byId('theme'), `Theme: ${THEMES[theme]}`);
-}
-
-byId('theme').addEventListener('click', () => {
-  const names = Object.keys(THEMES);
-  theme = names[(names.indexOf(theme) + 1) % names.length];
-  remember('theme', theme);
-  showTheme();
-});
-systemDark.addEventListener('change', showTheme);
 byId('zoom-in').addEventListener('click', () => view.zoom(1.25));
 byId('zoom-out').addEventListener('click', () => view.zoom(0.8));
 byId('fit').addEventListener('click', () => view.fit());
@@ -184,7 +161,8 @@ document.addEventListener('keydown', (event) => {
 document.addEventListener('input', () => { stirred = true; });
 document.addEventListener('click', () => { stirred = true; });
 
-showTheme();
+offerThemes();
+offerSites(() => model.quiet);
 const showChannel = watchChannel(targets, model);
 setInterval(announce, ANNOUNCE_MS);
 setInterval(watchFeed, 1000);

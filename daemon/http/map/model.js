@@ -2,6 +2,8 @@
 // for a moment: the present, or one under review.
 //
 // All times are of the daemon's clock [ms]; `now()` follows it from the last message on.
+import {isPerson, seconds, sourceText, statusText, targetName, trackText, zoneText} from './words.js';
+
 const PAST_MS = 10 * 60_000;    // for review
 const PAST = 30_000;            // estimates kept, of all targets together
 const GHOSTS = 8;               // hypotheses kept of each
@@ -17,13 +19,7 @@ const BEAT_MS = 1000;           // between heartbeats, before two have come
 const QUIET_MS = 3000;          // without a word: it is not known any more what raylocd does
 const QUIET_BEATS = 2.5;        // or for so many heartbeats, where these are rarer
 
-export const seconds = (duration) => (duration ? parseFloat(duration) : 0);
-
 const keyOf = (target) => target.mac || target.hashed_mac || `person-${target.track}`;
-
-export function targetName(target) {
-  return target.name || target.mac || target.hashed_mac || `person ${target.track ?? ''}`.trim();
-}
 
 export class Model {
   // told(text): something that a person should know. restarted(): what was known is void.
@@ -48,6 +44,12 @@ export class Model {
     this.first = null;
     this.latest = null;
     this.nobody = null;
+  }
+
+  // Which room is heard of: another with each start of raylocd, and of the site by a reload; null
+  // before the first word.
+  get start() {
+    return this.epoch === null ? null : `${this.epoch} ${this.heartbeat?.started ?? ''}`;
   }
 
   now() {
@@ -104,6 +106,7 @@ export class Model {
 
   beat(heartbeat, sent) {
     if (this.heartbeat && sent > this.heartbeat.sent) this.beatMs = sent - this.heartbeat.sent;
+    if (this.heartbeat && heartbeat.started !== this.heartbeat.started) this.event('the site was prepared anew', sent);
     if (this.heartbeat) this.chains(this.heartbeat.chains || [], heartbeat.chains || [], sent);
     this.heartbeat = {...heartbeat, sent};
     if (heartbeat.playback) this.play(heartbeat.playback, sent);
@@ -114,8 +117,8 @@ export class Model {
     for (const {access_point: id, knowledge} of now) {
       const known = before.find((one) => one.access_point === id)?.knowledge ?? 'CHAIN_KNOWLEDGE_AS_CALIBRATED';
       if (knowledge === known) continue;
-      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNING') this.event(`the chains of ${id} have turned`, sent);
-      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNED') this.event(`the chains of ${id} are learned`, sent);
+      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNING') this.event(`${id} was switched on anew: its phases are being learned`, sent);
+      if (knowledge === 'CHAIN_KNOWLEDGE_LEARNED') this.event(`the phases of ${id} are learned`, sent);
     }
   }
 
@@ -215,7 +218,7 @@ export class Model {
       const apart = (sent - before.sent) / 1000;
       source.rate = apart > 0.2 ? Math.max(0, frames - before.frames) / apart : before.rate;
       if (before.state.status !== state.status) {
-        this.event(`${state.access_point}: ${statusText(state.status)}`, sent);
+        this.event(sourceText(state.access_point, before.state.status, state.status, state.detail), sent);
       }
     }
     this.sources.set(state.access_point, source);
@@ -259,7 +262,7 @@ export class Model {
         const {position, target: before} = target.past[i].location;
         if (track && before.track && before.track !== track) break;  // another walk, or place of a recording
         track ||= before.track;
-        if (position) trail.push(position);
+        if (position) trail.push({...position, age: sent - target.past[i].sent});
       }
       const zones = inside.filter(([, keys]) => keys.has(target.key)).map(([name]) => name);
       shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail, zones});
@@ -269,7 +272,6 @@ export class Model {
 }
 
 const isLost = (location) => location.track_state === 'TRACK_STATE_LOST';
-const isPerson = (target) => !target.mac && !target.hashed_mac;
 
 function isGone({past}) {
   const last = past.at(-1);
@@ -308,21 +310,4 @@ function latest(past, time) {
     else high = middle;
   }
   return low - 1;
-}
-
-const word = (name, prefix) => name.replace(prefix, '').toLowerCase().replaceAll('_', ' ');
-export const statusText = (status) => word(status, 'SOURCE_STATUS_');
-export const trackStateText = (state) => word(state || '', 'TRACK_STATE_').replace('unspecified', '');
-
-function trackText(event) {
-  const reason = event.reason ? ` (${event.reason})` : '';
-  return `${targetName(event.target)}: ${trackStateText(event.state)}${reason}`;
-}
-
-function zoneText(event) {
-  const name = targetName(event.target);
-  const kind = word(event.kind, 'ZONE_EVENT_KIND_');
-  const stay = event.dwell ? `${seconds(event.dwell).toFixed(1)} s` : '';
-  if (kind === 'dwelled') return `${name} has been in ${event.zone} for ${stay}`;
-  return `${name} ${kind} ${event.zone}${stay ? ` after ${stay}` : ''}${event.reason ? ` (${event.reason})` : ''}`;
 }

@@ -1,6 +1,6 @@
 // The tables of access points and of events, and what the daemon says of itself.
 import {byId, clock, html, number, setText} from './draw.js';
-import {seconds} from './model.js';
+import {seconds} from './words.js';
 
 const rows = new Map();
 

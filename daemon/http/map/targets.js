@@ -1,10 +1,12 @@
 // Targets on the map and in the table.
 import {byId, clock, html, number, setText, svg} from './draw.js';
-import {trackStateText} from './model.js';
 import {placesOf} from './places.js';
+import {trackStateText} from './words.js';
 
 const LIKELY = 0.2;  // drawn wider
 const CLOSE_PX = 12;  // what is nearer to the mark would only hide it
+const FADING_MS = 4000;  // from one step of a trail to the next (map.css)
+const FADED = 4;  // the last step
 
 export class Targets {
   constructor() {
@@ -39,19 +41,20 @@ export class Targets {
   }
 
   make(target) {
-    const trail = svg('polyline');
+    const trail = svg('g');
     const regions = svg('g');
     const ghosts = svg('g');
     const dot = svg('circle', {class: 'dot', r: 8});
     const text = svg('text', {x: 13, y: 5});
     const title = svg('title');
-    const marker = svg('g', {}, [title, dot, text]);
+    const drop = svg('path', {class: 'drop'});
+    const marker = svg('g', {}, [title, drop, dot, text]);
     marker.addEventListener('click', () => this.select(target.key));
     byId('trails').append(trail);
     byId('regions').append(regions);
     byId('ghosts').append(ghosts);
     byId('markers').append(marker);
-    return {trail, regions, ghosts, marker, text, title, parts: [trail, regions, ghosts, marker]};
+    return {trail, regions, ghosts, marker, drop, text, title, parts: [trail, regions, ghosts, marker]};
   }
 
   draw({target, location, stale, trail}, view) {
@@ -63,11 +66,11 @@ export class Targets {
     one.marker.setAttribute('visibility', at ? 'visible' : 'hidden');
     one.marker.setAttribute('class', `target ${classes}${chosen ? ' selected' : ''}`);
     one.marker.setAttribute('data-target', target.key);
-    if (at) one.marker.setAttribute('transform', view.mark(at.x, at.y));
     setText(one.text, label(target, location, stale));
+    if (at) place(one, at, view);
     setText(one.title, doubts(location).join('; '));
     one.trail.setAttribute('class', `trail ${classes}`);
-    one.trail.setAttribute('points', trail.map((p) => view.toPixel(p.x, p.y).join()).join(' '));
+    one.trail.replaceChildren(...fading(trail, view));
     one.regions.setAttribute('class', classes);
     one.regions.replaceChildren(...regions(location, view));
     one.ghosts.setAttribute('class', classes);
@@ -106,6 +109,30 @@ export class Targets {
   }
 }
 
+// In a room that is seen from its side a line leads down to the floor.
+function place({marker, drop, text}, at, view) {
+  marker.setAttribute('transform', view.mark(at.x, at.y, at.z));
+  const [x, y] = view.toPixel(at.x, at.y, at.z);
+  const down = (view.toPixel(at.x, at.y)[1] - y) / view.unit;
+  drop.setAttribute('d', down > 0 ? `M0 0V${down}m-5 0h10` : '');
+  const isAtEdge = x + (14 + 8 * text.textContent.length) * view.unit > view.width;
+  text.setAttribute('x', isAtEdge ? -13 : 13);
+  text.setAttribute('text-anchor', isAtEdge ? 'end' : 'start');
+}
+
+// The older, the thinner and paler: a line for each step of age, each from the last point of the one before.
+function fading(trail, view) {
+  const stepOf = ({age}) => Math.min(FADED, Math.floor((age ?? 0) / FADING_MS));
+  const lines = [];
+  trail.forEach((point, i) => {
+    const step = stepOf(point);
+    if (lines.at(-1)?.step !== step) lines.push({step, points: i > 0 ? [trail[i - 1]] : []});
+    lines.at(-1).points.push(point);
+  });
+  return lines.reverse().map(({step, points}) => svg('polyline', {
+    class: `old-${step}`, points: points.map((p) => view.toPixel(p.x, p.y, p.z).join()).join(' ')}));
+}
+
 function label(target, location, stale) {
   if (stale) return `${target.name}, stale since ${clock(stale)}`;
   if (!location.position) return `${target.name}: no fix`;
@@ -124,12 +151,11 @@ const percent = (share) => `${number(100 * share, 0)} %`;
 const coordinates = ({x, y}) => `${number(x)}, ${number(y)}`;
 
 function drawnRegion({region: {major, minor, angle}, at}, view, name) {
-  const [x, y] = view.toPixel(at.x, at.y);
   return svg('ellipse', {
     class: name,
     rx: Math.max(1, major * view.scale),
     ry: Math.max(1, minor * view.scale),
-    transform: `translate(${x} ${y}) rotate(${(-angle * 180) / Math.PI})`,
+    transform: `${view.flat(at.x, at.y)} rotate(${(-angle * 180) / Math.PI})`,
   });
 }
 
@@ -139,9 +165,9 @@ function regions(location, view) {
   const {position, accuracy_m: radius, accuracy_confidence: confidence} = location;
   const drawn = [];
   if (position && radius !== undefined) {
-    const [cx, cy] = view.toPixel(position.x, position.y);
     const title = svg('title', {}, [`within ${number(radius)} m with ${percent(confidence)}`]);
-    drawn.push(svg('circle', {class: 'region outer', cx, cy, r: Math.max(1, radius * view.scale)}, [title]));
+    drawn.push(svg('circle', {
+      class: 'region outer', r: Math.max(1, radius * view.scale), transform: view.flat(position.x, position.y)}, [title]));
   }
   const {mark} = placesOf(location);
   if (mark?.region) {

@@ -1,9 +1,16 @@
-// Where the world is on the map: metres, y up, to pixels of the drawing, y down.
+// Where the world is on the map: metres to pixels of the drawing, y down. From above, or isometric from the
+// south-west, as `rayloc scene show` draws (daemon/draw/projection.h).
 //
 // The fitting view shows the bounds of the room with 0.3 m around them, as large as they go into the
 // drawing with 16 pixels left free on each side, in its middle.
 const AROUND = 0.3;
 const FREE = 16;
+const [ACROSS, UP] = [Math.sqrt(1 / 2), Math.sqrt(1 / 6)];
+// Where a metre along x, y and z leads on the drawing.
+const LOOKS = {
+  plan: [[1, 0], [0, -1], [0, 0]],
+  solid: [[ACROSS, -UP], [-ACROSS, -UP], [0, -2 * UP]],
+};
 
 export class View {
   constructor(element, changed) {
@@ -12,11 +19,23 @@ export class View {
     this.fitting = true;
     this.scale = 100;
     this.unit = 1;  // pixels of the drawing that a mark's own pixel takes: large screens are seen from afar
-    this.centre = [0, 0];
-    this.bounds = {min: [0, 0], max: [1, 1]};
+    this.look = 'plan';
+    this.centre = [0, 0];  // [m] on the drawing, y down
+    this.bounds = {min: [0, 0, 0], max: [1, 1, 1]};
     this.measure();  // what is drawn before the observer's first word has a place, too
     new ResizeObserver(() => this.resize()).observe(element);
     this.listen();
+  }
+
+  get isSolid() {
+    return this.look === 'solid';
+  }
+
+  // look: a key of LOOKS.
+  turn(look) {
+    this.look = look;
+    this.shape();
+    this.resize();
   }
 
   measure() {
@@ -34,34 +53,74 @@ export class View {
 
   show(bounds) {
     this.bounds = bounds;
+    this.shape();
     this.resize();
   }
 
-  fit() {
+  // How high the drawing is for its width, for a page that is as narrow as it (map.css).
+  shape() {
+    const {low, high} = this.extent();
+    this.element.style.setProperty('--tall', (high[1] - low[1]) / (high[0] - low[0]));
+  }
+
+  // [m] of the drawing.
+  extent() {
     const {min, max} = this.bounds;
-    const size = [0, 1].map((i) => max[i] - min[i] + 2 * AROUND);
-    this.scale = Math.max(1e-3, Math.min((this.width - 2 * FREE) / size[0], (this.height - 2 * FREE) / size[1]));
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((corner) => this.drawn(...[0, 1, 2].map((axis) => {
+      const around = axis < 2 ? AROUND : 0;
+      return corner & (1 << axis) ? (max[axis] ?? 0) + around : (min[axis] ?? 0) - around;
+    })));
+    const of = (pick) => [0, 1].map((i) => pick(...corners.map((one) => one[i])));
+    return {low: of(Math.min), high: of(Math.max)};
+  }
+
+  fit() {
+    const {low, high} = this.extent();
+    this.scale = Math.max(1e-3, Math.min(
+      (this.width - 2 * FREE) / (high[0] - low[0]), (this.height - 2 * FREE) / (high[1] - low[1])));
     this.fitScale = this.scale;
-    this.centre = [0, 1].map((i) => (min[i] + max[i]) / 2);
+    this.centre = [0, 1].map((i) => (low[i] + high[i]) / 2);
     this.fitting = true;
     this.changed();
   }
 
-  toPixel(x, y) {
+  drawn(x, y, z) {
+    const [right, along, up] = LOOKS[this.look];
+    return [0, 1].map((i) => x * right[i] + y * along[i] + z * up[i]);
+  }
+
+  toPixel(x, y, z = 0) {
+    const [across, down] = this.drawn(x, y, z);
     return [
-      this.width / 2 + (x - this.centre[0]) * this.scale,
-      this.height / 2 - (y - this.centre[1]) * this.scale,
+      this.width / 2 + (across - this.centre[0]) * this.scale,
+      this.height / 2 + (down - this.centre[1]) * this.scale,
     ];
   }
 
+  // On the floor, of a pixel of the window.
+  toWorld(clientX, clientY) {
+    const box = this.element.getBoundingClientRect();
+    const across = this.centre[0] + (clientX - box.left - this.width / 2) / this.scale;
+    const down = this.centre[1] + (clientY - box.top - this.height / 2) / this.scale;
+    const [[a, b], [c, d]] = LOOKS[this.look];
+    const determinant = a * d - b * c;
+    return [(d * across - c * down) / determinant, (a * down - b * across) / determinant];
+  }
+
   // Puts a mark there that is drawn about 0, 0.
-  mark(x, y) {
-    return `translate(${this.toPixel(x, y).join(' ')}) scale(${this.unit})`;
+  mark(x, y, z = 0) {
+    return `translate(${this.toPixel(x, y, z).join(' ')}) scale(${this.unit})`;
+  }
+
+  // Lays on the floor there what is drawn about 0, 0 in pixels as seen from above.
+  flat(x, y) {
+    const [[a, b], [c, d]] = LOOKS[this.look];
+    return `matrix(${[a, b, -c, -d, ...this.toPixel(x, y)].join(' ')})`;
   }
 
   pan(dx, dy) {
     this.fitting = false;
-    this.centre = [this.centre[0] - dx / this.scale, this.centre[1] + dy / this.scale];
+    this.centre = [this.centre[0] - dx / this.scale, this.centre[1] - dy / this.scale];
     this.changed();
   }
 
@@ -69,20 +128,17 @@ export class View {
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const fit = this.fitScale || this.scale;
     const scale = Math.min(fit * 60, Math.max(fit / 8, this.scale * factor));
-    const dx = px - this.width / 2;
-    const dy = py - this.height / 2;
-    this.centre = [
-      this.centre[0] + dx / this.scale - dx / scale,
-      this.centre[1] - dy / this.scale + dy / scale,
-    ];
+    const from = [px - this.width / 2, py - this.height / 2];
+    this.centre = this.centre.map((middle, i) => middle + from[i] / this.scale - from[i] / scale);
     this.scale = scale;
     this.fitting = false;
     this.changed();
   }
 
+  // Of what is drawn on the floor in metres, y up.
   matrix() {
-    const [x, y] = this.toPixel(0, 0);
-    return `matrix(${this.scale} 0 0 ${-this.scale} ${x} ${y})`;
+    const [[a, b], [c, d]] = LOOKS[this.look];
+    return `matrix(${[...[a, b, c, d].map((one) => one * this.scale), ...this.toPixel(0, 0)].join(' ')})`;
   }
 
   listen() {

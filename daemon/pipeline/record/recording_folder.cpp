@@ -163,6 +163,22 @@ std::uint64_t remove_oldest_recordings(const fs::path& folder, std::uint64_t byt
   return removed;
 }
 
+std::vector<fs::path> recordings_since(const fs::path& folder,
+                                       const std::string& name,
+                                       Timestamp since) {
+  std::vector<fs::path> found;
+  for (const Recording& recording : recordings_in(folder)) {
+    const std::string file = recording.path.filename().string();
+    const bool is_its = file.rfind(name + "-" + recording.key + std::string(kSuffix), 0) == 0;
+    std::error_code failed;
+    const auto written = fs::last_write_time(recording.path, failed);
+    if (is_its && !failed && std::chrono::file_clock::to_sys(written) >= since) {
+      found.push_back(recording.path);
+    }
+  }
+  return found;
+}
+
 std::uint64_t repair_recordings(const fs::path& folder,
                                 Timestamp now,
                                 const std::function<void(const std::string& line)>& log) {

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "engine/base/expected.h"
 #include "engine/base/timestamp.h"
@@ -40,6 +41,12 @@ std::uint64_t remove_oldest_recordings(const std::filesystem::path& folder, std:
 std::uint64_t repair_recordings(const std::filesystem::path& folder,
                                 Timestamp now,
                                 const std::function<void(const std::string& line)>& log);
+
+// Those of that name (of an access point) that were still written to at `since` or later, the
+// oldest first; the one that is being written included.
+std::vector<std::filesystem::path> recordings_since(const std::filesystem::path& folder,
+                                                    const std::string& name,
+                                                    Timestamp since);
 
 // What an unprivileged process may still write to that disk; all there is when nobody can tell.
 std::uint64_t free_disk_bytes(const std::filesystem::path& folder);

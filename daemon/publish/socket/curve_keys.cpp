@@ -1,13 +1,7 @@
 #include "daemon/publish/socket/curve_keys.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
 
 #include <zmq.h>
@@ -72,28 +66,6 @@ Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file) {
 Expected<std::string> read_curve_public(const std::filesystem::path& file) {
   const Expected<std::string> line = read_key_line(file, kPublicKey);
   return line ? checked_key(file, kPublicKey, *line) : line;
-}
-
-Expected<void> write_curve_secret(const std::filesystem::path& file,
-                                  const std::string& secret_key) {
-  const auto refuse = [&](int number) {
-    return make_error(ErrorKind::kUnavailable,
-                      file.string() + ": cannot be made: " + std::strerror(number));
-  };
-  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
-  if (fd < 0) {
-    return refuse(errno);
-  }
-  const std::string line = secret_key + "\n";
-  const bool written =
-      write(fd, line.data(), line.size()) == static_cast<ssize_t>(line.size()) && fsync(fd) == 0;
-  const int number = errno;
-  close(fd);
-  if (!written) {
-    unlink(file.c_str());
-    return refuse(number);
-  }
-  return {};
 }
 
 }  // namespace rayloc

@@ -33,10 +33,6 @@ Expected<CurveKeyPair> read_curve_secret(const std::filesystem::path& file);
 
 Expected<std::string> read_curve_public(const std::filesystem::path& file);
 
-// Makes the file, which only its owner may read; a file that exists is never touched. kUnavailable
-// when it exists or cannot be written.
-Expected<void> write_curve_secret(const std::filesystem::path& file, const std::string& secret_key);
-
 // What a client needs to speak with a server.
 struct CurveClientKeys {
   std::string server_key;  // the server's public key

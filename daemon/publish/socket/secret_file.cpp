@@ -1,6 +1,8 @@
 #include "daemon/publish/socket/secret_file.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -39,6 +41,27 @@ Expected<std::string> read_secret(const std::filesystem::path& file, const KeyKi
     return tl::make_unexpected(std::move(checked.error()));
   }
   return read_key_line(file, kind);
+}
+
+Expected<void> write_secret(const std::filesystem::path& file, const std::string& secret) {
+  const auto refuse = [&](int number) {
+    return make_error(ErrorKind::kUnavailable,
+                      file.string() + ": cannot be made: " + std::strerror(number));
+  };
+  const int fd = open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (fd < 0) {
+    return refuse(errno);
+  }
+  const std::string line = secret + "\n";
+  const bool written =
+      write(fd, line.data(), line.size()) == static_cast<ssize_t>(line.size()) && fsync(fd) == 0;
+  const int number = errno;
+  close(fd);
+  if (!written) {
+    unlink(file.c_str());
+    return refuse(number);
+  }
+  return {};
 }
 
 }  // namespace rayloc

@@ -24,4 +24,8 @@ Expected<std::string> read_key_line(const std::filesystem::path& file, const Key
 // The same of a secret, whose file must be private.
 Expected<std::string> read_secret(const std::filesystem::path& file, const KeyKind& kind);
 
+// Makes the file, which only its owner may read; a file that exists is never touched. kUnavailable
+// when it exists or cannot be written.
+Expected<void> write_secret(const std::filesystem::path& file, const std::string& secret);
+
 }  // namespace rayloc

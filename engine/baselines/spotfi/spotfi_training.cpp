@@ -79,7 +79,7 @@ Expected<std::shared_ptr<const Training>> train_spotfi(const TrainingInput& inpu
       }
     }
     if (input.progress) {
-      input.progress(static_cast<double>(i + 1) / static_cast<double>(count));
+      input.progress({static_cast<double>(i + 1) / static_cast<double>(count), {}});
     }
   }
   if (training->access_points.empty()) {

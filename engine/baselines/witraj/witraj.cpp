@@ -68,6 +68,7 @@ void Witraj::restart() {
   for (Receiver& receiver : receivers_) {
     receiver.series.clear();
     receiver.power = {};
+    receiver.of_tone.assign(receiver.tones.size(), {});
     receiver.frames = 0;
   }
   sample_ = {};
@@ -106,7 +107,13 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
     std::iota(elements.begin(), elements.end(), std::size_t{0});
     auto line = antenna_line(ap.array, elements);
     if (calibration_problem(*made.room_, ap).empty() && line) {
-      made.receivers_.push_back({i, *std::move(line), tones, {}, {}, 0});
+      made.receivers_.push_back({i,
+                                 *std::move(line),
+                                 tones,
+                                 {},
+                                 {},
+                                 std::vector<std::array<double, 2>>(tones.size()),
+                                 0});
       names += (names.empty() ? "" : ", ") + ap.id;
     }
   }
@@ -144,6 +151,9 @@ void Witraj::take(const CsiFrame& frame) {
           std::norm(one->value(rows.at(side), k)) / static_cast<double>(one->grid.size());
     }
     receiver.power.at(side) += std::sqrt(power.at(side));
+    for (std::size_t i = 0; i < receiver.tones.size(); ++i) {
+      receiver.of_tone[i].at(side) += std::abs(one->value(rows.at(side), receiver.tones[i]));
+    }
   }
   std::vector<std::complex<double>> ratios;
   for (std::size_t side = 0; side < 2; ++side) {  // below the line: this one
@@ -190,12 +200,15 @@ Witraj::Rates Witraj::rates_of(const Receiver& receiver,
                                Timestamp from,
                                std::size_t samples) const {
   // The weaker antenna stands above.
-  const std::size_t offset = receiver.power[0] >= receiver.power[1] ? 0 : receiver.tones.size();
+  const auto offset = [&](std::size_t tone) {
+    const auto& power = options_.by_tone ? receiver.of_tone[tone] : receiver.power;
+    return power[0] >= power[1] ? std::size_t{0} : receiver.tones.size();
+  };
   std::vector<std::vector<std::complex<double>>> ratio(receiver.tones.size());
   for (std::size_t n = 0; n < samples; ++n) {
     const auto values = receiver.series.at(from + static_cast<std::int64_t>(n) * sample_);
     for (std::size_t k = 0; k < ratio.size(); ++k) {
-      ratio[k].push_back(values ? (*values)[offset + k]
+      ratio[k].push_back(values ? (*values)[offset(k) + k]
                                 : (n == 0 ? std::complex<double>() : ratio[k].back()));
     }
   }

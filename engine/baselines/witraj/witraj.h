@@ -71,7 +71,8 @@ class Witraj {
     AntennaLine line;
     std::vector<std::size_t> tones;  // of the grid
     FrameSeries series;              // ratio of the outer antennas and its inverse, of each tone
-    std::array<double, 2> power{};   // of the two, so far
+    std::array<double, 2> power{};   // sum of their amplitudes, so far
+    std::vector<std::array<double, 2>> of_tone;  // the same of each tone
     std::size_t frames = 0;
   };
   // What one access point says of a window, sample by sample.

@@ -7,6 +7,8 @@ namespace {
 
 // Two words: whether the access point that turns least evenly counts.
 constexpr std::array kWorst = std::to_array<std::string_view>({"drop", "keep"});
+// Two words: of what the weaker antenna is told.
+constexpr std::array kWeaker = std::to_array<std::string_view>({"access_point", "tone"});
 
 std::span<const BaselineSetting> table() {
   // Each says its unit; chosen but for the windows, which are the paper's (path_rate.h).
@@ -15,6 +17,7 @@ std::span<const BaselineSetting> table() {
       {"sigma_v", "standard deviation of a path's rate [m/s]", 0.12, 1e-3, 10.0},
       {"rate_memory_s", "in which its error stays the same [s]", 0.3, 1e-3, 10.0},
       {"worst", "of three access points, which turns least evenly", 0.0, 0.0, 0.0, false, kWorst},
+      {"weaker", "antenna, over the stronger one", 0.0, 0.0, 0.0, false, kWeaker},
       {"start_sigma", "standard deviation of the start [m]", 0.1, 1e-3, 10.0},
   });
   return kTable;
@@ -31,6 +34,7 @@ WitrajOptions witraj_options(const BaselineValues& values) {
   options.rate_memory_s = number_of(table(), values, "rate_memory_s");
   options.start_sigma = number_of(table(), values, "start_sigma");
   options.drops_worst = choice_of(table(), values, "worst") == 0;
+  options.by_tone = choice_of(table(), values, "weaker") == 1;
   return options;
 }
 

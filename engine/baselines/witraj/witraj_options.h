@@ -14,6 +14,8 @@ struct WitrajOptions {
   double rate_memory_s = 0.3;    // [s], in which its error stays the same
   double start_sigma = 0.1;      // [m], of the start
   bool drops_worst = true;       // of three access points, as published; else all count
+  bool by_tone =
+      false;  // the weaker antenna is told of each tone (ours); else of all, as published
   double accuracy_confidence = 0.95;
 };
 

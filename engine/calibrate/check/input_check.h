@@ -56,7 +56,7 @@ struct InputCheck {
 //
 // "Clearly": the mean of the paired differences exceeds kClearly of its standard errors. Were a
 // mistake as good as the truth, that happens once in 740 comparisons; for a right survey the mean
-// is negative. With fewer than kLeastPairs pairs of a point and an access point nothing is said.
+// is negative. With fewer than kFewestPairs pairs of a point and an access point nothing is said.
 // The places must also explain their recordings clearly better than places half of the survey away
 // do: of many mistakes some explain a survey in disorder better than what was stated.
 // Of arrays and carriers the mistake must also explain kSubstantial of what is left as stated:

@@ -4,6 +4,7 @@
 // both hypotheses.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -14,8 +15,14 @@ namespace rayloc {
 // How well each point is explained; nothing where it was not heard or is not reached.
 using Correlations = std::vector<std::optional<double>>;
 
-// With fewer pairs of a point and an access point nothing is said.
+// Pairs of a point and an access point from which on their spread is known as if from many.
 constexpr std::size_t kLeastPairs = 12;
+// With fewer than these nothing is said. A ratio, chosen: half as many.
+constexpr std::size_t kFewestPairs = kLeastPairs / 2;
+// Quantiles of Student's t by which as many standard errors are as rare as 3 are of a normal
+// distribution (0.99865): of kFewestPairs pairs, and each one more (JCGM 100:2008, table G.2).
+constexpr std::array<double, kLeastPairs - kFewestPairs> kThreeOfFew = {
+    5.51, 4.90, 4.53, 4.28, 4.09, 3.96};
 
 class PairedComparison {
  public:
@@ -36,10 +43,11 @@ class PairedComparison {
   double other() const { return other_ / static_cast<double>(difference_.size()); }
   double gained() const { return other_ - stated_; }  // summed over the pairs
 
-  // Mean difference over its standard error; 0 where nothing can be said.
+  // Mean difference over its standard error; 0 where nothing can be said. With fewer than
+  // kLeastPairs pairs it is made smaller, so that 3 is as rare as with many.
   double significance() const {
     const auto count = static_cast<double>(difference_.size());
-    if (difference_.size() < kLeastPairs) {
+    if (difference_.size() < kFewestPairs) {
       return 0.0;
     }
     const double mean = gained() / count;
@@ -48,7 +56,10 @@ class PairedComparison {
       square += (d - mean) * (d - mean);
     }
     const double error = std::sqrt(square / (count * (count - 1.0)));
-    return error > 0.0 ? mean / error : 0.0;
+    const double known = difference_.size() < kLeastPairs
+                             ? 3.0 / kThreeOfFew.at(difference_.size() - kFewestPairs)
+                             : 1.0;
+    return error > 0.0 ? known * mean / error : 0.0;
   }
 
  private:

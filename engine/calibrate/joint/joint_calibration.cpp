@@ -8,12 +8,11 @@
 #include "engine/base/median.h"
 #include "engine/base/parallel.h"
 #include "engine/calibrate/chain_ripple.h"
-#include "engine/calibrate/joint/joint_progress.h"
+#include "engine/calibrate/joint/joint_run.h"
 #include "engine/calibrate/joint/stated_parameter.h"
 #include "engine/calibrate/joint/stated_widths.h"
 #include "engine/calibrate/joint/surface_scan.h"
 #include "engine/calibrate/joint/wave_cycles.h"
-#include "engine/calibrate/point_uses.h"
 #include "engine/scene/scene.h"
 
 namespace rayloc {
@@ -30,86 +29,39 @@ constexpr std::size_t kMostTried = 8;  // a count, chosen: bounds the time of th
 constexpr int kTrialIterations = 5;    // a count, chosen: what is better is then fitted to the end
 // Of a part of the work, beside the iterations: the scan, and what Ceres tells before the first.
 constexpr int kStepsBesides = 2;
+// [m], chosen: of a survey of which nobody says how exact it is. Where less is assumed than is
+// right, points that are far off explain nothing, and none of them says by how much.
+constexpr double kSurveyToBegin = 0.03;
+// A ratio, chosen: a survey error that is found this far from what was assumed is fitted again.
+constexpr double kOtherSurvey = 1.2;
+constexpr int kSurveyFits = 3;  // a count, chosen: at most, in a round
 
-class JointCalibration {
- public:
-  JointCalibration(const RoomModel& room,
-                   std::span<const CalibrationPoint> points,
-                   const JointCalibrationOptions& options,
-                   const CalibrationObserver& observer)
-      : original_(room),
-        points_(points),
-        options_(options),
-        unknowns_(room, options.priors),
-        plain_(room.grid),
-        model_(plain_),
-        use_(draw_uses(points, options.seed)),
-        progress_(observer, fitted_points(points, use_), options.iterations + kStepsBesides) {
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      for (std::size_t a = 0; a < points[p].h.size(); ++a) {
-        if (!points[p].h[a].empty()) {
-          sites_.push_back({p, a, points[p].position});
-        }
+}  // namespace
+
+JointCalibration::JointCalibration(const RoomModel& room,
+                                   std::span<const CalibrationPoint> points,
+                                   const JointCalibrationOptions& options,
+                                   const CalibrationObserver& observer)
+    : original_(room),
+      points_(points),
+      options_(options),
+      unknowns_(room, options.priors),
+      plain_(room.grid),
+      model_(plain_),
+      use_(draw_uses(points, options.seed)),
+      survey_sigma_(options.finds_survey ? kSurveyToBegin : options.priors.survey),
+      progress_(observer, fitted_points(points, use_), options.iterations + kStepsBesides) {
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    for (std::size_t a = 0; a < points[p].h.size(); ++a) {
+      if (!points[p].h[a].empty()) {
+        sites_.push_back({p, a, points[p].position});
       }
     }
-    assumed_ = gains();
-    state_.values.resize(unknowns_.size());
-    state_.survey.resize(points.size());
   }
-
-  Expected<void> check() const { return check_uses(original_, points_, use_); }
-  Expected<RoomCalibration> run();
-
- private:
-  Expected<void> retrace();
-  void measure();
-  void weigh(const JointRound& round);
-  std::vector<char> released(const JointRound& round) const;
-  JointOptions joint_options(const JointRound& round, std::span<const char> released) const;
-  JointContext context(std::span<const JointSample> samples) const {
-    return {model_, unknowns_, samples, traced_at_};
-  }
-  double half_wave() const { return 0.5 * kSpeedOfLight / original_.grid.centre_hz; }  // [m]
-  std::vector<double> change() const { return context({}).change(state_.values); }
-  std::vector<ChainGains> gains() const;
-  void set_gains(std::span<const ChainGains> gains);
-  double correlation(std::size_t sample, const ModelPoint& at) const;
-  double median_correlation(std::span<const Use> uses, std::span<const Vec3d> survey) const;
-  double met(const JointRound& round, std::span<const Use> uses) const;
-  bool solve(const JointRound& round, std::span<const Use> uses, const char* stage);
-  bool settle(const JointRound& round);
-  bool search(const JointRound& round, bool cycles);
-  Expected<double> go_from(const JointState& before,
-                           double met_before,
-                           const JointRound& round,
-                           std::span<const Use> uses);
-  Expected<bool> run_round(std::size_t index);
-  Expected<void> go_back_to(const JointCheckpoint& reached);
-  void checkpoint(JointCheckpoint& reached) const;
-  Expected<double> finish(const JointRound& round);
-  void fold_chains();
-  std::vector<Vec3d> placed(const JointRound& round, std::span<const JointSample> samples) const;
-  std::vector<JointSample> used(std::span<const Use> uses) const;
-  std::vector<RoomParameter> parameters(const JointRound& round);
-
-  RoomModel original_;               // its chain gains are improved
-  std::vector<ChainGains> assumed_;  // those of the beginning
-  std::span<const CalibrationPoint> points_;
-  const JointCalibrationOptions& options_;
-  RoomUnknowns unknowns_;
-  SampleModel plain_;
-  SampleModel model_;     // weighs coordinates
-  std::vector<Use> use_;  // of each point
-  std::vector<SampleSite> sites_;
-  JointState state_;
-  std::vector<double> traced_at_;
-  std::vector<TracedSample> traced_;
-  std::vector<double> power_;  // surface_power()
-  std::vector<MeasuredSample> measured_;
-  std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
-  std::vector<WaveCycle> other_cycles_;
-  JointProgress progress_;
-};
+  assumed_ = gains();
+  state_.values.resize(unknowns_.size());
+  state_.survey.resize(points.size());
+}
 
 Expected<void> JointCalibration::retrace() {
   auto room = changed_room(original_, unknowns_, state_.values);
@@ -251,7 +203,7 @@ bool JointCalibration::settle(const JointRound& round) {
 
 JointOptions JointCalibration::joint_options(const JointRound& round,
                                              std::span<const char> free) const {
-  return {round.floor, options_.iterations, round.survey ? options_.priors.survey : 0.0, free};
+  return {round.floor, options_.iterations, round.survey ? survey_sigma_ : 0.0, free};
 }
 
 // The gains of the chains found so far, and their ripple over the tones, go into the chain gains.
@@ -293,7 +245,29 @@ bool JointCalibration::search(const JointRound& round, bool cycles) {
   scan_surfaces(context(samples), power_, {round.floor, round.scan_range}, state_);
   progress_.advance();
   return progress_.tell("scan", mean_unexplained(context(samples), state_)) &&
-         solve(round, kFitted, "fit") && (!cycles || settle(round));
+         solve(round, kFitted, "fit") && find_survey(round) && (!cycles || settle(round));
+}
+
+// How exact the survey is, where nobody says it: found from the errors that were fitted, and these
+// fitted again.
+bool JointCalibration::find_survey(const JointRound& round) {
+  if (!options_.finds_survey || !round.survey) {
+    return true;
+  }
+  const std::vector<char> free = released(round);
+  const auto samples = used(kFitted);
+  for (int i = 0; i < kSurveyFits; ++i) {
+    const double before = survey_sigma_;
+    survey_sigma_ = JointProblem(context(samples)).survey_sigma(joint_options(round, free), state_);
+    const double ratio = survey_sigma_ / before;
+    if (ratio < kOtherSurvey && 1.0 / ratio < kOtherSurvey) {
+      return true;
+    }
+    if (!solve(round, kFitted, "survey")) {
+      return false;
+    }
+  }
+  return true;
 }
 
 // Goes towards what was solved as far as the room, traced anew, bears it out, and returns the share
@@ -324,7 +298,7 @@ Expected<double> JointCalibration::go_from(const JointState& before,
 Expected<bool> JointCalibration::run_round(std::size_t index) {
   const JointRound& round = joint_round(index);
   progress_.begin_part(static_cast<int>(index));
-  const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_};
+  const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_, {}, survey_sigma_};
   bool has_moved = false;
   double share = 0.0;
   for (int pass = 0; pass < kPasses && share < 1.0; ++pass) {
@@ -354,6 +328,7 @@ Expected<void> JointCalibration::go_back_to(const JointCheckpoint& reached) {
   state_ = reached.state;
   set_gains(reached.gains);
   other_cycles_ = reached.other_cycles;
+  survey_sigma_ = reached.survey_sigma > 0.0 ? reached.survey_sigma : survey_sigma_;
   return retrace();
 }
 
@@ -361,7 +336,7 @@ Expected<void> JointCalibration::go_back_to(const JointCheckpoint& reached) {
 std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
                                             std::span<const JointSample> samples) const {
   const std::vector<char> none(unknowns_.size());
-  const JointOptions options{round.floor, options_.iterations, options_.priors.survey, none};
+  const JointOptions options{round.floor, options_.iterations, survey_sigma_, none};
   JointState state = state_;
   JointProblem(context(samples)).solve(options, state, {});
   return std::move(state.survey);
@@ -399,6 +374,7 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
   reached.gains = gains();
   reached.other_cycles = other_cycles_;
   reached.history = progress_.history();
+  reached.survey_sigma = survey_sigma_;
   if (options_.on_checkpoint) {
     options_.on_checkpoint(reached);
   }
@@ -476,11 +452,10 @@ Expected<RoomCalibration> JointCalibration::run() {
   result.room = *std::move(calibrated);
   result.room.trace = options_.use;
   result.history = progress_.history();
+  result.survey_sigma = survey_sigma_;
   result.interrupted = progress_.is_stopped();
   return result;
 }
-
-}  // namespace
 
 Expected<RoomCalibration> calibrate_jointly(const RoomModel& room,
                                             std::span<const CalibrationPoint> points,

@@ -31,10 +31,12 @@ struct JointCheckpoint {
   std::vector<ChainGains> gains;              // of each access point
   std::vector<WaveCycle> other_cycles;        // what else surfaces could be
   std::vector<CalibrationStep> history = {};  // that led here
+  double survey_sigma = 0.0;                  // [m], found so far; 0: nothing is
 };
 
 struct JointCalibrationOptions {
   CalibrationPriors priors;
+  bool finds_survey = false;  // and not priors.survey: the fit finds how exact the survey is
   TraceOptions trace{.max_depth = 4, .transmission = true};  // while fitting
   TraceOptions use{.max_depth = 3, .transmission = true};    // RoomModel::trace of the result
   int iterations = 12;                      // of the least squares in a round, at most

@@ -8,6 +8,7 @@
 
 #include <ceres/ceres.h>
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCore>
 
 #include "engine/base/check.h"
@@ -15,6 +16,9 @@
 
 namespace rayloc {
 namespace {
+
+constexpr double kLeastSurveySigma = 0.001;  // [m], chosen: nobody surveys better ...
+constexpr double kMostSurveySigma = 0.1;     // [m], chosen: ... and worse than this
 
 // All values that Ceres moves, one after the other: its parameter blocks point into it.
 struct Values {
@@ -246,6 +250,49 @@ void assemble(const JointContext& context,
   add_priors(context, options, used, used_point, assembled);
 }
 
+// J^T J, priors with it, of the released unknowns and then of the survey errors of the points,
+// three each (where these are free).
+Eigen::MatrixXd information_of(Assembled& assembled, const JointOptions& options) {
+  ceres::Problem::EvaluateOptions evaluate;
+  for (const std::uint32_t unknown : assembled.released) {
+    evaluate.parameter_blocks.push_back(&assembled.values.room[unknown]);
+  }
+  if (options.survey_sigma > 0.0) {
+    for (const std::size_t point : assembled.points) {
+      evaluate.parameter_blocks.push_back(assembled.values.survey[point].data());
+    }
+  }
+  ceres::CRSMatrix crs;
+  const bool evaluated = assembled.problem->Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  RAYLOC_CHECK(evaluated);  // every sample's residual is finite
+  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
+      crs.num_rows,
+      crs.num_cols,
+      static_cast<Eigen::Index>(crs.values.size()),
+      crs.rows.data(),
+      crs.cols.data(),
+      crs.values.data());
+  return Eigen::SparseMatrix<double>(jacobian.transpose() * jacobian);
+}
+
+// Along each axis that the measurements tell independently of the others: `said`, what they say
+// [1/m^2], and the error [m] that was found with one of variance `assumed` expected. Without that
+// the measurements alone say a greater one, the less they say the greater; what they hardly say
+// counts little. Their own noise is not taken off: `said` is of an evidence that is tempered.
+double spread_of(const Eigen::VectorXd& said, const Eigen::VectorXd& error, double assumed) {
+  double sum = 0.0;
+  double weights = 0.0;
+  for (Eigen::Index i = 0; i < said.size(); ++i) {
+    if (said[i] > 0.0) {
+      const double share = said[i] * assumed / (1.0 + said[i] * assumed);
+      sum += error[i] * error[i];  // (error / share)^2, weighed by share^2
+      weights += share * share;
+    }
+  }
+  return weights > 0.0 ? std::clamp(std::sqrt(sum / weights), kLeastSurveySigma, kMostSurveySigma)
+                       : std::sqrt(assumed);
+}
+
 }  // namespace
 
 JointState between(const JointState& from, const JointState& to, double share) {
@@ -328,26 +375,7 @@ std::vector<double> JointProblem::posterior(const JointOptions& options,
                                             const JointState& state) const {
   Assembled assembled;
   assemble(context_, options, state, assembled);
-  ceres::Problem::EvaluateOptions evaluate;
-  for (const std::uint32_t unknown : assembled.released) {
-    evaluate.parameter_blocks.push_back(&assembled.values.room[unknown]);
-  }
-  if (options.survey_sigma > 0.0) {
-    for (const std::size_t point : assembled.points) {
-      evaluate.parameter_blocks.push_back(assembled.values.survey[point].data());
-    }
-  }
-  ceres::CRSMatrix crs;
-  const bool evaluated = assembled.problem->Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
-  RAYLOC_CHECK(evaluated);  // every sample's residual is finite
-  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
-      crs.num_rows,
-      crs.num_cols,
-      static_cast<Eigen::Index>(crs.values.size()),
-      crs.rows.data(),
-      crs.cols.data(),
-      crs.values.data());
-  const Eigen::MatrixXd information = Eigen::SparseMatrix<double>(jacobian.transpose() * jacobian);
+  const Eigen::MatrixXd information = information_of(assembled, options);
   const Eigen::LLT<Eigen::MatrixXd> factor(information);
   const auto count = static_cast<Eigen::Index>(assembled.released.size());
   // Row i of inverse(L)^T: variance_i = |inverse(L) e_i|^2.
@@ -359,6 +387,30 @@ std::vector<double> JointProblem::posterior(const JointOptions& options,
     sigma[assembled.released[static_cast<std::size_t>(i)]] = inverse.col(i).norm();
   }
   return sigma;
+}
+
+double JointProblem::survey_sigma(const JointOptions& options, const JointState& state) const {
+  RAYLOC_CHECK(options.survey_sigma > 0.0);
+  Assembled assembled;
+  assemble(context_, options, state, assembled);
+  const Eigen::MatrixXd all = information_of(assembled, options);
+  const auto room = static_cast<Eigen::Index>(assembled.released.size());
+  const Eigen::Index survey = all.rows() - room;
+  const double assumed = options.survey_sigma * options.survey_sigma;
+  // What the measurements say of the errors, the room integrated out.
+  Eigen::MatrixXd said = all.bottomRightCorner(survey, survey);
+  said.diagonal().array() -= 1.0 / assumed;
+  if (room > 0) {
+    const auto shared = all.topRightCorner(room, survey);
+    said -= shared.transpose() * all.topLeftCorner(room, room).llt().solve(shared);
+  }
+  Eigen::VectorXd error(survey);
+  for (std::size_t i = 0; i < assembled.points.size(); ++i) {
+    const auto& of_point = assembled.values.survey[assembled.points[i]];
+    error.segment<3>(static_cast<Eigen::Index>(3 * i)) << of_point[0], of_point[1], of_point[2];
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(said);
+  return spread_of(eigen.eigenvalues(), eigen.eigenvectors().transpose() * error, assumed);
 }
 
 }  // namespace rayloc

@@ -71,6 +71,11 @@ class JointProblem {
   // `state`, the survey errors integrated out.
   std::vector<double> posterior(const JointOptions& options, const JointState& state) const;
 
+  // [m], on each axis: how exact the survey is, by the survey errors of `state`; what the room can
+  // take of them is not counted. `state` is of options.survey_sigma, so it is fitted and asked
+  // again where the answer is far from that. REQUIRES: options.survey_sigma > 0.
+  double survey_sigma(const JointOptions& options, const JointState& state) const;
+
  private:
   JointContext context_;
 };

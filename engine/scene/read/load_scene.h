@@ -6,7 +6,9 @@
 //   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-3, or what <string name="type"> says beside;
 //   - <bsdf type="itu-radio-material"> with <string name="type">;
 //   - <bsdf type="radio-material"> with <float name="relative_permittivity"|"conductivity">;
-// each with <float name="thickness">, 0.1 m without, and also inside <bsdf type="twosided">. The
+// each with <float name="thickness">, 0.1 m without, and Sionna RT's scattering_coefficient,
+// xpd_coefficient, scattering_pattern, alpha_r, alpha_i and lambda_, and also inside
+// <bsdf type="twosided">. The
 // material's name is the id without "mat-" and "itu_", the object's name the shape's id without
 // "mesh-".
 //
@@ -32,6 +34,8 @@ struct RadioMaterialOverride {
   std::optional<double> relative_permittivity;
   std::optional<double> conductivity;  // [S/m]
   std::optional<double> thickness;     // [m]
+  std::optional<double> scattering_coefficient = {};
+  std::optional<double> xpd_coefficient = {};
 };
 
 struct SceneOptions {

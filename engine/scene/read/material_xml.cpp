@@ -38,23 +38,8 @@ bool is_itu_material(const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-// Sionna's diffuse scattering at surfaces: its coefficient and the shape of its lobes.
-bool is_of_scattering(std::string_view name) {
-  // The parameters of Sionna RT's scattering, which nothing here models.
-  constexpr std::array<std::string_view, 6> kNames{"scattering_coefficient",
-                                                   "xpd_coefficient",
-                                                   "scattering_pattern",
-                                                   "alpha_r",
-                                                   "alpha_i",
-                                                   "lambda_"};
-  return contains(kNames, name);
-}
-
-bool is_left_out(std::string_view name) {
-  return is_visual_of_bsdf(name) || is_of_scattering(name);
-}
 bool is_left_out_of_conductor(std::string_view name) {
-  return is_left_out(name) || name == "material";  // of which metal the colour is
+  return is_visual_of_bsdf(name) || name == "material";  // of which metal the colour is
 }
 
 // Of several statements the outermost counts, and another one beside it is a mistake.
@@ -68,6 +53,18 @@ void keep(XmlElement& element,
   } else if (found) {
     kept = std::move(found);
   }
+}
+
+// What the user states counts more.
+void replace(const RadioMaterialOverride& by, RadioMaterial& material) {
+  const auto set = [](const std::optional<double>& value, double& number) {
+    number = value.value_or(number);
+  };
+  set(by.relative_permittivity, material.relative_permittivity);
+  set(by.conductivity, material.conductivity);
+  set(by.thickness, material.thickness);
+  set(by.scattering_coefficient, material.scattering.scattering_coefficient);
+  set(by.xpd_coefficient, material.scattering.xpd_coefficient);
 }
 
 }  // namespace
@@ -143,14 +140,17 @@ std::optional<RadioMaterial> MaterialReader::read(const pugi::xml_node& bsdf,
     file_.complain(bsdf, "material '" + stated.name + "': " + material.error().message);
     return std::nullopt;
   }
-  const auto found = options_.materials.find(stated.name);
-  const RadioMaterialOverride changed =
-      found != options_.materials.end() ? found->second : RadioMaterialOverride{};
+  const auto scattering = scattering_of(stated, bsdf);
+  if (!scattering) {
+    file_.complain(bsdf, "material '" + stated.name + "': " + scattering.error().message);
+    return std::nullopt;
+  }
+  material->scattering = *scattering;
   material->name = stated.name;
-  material->thickness = changed.thickness.value_or(stated.thickness.value_or(kDefaultThickness));
-  material->relative_permittivity =
-      changed.relative_permittivity.value_or(material->relative_permittivity);
-  material->conductivity = changed.conductivity.value_or(material->conductivity);
+  material->thickness = stated.thickness.value_or(kDefaultThickness);
+  if (const auto found = options_.materials.find(stated.name); found != options_.materials.end()) {
+    replace(found->second, *material);
+  }
   if (auto valid = validate(*material); !valid) {
     file_.complain(bsdf, valid.error().message);
     return std::nullopt;
@@ -188,7 +188,7 @@ void MaterialReader::read_level(const pugi::xml_node& bsdf, Stated& stated) {
   read_properties(element, type, stated);
   element.allow_tags({"bsdf", "ref"});
   element.allow_tags(visual_bsdf_tags());
-  element.leave_out(type.ends_with("conductor") ? is_left_out_of_conductor : is_left_out);
+  element.leave_out(type.ends_with("conductor") ? is_left_out_of_conductor : is_visual_of_bsdf);
   element.finish();
 }
 
@@ -229,8 +229,7 @@ void MaterialReader::read_properties(XmlElement& element, const std::string& typ
   const auto conductivity = element.number("conductivity");
   const auto itu_type = element.text("type");
   keep(element, "thickness", element.number("thickness"), stated.thickness);
-  stated.scatters =
-      stated.scatters || element.number("scattering_coefficient").value_or(0.0) != 0.0;
+  read_scattering(element, stated);
   if (type == kRadio) {
     keep(element, "relative_permittivity", permittivity, stated.permittivity);
     keep(element, "conductivity", conductivity, stated.conductivity);
@@ -243,14 +242,52 @@ void MaterialReader::read_properties(XmlElement& element, const std::string& typ
   }
 }
 
-Expected<RadioMaterial> MaterialReader::material_of(const Stated& stated,
-                                                    const pugi::xml_node& bsdf) {
-  if (stated.scatters) {
+void MaterialReader::read_scattering(XmlElement& element, Stated& stated) {
+  keep(element,
+       "scattering_coefficient",
+       element.number("scattering_coefficient"),
+       stated.scattering);
+  keep(element, "xpd_coefficient", element.number("xpd_coefficient"), stated.xpd);
+  keep(element, "scattering_pattern", element.text("scattering_pattern"), stated.pattern);
+  keep(element, "alpha_r", element.whole_or_number("alpha_r"), stated.alpha_r);
+  keep(element, "alpha_i", element.whole_or_number("alpha_i"), stated.alpha_i);
+  keep(element, "lambda_", element.number("lambda_"), stated.lambda);
+}
+
+Expected<SurfaceScattering> MaterialReader::scattering_of(const Stated& stated,
+                                                          const pugi::xml_node& bsdf) {
+  SurfaceScattering scattering;
+  scattering.scattering_coefficient = stated.scattering.value_or(0.0);
+  scattering.xpd_coefficient = stated.xpd.value_or(0.0);
+  const std::string pattern = stated.pattern.value_or("lambertian");
+  const auto known =
+      std::find(kScatteringPatternNames.begin(), kScatteringPatternNames.end(), pattern);
+  if (known == kScatteringPatternNames.end()) {
+    return bad_input(
+        "there is no scattering_pattern '" + pattern + "'" +
+        suggestion(pattern, std::span<const std::string_view>(kScatteringPatternNames)));
+  }
+  scattering.pattern = static_cast<ScatteringPattern>(known - kScatteringPatternNames.begin());
+  const bool has_lobe = scattering.pattern != ScatteringPattern::kLambertian;
+  const bool has_back = scattering.pattern == ScatteringPattern::kBackscattering;
+  if ((has_lobe && !stated.alpha_r) || (has_back && !(stated.alpha_i && stated.lambda))) {
+    return bad_input("the scattering_pattern '" + pattern +
+                     (has_back ? "' needs alpha_r, alpha_i and lambda_" : "' needs alpha_r"));
+  }
+  scattering.alpha_r = has_lobe ? *stated.alpha_r : scattering.alpha_r;
+  scattering.alpha_i = has_back ? *stated.alpha_i : scattering.alpha_i;
+  scattering.lambda = has_back ? *stated.lambda : scattering.lambda;
+  if (scattering.is_rough()) {
     note(bsdf,
          stated,
-         "its scattering_coefficient is not used: surfaces do not scatter here, the diffuse power "
-         "of a room is calibrated");
+         "its scattering_coefficient counts for what is asked to trace diffuse scattering "
+         "(--diffuse); a location takes the diffuse power of a room from its calibration");
   }
+  return scattering;
+}
+
+Expected<RadioMaterial> MaterialReader::material_of(const Stated& stated,
+                                                    const pugi::xml_node& bsdf) {
   if (stated.radio_material && stated.itu_radio_material) {
     return bad_input("it is a radio-material and an itu-radio-material; leave one of them out");
   }

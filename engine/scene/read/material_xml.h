@@ -48,7 +48,8 @@ class MaterialReader {
     std::optional<std::string> itu_type;
     bool radio_material = false;      // a <bsdf type="radio-material"> is among them
     bool itu_radio_material = false;  // an "itu-radio-material"
-    bool scatters = false;
+    std::optional<double> scattering, xpd, alpha_r, alpha_i, lambda;
+    std::optional<std::string> pattern;
   };
 
   std::vector<pugi::xml_node> levels_of(const pugi::xml_node& bsdf) const;
@@ -58,6 +59,8 @@ class MaterialReader {
   void check_type(XmlElement& element, const std::string& type, const Stated& stated);
   void check_references(const pugi::xml_node& bsdf);
   void read_properties(XmlElement& element, const std::string& type, Stated& stated);
+  void read_scattering(XmlElement& element, Stated& stated);
+  Expected<SurfaceScattering> scattering_of(const Stated& stated, const pugi::xml_node& bsdf);
   Expected<RadioMaterial> material_of(const Stated& stated, const pugi::xml_node& bsdf);
   Expected<RadioMaterial> of_values(const Stated& stated, const pugi::xml_node& bsdf);
   Expected<RadioMaterial> of_table(const Stated& stated, const pugi::xml_node& bsdf);

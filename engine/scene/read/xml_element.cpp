@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "engine/base/number_text.h"
 #include "engine/base/suggestion.h"
@@ -105,8 +106,8 @@ pugi::xml_node XmlElement::property(std::string_view tag, std::string_view name)
   return found;
 }
 
-std::optional<double> XmlElement::number(std::string_view name) {
-  const pugi::xml_node child = property("float", name);
+std::optional<double> XmlElement::number(std::string_view name, std::string_view tag) {
+  const pugi::xml_node child = property(tag, name);
   if (!child) {
     return std::nullopt;
   }
@@ -117,6 +118,12 @@ std::optional<double> XmlElement::number(std::string_view name) {
                        child.attribute("value").value() + "'");
   }
   return value;
+}
+
+std::optional<double> XmlElement::whole_or_number(std::string_view name) {
+  const std::optional<double> value = number(name);
+  const std::optional<double> whole = number(name, "integer");
+  return value ? value : whole;
 }
 
 std::optional<std::string> XmlElement::text(std::string_view name) {
@@ -175,8 +182,11 @@ void XmlElement::check_child(const pugi::xml_node& child) {
   }
   const std::string_view tag = child.name();
   const std::string_view name = child.attribute("name").value();
-  const auto known = std::find_if(
-      properties_.begin(), properties_.end(), [&](const auto& one) { return one.first == name; });
+  auto known = std::find(properties_.begin(), properties_.end(), std::pair(name, tag));
+  if (known == properties_.end()) {
+    known = std::find_if(
+        properties_.begin(), properties_.end(), [&](const auto& one) { return one.first == name; });
+  }
   if (known != properties_.end() && known->second != tag) {
     file_.complain(child,
                    tag_of(child) + of_this() + " is not read; write <" +

@@ -35,7 +35,9 @@ class XmlElement {
   // The child of that tag and name; a second one is complained of.
   pugi::xml_node property(std::string_view tag, std::string_view name);
   // Complain where the value is none.
-  std::optional<double> number(std::string_view name);
+  std::optional<double> number(std::string_view name, std::string_view tag = "float");
+  // The same, written as <float> or as <integer>.
+  std::optional<double> whole_or_number(std::string_view name);
   std::optional<std::string> text(std::string_view name);
   // Complains where the property is there.
   void refuse(std::string_view name, const std::string& why);

@@ -28,7 +28,7 @@ XmlFile::XmlFile(std::string_view xml, std::string name)
   }
 }
 
-Expected<pugi::xml_node> XmlFile::parse() {
+Expected<pugi::xml_node> XmlFile::parse(const std::string& root_name) {
   if (is_wide(xml_)) {
     return bad_input(name_ + ":1:1: the file is in UTF-16 or UTF-32; save it as UTF-8");
   }
@@ -37,15 +37,15 @@ Expected<pugi::xml_node> XmlFile::parse() {
   if (!parsed) {
     return bad_input(place(parsed.offset) + "this is not well-formed XML: " + parsed.description());
   }
-  const pugi::xml_node root = document_.child("scene");
+  const pugi::xml_node root = document_.child(root_name.c_str());
   if (!root) {
-    return bad_input(name_ + ":1:1: the file has no <scene> element");
+    return bad_input(name_ + ":1:1: the file has no <" + root_name + "> element");
   }
   for (const pugi::xml_node& other : document_.children()) {
     if (other.type() == pugi::node_element && other != root) {
       complain(other,
-               "<" + std::string(other.name()) +
-                   "> is not read; a file has one <scene>, and all shapes are in it");
+               "<" + std::string(other.name()) + "> is not read; a file has one <" + root_name +
+                   ">, and all shapes are in it");
     }
   }
   return root;

@@ -1,5 +1,5 @@
 // XmlFile: a scene file as a tree whose nodes know their line, and the list of what is wrong with
-// it. Internal to load_scene.
+// it: of load_scene, and of drawings in XML.
 //
 // Reading goes on after a mistake, so that a person sees all of them at once.
 #pragma once
@@ -22,8 +22,8 @@ class XmlFile {
   // `name` stands for the file in errors.
   XmlFile(std::string_view xml, std::string name);
 
-  // The <scene>. An Error when the text is no XML or has no such element.
-  Expected<pugi::xml_node> parse();
+  // The element that all others are in. An Error when the text is no XML or has no such element.
+  Expected<pugi::xml_node> parse(const std::string& root_name = "scene");
 
   const std::string& name() const { return name_; }
   // "scene.xml:12:5: "

@@ -18,6 +18,10 @@ constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are looked at 
 // Beams that are fetched from memory before they are looked at.
 constexpr std::size_t kAhead = 8;
 
+Vec3<float> single(const Vec3d& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
 float largest(const Vec3<float>& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
@@ -48,6 +52,49 @@ bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) c
     signs |= std::bit_cast<std::uint32_t>(value);
   }
   return signs >> 31U == 0;
+}
+
+bool BeamBounds::meets(const Vec3<float>& from_root, const Vec3<float>& half, float margin) const {
+  std::uint32_t signs = 0;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    const float inside = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i] +
+                         half.x * std::abs(x[i]) + half.y * std::abs(y[i]) +
+                         half.z * std::abs(z[i]) + margin;
+    signs |= std::bit_cast<std::uint32_t>(inside);
+  }
+  return signs >> 31U == 0;
+}
+
+bool BeamBounds::meets(const Vec3<float>& from,
+                       const Vec3<float>& to,
+                       float margin,
+                       SharesOfSegment& part) const {
+  Lanes here;
+  Lanes there;
+  std::uint32_t outside = 0;
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    here[i] = x[i] * from.x + y[i] * from.y + z[i] * from.z - offset[i] + margin;
+    there[i] = x[i] * to.x + y[i] * to.y + z[i] * to.z - offset[i] + margin;
+    outside |= std::bit_cast<std::uint32_t>(here[i]) & std::bit_cast<std::uint32_t>(there[i]);
+  }
+  if (outside >> 31U != 0) {
+    return false;
+  }
+  // Shares are rounded as well.
+  constexpr double kRoundedShare = 1e-5;
+  part = {};
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    if (here[i] < 0.0F || there[i] < 0.0F) {
+      const double crossing = static_cast<double>(here[i]) /
+                              (static_cast<double>(here[i]) - static_cast<double>(there[i]));
+      if (here[i] < 0.0F) {
+        part.first = std::max(part.first, crossing - kRoundedShare);
+      } else {
+        part.last = std::min(part.last, crossing + kRoundedShare);
+      }
+    }
+  }
+  return part.first <= part.last;
 }
 
 BeamIndex::BeamIndex(std::vector<BeamBounds> beams, const Vec3d& root, const Region& region)
@@ -83,10 +130,7 @@ std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
   return part;
 }
 
-Vec3<float> BeamIndex::from_root(const Vec3d& point) const {
-  const Vec3d offset = point - root_;
-  return {static_cast<float>(offset.x), static_cast<float>(offset.y), static_cast<float>(offset.z)};
-}
+Vec3<float> BeamIndex::from_root(const Vec3d& point) const { return single(point - root_); }
 
 const BeamIndex::Cube* BeamIndex::cube_at(const Vec3d& point) const {
   const Vec3<float> at = from_root(point);
@@ -124,6 +168,18 @@ void BeamIndex::select(const Vec3d& point,
       found.push_back(from[i]);
     }
   }
+}
+
+BeamIndex::Segment BeamIndex::segment(const Vec3d& from, const Vec3d& to) const {
+  const Vec3<float> start = from_root(from);
+  const Vec3<float> end = from_root(to);
+  return {start, end, kRounding * (reach_ + std::max(largest(start), largest(end)))};
+}
+
+BeamIndex::Box BeamIndex::box(const Vec3d& lower, const Vec3d& upper) const {
+  const Vec3<float> centre = from_root(0.5 * (lower + upper));
+  const Vec3<float> half = single(0.5 * (upper - lower));
+  return {centre, half, kRounding * (reach_ + largest(centre) + largest(half))};
 }
 
 std::size_t BeamIndex::bytes(const Cube& cube) {

@@ -16,11 +16,17 @@
 #include <span>
 #include <vector>
 
-#include "engine/base/parallel.h"
+#include "engine/base/kept.h"
 #include "engine/base/vec3.h"
 #include "engine/scene/surface.h"
 
 namespace rayloc {
+
+// A part of a segment, by shares of it from its start.
+struct SharesOfSegment {
+  double first = 0.0;
+  double last = 1.0;
+};
 
 // Half spaces that hold a beam, in single precision and relative to the root of its tree.
 struct BeamBounds {
@@ -34,6 +40,13 @@ struct BeamBounds {
   // Whether a point at `from_root` is no further than `margin` outside each of the planes, or, with
   // `half` > 0, some point of the cube around it.
   bool meets(const Vec3<float>& from_root, float half, float margin) const;
+  // The same of some point of a box around it.
+  bool meets(const Vec3<float>& from_root, const Vec3<float>& half, float margin) const;
+  // The same of some point of a segment; `part` is then where such points are.
+  bool meets(const Vec3<float>& from,
+             const Vec3<float>& to,
+             float margin,
+             SharesOfSegment& part) const;
 };
 
 // The points that differ from `centre` by no more than `half` in each coordinate [m], world.
@@ -80,6 +93,25 @@ class BeamIndex {
              return useful;
            }),
            found);
+  }
+
+  // In single precision, relative to the root.
+  struct Segment {
+    Vec3<float> from, to;
+    float margin;
+  };
+  struct Box {
+    Vec3<float> centre, half;
+    float margin;
+  };
+  Segment segment(const Vec3d& from, const Vec3d& to) const;
+  Box box(const Vec3d& lower, const Vec3d& upper) const;
+  // Whether a beam holds some point of it, or is near one; those of a segment are within `part`.
+  bool meets(std::uint32_t beam, const Segment& segment, SharesOfSegment& part) const {
+    return beams_[beam].meets(segment.from, segment.to, segment.margin, part);
+  }
+  bool meets(std::uint32_t beam, const Box& box) const {
+    return beams_[beam].meets(box.centre, box.half, box.margin);
   }
 
   std::size_t bytes() const;  // of the beams and of the cubes so far

@@ -77,6 +77,23 @@ class ImageTree {
     }
   }
 
+  // For whoever asks for more than points: sequences of mirrors by number, shorter ones first.
+  const ImageNode& node(std::uint32_t number) const { return nodes_[number]; }
+  const Vec3d& image(std::size_t root, std::uint32_t node) const {
+    return images_[node * roots_.size() + root].point;
+  }
+  // Where the waves of each node go.
+  const BeamIndex& beams() const { return *index_; }
+  // Finds the points of reflection of node `leaf`; false when one is not on its surface.
+  bool back_trace(std::size_t root,
+                  std::uint32_t leaf,
+                  const Vec3d& target,
+                  SpecularChain& chain) const;
+  // Whether nothing is in the way of the chain, or that matters to nobody.
+  bool is_open(std::size_t root, const SpecularChain& chain, const Vec3d& target) const {
+    return !clear_only_ || is_clear(root, chain, target);
+  }
+
   const std::vector<Vec3d>& roots() const { return roots_; }
   std::size_t size() const { return nodes_.size(); }           // sequences of mirrors
   std::size_t bytes() const;                                   // of memory so far
@@ -95,13 +112,8 @@ class ImageTree {
                 std::uint32_t node,
                 const Vec3d& target,
                 SpecularChain& chain) const {
-    return back_trace(root, node, target, chain) && (!clear_only_ || is_clear(root, chain, target));
+    return back_trace(root, node, target, chain) && is_open(root, chain, target);
   }
-  // Finds the points of reflection of node `leaf`; false when one is not on its surface.
-  bool back_trace(std::size_t root,
-                  std::uint32_t leaf,
-                  const Vec3d& target,
-                  SpecularChain& chain) const;
   bool is_clear(std::size_t root, const SpecularChain& chain, const Vec3d& target) const;
 
   const Scene* scene_;

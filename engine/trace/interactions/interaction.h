@@ -6,6 +6,7 @@
 #pragma once
 
 #include "engine/base/check.h"
+#include "engine/trace/interactions/diffraction.h"
 #include "engine/trace/interactions/interaction_kind.h"
 #include "engine/trace/interactions/reflection.h"
 #include "engine/trace/interactions/shadowing.h"
@@ -16,9 +17,9 @@ namespace rayloc {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic error "-Wswitch"
 
-// visitor(interactions::Reflection{}), visitor(interactions::Transmission{}) or
-// visitor(interactions::Shadowing{}), which say what the kind does. Inlined it is a branch by the
-// kind, as the comparisons would be that it stands for.
+// visitor(interactions::Reflection{}), or Transmission{}, Shadowing{} or Diffraction{}, which say
+// what the kind does. Inlined it is a branch by the kind, as the comparisons would be that it
+// stands for.
 template <typename Visitor>
 constexpr decltype(auto) visit_interaction(InteractionKind kind, const Visitor& visitor) {
   switch (kind) {
@@ -28,6 +29,8 @@ constexpr decltype(auto) visit_interaction(InteractionKind kind, const Visitor& 
       return visitor(interactions::Transmission{});
     case InteractionKind::kShadowing:
       return visitor(interactions::Shadowing{});
+    case InteractionKind::kDiffraction:
+      return visitor(interactions::Diffraction{});
   }
   check_failed("an interaction is of a kind that there is", __FILE__, __LINE__);
 }
@@ -43,6 +46,11 @@ constexpr char letter_of(InteractionKind kind) {
 // straight towards the mirror's image (image_method.h). Otherwise it goes straight on.
 constexpr bool is_mirror(InteractionKind kind) {
   return visit_interaction(kind, [](auto met) { return decltype(met)::kIsMirror; });
+}
+
+// Whether the path bends at an edge, anywhere but where an image would have it (edge_path.h).
+constexpr bool is_edge(InteractionKind kind) {
+  return visit_interaction(kind, [](auto met) { return decltype(met)::kIsEdge; });
 }
 
 // Whether the wave goes through the face.

@@ -11,6 +11,7 @@ enum class InteractionKind : std::uint8_t {
   kReflection,
   kTransmission,  // straight through one face; a wall has two
   kShadowing,     // past the edge of an opaque surface, under soft visibility
+  kDiffraction,   // round the edge of a wedge
 };
 
 }  // namespace rayloc

@@ -15,27 +15,41 @@ struct Reflection {
   static constexpr char kLetter = 'R';         // as reports write it
   static constexpr bool kIsMirror = true;      // is_mirror() of this kind
   static constexpr bool kGoesThrough = false;  // goes_through() of this kind
+  static constexpr bool kIsEdge = false;       // is_edge() of this kind
 
-  // The wave that leaves the face.
+  // Of a wave with that cosine of incidence, and of a face without its roughness.
   template <typename T>
-  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
-
- private:
-  template <typename T>
-  static Vec3<T> mirrored(const Vec3<T>& v, const Vec3<T>& normal) {
-    return v - (T(2) * dot(v, normal)) * normal;
-  }
-
-  template <typename T>
-  static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
-                                         const Facet<T>& facet,
-                                         const T& wavelength) {
+  static SlabTable::Pair<T> smooth_coefficients(const T& cos_theta_i,
+                                                const Facet<T>& facet,
+                                                const T& wavelength) {
     if (has_table_at(cos_theta_i, facet)) {
       return facet.table->reflection(cos_theta_i);
     }
     const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
     return {slab.r_te, slab.r_excess};
   }
+  // As the face is.
+  template <typename T>
+  static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
+                                         const Facet<T>& facet,
+                                         const T& wavelength) {
+    SlabTable::Pair<T> found = smooth_coefficients(cos_theta_i, facet, wavelength);
+    if (value_of(facet.specular) != 1.0) {
+      const Complex<T> left{facet.specular, T(0)};
+      found = {left * found.te, left * found.excess};
+    }
+    return found;
+  }
+
+  // A direction.
+  template <typename T>
+  static Vec3<T> mirrored(const Vec3<T>& v, const Vec3<T>& normal) {
+    return v - (T(2) * dot(v, normal)) * normal;
+  }
+
+  // The wave that leaves the face.
+  template <typename T>
+  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
 };
 
 template <typename T>

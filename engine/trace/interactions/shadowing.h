@@ -12,6 +12,7 @@ struct Shadowing {
   static constexpr char kLetter = 'S';         // as reports write it
   static constexpr bool kIsMirror = false;     // is_mirror() of this kind
   static constexpr bool kGoesThrough = false;  // goes_through() of this kind
+  static constexpr bool kIsEdge = false;       // is_edge() of this kind
 
   // The wave stays as it is; how much of it passes is the weight of the edge (soft_path.h).
   template <typename T>

@@ -14,12 +14,9 @@ struct Transmission {
   static constexpr char kLetter = 'T';        // as reports write it
   static constexpr bool kIsMirror = false;    // is_mirror() of this kind
   static constexpr bool kGoesThrough = true;  // goes_through() of this kind
+  static constexpr bool kIsEdge = false;      // is_edge() of this kind
 
-  // The wave on the other side.
-  template <typename T>
-  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
-
- private:
+  // Of a wave with that cosine of incidence.
   template <typename T>
   static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
                                          const Facet<T>& facet,
@@ -30,6 +27,10 @@ struct Transmission {
     const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
     return {slab.t_te, slab.t_excess};
   }
+
+  // The wave on the other side.
+  template <typename T>
+  static Wave<T> apply(const Wave<T>& in, const Facet<T>& facet, const T& wavelength);
 };
 
 template <typename T>

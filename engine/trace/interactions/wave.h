@@ -28,6 +28,7 @@ struct Facet {
   Vec3<T> shift{};  // [m], of its edges; the plane has its own
   // Of exactly this permittivity and thickness, neither of which is varied; nullptr: none.
   const SlabTable* table = nullptr;
+  T specular = T(1);  // what is left of a reflected field, the rest is scattered; 1: smooth
 };
 
 template <typename T>

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/calibrate/report/calibration_report.h"
+#include "daemon/calibrate/report/expectation.h"
 #include "tests/daemon/calibrate/sample_report.h"
 
 namespace rayloc {
@@ -86,11 +87,19 @@ TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
   EXPECT_EQ(verdict.reasons.back(), "the message");
 }
 
+// What the radios say needs no hypothesis, and no advice to check the channel.
+TEST(Field, AChannelThatTheRecordingsContradictIsNoSuccess) {
+  const auto verdict =
+      verdict_of_inputs({{mistake(TriedMistake::Kind::kArray, 0.22)}, {}, {}}, {"another channel"});
+  EXPECT_FALSE(verdict.is_success());
+  EXPECT_EQ(to_text(verdict), "another channel\n");
+}
+
 TEST(Field, CalibrationVerdictStandsInBothReports) {
   CalibrationReport report = report_with(0.7, 0.3, 3);
   EXPECT_TRUE(to_json(report).at("verdict").at("success"));
   EXPECT_EQ(to_html(report).find("This calibration is no success"), std::string::npos);
-  report.verdict = verdict_of_inputs({{}, {mistake(TriedMistake::Kind::kArray, 0.8)}, {}});
+  report.verdict = verdict_of_inputs({{}, {mistake(TriedMistake::Kind::kArray, 0.8)}, {}}, {});
   const auto json = to_json(report).at("verdict");
   EXPECT_FALSE(json.at("success"));
   EXPECT_EQ(json.at("reasons").at(0), "the message");
@@ -98,6 +107,60 @@ TEST(Field, CalibrationVerdictStandsInBothReports) {
   EXPECT_DOUBLE_EQ(json.at("explained_by").at(0).at("correlation"), 0.8);
   EXPECT_NE(to_html(report).find("This calibration is no success"), std::string::npos);
   EXPECT_NE(to_html(report).find("the message"), std::string::npos);
+}
+
+// The first words of the report, for somebody who reads no more.
+TEST(Expectation, SaysHowWellASiteWillLocate) {
+  CalibrationReport report = report_with(0.3, 0.9, 3);
+  report.fixes.back().median_error_m = 0.041;
+  EXPECT_EQ(
+      expectation(report),
+      "Good: expect 4.1 cm with 1 access point (median of 3 points held out, 3 of them with a "
+      "fix).");
+  EXPECT_EQ(advice(report).size(), 1U) << "one access point";
+  EXPECT_NE(to_html(report).find("<strong>Good: expect 4.1 cm"), std::string::npos);
+  EXPECT_EQ(to_json(report).at("verdict").at("expectation"), expectation(report));
+  report.fixes.back().median_error_m = 0.3;
+  EXPECT_EQ(expectation(report).rfind("Usable: expect 30 cm", 0), 0U);
+  EXPECT_EQ(advice(report).size(), 2U) << "one access point, and few points";
+  report.fixes.back().median_error_m = 1.2;
+  EXPECT_EQ(expectation(report).rfind("Doubtful: expect 1.2 m", 0), 0U);
+  report.fixes.back().median_error_m.reset();
+  EXPECT_EQ(expectation(report), "Doubtful: none of the 3 points held out has a fix.");
+  report.fixes.back().points = 0;
+  EXPECT_EQ(expectation(report), "Nobody can tell how good it is: no point was held out.");
+  report.verdict.reasons = {"it was raining"};
+  EXPECT_EQ(expectation(report), "No success: it was raining");
+}
+
+TEST(Expectation, NamesTheAccessPointThatIsBehindTheOthers) {
+  CalibrationReport report = report_with(0.3, 0.92, 3);
+  report.fixes.back().median_error_m = 0.2;
+  auto& points = report.methods.front().calibration.points;
+  for (std::size_t i = 1; i <= kLeastPairs; ++i) {
+    points.push_back({i, 1, 0.2, 0.55});
+  }
+  TriedMistake turned = mistake(TriedMistake::Kind::kArray, 0.22);
+  turned.what = "access point 'b' turned by 180 degrees";
+  turned.significance = 1.4;
+  report.verdict.tried = {turned};
+  EXPECT_EQ(
+      expectation(report),
+      "Usable: expect 20 cm with 2 access points (median of 3 points held out, 3 of them "
+      "with a fix); b is doubtful, it explains 55 % of what it heard (access point 'b' turned "
+      "by 180 degrees?).");
+  EXPECT_EQ(advice(report).front().rfind("Look at b:", 0), 0U);
+}
+
+TEST(Expectation, AdvisesToMeasureThePointsWhereTheirPlacesLimitIt) {
+  CalibrationReport report = report_with(0.3, 0.6, 3);
+  report.survey_error = 0.005;
+  EXPECT_EQ(advice(report).size(), 2U);
+  for (PointFit& fit : report.methods.front().calibration.points) {
+    fit.placed = 0.9;
+  }
+  ASSERT_EQ(advice(report).size(), 3U);
+  EXPECT_NE(advice(report).front().find("state one above 0.5 cm"), std::string::npos);
 }
 
 }  // namespace

@@ -181,7 +181,7 @@ TEST_F(CalibrateClosedLoop, RecoversTheRoomAsBuilt) {
 }
 
 TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
-  ASSERT_NO_FATAL_FAILURE(survey(3));
+  ASSERT_NO_FATAL_FAILURE(survey(6));
   const RaylocProcess interrupted(command(kSite, "stopped", {}));
   const fs::path checkpoint = folder_ / "stopped/calibration.checkpoint.json";
   const auto has_round = [&] {  // written at the start with none
@@ -238,7 +238,7 @@ TEST_F(CalibrateClosedLoop, PromisesToGoOnOnlyWhereItCan) {
 }
 
 TEST_F(CalibrateClosedLoop, BothMethodsStandSideBySide) {
-  ASSERT_NO_FATAL_FAILURE(survey(3));
+  ASSERT_NO_FATAL_FAILURE(survey(4));
   const Finished run = calibrate("paper", {"--method", "paper", "--compare"});
   ASSERT_EQ(run.status, 0) << run.err;
   const auto json = report("paper");

@@ -1,5 +1,6 @@
 // An office that people live in, from its calibration on one day to its use on another.
 #include <cstdio>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,9 @@ std::string office_points(int columns, int rows, double shift, int start) {
 // who renews the chains from three known spots, or from a device that was carried about; who does
 // not is lost.
 TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
+  if (std::getenv("RAYLOC_LIVED_IN") == nullptr) {
+    GTEST_SKIP() << "takes minutes of CPU: tests/soak/run lived_in 1";
+  }
   const std::string plan =
       std::string(RAYLOC_TEST_DATA) + "/../../deploy/experiments/rooms/lived_in_office.toml";
   run({"scene", "room", plan, "--out", path("office"), "--quiet"});

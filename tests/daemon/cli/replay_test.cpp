@@ -1,9 +1,13 @@
-// What `rayloc replay` says of a wrong call; what it computes is tested in tests/e2e.
+// What `rayloc replay` says of a wrong call, and where another one was cut; what it computes is
+// tested in tests/e2e.
+#include <unistd.h>
+
 #include <regex>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/verb_folder.h"
 
 namespace rayloc {
 namespace {
@@ -89,6 +93,44 @@ TEST(Replay, SaysWhichMethodWasAsked) {
     EXPECT_EQ(finished.status, 0) << finished.err;
     EXPECT_NE(finished.out.find("\"method\":\"" + method + "\""), std::string::npos) << method;
   }
+}
+
+TEST(Replay, RefusesWhatItCannotGoOnWith) {
+  const std::string capture = "ap1=" + kRecording;
+  const Finished time = replay({kSite, capture, "--from", "yesterday"});
+  EXPECT_EQ(time.status, 64);
+  EXPECT_NE(time.err.find("--from yesterday"), std::string::npos) << time.err;
+  EXPECT_EQ(replay({kSite, capture, "--carried", "missing.jsonl"}).status, 65);
+  const Finished record = replay({kSite, capture, "--carried", kSite + "/site.toml"});
+  EXPECT_EQ(record.status, 65);
+  EXPECT_NE(record.err.find("site.toml:1: no record of --carried-out"), std::string::npos)
+      << record.err;
+}
+
+class CutReplay : public test::VerbFolder {
+ protected:
+  CutReplay() : VerbFolder("rayloc_cut_replay." + std::to_string(::getpid())) {}
+
+  std::string replayed(std::vector<std::string> more) const {
+    std::vector<std::string> arguments{
+        "replay", kSite, "ap1=" + kRecording, "--quiet", "--no-cache"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+};
+
+// Without a calibration every burst says where it began and ended, and nothing else: what another
+// replay would have said, from any of its records on, is said byte by byte.
+TEST_F(CutReplay, IsGoneOnWith) {
+  const std::string whole = replayed({"--carried-out", path("carried.jsonl")});
+  const std::string rest =
+      replayed({"--carried", path("carried.jsonl"), "--from", "2024-06-10T06:30:00Z"});
+  ASSERT_GT(rest.size(), 10'000U);
+  ASSERT_LT(rest.size(), whole.size());
+  EXPECT_EQ(rest, whole.substr(whole.size() - rest.size()));
+  const std::string last = replayed({"--carried", path("carried.jsonl")});
+  ASSERT_LT(last.size(), rest.size());
+  EXPECT_EQ(last, whole.substr(whole.size() - last.size()));
 }
 
 }  // namespace

@@ -60,6 +60,45 @@ class SceneVerb : public testing::Test {
   fs::path folder_;
 };
 
+TEST_F(SceneVerb, ImportOfADrawingOnPaperAsksForItsScale) {
+  const std::string plan =
+      file("plan.svg",
+           "<svg width=\"160mm\" height=\"120mm\" viewBox=\"0 0 160 120\"><rect id=\"walls\" "
+           "width=\"120\" height=\"80\"/></svg>");
+  const auto import = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"scene", "import", plan, "--out", out()};
+    words.insert(words.end(), options.begin(), options.end());
+    return RaylocProcess(words).wait();
+  };
+  const Finished unscaled = import({});
+  EXPECT_EQ(unscaled.status, 65);
+  EXPECT_NE(unscaled.err.find("is 120 mm large on paper"), std::string::npos) << unscaled.err;
+  EXPECT_FALSE(fs::exists(out())) << "nothing is written of what is refused";
+  EXPECT_EQ(import({"--scale", "50", "--unit", "cm"}).status, 64);
+  EXPECT_EQ(import({"--scale", "0"}).status, 64);
+  const Finished made = import({"--scale", "50", "--access-point", "RT-AX86U"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.err.find("6.00 x 4.00 x 2.70 m"), std::string::npos) << made.err;
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+}
+
+TEST_F(SceneVerb, RoomWithAnAccessPointOfAKnownModelIsASite) {
+  const std::string plan = file("office.toml", kPlan);
+  const Finished made =
+      RaylocProcess({"scene", "room", plan, "--out", out(), "--access-point", "RT-AC86U"}).wait();
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.err.find("a site; say in its site.toml where the access point is"),
+            std::string::npos)
+      << made.err;
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  const Finished other =
+      RaylocProcess({"scene", "room", plan, "--out", out(), "--access-point", "X"}).wait();
+  EXPECT_EQ(other.status, 64);
+  EXPECT_NE(other.err.find("RT-AX86U,RT-AC86U"), std::string::npos) << other.err;
+}
+
 TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
   const Finished made = make_room(kPlan);
   ASSERT_EQ(made.status, 0) << made.err;
@@ -82,6 +121,33 @@ TEST_F(SceneVerb, RoomIsASceneThatCheckReads) {
   EXPECT_EQ(json["objects"][6]["form"], "closed");
   EXPECT_EQ(json["materials"].size(), 4U);
   EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
+}
+
+TEST_F(SceneVerb, ImportMakesWhatCheckReadsAndRefusesWithoutATrace) {
+  const std::string model = file("room.obj",
+                                 "o floor\nv 0 0 0\nv 4 0 0\nv 4 0 -3\nv 0 0 -3\nf 1 2 3 4\n"
+                                 "o ceiling\nv 0 2.5 0\nv 4 2.5 0\nv 4 2.5 -3\nv 0 2.5 -3\n"
+                                 "f 8 7 6 5\no glass_front\nf 1 2 6 5\n");
+  const Finished made = RaylocProcess({"scene", "import", model, "--out", out()}).wait();
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_NE(made.err.find(": 3 objects of 3 materials, 4.00 x 3.00 x 2.50 m\n  OBJ\n"),
+            std::string::npos)
+      << made.err;
+  std::ofstream(out() + "/site.toml", std::ios::app) << kAccessPoint;
+  const Finished checked = RaylocProcess({"scene", "check", out()}).wait();
+  EXPECT_EQ(checked.status, 0) << checked.err;
+  EXPECT_NE(checked.out.find("glass_front"), std::string::npos) << checked.out;
+  // What cannot be read leaves what was drawn before.
+  const std::string drawn = content(out() + "/scene.xml");
+  const Finished refused =
+      RaylocProcess(
+          {"scene", "import", file("plan.dwg", "AC1032 and so on"), "--force", "--out", out()})
+          .wait();
+  EXPECT_EQ(refused.status, 65);
+  EXPECT_NE(refused.err.find("plan.dwg: is a DWG drawing; export its plan as DXF or SVG"),
+            std::string::npos)
+      << refused.err;
+  EXPECT_EQ(content(out() + "/scene.xml"), drawn);
 }
 
 TEST_F(SceneVerb, RoomTakesTheTablesOfItsAntennasAlong) {
@@ -304,7 +370,7 @@ TEST_F(SceneVerb, NeedsToKnowWhat) {
 }
 
 TEST_F(SceneVerb, HelpHasAnExample) {
-  for (const char* part : {"room", "check"}) {
+  for (const char* part : {"room", "import", "check"}) {
     const Finished help = RaylocProcess({"scene", part, "--help"}).wait();
     EXPECT_EQ(help.status, 0);
     EXPECT_NE(help.out.find("Example:\n  rayloc scene " + std::string(part)), std::string::npos)

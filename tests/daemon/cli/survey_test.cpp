@@ -243,6 +243,31 @@ TEST_F(SurveyVerb, ListensWhereTheDaemonWould) {
   EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
 }
 
+// The site of this directory, of several; another copy of it has to be named.
+TEST_F(SurveyVerb, ListensWhereOneOfTheDaemonsSitesWould) {
+  const std::array<std::uint16_t, 2> ports = {free_port(), free_port()};
+  fs::create_directory(path("lab"));
+  fs::copy(kSite, path("lab"), fs::copy_options::recursive);
+  std::ofstream toml(path("raylocd.toml"));
+  const std::array<std::string, 2> sites = {path("lab"), kSite};
+  for (std::size_t i = 0; i < 2; ++i) {
+    toml << "[[site]]\nname = \"room" << i << "\"\ndirectory = \"" << sites.at(i)
+         << "\"\n[[source]]\nsite = \"room" << i
+         << "\"\nkind = \"udp\"\naccess_point = \"ap2\"\nlisten = \"127.0.0.1:" << ports.at(i)
+         << "\"\n";
+  }
+  toml.close();
+  const HeardDevice lab(ports[0]);
+  const HeardDevice device(ports[1]);
+  const std::string config = "--frames 3 --config " + path("raylocd.toml");
+  ASSERT_EQ(survey("0.5,0.2,1.2\nq\n", config), 0) << read("err");
+  EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 1U);
+  ASSERT_EQ(survey("0.6,0.2,1.2\nq\n", config + " --site room0"), 0) << read("err");
+  EXPECT_EQ(load_points_csv(path("points.csv"))->size(), 2U);
+  EXPECT_EQ(survey("q\n", config + " --site attic"), 64);
+  EXPECT_THAT(read("err"), HasSubstr("Write --site with one of: room0, room1"));
+}
+
 // As by Ctrl-C: what is written stays, the point under way is not written.
 TEST_F(SurveyVerb, AnInterruptLeavesTheRowsBefore) {
   const std::uint16_t port = free_port();

@@ -1,7 +1,11 @@
 // `rayloc trace` as a process of its own, against the reference channels (tests/data/goldens).
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <regex>
@@ -199,6 +203,34 @@ TEST(TraceVerb, SoftVisibilityIsPassedOn) {
   EXPECT_TRUE(std::any_of(found["paths"].begin(), found["paths"].end(), [](const json& path) {
     return path["kinds"].get<std::string>().find('S') != std::string::npos;
   })) << found;
+}
+
+TEST(TraceVerb, DiffuseScatteringIsOfMaterialsThatStateIt) {
+  const std::vector<std::string> link{"--tx", "1,1,1", "--rx", "3,2,1.5", "--diffuse"};
+  const auto of = [&](const std::string& scene) {
+    std::vector<std::string> arguments{scene};
+    arguments.insert(arguments.end(), link.begin(), link.end());
+    return arguments;
+  };
+  const Finished smooth = trace(of(kSite));
+  EXPECT_EQ(smooth.status, 65);
+  EXPECT_NE(smooth.err.find("no material of the scene scatters"), std::string::npos);
+  const std::string file = testing::TempDir() + fmt::format("/rough_{}.xml", getpid());
+  std::ofstream(file) << R"(<scene version="3.0.0"><bsdf type="itu-radio-material" id="mat-wall">
+      <string name="type" value="concrete"/><float name="scattering_coefficient" value="0.4"/></bsdf>
+      <shape type="cube" id="room"><transform name="to_world"><scale x="2" y="1.5" z="1.25"/>
+      <translate x="2" y="1.5" z="1.25"/></transform><ref id="mat-wall" name="bsdf"/></shape></scene>)";
+  const json found = trace_json(of(file));
+  const json& diffuse = found.at("diffuse");
+  double sum = 0.0;
+  for (const json& bin : diffuse.at("profile")) {
+    sum += bin.get<double>();
+  }
+  EXPECT_GT(diffuse.at("power").get<double>(), 0.0);
+  EXPECT_NEAR(sum / diffuse.at("power").get<double>(), 1.0, 1e-9);
+  EXPECT_GE(diffuse.at("mean_delay").get<double>(), found.at("paths")[0].at("tau").get<double>());
+  EXPECT_NE(trace(of(file)).out.find("scattered: "), std::string::npos);
+  std::remove(file.c_str());
 }
 
 TEST(TraceVerb, NoPathIsAResultWithANote) {

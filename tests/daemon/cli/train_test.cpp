@@ -176,15 +176,6 @@ TEST_F(TrainVerb, RefusesInWords) {
               HasSubstr("--baseline gird_m=5: no such setting of spotfi; did you mean 'grid_m'?"));
   EXPECT_EQ(refusal({"--baseline", "gird_m=5"}).status, 64);
   EXPECT_THAT(refusal({"--likelihood", "coherent"}).err, HasSubstr("has a loss of its own"));
-  const Finished person = rayloc({"replay",
-                                  path("trained"),
-                                  recording("device_los", 1),
-                                  "--method",
-                                  "spotfi",
-                                  "--kind",
-                                  "person"});
-  EXPECT_EQ(person.status, 64);
-  EXPECT_THAT(person.err, HasSubstr("--method spotfi locates devices; use --kind device"));
   const Finished rayloc_method =
       rayloc({"replay", path("trained"), recording("device_los", 1), "--baseline", "grid_m=0.1"});
   EXPECT_EQ(rayloc_method.status, 64);
@@ -193,6 +184,60 @@ TEST_F(TrainVerb, RefusesInWords) {
   EXPECT_EQ(train("calibrated", "trained", {}).status, 64) << "the folder is not empty";
   EXPECT_EQ(train("calibrated", "nowhere", {"--holdout", "0.9"}).status, 64);
   EXPECT_FALSE(fs::exists(path("nowhere")));
+}
+
+Finished replay_of(const std::string& site, const std::string& method, const std::string& kind) {
+  return rayloc({"replay",
+                 site,
+                 recording("device_los", 1),
+                 "--quiet",
+                 "--burst",
+                 "1.2s",
+                 "--method",
+                 method,
+                 "--kind",
+                 kind});
+}
+
+// The site without its walls, and without what it states of their materials.
+TEST_F(TrainVerb, M3SaysWhatItNeeds) {
+  const Finished one_channel = replay_of(path("trained"), "m3", "device");
+  EXPECT_EQ(one_channel.status, 0) << one_channel.err;
+  EXPECT_THAT(one_channel.out,
+              HasSubstr("m3 without channel hopping: in 36.3 MHz it separates paths that differ "
+                        "by 8.3 m"));
+  fs::copy(path("site"), path("open"), fs::copy_options::recursive);
+  const auto cut = [](const std::string& file, const char* from, const char* to) {
+    std::string text = content(file);
+    const std::size_t begin = text.find(from);
+    ASSERT_NE(begin, std::string::npos) << file;
+    text.erase(begin, text.find(to, begin) - begin);
+    std::ofstream(file) << text;
+  };
+  cut(path("open") + "/scene.xml", "<shape type=\"ply\" id=\"mesh-wall_west\"", "</scene>");
+  cut(path("open") + "/site.toml", "[materials.glass]", "[targets]");
+  const Finished open = replay_of(path("open"), "m3", "device");
+  EXPECT_EQ(open.status, 78);
+  EXPECT_THAT(open.err,
+              HasSubstr("no vertical plane of 1 m2 or more of the scene bounds the room: m3 needs "
+                        "reflectors at known places"));
+}
+
+TEST_F(TrainVerb, EveryMethodRefusesTheKindThatItDoesNotLocate) {
+  for (const char* method : {"spotfi", "m3", "cifi"}) {
+    const Finished finished = replay_of(path("trained"), method, "person");
+    EXPECT_EQ(finished.status, 64) << method;
+    EXPECT_THAT(
+        finished.err,
+        HasSubstr("--method " + std::string(method) + " locates devices; use --kind device"));
+  }
+  for (const char* method : {"widar2", "witraj", "dscp"}) {
+    const Finished finished = replay_of(path("trained"), method, "device");
+    EXPECT_EQ(finished.status, 64) << method;
+    EXPECT_THAT(
+        finished.err,
+        HasSubstr("--method " + std::string(method) + " locates people; use --kind person"));
+  }
 }
 
 TEST_F(TrainVerb, BeginsWhereItIsTold) {

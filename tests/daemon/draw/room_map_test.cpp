@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "daemon/draw/palette.h"
@@ -54,6 +55,40 @@ TEST_F(RoomMapTest, ColoursDotsByTheirValue) {
   EXPECT_NE(dots[0].outline->colour, kInk);
   EXPECT_LT(dots[0].centre.x, dots[1].centre.x);
   EXPECT_GT(dots[0].centre.y, dots[1].centre.y);  // y of the room runs up
+}
+
+TEST_F(RoomMapTest, CellsAreSquaresUnderTheLinesOfTheRoom) {
+  map_.cells = {{{-1.0, 0.0, 1.0}, 0.5, 0.0}, {{1.0, 0.0, 1.0}, 0.5, 1.0}};
+  const Drawing drawing = draw_room_map(map_);
+  std::vector<std::size_t> squares;
+  std::size_t last_line = 0;
+  for (std::size_t i = 0; i < drawing.shapes.size(); ++i) {
+    const auto* polygon = std::get_if<Polygon>(&drawing.shapes[i]);
+    if (polygon != nullptr && polygon->corners.size() == 4 &&
+        (polygon->fill == share_colour(0.0) || polygon->fill == share_colour(1.0))) {
+      squares.push_back(i);
+    }
+    if (std::holds_alternative<Line>(drawing.shapes[i])) {
+      last_line = i;
+    }
+  }
+  ASSERT_EQ(squares.size(), 2U);
+  EXPECT_GT(last_line, squares.back());
+  const auto& west = std::get<Polygon>(drawing.shapes[squares[0]]);
+  const auto& east = std::get<Polygon>(drawing.shapes[squares[1]]);
+  EXPECT_LT(west.corners[1].x, east.corners[0].x);
+}
+
+TEST_F(RoomMapTest, NamesStandInPlaceOfTheScale) {
+  map_.names = {{"north", share_colour(0.2)}, {"south", share_colour(0.8)}};
+  std::vector<std::string> texts;
+  for (const Shape& shape : draw_room_map(map_).shapes) {
+    if (const auto* text = std::get_if<Text>(&shape)) {
+      texts.push_back(text->text);
+    }
+  }
+  EXPECT_THAT(texts, testing::IsSupersetOf({"north", "south", "correlation"}));
+  EXPECT_THAT(texts, testing::Not(testing::Contains("0.25")));
 }
 
 TEST_F(RoomMapTest, ColoursLinesByTheirValue) {

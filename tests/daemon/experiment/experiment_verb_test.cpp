@@ -38,6 +38,7 @@ TEST(ExperimentVerb, WritesOneReportThreeTimes) {
   const auto json = nlohmann::json::parse(content(out + "/report.json"));
   EXPECT_EQ(json["studies"][0]["conditions"].size(), 2U);
   EXPECT_NE(content(out + "/report.csv").find("\nsteps,room,"), std::string::npos);
+  EXPECT_EQ(content(out + "/errors.csv").find("study,condition,point,error_m\n1,1,1,"), 0U);
   EXPECT_NE(content(out + "/report.html").find("<svg"), std::string::npos);
   EXPECT_NE(RaylocProcess({"experiment", file, "--out", out}).wait().status, 0);  // not empty
 }

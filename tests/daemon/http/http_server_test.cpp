@@ -32,6 +32,7 @@ class HttpServerTest : public ::testing::Test {
     std::map<std::string, HttpRoute> routes;
     routes["/open"] = {[] { return HttpReply{200, "text/plain", "fine\n"}; }, true};
     routes["/secret"] = {[] { return HttpReply{200, "text/plain", "here\n"}; }};
+    routes["/report"] = {[] { return HttpReply{200, "text/html", "<style></style>", true}; }};
     routes["/large"] = {[] { return HttpReply{200, "text/plain", std::string(32 << 20, 'x')}; }};
     routes["/change"] = {[] {
                            return HttpReply{202, "text/plain", "done\n"};
@@ -51,6 +52,12 @@ class HttpServerTest : public ::testing::Test {
                                 }
                                 return HttpReply{200, "text/plain", said};
                               }};
+    HttpRoute& written = routes["/written"];
+    written.handler = [] { return HttpReply{200, "text/plain", "as it is\n"}; };
+    written.receive = [](const HttpParameters&, const std::string& body) {
+      return HttpReply{200, "text/plain", std::to_string(body.size()) + " bytes\n"};
+    };
+    written.most_bytes = std::size_t{1} << 20U;
     auto opened = HttpServer::open(options, std::move(routes));
     ASSERT_TRUE(opened) << opened.error().message;
     server_ = std::move(*opened);
@@ -74,6 +81,48 @@ TEST_F(HttpServerTest, AnswersWhatThereIs) {
   EXPECT_THAT(answer, EndsWith("\r\n\r\nfine\n"));
   EXPECT_THAT(answer_to("HEAD /open HTTP/1.1\r\n\r\n"), EndsWith("\r\n\r\n"));
   EXPECT_EQ(server_->counters().requests.at(200), 2U);
+}
+
+// Only where a route takes a body, of its type, of our own page, and not too long.
+TEST_F(HttpServerTest, TakesBodiesWhereARouteDoes) {
+  start();
+  const std::string body(200'000, 'x');
+  const std::string length = "Content-Length: " + std::to_string(body.size()) + "\r\n";
+  const std::string right = "Content-Type: application/json\r\nX-RayLoc-Control: 1\r\n";
+  const auto post = [](const std::string& path, const std::string& headers) {
+    return "POST " + path + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n";
+  };
+  EXPECT_THAT(answer_to(post("/written", right + length) + body),
+              EndsWith("\r\n\r\n200000 bytes\n"));
+  EXPECT_THAT(answer_to(post("/written", right + "Content-Length: 0\r\n")), EndsWith("0 bytes\n"));
+  EXPECT_THAT(http_get(server_->port(), "/written"), EndsWith("as it is\n"));
+  // None of these waits for the body.
+  EXPECT_THAT(answer_to(post("/control", right + length)), StartsWith("HTTP/1.1 413 "));
+  EXPECT_THAT(answer_to(post("/written", right + "Content-Length: 1048577\r\n")),
+              StartsWith("HTTP/1.1 413 "));
+  EXPECT_THAT(answer_to(post("/written", right + "Content-Length: 1x\r\n")),
+              StartsWith("HTTP/1.1 411 "));
+  EXPECT_THAT(answer_to(post("/written", right + "Transfer-Encoding: chunked\r\n")),
+              StartsWith("HTTP/1.1 411 "));
+  EXPECT_THAT(answer_to(post("/written", "X-RayLoc-Control: 1\r\n" + length)),
+              StartsWith("HTTP/1.1 415 "));
+  EXPECT_THAT(answer_to(post("/written", "Content-Type: application/json\r\n" + length)),
+              StartsWith("HTTP/1.1 403 "));
+  EXPECT_THAT(answer_to(post("/written", right + length + "Origin: http://elsewhere.example\r\n")),
+              StartsWith("HTTP/1.1 403 "));
+}
+
+// Whoever may not write costs no memory.
+TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
+  HttpServer::Options options;
+  options.token = "a-token-that-is-long-enough";
+  start(options);
+  const std::string head =
+      "POST /written HTTP/1.1\r\nContent-Type: application/json\r\nX-RayLoc-Control: 1\r\n"
+      "Content-Length: 5\r\n";
+  EXPECT_THAT(answer_to(head + "\r\n"), StartsWith("HTTP/1.1 401 "));
+  EXPECT_THAT(answer_to(head + "Authorization: Bearer " + options.token + "\r\n\r\nhello"),
+              EndsWith("5 bytes\n"));
 }
 
 // Whoever waits for a descriptor costs no processor, and is answered when there is one.
@@ -202,6 +251,17 @@ TEST_F(HttpServerTest, SendsThePolicyWithEveryAnswer) {
                                      "GET /open HTTP/1.1\r\nX: " + std::string(100'000, 'x')}) {
     expect_policy(answer_to(request));
   }
+}
+
+TEST_F(HttpServerTest, AReportHasItsOwnStylesAndRunsNothing) {
+  start();
+  const std::string answer = http_get(server_->port(), "/report");
+  EXPECT_THAT(answer,
+              HasSubstr("\r\nContent-Security-Policy: default-src 'none'; style-src "
+                        "'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors "
+                        "'none'\r\n"));
+  EXPECT_THAT(answer, Not(HasSubstr("script-src")));
+  EXPECT_THAT(answer, HasSubstr("\r\nX-Content-Type-Options: nosniff\r\n"));
 }
 
 TEST_F(HttpServerTest, SlowClientsDelayNobody) {

@@ -16,6 +16,7 @@
 namespace rayloc {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
@@ -112,8 +113,8 @@ TEST_F(Dummy, IsInHelpAndManualPage) {
   for (const std::string& text : {long_output("replay --help"), long_output("man")}) {
     EXPECT_THAT(text, HasSubstr(row));
   }
-  EXPECT_THAT(long_output("experiment --help"),
-              HasSubstr("rayloc, paper, spotfi, m3, witraj, dummy"));
+  // Its neighbours in the list come and go with other methods.
+  EXPECT_THAT(long_output("experiment --help"), ContainsRegex("rayloc, paper, [^;]*, dummy;"));
 }
 
 TEST_F(Dummy, IsAnAxisOfAnExperiment) {

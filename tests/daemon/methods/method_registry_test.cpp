@@ -14,7 +14,8 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 TEST(MethodRegistry, HasTheRowsOfTheProductAndTheFirstIsTheDefault) {
-  EXPECT_THAT(method_names(), ElementsAre("rayloc", "paper", "spotfi", "m3", "witraj"));
+  EXPECT_THAT(method_names(),
+              ElementsAre("rayloc", "paper", "spotfi", "m3", "cifi", "widar2", "witraj", "dscp"));
   EXPECT_EQ(default_method().name, "rayloc");
   EXPECT_EQ(find_method("dummy"), nullptr);
   EXPECT_EQ(find_method("none"), nullptr);

@@ -108,5 +108,81 @@ TEST(Field, BurstCollectorTakesTheWantedBeyondTheLimit) {
   EXPECT_EQ(collector.open_bursts(), 3U);
 }
 
+// "first-last:frames", one a line, by transmitter and time.
+std::string lines(const std::vector<Burst>& bursts) {
+  std::string text;
+  for (const Burst& burst : bursts) {
+    const auto ms = [](Timestamp time) { return std::to_string(time.time_since_epoch().count()); };
+    text += std::to_string(burst.transmitter.octets[5]) + " " + ms(burst.first) + "-" +
+            ms(burst.last) + ":" + std::to_string(burst.frames.size()) + "\n";
+  }
+  return text;
+}
+
+// Of three transmitters, with silences shorter and longer than a gap.
+std::vector<CsiFrame> irregular_frames() {
+  std::vector<CsiFrame> frames;
+  for (int ms = 3; ms < 4000; ms += 7) {
+    const int speaker = ms * 13 % 29;
+    if (speaker < 4 && ms / 500 % 3 != speaker % 3) {
+      frames.push_back(frame_at(ms, static_cast<std::uint8_t>(1 + speaker % 3)));
+    }
+  }
+  return frames;
+}
+
+// Whatever the moment: who is told of the open bursts, and hears the frames since the first of
+// them, makes the bursts that would have been made anyway.
+TEST_F(BurstCollectorTest, BeginsInTheMiddleWithTheStartsOfTheOpenBursts) {
+  for (const int length : {200, 1200}) {
+    options_.length = milliseconds(length);
+    const std::vector<CsiFrame> frames = irregular_frames();
+    std::vector<Burst> whole;
+    BurstCollector undisturbed(options_);
+    for (CsiFrame frame : frames) {
+      undisturbed.add(std::move(frame), whole);
+    }
+    undisturbed.advance(Timestamp::max(), whole);
+    ASSERT_GT(whole.size(), 6U);
+    for (int ms = 0; ms < 4100; ms += 41) {
+      const Timestamp moment{milliseconds(ms)};
+      std::vector<Burst> before;
+      BurstCollector first(options_);
+      for (CsiFrame frame : frames) {
+        if (frame.time < moment) {
+          first.add(std::move(frame), before);
+        }
+      }
+      first.advance(moment, before);
+      const OpenBursts open = first.open_starts(moment);
+      BurstCollector successor(options_, open);
+      std::vector<Burst> after = before;
+      std::size_t over = 0;
+      for (CsiFrame frame : frames) {
+        if (frame.time >= first.earliest_open(moment) - milliseconds(100)) {
+          ++over;
+          successor.add(std::move(frame), after);
+        }
+      }
+      successor.advance(Timestamp::max(), after);
+      EXPECT_EQ(lines(after), lines(whole)) << ms << " ms, bursts of " << length;
+      std::uint64_t made = successor.passed_over();
+      for (std::size_t i = before.size(); i < after.size(); ++i) {
+        made += after[i].frames.size() + after[i].surplus;
+      }
+      EXPECT_EQ(made, over) << "a frame is in a burst or passed over";
+    }
+  }
+}
+
+TEST_F(BurstCollectorTest, ABurstOfWhichNothingCameIsNone) {
+  const OpenBursts open{Timestamp(milliseconds(100)),
+                        {{frame_at(50).transmitter, Timestamp(milliseconds(50)), {}}}};
+  BurstCollector collector(options_, open);
+  collector.advance(Timestamp(milliseconds(400)), ended_);
+  EXPECT_TRUE(ended_.empty());
+  EXPECT_EQ(collector.open_bursts(), 0U);
+}
+
 }  // namespace
 }  // namespace rayloc

@@ -1,5 +1,7 @@
 #include "daemon/pipeline/burst_queue.h"
 
+#include <map>
+
 #include <gtest/gtest.h>
 
 namespace rayloc {
@@ -100,6 +102,61 @@ TEST(Field, BurstQueueTakesListedTransmittersFirstThenTracksThenTheNewest) {
   // A newer burst makes a stranger the newest, and leaves the others their turn.
   push(queue, {burst(20, 300), burst(11, 310), burst(2, 320)});
   EXPECT_EQ(pop_all(queue), (std::vector{2, 1, 11, 10, 20, 23, 22, 21}));
+}
+
+// More than there is time for: one is explained, then all have a newer burst.
+std::map<int, int> explained_under_load(const std::vector<std::uint8_t>& transmitters, int times) {
+  BurstQueue queue(ranked());
+  std::map<int, int> explained;
+  for (int i = 0; i < times; ++i) {
+    std::vector<Burst> ended;
+    for (const std::uint8_t transmitter : transmitters) {
+      ended.push_back(burst(transmitter, 200 * i));
+    }
+    queue.push(ended, at(200 * i));
+    ++explained[queue.pop().transmitter.octets[5]];
+  }
+  return explained;
+}
+
+TEST(BurstQueue, UnderLoadTheRatesOfOneRankFallAlike) {
+  const auto explained = explained_under_load({10, 11, 12, 13, 14}, 100);
+  for (const int transmitter : {10, 11, 12, 13, 14}) {
+    EXPECT_EQ(explained.at(transmitter), 20) << transmitter;
+  }
+}
+
+TEST(BurstQueue, UnderLoadNobodyWaitsForEver) {
+  const auto explained = explained_under_load({1, 2, 10, 11, 20, 21, 22}, 640);
+  EXPECT_EQ(explained.at(1), 240);  // three of four, in turn
+  EXPECT_EQ(explained.at(2), 240);
+  EXPECT_EQ(explained.at(10), 60);  // three of four of the rest
+  EXPECT_EQ(explained.at(11), 60);
+  for (const int stranger : {20, 21, 22}) {
+    EXPECT_GE(explained.at(stranger), 13) << stranger;
+  }
+}
+
+TEST(BurstQueue, ThoseWhoAreWantedAreExplainedTogetherAndStrangersAlone) {
+  BurstQueue queue(ranked());
+  push(queue, {burst(1, 0), burst(2, 0), burst(3, 0), burst(10, 0)});
+  EXPECT_EQ(queue.pop(3).size(), 3U);
+  EXPECT_EQ(queue.pop(3).size(), 1U);
+  push(queue, {burst(20, 200), burst(21, 200)});
+  EXPECT_EQ(queue.pop(3).size(), 1U);
+  EXPECT_EQ(queue.size(), 1U);
+}
+
+TEST(BurstQueue, OfStrangersTheNewestAndThoseWhoseTurnItIs) {
+  BurstQueue queue(ranked());
+  std::vector<Burst> ended;
+  for (std::uint8_t stranger = 20; stranger < 40; ++stranger) {
+    ended.push_back(burst(stranger, 10 * stranger));
+  }
+  push(queue, std::move(ended));
+  const auto order = pop_all(queue);
+  EXPECT_EQ(std::vector(order.begin(), order.begin() + 9),
+            (std::vector{39, 38, 37, 20, 36, 35, 34, 21, 33}));
 }
 
 TEST(Field, BurstQueueDropsAndCountsWhatHasWaitedTooLong) {

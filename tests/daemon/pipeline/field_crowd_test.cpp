@@ -167,11 +167,13 @@ TEST(Field, PipelineLocatesAListedDeviceInACrowdNearlyAsOftenAsAlone) {
   for (const Rank rank : {Rank::kListed, Rank::kTracked}) {
     for (const int more : {0, 20}) {
       const Outcome outcome = run(more, rank);
-      EXPECT_GE(outcome.of_device, kBurstsOfDevice * 9 / 10) << more << " strangers each 100 ms";
+      // It leaves every fourth place to them, and on a busy machine waits for the one after it.
+      EXPECT_GE(outcome.of_device, kBurstsOfDevice * 7 / 10) << more << " strangers each 100 ms";
       EXPECT_LE(outcome.of_device, kBurstsOfDevice + 1);
       EXPECT_GT(outcome.transmitters, 5U);  // there is some time left for the others
       EXPECT_GT(outcome.counters.bursts_dropped, 200U);
-      EXPECT_LE(outcome.oldest, seconds(3) + 2 * kEstimateTime);
+      // A stranger may be explained together with the device.
+      EXPECT_LE(outcome.oldest, seconds(3) + 3 * kEstimateTime);
     }
   }
 }

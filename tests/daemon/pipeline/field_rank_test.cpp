@@ -3,7 +3,7 @@
 
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/estimator_list.h"
-#include "daemon/pipeline/zone_estimator.h"
+#include "daemon/pipeline/zones/zone_estimator.h"
 
 namespace rayloc {
 namespace {

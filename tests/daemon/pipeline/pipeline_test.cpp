@@ -111,6 +111,49 @@ TEST(Pipeline, ReplayDependsNeitherOnSpeedNorOnQueues) {
   EXPECT_EQ(replay(8192, std::make_shared<Pace>(200.0)).locations, reference.locations);
 }
 
+// What is followed has an end that is told, and the sources are whose who comes next.
+class EndingEstimator : public DescribingEstimator {
+ public:
+  void restart(const std::string& reason, Estimates& out) override {
+    TrackEvent event;
+    event.transition.reason = reason;
+    out.events.push_back(event);
+  }
+};
+
+class EventSink : public LocationSink {
+ public:
+  using LocationSink::event;
+  void location(Location&& /*location*/) override { EXPECT_TRUE(reasons.empty()); }
+  void event(TrackEvent&& event) override { reasons.push_back(event.transition.reason); }
+  std::vector<std::string> reasons;
+};
+
+TEST(Pipeline, EndsTracksAndReleasesItsSources) {
+  for (const bool ends : {false, true}) {
+    EndingEstimator estimator;
+    EventSink sink;
+    PipelineOptions options;
+    options.overflow = Overflow::kWait;
+    std::vector<SourceWorker::Input> inputs(1);
+    inputs[0].access_point = "ap1";
+    inputs[0].source = PcapFileSource::open(kSite + std::string("device_los-ap1.pcap.gz")).value();
+    const DatagramSource* const source = inputs[0].source.get();
+    Pipeline pipeline(options, std::move(inputs), estimator, sink);
+    if (ends) {
+      pipeline.end_tracks("it is over");
+    }
+    pipeline.start();
+    pipeline.wait();
+    EXPECT_EQ(sink.reasons,
+              ends ? std::vector<std::string>{"it is over"} : std::vector<std::string>{});
+    const auto released = pipeline.release_sources();
+    ASSERT_EQ(released.size(), 1U);
+    EXPECT_EQ(released[0].get(), source);
+    EXPECT_EQ(pipeline.source_reports().front().access_point, "ap1");
+  }
+}
+
 // As one that takes longer than the recording lasts: nothing ends before everything has come.
 class SlowEstimator : public DescribingEstimator {
  public:

@@ -5,6 +5,8 @@
 
 #include <unistd.h>
 
+#include <chrono>
+#include <filesystem>
 #include <fstream>
 #include <set>
 
@@ -60,6 +62,28 @@ TEST_F(RecordingFolderTest, GivesANameThatNobodyHas) {
   make("ap1-20251121T140509Z-2.pcap.part", 1);
   EXPECT_EQ(free_recording_name(folder_, "ap1", time).filename(), "ap1-20251121T140509Z-3.pcap");
   EXPECT_EQ(free_recording_name(folder_, "ap2", time).filename(), "ap2-20251121T140509Z.pcap");
+}
+
+TEST_F(RecordingFolderTest, TellsWhatWasWrittenOfAnAccessPointSinceThen) {
+  const auto now = std::filesystem::file_time_type::clock::now();
+  for (const char* const name : {"ap1-20251121T140509Z.pcap.part",
+                                 "ap1-20251121T130509Z-2.pcap",
+                                 "ap1-20251121T130509Z.pcap",
+                                 "ap1-20251121T120509Z.pcap",
+                                 "ap1-ring-20251121T140509Z.pcap",
+                                 "ap11-20251121T140509Z.pcap"}) {
+    make(name, 1);
+  }
+  std::filesystem::last_write_time(folder_ / "ap1-20251121T120509Z.pcap",
+                                   now - std::chrono::hours(2));
+  std::string found;
+  for (const auto& file :
+       recordings_since(folder_, "ap1", std::chrono::system_clock::now() - std::chrono::hours(1))) {
+    found += file.filename().string() + " ";
+  }
+  EXPECT_EQ(
+      found,
+      "ap1-20251121T130509Z.pcap ap1-20251121T130509Z-2.pcap ap1-20251121T140509Z.pcap.part ");
 }
 
 TEST_F(RecordingFolderTest, RemovesTheOldestUntilTheRestFits) {

@@ -14,6 +14,7 @@
 #include "daemon/calibrate/calibration_inputs.h"
 #include "daemon/pipeline/chain_file.h"
 #include "daemon/pipeline/device_estimator.h"
+#include "engine/posterior/credible_region.h"
 #include "tests/support/closet_plan.h"
 #include "tests/support/faulty_frames.h"
 #include "tests/support/rayloc_process.h"
@@ -111,6 +112,8 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
   const auto estimator = DeviceEstimator::create(site, options).value();
   int located = 0;
   int learning = 0;
+  int coarse = 0;
+  int held = 0;
   for (int i = 0; i < kBursts; ++i) {
     auto frames = spots.points[static_cast<std::size_t>(i)].frames;
     ASSERT_FALSE(frames.empty());
@@ -128,14 +131,19 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
       EXPECT_FALSE(is_named(out.locations.front())) << i;
     } else if (is_named(out.locations.front())) {
       ++learning;
-      EXPECT_FALSE(snapshot.position) << i;
-      EXPECT_NE(snapshot.reason.find("learning the chains of ap1: "), std::string::npos);
+      coarse += snapshot.position ? 1 : 0;
+      const Vec3d truth = spots.points[static_cast<std::size_t>(i)].point.position;
+      held += region_reaching(snapshot, truth).value_or(0.0) < 0.95 ? 1 : 0;
+      // Without the phases there is a coarse fix, or none; either says why.
+      const std::string& why = snapshot.position ? snapshot.warnings.at(0) : snapshot.reason;
+      EXPECT_NE(why.find("learning the chains of ap1: "), std::string::npos) << why;
       EXPECT_GT(snapshot.time, burst.first);
       EXPECT_EQ(estimator->calibration_warnings().at(0).problem,
                 CalibrationProblem::kChainPhaseJump);
     }
   }
   EXPECT_EQ(located, kJumpAt);
+  EXPECT_GE(held, 9 * learning / 10) << coarse << " coarse fixes of " << learning;
   std::string news;
   for (const std::string& line : estimator->chain_news()) {
     news += line + "\n";

@@ -1,5 +1,6 @@
-#include "daemon/pipeline/zone_watch.h"
+#include "daemon/pipeline/zones/zone_watch.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -216,6 +217,50 @@ TEST(FillZones, AddsTheHypothesesAndLeavesTheRestOutside) {
   location.estimate.position.reset();
   fill_zones(zones(2), location);
   EXPECT_TRUE(location.zones.empty());  // NO_FIX
+}
+
+// Whatever the moment: who is told of the stays decides as the one before would have.
+TEST(ZoneWatch, ASuccessorGoesOnWithTheStays) {
+  std::mt19937 random(5);
+  std::vector<Location> sightings;
+  std::vector<double> probability(6, 0.5);
+  for (int i = 0; i < 600; ++i) {
+    const auto who = static_cast<std::size_t>(random() % 3);
+    for (std::size_t zone = 0; zone < 2; ++zone) {
+      double& p = probability[2 * who + zone];
+      p = std::clamp(p + std::uniform_real_distribution<>(-0.2, 0.2)(random), 0.0, 1.0);
+    }
+    // One of them is away for long, now and then.
+    if (who == 2 && i / 100 % 2 == 1) {
+      continue;
+    }
+    const std::string name(1, static_cast<char>('a' + who));
+    sightings.push_back(
+        i % 97 == 0 ? lost(0.1 * i, name)
+                    : estimate(0.1 * i, name, {probability[2 * who], probability[2 * who + 1]}));
+  }
+  ZoneWatch whole(zones(2));
+  for (const Location& sighting : sightings) {
+    whole.see(sighting);
+  }
+  const std::string expected = lines(events_of(whole, 80.0));
+  EXPECT_GT(std::count(expected.begin(), expected.end(), '\n'), 20);
+  for (double moment = 0.05; moment < 60.0; moment += 3.7) {
+    ZoneWatch first(zones(2));
+    for (const Location& sighting : sightings) {
+      if (sighting.estimate.time < at(moment + 0.3)) {  // some that nobody has decided by
+        first.see(sighting);
+      }
+    }
+    std::string said = lines(events_of(first, moment));
+    ZoneWatch second(zones(2), first.stays(), at(moment));
+    for (const Location& sighting : sightings) {
+      if (sighting.estimate.time >= at(moment - 5.0)) {
+        second.see(sighting);
+      }
+    }
+    EXPECT_EQ(said + lines(events_of(second, 80.0)), expected) << moment;
+  }
 }
 
 }  // namespace

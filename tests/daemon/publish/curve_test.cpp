@@ -15,6 +15,7 @@
 #include "daemon/publish/late_subscriber.h"
 #include "daemon/publish/socket/connection_guard.h"
 #include "daemon/publish/socket/curve_keys.h"
+#include "daemon/publish/socket/secret_file.h"
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/daemon/publish/guarded_daemon.h"
@@ -193,7 +194,7 @@ class CurveKeyFile : public ::testing::Test {
 
 TEST_F(CurveKeyFile, IsOfItsOwnerAloneAndReadsBack) {
   const CurveKeyPair keys = make_curve_keys();
-  ASSERT_TRUE(write_curve_secret(file_, keys.secret_key));
+  ASSERT_TRUE(write_secret(file_, keys.secret_key));
   struct stat status {};
   ASSERT_EQ(stat(file_.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777U, 0600U);
@@ -201,7 +202,7 @@ TEST_F(CurveKeyFile, IsOfItsOwnerAloneAndReadsBack) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->secret_key, keys.secret_key);
   EXPECT_EQ(read->public_key, keys.public_key);
-  const auto again = write_curve_secret(file_, make_curve_keys().secret_key);
+  const auto again = write_secret(file_, make_curve_keys().secret_key);
   ASSERT_FALSE(again) << "a key that exists is never lost";
   EXPECT_THAT(again.error().message, HasSubstr("File exists"));
   EXPECT_EQ(read_curve_secret(file_)->secret_key, keys.secret_key);

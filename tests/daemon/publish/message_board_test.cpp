@@ -1,8 +1,11 @@
 #include "daemon/publish/message_board.h"
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/publish/proto_time.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc {
@@ -70,6 +73,86 @@ TEST_F(MessageBoardTest, LeavesChannelsOut) {
   envelope.mutable_csi();
   board_.put("v1/csi/room/ap1/", envelope, "csi");
   EXPECT_THAT(after(0), IsEmpty());
+}
+
+// Where somebody was, as those who look at the board ask for it.
+class PresenceTest : public ::testing::Test {
+ protected:
+  void put(std::uint64_t track,
+           double at_s,
+           double x,
+           double y,
+           v1::LocationKind kind = v1::LOCATION_KIND_FILTERED,
+           v1::TargetKind target = v1::TARGET_KIND_DEVICE) {
+    v1::Envelope envelope;
+    *envelope.mutable_sent() = to_proto(Timestamp(from_seconds(at_s)));
+    v1::Location& location = *envelope.mutable_location();
+    location.set_kind(kind);
+    location.mutable_target()->set_kind(target);
+    location.mutable_target()->set_track(track);
+    location.mutable_target()->set_mac("02:00:00:00:00:01");
+    location.mutable_position()->set_x(x);
+    location.mutable_position()->set_y(y);
+    board_.put("v1/location/room/a/", envelope, "bytes");
+  }
+  // [s] in the cell that has its middle there.
+  double seconds(double x, double y, double now_s) const {
+    for (const Presence::Cell& cell : board_.presence(Timestamp(from_seconds(now_s))).cells) {
+      if (std::abs(cell.x - x) < 1e-9 && std::abs(cell.y - y) < 1e-9) {
+        return cell.seconds;
+      }
+    }
+    return 0.0;
+  }
+
+  static constexpr double kHour = 3600.0;
+  MessageBoard board_{40, from_seconds(24.0 * kHour)};
+};
+
+TEST_F(PresenceTest, SumsHowLongTracksWereInEachCell) {
+  for (int i = 0; i <= 10; ++i) {
+    put(1, 1000.0 + 0.5 * i, 0.1, -0.1);
+    put(2, 1000.0 + 0.5 * i, 0.2, -0.2);
+  }
+  EXPECT_NEAR(seconds(0.125, -0.125, 1010.0), 10.0, 1e-6) << "both together";
+  put(1, 1006.0, 0.3, -0.1);
+  EXPECT_NEAR(seconds(0.375, -0.125, 1010.0), 1.0, 1e-6);
+  put(1, 1010.0, 0.6, -0.1);
+  EXPECT_EQ(seconds(0.625, -0.125, 1010.0), 0.0) << "it was away in between";
+  put(1, 1010.5, 0.6, -0.1, v1::LOCATION_KIND_SNAPSHOT);
+  EXPECT_EQ(seconds(0.625, -0.125, 1010.0), 0.0) << "snapshots of the same do not count";
+}
+
+TEST_F(PresenceTest, ADeviceAndAPersonOfOneNumberAreTwo) {
+  for (int i = 0; i <= 10; ++i) {
+    put(1, 1000.0 + i, 0.1, 0.1);
+    put(1, 1000.5 + i, 5.1, 0.1, v1::LOCATION_KIND_FILTERED, v1::TARGET_KIND_PERSON);
+  }
+  EXPECT_NEAR(seconds(0.125, 0.125, 1020.0), 10.0, 1e-6);
+  EXPECT_NEAR(seconds(5.125, 0.125, 1020.0), 10.0, 1e-6);
+}
+
+TEST_F(PresenceTest, IsForgottenSlotBySlot) {
+  for (const double hour : {0.5, 10.5}) {
+    put(1, hour * kHour, 0.1, 0.1);
+    put(1, hour * kHour + 1.0, 0.1, 0.1);
+  }
+  EXPECT_NEAR(seconds(0.125, 0.125, 11.0 * kHour), 2.0, 1e-6);
+  EXPECT_NEAR(seconds(0.125, 0.125, 24.5 * kHour), 1.0, 1e-6);
+  EXPECT_EQ(seconds(0.125, 0.125, 40.0 * kHour), 0.0);
+}
+
+TEST_F(PresenceTest, TakesBoundedMemory) {
+  const int many = static_cast<int>(Presence::kMostCells) + 100;
+  for (int i = 0; i < many; ++i) {
+    put(1, 1000.0 + i, 0.5 * i, 0.0);
+  }
+  const MessageBoard::PresenceNow now = board_.presence(Timestamp(from_seconds(1000.0 + many)));
+  EXPECT_EQ(now.cells.size(), Presence::kMostCells);
+  EXPECT_EQ(now.left_out, 99U) << "the first has no time before it";
+  put(1, 2e9, 1e300, std::nan(""));
+  put(1, 2e9 + 1.0, 1e300, std::nan(""));
+  EXPECT_TRUE(board_.presence(Timestamp(from_seconds(2e9 + 1.0))).cells.empty()) << "no place";
 }
 
 }  // namespace

@@ -12,6 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/publish/json.h"
+#include "rayloc/v1/carried.pb.h"
+#include "rayloc/v1/cluster.pb.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "rayloc/v1/snapshot.pb.h"
 
@@ -37,8 +39,11 @@ pb::FileDescriptorSet released() {
 // What this build publishes.
 pb::FileDescriptorSet current() {
   pb::FileDescriptorSet set;
-  // Reaches every file: the reply holds envelopes, and those hold all bodies.
-  std::vector<const pb::FileDescriptor*> files{v1::SnapshotReply::descriptor()->file()};
+  // They reach every file: the reply holds envelopes, and those hold all bodies. What machines tell
+  // each other, and what one pipeline carries over to the next, are no bodies.
+  std::vector<const pb::FileDescriptor*> files{v1::SnapshotReply::descriptor()->file(),
+                                               v1::Carried::descriptor()->file(),
+                                               v1::CsiBatch::descriptor()->file()};
   for (std::size_t i = 0; i < files.size(); ++i) {
     files[i]->CopyTo(set.add_file());
     for (int j = 0; j < files[i]->dependency_count(); ++j) {

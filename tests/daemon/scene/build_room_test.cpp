@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include "daemon/scene/access_point_presets.h"
 #include "daemon/scene/room_site.h"
 #include "engine/base/constants.h"
 #include "engine/scene/read/load_scene.h"
@@ -23,28 +24,8 @@ namespace rayloc {
 namespace {
 
 using testing::kRoomFile;
+using testing::plan_scene;
 using testing::room_text;
-
-std::shared_ptr<const Scene> scene_of(const std::string& plan_text) {
-  const auto plan = parse_room_plan(plan_text, kRoomFile);
-  if (!plan) {
-    ADD_FAILURE() << plan.error().message;
-    return nullptr;
-  }
-  const auto files = scene_files(build_room(*plan));
-  auto scene = parse_scene(files.at("scene.xml"),
-                           "scene.xml",
-                           {test::kCarrier, {}},
-                           [&](const std::string& name) -> Expected<std::string> {
-                             return files.contains(name) ? Expected<std::string>(files.at(name))
-                                                         : bad_input(name + " was not written");
-                           });
-  if (!scene) {
-    ADD_FAILURE() << scene.error().message;
-    return nullptr;
-  }
-  return std::make_shared<const Scene>(*std::move(scene));
-}
 
 TEST(Field, SceneFilesOfAnyNameAreRead) {
   const Mesh wall = test::rectangle_mesh({0, 0, 0}, {1, 0, 0}, {0, 0, 2});
@@ -88,7 +69,7 @@ double area_of(const Scene& scene, const std::string& name) {
 }
 
 TEST(BuildRoom, HasTheObjectsOfThePlan) {
-  const auto scene = scene_of(room_text());
+  const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   std::vector<std::string> names;
   for (const SceneObject& object : scene->objects()) {
@@ -110,7 +91,7 @@ TEST(BuildRoom, HasTheObjectsOfThePlan) {
 }
 
 TEST(BuildRoom, SurfacesHaveTheAreaOfThePlan) {
-  const auto scene = scene_of(room_text());
+  const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   EXPECT_NEAR(area_of(*scene, "floor"), 5.2 * 3.4, 1e-12);
   EXPECT_NEAR(area_of(*scene, "wall_west"), 3.4 * 2.7, 1e-12);
@@ -124,7 +105,7 @@ TEST(BuildRoom, SurfacesHaveTheAreaOfThePlan) {
 }
 
 TEST(BuildRoom, MaterialsAreThoseOfThePlan) {
-  const auto scene = scene_of(room_text());
+  const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   std::map<std::string, RadioMaterial> materials;
   for (const RadioMaterial& material : scene->materials()) {
@@ -137,7 +118,7 @@ TEST(BuildRoom, MaterialsAreThoseOfThePlan) {
 }
 
 TEST(BuildRoom, SidesFaceInwardsAndBoxesOutwards) {
-  const auto scene = scene_of(room_text());
+  const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   const Vec3d middle{1.6, 1.7, 1.35};
   for (std::uint32_t i = 0; i < scene->surfaces().size(); ++i) {
@@ -153,7 +134,7 @@ TEST(BuildRoom, SidesFaceInwardsAndBoxesOutwards) {
 }
 
 TEST(BuildRoom, BoxIsTurnedAnticlockwise) {
-  const auto scene = scene_of(room_text());
+  const auto scene = plan_scene(room_text());
   ASSERT_NE(scene, nullptr);
   const Mesh& table = scene->objects()[*object_named(*scene, "table")].mesh;
   const Vec3d along{std::cos(30.0 * std::acos(-1.0) / 180.0), 0.5, 0.0};
@@ -190,7 +171,7 @@ std::vector<double> image_lengths(const Vec3d& size, const Vec3d& from, const Ve
 }
 
 TEST(BuildRoom, EmptyRoomHasThePathsOfItsImages) {
-  const auto scene = scene_of(
+  const auto scene = plan_scene(
       "name = \"x\"\nsize = [5.2, 3.4, 2.7]\nfloor = \"concrete\"\nceiling = \"concrete\"\nwalls = "
       "\"brick\"\n");
   ASSERT_NE(scene, nullptr);
@@ -233,10 +214,10 @@ TEST(BuildRoom, HoleReflectsNothingAndAPaneAsItself) {
   const Vec3d rx{2, 2.1, 1.5};
   const std::vector<std::string> others{
       "ceiling", "floor", "wall_east", "wall_north", "wall_south"};
-  EXPECT_EQ(single_bounces(scene_of(room), tx, rx), others);
+  EXPECT_EQ(single_bounces(plan_scene(room), tx, rx), others);
   std::vector<std::string> with_pane = others;
   with_pane.insert(with_pane.begin() + 2, "gap");
-  EXPECT_EQ(single_bounces(scene_of(room + "material = \"glass\"\n"), tx, rx), with_pane);
+  EXPECT_EQ(single_bounces(plan_scene(room + "material = \"glass\"\n"), tx, rx), with_pane);
 }
 
 TEST(RoomSite, IsASiteOnceAnAccessPointIsNamed) {
@@ -262,6 +243,31 @@ TEST(RoomSite, IsASiteOnceAnAccessPointIsNamed) {
   EXPECT_EQ(complete.error().message.find("/nowhere/site.toml:2:9: 'scene': no file"), 0U)
       << complete.error().message;
   EXPECT_EQ(complete.error().message.find('\n'), std::string::npos) << complete.error().message;
+}
+
+TEST(RoomSite, AKnownModelIsWrittenReady) {
+  const auto plan = parse_room_plan(room_text(), kRoomFile);
+  ASSERT_TRUE(plan) << plan.error().message;
+  // Each with the order of its cores.
+  const std::map<std::string, std::vector<std::uint8_t>> cores = {{"RT-AX86U", {2, 0, 3}},
+                                                                  {"RT-AC86U", {0, 1, 2}}};
+  for (const std::string& model : preset_models()) {
+    const std::string text = room_site(*plan, model);
+    EXPECT_NE(text.find("[[access_point]]  # " + model + ", three antennas"), std::string::npos);
+    const auto site =
+        parse_site(text, std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/site.toml");
+    ASSERT_TRUE(site) << site.error().message;
+    ASSERT_EQ(site->access_points.size(), 1U);
+    const SiteAccessPoint& ap = site->access_points[0];
+    EXPECT_EQ(ap.cores, cores.at(model));
+    EXPECT_EQ(ap.array.element_offset[0], (Vec3d{0, -0.089, 0}));
+    EXPECT_EQ(ap.array.element_offset[2], (Vec3d{0, 0.089, 0}));
+    // In the room, below its ceiling, and looking at its middle.
+    EXPECT_GT(ap.array.pose.position.z, 1.5);
+    EXPECT_LT(ap.array.pose.position.z, plan->upper.z);
+    const Vec3d middle = 0.5 * (plan->lower + plan->upper) - ap.array.pose.position;
+    EXPECT_NEAR(ap.array.pose.orientation.yaw, std::atan2(middle.y, middle.x), 0.01);
+  }
 }
 
 TEST(RoomSite, AccessPointsAndCarrierComeBackAsStated) {

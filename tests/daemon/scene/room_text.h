@@ -2,11 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <string_view>
 
-#include "daemon/scene/room_plan.h"
+#include <gtest/gtest.h>
+
+#include "daemon/scene/build_room.h"
+#include "engine/scene/read/load_scene.h"
 #include "tests/support/edited_text.h"
+#include "tests/support/scenes.h"
 
 namespace rayloc::testing {
 
@@ -60,6 +65,28 @@ inline std::string room_text(std::string_view from = "", std::string_view to = "
 inline std::string room_errors(std::string_view text) {
   const Expected<RoomPlan> plan = parse_room_plan(text, kRoomFile);
   return plan ? "" : without_folder(plan.error().message, kRoomFile);
+}
+
+// The scene of a plan, through its files; null after a failure.
+inline std::shared_ptr<const Scene> plan_scene(const std::string& plan_text) {
+  const auto plan = parse_room_plan(plan_text, kRoomFile);
+  if (!plan) {
+    ADD_FAILURE() << plan.error().message;
+    return nullptr;
+  }
+  const auto files = scene_files(build_room(*plan));
+  auto scene = parse_scene(files.at("scene.xml"),
+                           "scene.xml",
+                           {test::kCarrier, {}},
+                           [&](const std::string& name) -> Expected<std::string> {
+                             return files.contains(name) ? Expected<std::string>(files.at(name))
+                                                         : bad_input(name + " was not written");
+                           });
+  if (!scene) {
+    ADD_FAILURE() << scene.error().message;
+    return nullptr;
+  }
+  return std::make_shared<const Scene>(*std::move(scene));
 }
 
 }  // namespace rayloc::testing

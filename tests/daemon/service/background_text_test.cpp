@@ -31,10 +31,12 @@ TEST(BackgroundText, IsThereAtOnceAndRenewedForWhoAsksNext) {
     EXPECT_EQ(text.ask(), "none");
   }
   EXPECT_EQ(made, 1);
+  EXPECT_FALSE(text.idle());
   release.set_value();
   // All who asked meanwhile together get one more.
   ASSERT_TRUE(eventually(kPatience, [&] { return made == 2; }));
   EXPECT_TRUE(eventually(kPatience, [&] { return text.ask() >= "2"; }));
+  EXPECT_TRUE(eventually(kPatience, [&] { return text.idle(); }));
 }
 
 }  // namespace

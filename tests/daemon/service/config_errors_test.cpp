@@ -135,6 +135,11 @@ const auto kCases = std::to_array<Case>({
      "insecure = false",
      "raylocd.toml:34:10: 'listen' can be reached from the network",
      "token_file"},
+    {"HttpEdit",
+     "token_file = \"token\"\ninsecure = true",
+     "edit = true\ninsecure = true",
+     "raylocd.toml:35:8: 'edit' would let everyone on the network write the files of the site",
+     "set token_file"},
     {"HttpListen",
      "0.0.0.0:8481",
      "8481",
@@ -270,6 +275,17 @@ std::string setup_errors(const std::string& text) {
   }
   const std::string& message = setup.error().message;
   return message.substr(file.string().size() + 1);
+}
+
+TEST(ConfigErrors, AMachineOfAClusterHasServersAndAName) {
+  const std::string cluster = config_text() + "[cluster]\nrole = \"capture\"\n";
+  EXPECT_THAT(errors_of(cluster), HasSubstr("[cluster] lacks 'servers'"));
+  EXPECT_THAT(errors_of(cluster + "servers = [\"nats://a:4222\"]\n"),
+              HasSubstr("[cluster] lacks 'name'"));
+  EXPECT_THAT(errors_of(cluster + "servers = [\"a:4222\"]\nname = \"n\"\n"),
+              HasSubstr("write nats://ADDRESS:PORT"));
+  EXPECT_THAT(errors_of(cluster + "servers = [\"tls://a:4222\"]\nname = \"n\"\ntls_cert = \"c\"\n"),
+              HasSubstr("'tls_cert' and 'tls_key' belong together"));
 }
 
 TEST(ConfigErrors, SourceNamesAnAccessPointOfTheSite) {

@@ -56,7 +56,7 @@ TEST(Config, ReadsEveryKey) {
   ASSERT_TRUE(config) << config.error().message;
   const fs::path folder = kConfigFile.parent_path();
   EXPECT_EQ(config->file, kConfigFile);
-  EXPECT_EQ(config->site_directory, folder / "meeting_room");
+  EXPECT_EQ(config->sites.front().directory, folder / "meeting_room");
   ASSERT_EQ(config->sources.size(), 3U);
   const SourceConfig& udp = config->sources[0];
   EXPECT_EQ(udp.kind, SourceKind::kUdp);
@@ -108,6 +108,11 @@ TEST(Config, ReadsTheOtherKeys) {
   EXPECT_EQ(config->sources[0].stall_after, std::chrono::milliseconds(7500));
   EXPECT_EQ(config->sources[1].max_gap, std::chrono::seconds(20));
   EXPECT_EQ(config->engine.method, nullptr);
+  EXPECT_EQ(config->sites[0].name, "office");
+  EXPECT_TRUE(config->sites[0].has_method);
+  EXPECT_EQ(config->sites[0].method, nullptr);
+  EXPECT_FALSE(config->sites[0].record);
+  EXPECT_EQ(config->sources[0].site, "office");
   EXPECT_FALSE(config->engine.snapshots_always);
   EXPECT_TRUE(config->publish.csi);
   constexpr std::uint64_t kMebibyte = 1024UL * 1024UL;
@@ -123,6 +128,7 @@ TEST(Config, ReadsTheOtherKeys) {
             (std::vector<std::string>{"https://home.example", "http://nas:8480"}));
   EXPECT_EQ(config->http.front.frame_ancestors,
             (std::vector<std::string>{"self", "http://homeassistant.local:8123"}));
+  EXPECT_TRUE(config->http.edit);
 }
 
 TEST(Config, DefaultsAreThoseOfTheDocumentation) {
@@ -207,7 +213,7 @@ TEST(DaemonSetup, ResolvesSourcesToAccessPoints) {
       config_text("\"meeting_room\"", in_quotes(kConfigFile.parent_path() / "meeting_room")));
   const Expected<DaemonSetup> setup = load_daemon_setup(file.path());
   ASSERT_TRUE(setup) << setup.error().message;
-  EXPECT_EQ(setup->site.name, "meeting_room");
+  EXPECT_EQ(setup->sites.front().site.name, "meeting_room");
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(setup->config.sources[static_cast<std::size_t>(i)].access_point_index, i);
   }
@@ -235,6 +241,31 @@ TEST(ConfigExample, IsTheFileInDeploy) {
   std::ifstream in(fs::path(RAYLOC_TEST_DATA) / "../../deploy/raylocd.toml");
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_EQ(text, config_example()) << "run: rayloc config default > deploy/raylocd.toml";
+}
+
+TEST(Config, ReadsWhatTheMachineIsOfACluster) {
+  const Expected<DaemonConfig> config = parse_config(kOtherText, kConfigFile);
+  ASSERT_TRUE(config) << config.error().message;
+  const ClusterConfig& cluster = config->cluster;
+  EXPECT_EQ(cluster.role, ClusterRole::kCapture);
+  EXPECT_EQ(cluster.servers, std::vector<std::string>{"nats://127.0.0.1:4222"});
+  EXPECT_EQ(cluster.name, "node1");
+  EXPECT_EQ(cluster.tls_ca, kConfigFile.parent_path() / "ca.pem");
+  EXPECT_EQ(cluster.tls_cert, kConfigFile.parent_path() / "node1.pem");
+  EXPECT_EQ(cluster.tls_key, kConfigFile.parent_path() / "node1.key");
+  EXPECT_EQ(cluster.nkey_seed_file, kConfigFile.parent_path() / "node1.nkey");
+  EXPECT_EQ(cluster.flush, std::chrono::milliseconds(5));
+  EXPECT_EQ(cluster.window_bytes, std::size_t{2} << 20U);
+  EXPECT_EQ(cluster.keep, std::chrono::seconds(3));
+  EXPECT_EQ(cluster.keep_bytes, std::size_t{4} << 20U);
+  EXPECT_EQ(cluster.lease, std::chrono::milliseconds(1500));
+  EXPECT_EQ(cluster.capacity, 6U);
+  EXPECT_EQ(cluster.rewarm, std::chrono::seconds(7));
+  EXPECT_TRUE(cluster.is_hot);
+  EXPECT_FALSE(cluster.in_memory);
+  EXPECT_EQ(cluster.replicas, 3);
+  EXPECT_EQ(cluster.retention, std::chrono::seconds(90));
+  EXPECT_EQ(parse_config(kSmallest, kConfigFile)->cluster.role, ClusterRole::kNone);
 }
 
 TEST(ConfigExample, IsValidAndHoldsTheDefaults) {
@@ -268,7 +299,9 @@ TEST(ConfigSchema, EveryKeyIsStoredOnceAndStatedInTheTest) {
   for (const ConfigOption& option : config_options()) {
     const std::string path = std::string(option.section) + "." + std::string(option.key);
     EXPECT_TRUE(seen.insert(path).second) << path << " has two rows";
-    EXPECT_EQ(option.section != "source", option.store != nullptr) << path;
+    EXPECT_EQ(option.section != "source" && option.section != "site", option.store != nullptr)
+        << path;
+    EXPECT_EQ(option.section == "site", option.store_site != nullptr) << path;
     EXPECT_EQ(option.section == "source", option.store_source != nullptr) << path;
     // ReadsEveryKey, ReadsTheOtherKeys and the test of unix sources check each value of these.
     EXPECT_THAT("\n" + config_text() + std::string(kUnixSource) + std::string(kUrlSource) +
@@ -362,10 +395,11 @@ TEST(ConfigSchema, JsonSchemaHasEveryKeyAndRequiresWhatWeRequire) {
   EXPECT_EQ(schema.at("required"), nlohmann::json({"site", "source"}));
   for (const ConfigOption& option : config_options()) {
     const std::string section(option.section);
-    const nlohmann::json& object = section.empty() ? schema
-                                   : section == "source"
-                                       ? schema.at("properties").at(section).at("items")
-                                       : schema.at("properties").at(section);
+    const nlohmann::json& object =
+        section.empty()       ? schema
+        : section == "source" ? schema.at("properties").at(section).at("items")
+        : section == "site"   ? schema.at("properties").at(section).at("anyOf").at(0)
+                              : schema.at("properties").at(section);
     const nlohmann::json& property = object.at("properties").at(std::string(option.key));
     EXPECT_EQ(property.at("description"), std::string(option.description));
     EXPECT_EQ(property.contains("default"), !option.preset.empty());

@@ -85,8 +85,12 @@ url = "unix:/run/raylocd/eth0"
 // named by tests of errors.
 inline constexpr std::string_view kOtherText = R"([site]
 directory = "meeting_room"
+name = "office"
+method = "none"
+record = false
 [[source]]
 access_point = "ap1"
+site = "office"
 kind = "udp"
 only_interface = "eth1"
 allow = ["10.10.10.10", "192.168.1.0/24"]
@@ -114,6 +118,26 @@ snapshot_directory = "snapshots"
 base_path = "/rayloc"
 origins = ["https://home.example", "http://nas:8480"]
 frame_ancestors = ["self", "http://homeassistant.local:8123"]
+edit = true
+[cluster]
+role = "capture"
+servers = ["nats://127.0.0.1:4222"]
+name = "node1"
+tls_ca = "ca.pem"
+tls_cert = "node1.pem"
+tls_key = "node1.key"
+nkey_seed_file = "node1.nkey"
+flush_ms = 5
+window_mb = 2
+keep_s = 3
+keep_mb = 4
+lease_s = 1.5
+capacity = 6
+rewarm_s = 7
+standby = "hot"
+storage = "file"
+replicas = 3
+retention_s = 90
 )";
 
 // kConfigText with the first `from` replaced by `to`.

@@ -165,6 +165,12 @@ TEST(Field, TheChannelOfAWalkerIsOfTheBurstAndThePlaceThatItWasLocatedAt) {
                     location.estimate.position->z}));
     ASSERT_EQ(shown.at("access_points").size(), channel.room().access_points.size());
     for (std::size_t i = 0; i < 2; ++i) {
+      const json& paths = shown.at("access_points").at(i).at("paths");
+      ASSERT_GT(paths.size(), 1U) << "the direct way, and others";
+      EXPECT_EQ(paths.at(0).at("level_db"), 0.0) << "the strongest first";
+      EXPECT_EQ(paths.at(1).at("points").at(0), shown.at("position"));
+      const Vec3d& there = channel.room().access_points[i].array.pose.position;
+      EXPECT_EQ(paths.at(1).at("points").back(), json({there.x, there.y, there.z}));
       const std::vector<double> expected = amplitudes(channel.room(), i, burst);
       std::vector<double> measured;
       for (const json& antenna : shown.at("access_points").at(i).at("antennas")) {

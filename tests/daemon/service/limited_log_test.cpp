@@ -97,7 +97,7 @@ TEST(LossWatch, KnowsEveryStage) {
     heartbeat.mutable_ring_snapshots()->set_failed(count);
     heartbeat.mutable_recorder()->set_dropped(count);
     watch.look(heartbeat);
-    watch.look_at_log(count);
+    watch.look_at_shared(heartbeat, count);
   }
   std::vector<std::string> kinds;
   for (const std::string& line : written.lines) {
@@ -112,6 +112,22 @@ TEST(LossWatch, KnowsEveryStage) {
                                               "snapshot_files_failed",
                                               "recorder_dropped",
                                               "log_dropped"));
+}
+
+// Sites share the publisher: none of them says what it lost.
+TEST(LossWatch, OfASiteSaysNothingOfWhatIsShared) {
+  Written written;
+  LossWatch watch(std::make_shared<LimitedLog>(written.write()), "site 'office': ");
+  v1::Heartbeat heartbeat;
+  heartbeat.mutable_publisher()->set_slow_episodes(1);
+  heartbeat.mutable_publisher()->set_handshakes_failed(1);
+  heartbeat.mutable_publisher()->set_clients_cut_off(1);
+  heartbeat.mutable_snapshot_server()->set_dropped(1);
+  heartbeat.mutable_snapshot_server()->set_malformed(1);
+  watch.look(heartbeat);
+  EXPECT_THAT(written.lines, ElementsAre());
+  watch.look_at_shared(heartbeat, 0);
+  EXPECT_EQ(written.lines.size(), 5U);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "daemon/live_map/map_solid.h"
 #include "daemon/site/room_model.h"
 
 namespace rayloc {
@@ -64,6 +65,51 @@ TEST_F(MapGeometryTest, HoldsTheRoomAndWhatStandsInIt) {
   EXPECT_GT(floor, 3.53 * 2.85 * 0.99);
   EXPECT_GT(kinds["furniture"], 2);
   EXPECT_GE(kinds["cut"], 4) << "walls";
+}
+
+// Corner by corner, from the hinge along the side of the room.
+TEST_F(MapGeometryTest, DrawsDoorsAndWindowsAsGapsInTheirWalls) {
+  const json plan = json::parse(map_geometry_json(site_, room_)).at("plan");
+  const auto corners = [&](const std::string& name, const std::string& kind) {
+    std::vector<std::vector<double>> found;
+    for (const json& shape : plan) {
+      if (shape.at("name") == name) {
+        EXPECT_EQ(shape.at("kind"), kind) << name << " is drawn once";
+        found = shape.at("area");
+      }
+    }
+    return found;
+  };
+  using Corners = std::vector<std::vector<double>>;
+  EXPECT_EQ(corners("door", "door"),
+            (Corners{{1.725, -1.25}, {1.725, -0.35}, {1.885, -0.35}, {1.885, -1.25}}))
+      << "through the wall behind it, and hinged at the nearer corner of the room";
+  EXPECT_EQ(corners("window", "window"),
+            (Corners{{1.1, 1.405}, {-0.7, 1.405}, {-0.7, 1.545}, {1.1, 1.545}}));
+  EXPECT_FALSE(corners("whiteboard", "cut furniture").empty()) << "no opening, and no wall";
+}
+
+TEST_F(MapGeometryTest, HoldsTheRoomAsASolid) {
+  const json solid = json::parse(map_solid_json(*room_.scene));
+  const auto reach = [](const json& faces, std::size_t axis) {
+    double most = -10.0;
+    for (const json& face : faces) {
+      for (const json& corner : face.at("corners")) {
+        most = std::max(most, corner.at(axis).get<double>());
+      }
+    }
+    return most;
+  };
+  EXPECT_GT(solid.at("faces").size(), 30U);
+  EXPECT_NEAR(reach(solid.at("faces"), 2), 2.7, 1e-3) << "walls";
+  EXPECT_GT(reach(solid.at("open"), 2), 2.7) << "edges alone of the ceiling";
+  EXPECT_NEAR(reach(solid.at("open"), 0), 1.885, 1e-3) << "edges alone of the south wall";
+  EXPECT_THAT(solid.at("faces").at(0).at("colour").get<std::string>(), HasSubstr("#"));
+  std::vector<std::string> names;
+  for (const json& one : solid.at("names")) {
+    names.push_back(one.at("name"));
+  }
+  EXPECT_THAT(names, ::testing::Contains("table"));
 }
 
 TEST_F(MapGeometryTest, HoldsAccessPointsAndWhatTransmitsAllTheTime) {

@@ -66,16 +66,33 @@ TEST(Field, BurstsThatGaveWayAreAWarningThatSaysWhatToDo) {
   v1::Heartbeat heartbeat;
   saturation.look(heartbeat, kStart);
   EXPECT_THAT(saturation.warnings(), IsEmpty());
+  heartbeat.mutable_estimation()->set_bursts(1);
   heartbeat.mutable_estimation()->set_bursts_merged(3);
   saturation.look(heartbeat, kStart + 1s);
   EXPECT_THAT(saturation.reasons(), IsEmpty()) << "positions are right";
   EXPECT_THAT(
       saturation.warnings(),
       ElementsAre(::testing::AllOf(HasSubstr("more bursts come than this machine can explain"),
+                                   HasSubstr("(25 % of the bursts were explained)"),
                                    HasSubstr("unlisted = \"ignore\""),
                                    HasSubstr("faster machine"))));
   saturation.look(heartbeat, kStart + 12s);
   EXPECT_THAT(saturation.warnings(), IsEmpty()) << "it is over";
+}
+
+TEST(Saturation, TheShareIsOfTheLastTenSeconds) {
+  Saturation saturation;
+  v1::Heartbeat heartbeat;
+  for (std::uint64_t second = 0; second <= 40; ++second) {
+    // Every fourth burst gives way, later every second.
+    heartbeat.mutable_estimation()->set_bursts(3 * second);
+    heartbeat.mutable_estimation()->set_bursts_merged(second <= 20 ? second : 3 * second - 40);
+    saturation.look(heartbeat, kStart + second * 1s);
+    if (second == 20) {
+      EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(75 % of")));
+    }
+  }
+  EXPECT_THAT(saturation.warnings(), ElementsAre(HasSubstr("(50 % of")));
 }
 
 TEST(Field, BurstsThatWereLeftOutAreAWarningOfTheirOwn) {

@@ -93,6 +93,36 @@ TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {
   EXPECT_TRUE(frames[0].complete);
 }
 
+// With the paths of less reflecting walls, and phases by the seed alone.
+TEST(CaptureSimulator, RoughWallsScatterWhereThatIsAskedFor) {
+  RoomModel room = test::make_room();
+  RadioMaterial rough = room.scene->materials()[0];
+  rough.scattering.scattering_coefficient = 0.5;
+  auto scene = Scene::create({room.scene->objects(), {rough}, room.scene->carrier_hz()});
+  ASSERT_TRUE(scene.has_value());
+  room.scene = std::make_shared<const Scene>(*std::move(scene));
+  const auto hear = [&](bool diffuse, std::uint64_t seed) {
+    CaptureOptions options = options_with(no_impairments());
+    options.trace.diffuse = diffuse;
+    options.seed = seed;
+    CaptureSimulator simulator(room, 1, options);
+    const auto frames = receive(*simulator.hear(spot_with(1)));
+    std::vector<Value> h;
+    for (std::size_t core = 0; core < frames.at(0).cores.size(); ++core) {
+      for (const auto& value : frames[0].csi.row(core, 0)) {
+        h.emplace_back(value);
+      }
+    }
+    return h;
+  };
+  const std::vector<Value> smooth = hear(false, 1);
+  const std::vector<Value> scattered = hear(true, 1);
+  EXPECT_EQ(scattered, hear(true, 1));
+  EXPECT_NE(scattered, hear(true, 2));
+  EXPECT_EQ(smooth, hear(false, 2));
+  EXPECT_NE(scattered, smooth);
+}
+
 struct Channel {
   const char* name;
   int bandwidth_mhz;

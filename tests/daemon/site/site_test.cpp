@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <numbers>
+#include <tuple>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "daemon/site/keys/site_keys.h"
 #include "tests/daemon/site/site_text.h"
 
 namespace rayloc {
@@ -139,6 +141,62 @@ TEST(Site, HeightIsUnknownUnlessItIsStated) {
   EXPECT_EQ(stated->transmitters[0].height_sigma, 0.0);
   EXPECT_NE(errors_of(site_text() + "height_sigma_m = -0.1\n").find("height_sigma_m"),
             std::string::npos);
+}
+
+// Each key that the table of keys gives a default: stating that changes nothing.
+TEST(Site, DefaultsAreThoseOfTheTableOfKeys) {
+  std::string bare = site_text("pattern = \"half_wave_dipole\"\npolarization = \"V\"\n", "");
+  for (const char* line : {"tone_spacing_hz = 312500\n",
+                           "yaw_deg = -37\npitch_deg = 0\nroll_deg = 0\n",
+                           "height_m = 1.1\n",
+                           "radius_m = 0.165\nheight_m = 1.7\n",
+                           "rotation_deg = 90\n",
+                           "unlisted = \"ignore\"\n"}) {
+    bare = testing::edited_text(bare, line, "");
+  }
+  std::string stated = bare;
+  int rows = 0;
+  for (const SiteKey& key : site_keys()) {
+    if (key.preset.empty()) {
+      continue;
+    }
+    for (const std::string& header :
+         {"[" + std::string(key.table) + "]\n", "[[" + std::string(key.table) + "]]\n"}) {
+      if (stated.find("\n" + header) != std::string::npos) {
+        stated = testing::edited_text(
+            stated, header, header + std::string(key.key) + " = " + std::string(key.preset) + "\n");
+        ++rows;
+      }
+    }
+  }
+  EXPECT_EQ(rows, 21) << "a new default needs a line below";
+  const Expected<Site> left_out = parse_site(bare, kSiteFile);
+  const Expected<Site> spelt = parse_site(stated, kSiteFile);
+  ASSERT_TRUE(left_out) << left_out.error().message;
+  ASSERT_TRUE(spelt) << spelt.error().message;
+  const auto values = [](const Site& site) {
+    const AntennaArray& array = site.access_points[0].array;
+    const SiteTransmitter& device = site.transmitters[0];
+    const SiteZone& zone = site.zones[0];
+    return std::tuple(
+        site.carrier.grid.spacing_hz,
+        std::tuple(array.pose.orientation.yaw,
+                   array.pose.orientation.pitch,
+                   array.pose.orientation.roll,
+                   to_string(array.pattern),
+                   array.polarization),
+        std::tuple(
+            to_string(device.pattern), device.polarization, device.constant_power, device.height),
+        std::tuple(site.targets.track_unlisted, site.targets.height, site.targets.height_sigma),
+        std::tuple(site.person->radius, site.person->height),
+        std::tuple(zone.enter_probability,
+                   zone.leave_probability,
+                   zone.enter_after,
+                   zone.leave_after,
+                   zone.dwell_after),
+        std::tuple(site.georeference->altitude, site.georeference->rotation));
+  };
+  EXPECT_EQ(values(*left_out), values(*spelt));
 }
 
 TEST(Site, CalibrationFileIsBesideSiteToml) {

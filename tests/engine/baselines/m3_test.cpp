@@ -212,10 +212,11 @@ M3Heard heard_by_hops(const RoomModel& room,
   return heard;
 }
 
+// Of 40 places: a quarter of the places are told beyond an alias, so that medians of fewer jump.
 double median_error(std::span<const int> hops) {
   std::vector<double> errors;
   unsigned seed = 1;
-  for (const Vec3d& truth : places(20)) {
+  for (const Vec3d& truth : places(40)) {
     const M3Paths paths = m3().find_paths(heard_by_hops(m3().room(), truth, hops, 2, seed++));
     LocationEstimate estimate;
     m3().summarise({&paths, 1}, estimate);
@@ -226,7 +227,7 @@ double median_error(std::span<const int> hops) {
 
 TEST(M3, LocatesByHopsAndNotByOneChannel) {
   const double hopped = median_error(kHops);
-  EXPECT_LT(hopped, 0.3);
+  EXPECT_LE(hopped, 0.2);
   // That a single channel of 20 MHz tells little beside it is physics.
   EXPECT_GT(median_error(std::span(kHops).first(1)), 2.0 * hopped);
 }

@@ -228,7 +228,7 @@ TEST(Spotfi, LearnsItsNumbersFromASurvey) {
     }
   }
   double share = 0.0;
-  input.progress = [&](double done) { share = done; };
+  input.progress = [&](const TrainingProgress& progress) { share = progress.share; };
   const auto learned = train_spotfi(input);
   ASSERT_TRUE(learned);
   EXPECT_EQ(share, 1.0);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -162,7 +163,7 @@ TEST(CalibrationInputCheck, RefusesTheOnePointThatStoodElsewhere) {
 
 TEST(CalibrationInputCheck, SaysNothingOfFewPoints) {
   auto points = survey();
-  points.resize(kLeastPairs - 1);
+  points.resize(kFewestPairs - 1);
   for (CalibrationPoint& point : points) {
     point.position.y = -point.position.y;
     point.h[1].clear();
@@ -199,6 +200,22 @@ TEST(Field, CalibrationCheckNamesATurnedAccessPoint) {
   EXPECT_TRUE(says(found.front().message, "access point 'b'"));
   EXPECT_TRUE(says(found.front().message, "turned by 180 degrees"));
   EXPECT_TRUE(says(found.front().remedy, "yaw_deg = "));
+}
+
+// Few pairs need more standard errors, and say something all the same.
+TEST(Field, FewPairsAreComparedByWhatIsAsRare) {
+  const auto significance = [](std::size_t pairs) {
+    PairedComparison comparison;
+    for (std::size_t i = 0; i < pairs; ++i) {
+      comparison.add({0.3}, {i % 2 == 0 ? 0.5 : 0.7});
+    }
+    return comparison.significance();
+  };
+  EXPECT_EQ(significance(kFewestPairs - 1), 0.0);
+  // A mean of 0.3 over a standard error of 0.1 sqrt(6 / 5) / sqrt(6).
+  EXPECT_NEAR(significance(6), 0.3 / (0.1 / std::sqrt(5.0)) * 3.0 / 5.51, 1e-12);
+  EXPECT_LT(significance(11), significance(12));
+  EXPECT_NEAR(significance(12), 0.3 / (0.1 / std::sqrt(11.0)), 1e-12);
 }
 
 TEST(Field, CalibrationCheckNamesExchangedCores) {

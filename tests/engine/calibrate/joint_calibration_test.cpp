@@ -194,6 +194,25 @@ TEST(JointCalibration, FitsAllAccessPointsTogether) {
   EXPECT_GT(held_out_fit(three.room, three.found, &PointFit::after), 0.97);
 }
 
+// From what nobody said. Of errors of half a wavelength, as 3 cm are, some look like others: what
+// is found is less.
+TEST(JointCalibration, FindsHowExactTheSurveyIs) {
+  for (const double sigma : {0.004, 0.01, 0.03}) {
+    const test::SurveyedRoom room = test::make_surveyed_room(
+        {.points = 40, .furniture = 1, .survey = sigma, .trace = {.max_depth = 2}});
+    JointCalibrationOptions options = options_of(room);
+    options.finds_survey = true;
+    const auto found = calibrate_jointly(room.plan, room.points, options, {}).value();
+    double squares = 0.0;
+    for (const Vec3d& error : room.survey_error) {
+      squares += dot(error, error) / 3.0;
+    }
+    const double truth = std::sqrt(squares / static_cast<double>(room.survey_error.size()));
+    EXPECT_GT(found.survey_sigma, sigma < 0.02 ? 0.7 * truth : 0.011) << sigma;
+    EXPECT_LT(found.survey_sigma, 1.4 * truth) << sigma;
+  }
+}
+
 // A small survey, for what does not need a good one.
 const test::SurveyedRoom& small_survey() {
   static const test::SurveyedRoom kRoom =

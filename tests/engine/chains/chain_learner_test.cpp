@@ -72,8 +72,10 @@ TEST(ChainLearner, LeavesChainsAloneThatAreAsCalibrated) {
     ASSERT_EQ(learner.states().size(), 1U);
     EXPECT_EQ(learner.states()[0].knowledge, ChainKnowledge::kAsCalibrated) << i;
     EXPECT_EQ(learner.believed(frames).size(), frames.size());
+    EXPECT_LT(learner.doubt(frames).probability, i < 6 ? 0.6 : 0.05) << i;
   }
   EXPECT_TRUE(learner.leaves_alone());
+  EXPECT_EQ(learner.withdrawals(), 0U);
 }
 
 // Any phases and levels: nothing is a quarter of a turn.
@@ -127,6 +129,7 @@ TEST(ChainLearner, WithdrawsWhatHasBecomeWrongAndLearnsAnew) {
   const ChainState state = learner.states().at(0);
   EXPECT_EQ(state.knowledge, ChainKnowledge::kLearned);
   EXPECT_GT(withdrawn, 0);
+  EXPECT_EQ(learner.withdrawals(), 2U);
   EXPECT_NEAR(phase_error(state, second, 1), 0.0, 0.3);
   EXPECT_NEAR(phase_error(state, second, 2), 0.0, 0.3);
 }

@@ -91,15 +91,6 @@ TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
 
     const double power = as_eigen(x).dot(together.solve(as_eigen(x))).real();
     EXPECT_NEAR(with.power(u), power, kClose * (1.0 + power));
-    double by_reduction = power_of(u);
-    for (const auto& row : with.reduction()) {
-      Value along;
-      for (std::size_t k = 0; k < kSize; ++k) {
-        along += row[k] * x[k];
-      }
-      by_reduction -= std::norm(along);
-    }
-    EXPECT_NEAR(by_reduction, power, kClose * (1.0 + power));
   }
   const auto shift = whiten(made.gaussian, made.company.added);
   for (std::size_t k = 0; k < kSize; ++k) {

@@ -141,6 +141,13 @@ TEST(PathGrid, KeyTellsApartWhateverTheRaysDependOn) {
             }));
   EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.max_depth = 1; }));
   EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.transmission = true; }));
+  const std::string edges =
+      key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.diffraction = true; });
+  EXPECT_NE(same, edges);
+  EXPECT_NE(edges, key([](RoomModel& r, RoomGrid&, std::size_t&) {
+              r.trace.diffraction = r.trace.double_diffraction = true;
+            }));
+  EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) { r.trace.diffuse = true; }));
   EXPECT_NE(same, key([](RoomModel& r, RoomGrid&, std::size_t&) {
               r.device.pattern = AntennaPattern::kIsotropic;
             }));

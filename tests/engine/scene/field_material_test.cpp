@@ -137,20 +137,26 @@ TEST(Field, MaterialWithoutValuesIsVacuumAndSaysSo) {
   EXPECT_NE(found.notes[0].message.find("it is read as vacuum"), std::string::npos);
 }
 
-TEST(Field, MaterialThatScattersSaysThatItDoesNot) {
+TEST(Field, MaterialThatScattersIsReadAndSaysWhereItCounts) {
   const std::string rest = number("xpd_coefficient", "0.1") +
-                           R"(<integer name="alpha_r" value="4"/>)" +
+                           R"(<integer name="alpha_r" value="4"/>)" + number("alpha_i", "8") +
+                           number("lambda_", "0.3") +
+                           R"(<string name="scattering_pattern" value="backscattering"/>)" +
                            R"(<rgb name="color" value="1 0 0"/>)";
   const std::string permittivity = number("relative_permittivity", "3");
   const Read found = read(
       "x",
       bsdf("radio-material", "x", permittivity + number("scattering_coefficient", "0.3") + rest));
+  EXPECT_EQ(found.material.scattering,
+            (SurfaceScattering{0.3, 0.1, ScatteringPattern::kBackscattering, 4.0, 8.0, 0.3}));
   ASSERT_EQ(found.notes.size(), 1U);
-  EXPECT_NE(found.notes[0].message.find("scattering_coefficient is not used"), std::string::npos);
-  EXPECT_TRUE(
-      read("x",
-           bsdf("radio-material", "x", permittivity + number("scattering_coefficient", "0") + rest))
-          .notes.empty());
+  EXPECT_NE(found.notes[0].message.find("its scattering_coefficient counts for"),
+            std::string::npos);
+  const Read smooth = read(
+      "x",
+      bsdf("radio-material", "x", permittivity + number("scattering_coefficient", "0") + rest));
+  EXPECT_TRUE(smooth.notes.empty());
+  EXPECT_FALSE(smooth.material.scattering.is_rough());
 }
 
 TEST(Field, MaterialNamesWhatWasNotReadOfIt) {

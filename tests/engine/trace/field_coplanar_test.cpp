@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/trace/coplanar_faces.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"

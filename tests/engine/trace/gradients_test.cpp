@@ -163,6 +163,38 @@ TEST(GradientsWithTransmission, MatchCentralDifferences) {
   }
 }
 
+// The screen is moved a little: one antenna of the box is in its plane, where waves along it have a
+// kink.
+TEST(GradientsOverEdges, MatchCentralDifferences) {
+  const bool print = std::getenv("RAYLOC_PRINT_GRADIENTS") != nullptr;
+  for (const auto& [scene, depth, transmission, twice] :
+       {std::tuple("box", 3, false, false),
+        std::tuple("box", 3, true, false),
+        std::tuple("box", 3, true, true),
+        std::tuple("meeting_room", 2, false, false),
+        std::tuple("corridor", 2, false, false)}) {
+    TraceOptions options{.max_depth = depth, .transmission = transmission, .diffraction = true};
+    options.double_diffraction = twice;
+    const TracedLink straight = TracedLink::of(scene, options);
+    const auto screen = static_cast<std::uint32_t>(straight.scene().objects().size() - 1);
+    const auto table = compare(straight.changed(Parameter::object_translation(screen, 1), 0.013));
+    EXPECT_EQ(table.size(), kKinds);
+    for (const auto& [kind, worst] : table) {
+      EXPECT_GT(worst.compared, 0) << name_of(kind);
+      EXPECT_LE(worst.error, kTolerance) << scene << " " << name_of(kind) << ": " << worst.where;
+      if (print) {
+        std::printf("| %s | %s, %s%s | %d | %.1e |\n",
+                    name_of(kind).c_str(),
+                    scene,
+                    twice ? "two edges" : "edges",
+                    transmission ? ", transmission" : "",
+                    worst.compared,
+                    worst.error);
+      }
+    }
+  }
+}
+
 // "rx.0", "table.2", "hi.1", "eps_r.wood", "eps_r": names of the reference files.
 Parameter parameter_of(const std::string& name, const Scene& scene) {
   const std::size_t dot_at = name.find('.');

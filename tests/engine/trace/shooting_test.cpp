@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/scene/read/load_scene.h"
+#include "engine/trace/images/image_tree.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"

@@ -1,11 +1,13 @@
 #include "engine/track/device_tracker.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "tests/support/synthetic_room.h"
 
@@ -78,33 +80,168 @@ Walk walk(const Localizer& localizer, DeviceTracker& tracker) {
   return result;
 }
 
-// The place that the whole room says is likeliest stays among those of the window.
-TEST(DeviceTracker, WindowKeepsTheFirstHypothesisOfTheWholeRoom) {
-  for (const std::size_t access_points : {std::size_t{1}, std::size_t{2}}) {
-    DeviceTrackerOptions whole;
-    whole.track.is_exhaustive = true;
-    DeviceTracker exhaustive(localizer(access_points), whole);
-    DeviceTracker tracker(localizer(access_points), {});
-    const auto expected = walk(*localizer(access_points), exhaustive).updates;
-    const auto found = walk(*localizer(access_points), tracker).updates;
-    ASSERT_EQ(found.size(), expected.size());
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-      const LocationEstimate& all = expected[i].estimate.location;
-      const LocationEstimate& part = found[i].estimate.location;
-      ASSERT_EQ(all.position.has_value(), part.position.has_value()) << i;
-      if (all.hypotheses.empty()) {
-        continue;
-      }
-      const Vec3d& first = all.hypotheses.front().position;
-      EXPECT_TRUE(std::any_of(part.hypotheses.begin(),
-                              part.hypotheses.end(),
-                              [&](const auto& one) {
-                                return std::hypot(one.position.x - first.x,
-                                                  one.position.y - first.y) < 0.15;
-                              }))
-          << access_points << ' ' << i;
+std::vector<double> numbers_of(const std::vector<DeviceUpdate>& updates) {
+  std::vector<double> numbers;
+  for (const DeviceUpdate& update : updates) {
+    const LocationEstimate& location = update.estimate.location;
+    numbers.push_back(static_cast<double>(location.time.time_since_epoch().count()));
+    if (location.position) {
+      numbers.insert(numbers.end(), {location.position->x, location.position->y});
+    }
+    for (const auto& hypothesis : location.hypotheses) {
+      numbers.insert(numbers.end(), {hypothesis.position.x, hypothesis.weight});
     }
   }
+  return numbers;
+}
+
+// One look at the whole room is enough to leave a place where the device is not: it then counts for
+// all the time in which nobody looked.
+TEST(DeviceTracker, LeavesAWrongPlaceByALookAtTheWholeRoom) {
+  constexpr int kJump = 1500;   // [ms], when it is followed
+  constexpr int kLater = 6500;  // [ms], more than from one look to the next
+  DeviceTracker tracker(localizer(3), DeviceTrackerOptions{});
+  std::vector<DeviceUpdate> updates;
+  const auto place = [](int ms) {  // to and fro, so that the channel changes
+    const double swing = 0.15 * std::sin(2e-3 * ms);
+    return ms < kJump ? Vec3d{-1.0 + swing, -0.8, 1.2} : Vec3d{1.0 + swing, 0.7, 1.2};
+  };
+  double before = 0.0;
+  for (int ms = 0; ms <= kJump + kLater; ms += 100) {
+    tracker.hear(kDevice, frames(localizer(3)->room(), place(ms), ms, 20.0), updates);
+    const LocationEstimate& location = updates.back().estimate.location;
+    if (ms == kJump - 100) {
+      ASSERT_TRUE(location.position);
+      before = error_of(location, place(ms));
+    }
+  }
+  EXPECT_LT(before, 0.1);
+  const LocationEstimate& after = updates.back().estimate.location;
+  ASSERT_TRUE(after.position);
+  EXPECT_LT(error_of(after, place(kJump + kLater)), 0.3);
+}
+
+// A track that one access point leads astray is led back by the first burst of those that join, not
+// by the next look at the whole room that is due.
+TEST(DeviceTracker, LooksAtTheWholeRoomWhenAccessPointsJoin) {
+  constexpr int kJoin = 1700;  // [ms], before the next look is due
+  // The last one is at rest: its channel is always the same.
+  const std::vector<std::pair<Vec3d, double>> swings = {
+      {{-0.6, -0.3, 1.2}, 0.05}, {{0.0, 0.9, 1.2}, 0.05}, {{-0.9, -0.3, 1.2}, 0.0}};
+  for (const auto& [middle, swing] : swings) {
+    DeviceTracker tracker(localizer(3), DeviceTrackerOptions{});
+    std::vector<DeviceUpdate> updates;
+    for (int ms = 0; ms <= kJoin; ms += 100) {
+      const Vec3d place = middle + Vec3d{swing * std::sin(2e-3 * ms), 0.0, 0.0};
+      auto heard = frames(localizer(3)->room(), place, ms, 20.0);
+      heard.resize(ms < kJoin ? 1 : 3);
+      tracker.hear(kDevice, heard, updates);
+      const LocationEstimate& location = updates.back().estimate.location;
+      const double error = location.position ? error_of(location, place) : 1.0;
+      EXPECT_TRUE(ms != kJoin - 100 || error > 0.5) << "one is not astray: " << error;
+      EXPECT_TRUE(ms != kJoin || error < 0.2) << error;
+    }
+  }
+}
+
+// Beside what all tracks of a room share: 64 KiB, also while a device may be in many places.
+TEST(DeviceTracker, ATrackTakesLittleMemory) {
+  if (mallinfo2().uordblks == 0) {
+    GTEST_SKIP() << "a sanitizer's allocator does not say what it has given out";
+  }
+  constexpr int kDevices = 20;
+  for (const std::size_t access_points : {std::size_t{1}, std::size_t{3}}) {
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    std::optional<DeviceTracker> tracker(
+        std::in_place, localizer(access_points), DeviceTrackerOptions());
+    for (int device = 0; device < kDevices; ++device) {
+      std::vector<DeviceUpdate> updates;
+      const MacAddress address{{2, 0, 0, 0, 1, static_cast<std::uint8_t>(device)}};
+      for (int ms = 0; ms <= 200; ms += 50) {
+        const Vec3d place = walker(80 * device + ms);
+        tracker->hear(address, frames(localizer(access_points)->room(), place, ms, 20.0), updates);
+      }
+    }
+    ASSERT_EQ(tracker->size(), static_cast<std::size_t>(kDevices));
+    const std::size_t with_tracks = mallinfo2().uordblks;
+    tracker.reset();
+    const std::size_t of_tracks = with_tracks - mallinfo2().uordblks;
+    std::printf("%zu access points: %zu KiB a track\n", access_points, of_tracks / kDevices / 1024);
+    EXPECT_LE(of_tracks / kDevices, 64U * 1024U) << access_points;
+    EXPECT_GT(of_tracks / kDevices, 1024U) << "or it was not measured";
+  }
+}
+
+// What is said of a device depends on none of the others: the same numbers whether bursts come
+// together, one after the other or the other way round, and on one thread.
+TEST(DeviceTracker, SaysTheSameWhateverTheOrderOfDevices) {
+  constexpr int kDevices = 4;
+  enum class Way { kTogether, kInOrder, kBackwards, kOneThread };
+  std::map<Way, std::map<MacAddress, std::vector<double>>> said;
+  for (const Way way : {Way::kTogether, Way::kInOrder, Way::kBackwards, Way::kOneThread}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    way == Way::kOneThread ? 1 : 4);
+    DeviceTracker tracker(localizer(1), {});
+    for (int ms = 0; ms <= 400; ms += 50) {
+      std::vector<std::vector<CsiFrame>> heard;
+      heard.reserve(kDevices);
+      for (int device = 0; device < kDevices; ++device) {
+        heard.push_back(frames(localizer(1)->room(), walker(500 * device + ms), ms, 25.0));
+      }
+      std::vector<DeviceBurst> bursts;
+      bursts.reserve(kDevices);
+      for (int device = 0; device < kDevices; ++device) {
+        bursts.push_back({{{2, 0, 0, 0, 0, static_cast<std::uint8_t>(device)}},
+                          heard[static_cast<std::size_t>(device)]});
+      }
+      if (way == Way::kBackwards) {
+        std::reverse(bursts.begin(), bursts.end());
+      }
+      const std::size_t at_once = way == Way::kTogether || way == Way::kOneThread ? kDevices : 1;
+      for (std::size_t i = 0; i < bursts.size(); i += at_once) {
+        for (const auto& updates : tracker.hear(std::span(bursts).subspan(i, at_once))) {
+          ASSERT_FALSE(updates.empty());
+          auto& numbers = said[way][updates.front().device];
+          const auto more = numbers_of(updates);
+          numbers.insert(numbers.end(), more.begin(), more.end());
+        }
+      }
+    }
+  }
+  EXPECT_EQ(said[Way::kTogether].size(), static_cast<std::size_t>(kDevices));
+  for (const Way way : {Way::kInOrder, Way::kBackwards, Way::kOneThread}) {
+    EXPECT_EQ(said[way], said[Way::kTogether]) << static_cast<int>(way);
+  }
+}
+
+// As after chains were found to have turned: the track goes on, from nowhere in particular.
+TEST(DeviceTracker, ForgetsPlacesAndFollowsOn) {
+  DeviceTracker tracker(localizer(3), {});
+  std::vector<DeviceUpdate> updates;
+  const auto hear = [&](const Vec3d& place, int ms, const FrameDoubt& doubt = {}) {
+    tracker.hear(
+        kDevice, frames(localizer(3)->room(), place, ms, 30.0), updates, std::nullopt, doubt);
+    return updates.back().estimate;
+  };
+  const Vec3d first{-0.9, 0.7, 1.2};
+  const Vec3d second{1.0, -0.7, 1.2};
+  for (int ms = 0; ms < 1000; ms += 100) {
+    hear(first, ms);
+  }
+  ASSERT_TRUE(updates.back().estimate.location.position);
+  EXPECT_LT(error_of(updates.back().estimate.location, first), 0.15);
+  // The same with a doubt: no hypothesis may have more than what is left.
+  const FilteredEstimate doubted = hear(first, 1000, {0.4});
+  EXPECT_GE(doubted.location.residual_probability, 0.4);
+  ASSERT_FALSE(doubted.location.hypotheses.empty());
+  EXPECT_LE(doubted.location.hypotheses.front().weight, 0.6);
+  tracker.forget_places();
+  EXPECT_TRUE(tracker.follows(kDevice));
+  const FilteredEstimate next = hear(second, 1100);
+  EXPECT_EQ(next.state, TrackState::kConfirmed);
+  ASSERT_TRUE(next.location.position);
+  EXPECT_LT(error_of(next.location, second), 0.15);
+  EXPECT_EQ(tracker.counters().begun, 1U);
 }
 
 TEST(DeviceTracker, FollowsAWalkBetterThanSnapshots) {

@@ -143,6 +143,31 @@ TEST_F(PersonTracking, FollowsAWalkAndLosesWhoHasLeft) {
                 counters.unusable);
 }
 
+// The place that the whole room ranks first is among those of a tracker that looks where somebody
+// may be, and both see the same moments.
+TEST_F(PersonTracking, LooksWhereSomebodyMayBeAndSaysWhatTheWholeRoomSays) {
+  constexpr double kSamePlace = 0.15;  // [m]
+  auto quick = PersonTracking::tracker();
+  auto exhaustive = PersonTracking::tracker({.is_exhaustive = true});
+  for (int i = 0; i < 40; ++i) {
+    const auto frames = moment(*room(), {{-0.8 + 0.04 * i, 0.3 - 0.01 * i}}, 0.1 * i);
+    Updates found;
+    Updates expected;
+    quick.hear(frames, found);
+    exhaustive.hear(frames, expected);
+    ASSERT_EQ(found.size(), 1U);
+    ASSERT_EQ(expected.size(), 1U);
+    EXPECT_EQ(found[0].estimate.state, expected[0].estimate.state) << i;
+    ASSERT_FALSE(expected[0].estimate.location.hypotheses.empty());
+    const Vec3d best = expected[0].estimate.location.hypotheses.front().position;
+    const auto& named = found[0].estimate.location.hypotheses;
+    EXPECT_TRUE(std::any_of(named.begin(), named.end(), [&](const Hypothesis& one) {
+      return std::hypot(one.position.x - best.x, one.position.y - best.y) < kSamePlace;
+    })) << i;
+  }
+  EXPECT_EQ(quick.counters().used, exhaustive.counters().used);
+}
+
 // However little the moments say, nobody stays for ever who was seen clearly once.
 TEST_F(PersonTracking, DoubtsWhomItDoesNotSeeClearly) {
   PersonTrackerOptions options;

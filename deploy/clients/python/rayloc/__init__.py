@@ -6,13 +6,51 @@
         for message in messages:
             print(message.topic, message.kind)
 
+The engine is here as well, with arrays of numpy (python/README.md of the source tree):
+
+    scene = rayloc.load_scene("room.xml")
+    paths = rayloc.trace(scene, rayloc.Transmitter((1, 1, 1)), rayloc.Receiver((3, 2, 1.5)))
+    h = rayloc.cfr(paths, rayloc.OfdmGrid.of(5.19e9))
+
 `Subscriber` is for ordinary code, `AsyncSubscriber` for asyncio; both take the arguments of
 `rayloc.connection.Connection` and know what was lost (`lost`), whether the daemon was restarted
 (`restarts`) and whether it is still heard (`stale`). The messages themselves are the classes of
 `rayloc.v1`, generated from proto/rayloc/v1.
 """
 
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from rayloc.needs import explained
+
+if TYPE_CHECKING:
+    from rayloc.calibrating import calibrate
+    from rayloc.localizing import Localizer, LocationEstimate
+    from rayloc.recording import Frames, read_frames
+    from rayloc.studying import Evaluation, StudiedCondition, Study, evaluate, experiment
+    from rayloc.tracing import (
+        Derivatives,
+        DiffuseDensity,
+        Error,
+        Link,
+        OfdmGrid,
+        Paths,
+        RadioMap,
+        Receiver,
+        ReceiverTracer,
+        Scene,
+        Tracer,
+        Transmitter,
+        cfr,
+        changed,
+        gradient,
+        load_scene,
+        parameter_names,
+        radio_map,
+        trace,
+    )
 
 try:
     from rayloc.asynchronous import AsyncSubscriber
@@ -23,4 +61,84 @@ try:
 except ModuleNotFoundError as error:
     raise explained(error) from None
 
-__all__ = ["AsyncSubscriber", "Curve", "Gap", "Message", "NoSnapshot", "Subscriber"]
+# Names of the engine, whose module and numpy are loaded when the first of them is asked for: who
+# subscribes needs neither.
+_ENGINE = {
+    "calibrate": "calibrating",
+    "Localizer": "localizing",
+    "LocationEstimate": "localizing",
+    "Frames": "recording",
+    "read_frames": "recording",
+    "Evaluation": "studying",
+    "StudiedCondition": "studying",
+    "Study": "studying",
+    "evaluate": "studying",
+    "experiment": "studying",
+    "Derivatives": "tracing",
+    "DiffuseDensity": "tracing",
+    "Error": "tracing",
+    "Link": "tracing",
+    "OfdmGrid": "tracing",
+    "Paths": "tracing",
+    "RadioMap": "tracing",
+    "Receiver": "tracing",
+    "ReceiverTracer": "tracing",
+    "Scene": "tracing",
+    "Tracer": "tracing",
+    "Transmitter": "tracing",
+    "cfr": "tracing",
+    "changed": "tracing",
+    "gradient": "tracing",
+    "load_scene": "tracing",
+    "parameter_names": "tracing",
+    "radio_map": "tracing",
+    "trace": "tracing",
+}
+
+__all__ = [
+    "AsyncSubscriber",
+    "Curve",
+    "Derivatives",
+    "DiffuseDensity",
+    "Error",
+    "Evaluation",
+    "Frames",
+    "Gap",
+    "Link",
+    "Localizer",
+    "LocationEstimate",
+    "Message",
+    "NoSnapshot",
+    "OfdmGrid",
+    "Paths",
+    "RadioMap",
+    "Receiver",
+    "ReceiverTracer",
+    "Scene",
+    "StudiedCondition",
+    "Study",
+    "Subscriber",
+    "Tracer",
+    "Transmitter",
+    "calibrate",
+    "cfr",
+    "changed",
+    "evaluate",
+    "experiment",
+    "gradient",
+    "load_scene",
+    "parameter_names",
+    "radio_map",
+    "read_frames",
+    "trace",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ENGINE:
+        raise AttributeError(f"module 'rayloc' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"rayloc.{_ENGINE[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

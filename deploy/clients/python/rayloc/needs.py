@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
-PACKAGES = {"zmq": "python3-zmq", "google": "python3-protobuf", "paho": "python3-paho-mqtt"}
+PACKAGES = {
+    "zmq": "python3-zmq",
+    "google": "python3-protobuf",
+    "paho": "python3-paho-mqtt",
+    "numpy": "python3-numpy",
+    "torch": "python3-torch",
+}
 
 
 def explained(error: ModuleNotFoundError) -> ModuleNotFoundError:
@@ -10,6 +16,11 @@ def explained(error: ModuleNotFoundError) -> ModuleNotFoundError:
     name = error.name or ""
     if name.startswith("rayloc.v1"):
         what = "a build makes it from proto/: use PYTHONPATH=BUILD/python, or install python3-rayloc"
+    elif name == "rayloc._engine":
+        what = (
+            "the engine is a native module, which pip does not make: install python3-rayloc, or use "
+            "PYTHONPATH=BUILD/python of a build, each with /usr/bin/python3"
+        )
     elif name.split(".")[0] in PACKAGES:
         package = PACKAGES[name.split(".")[0]]
         what = (

@@ -1,0 +1,149 @@
+// SiteFeed: the stream of a site as the sources of its access points, for a pipeline on another
+// machine than those that hear them.
+//
+// What the sources give, and what they promise (their watermarks), is a function of the records of
+// the stream. A node that is dead must not hold its site: after a while without it, although others
+// are heard, a record in the stream says so. From there its access points are not waited for, until
+// it is heard again; what is then older than what was promised meanwhile is late, and counted. An
+// access point that no node has named yet is not waited for either.
+//
+// More than can be explained is shed, by a record in the stream as well (shed_rule.h): so whoever
+// reads it again leaves out the same.
+//
+// Thread safety: each source from one thread, the rest from any.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "capture/transport/datagram_source.h"
+#include "daemon/cluster/broker.h"
+#include "daemon/cluster/sequencer.h"
+#include "daemon/cluster/shed_rule.h"
+#include "daemon/cluster/site_resume.h"
+#include "daemon/cluster/stream_reader.h"
+#include "daemon/pipeline/stage_progress.h"
+
+namespace rayloc {
+
+class SiteFeed {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  struct Options {
+    std::string site;
+    std::vector<std::string> access_points;  // ids
+    StreamOptions stream;                    // that is made where there is none
+    SiteResume resume;                       // from where it is read
+    // Of who looks back: nothing is asked of anybody, and the sources end behind the message of
+    // that sequence.
+    std::optional<std::uint64_t> until;
+    // Of who stands by: nothing is asked or written until speak().
+    bool only_listens = false;
+    // A node that is not heard for so long, although others are, is silent.
+    Duration silent_after = std::chrono::seconds(1);
+    ShedRule::Limits shed;
+    // What is missing for so long is asked for.
+    Duration ask_after = std::chrono::milliseconds(300);
+    // What waits for the sources to be read, while each of them has something.
+    std::size_t max_waiting_bytes = std::size_t{256} << 20U;
+  };
+
+  static Expected<std::unique_ptr<SiteFeed>> open(std::shared_ptr<Broker> broker, Options options);
+  ~SiteFeed();
+  SiteFeed(const SiteFeed&) = delete;
+  SiteFeed& operator=(const SiteFeed&) = delete;
+
+  // Of that number among `access_points`; once each. This outlives it.
+  std::unique_ptr<DatagramSource> source(std::size_t access_point);
+  void start();
+  // Ends the thread; sources give what waits, and nothing more.
+  void finish();
+  // Of who looks back: the sources end now. From any thread.
+  void end() { ending_ = true; }
+
+  struct Counters {
+    StreamReader::Counters stream;
+    Sequencer::Counters batches;
+    std::uint64_t refused = 0;   // records that cannot be read
+    std::uint64_t unknown = 0;   // datagrams of access points that the site does not have
+    std::uint64_t silences = 0;  // of nodes
+    std::uint64_t shed = 0;      // datagrams
+    std::uint32_t shed_level = 0;
+  };
+  Counters counters() const;
+  const StageProgress& progress() const { return progress_; }
+  // The latest place of which everything is behind that was heard at `time` or later. Nobody asks
+  // for an earlier `time` afterwards.
+  SiteResume resume_for(Timestamp time);
+  // It is the owner's from now on.
+  void speak() { only_listens_ = false; }
+  // Everything of instants before is explained.
+  void note_done(Timestamp time) { done_ = time; }
+
+ private:
+  class Lane;
+  class Source;
+  struct Node {
+    Time heard;           // by our clock
+    Time told;            // when somebody was last told that it is silent
+    bool silent = false;  // says the stream
+  };
+  struct Checkpoint {
+    SiteResume resume;
+    Timestamp newest;  // of what lies before it
+  };
+
+  SiteFeed(std::shared_ptr<Broker> broker, Options options);
+  void run();
+  void tend(Time now);
+  void make_stream();
+  void take(const BrokerMessage& message);
+  void take_owner_record(const BrokerMessage& message);
+  void deliver(Sequencer::Taken taken);
+  bool is_waited_for(const Lane& lane) const;
+  std::optional<Timestamp> promised() const;
+  void promise_for_silent_ones();
+  void ask_for_holes(Time now);
+  void tell_silent_nodes(Time now);
+  void tell_what_is_shed(Time now);
+  void wait_for_room();
+  void note();
+  void note_place();
+
+  const std::shared_ptr<Broker> broker_;
+  const Options options_;
+  std::vector<std::shared_ptr<Lane>> lanes_;  // by access point
+  std::shared_ptr<std::atomic<std::size_t>> waiting_bytes_;
+  std::unique_ptr<StreamReader> reader_;
+  Sequencer sequencer_;
+  std::map<std::string, Node> nodes_;
+  std::map<Sequencer::Hole, Time> holes_;  // when it is to be asked for
+  std::uint64_t refused_ = 0;
+  std::uint64_t unknown_ = 0;
+  std::uint64_t silences_ = 0;
+  std::uint64_t shed_ = 0;
+  std::uint32_t shed_level_;  // says the stream
+  ShedRule shed_rule_;
+  std::uint64_t connections_ = 0;
+  Timestamp newest_ = Timestamp::min();  // of what was delivered
+  StageProgress progress_;
+  std::atomic<Timestamp> done_{Timestamp::min()};
+  std::atomic<bool> only_listens_;
+  std::atomic<bool> ending_{false};
+  mutable std::mutex mutex_;
+  std::deque<Checkpoint> checkpoints_;  // guarded by mutex_; ascending, never empty
+  Counters counters_;                   // guarded by mutex_
+  std::thread thread_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,25 @@
+// SiteResume: from where a site's stream is read again, and what had been taken there; as
+// v1::StreamPosition it travels with every result.
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <string>
+
+#include "daemon/cluster/sequencer.h"
+#include "daemon/cluster/stream_reader.h"
+#include "rayloc/v1/cluster.pb.h"
+
+namespace rayloc {
+
+struct SiteResume {
+  StreamReader::Place place;
+  Sequencer::Positions nodes;
+  std::set<std::string> silent;  // nodes that are not waited for
+  std::uint32_t shed_level = 0;  // as in v1::Shed
+};
+
+v1::StreamPosition position_message(const SiteResume& resume);
+SiteResume resume_of(const v1::StreamPosition& message);
+
+}  // namespace rayloc

@@ -1,0 +1,31 @@
+// The faces of a room for an isometric picture, lit, in the order in which they are painted.
+//
+// The ceiling, and what is thin and stands at the viewer's sides, would hide the room: of these
+// only edges are drawn.
+#pragma once
+
+#include <vector>
+
+#include "daemon/draw/drawing.h"
+#include "daemon/draw/face.h"
+#include "daemon/draw/scene_parts.h"
+#include "engine/base/vec3.h"
+
+namespace rayloc::draw {
+
+struct LitFace {
+  Face face;
+  Colour colour;
+};
+
+struct IsometricFaces {
+  std::vector<LitFace> filled;  // from the back to the front
+  std::vector<Face> open;
+};
+
+// For a viewer in the direction `towards_viewer`, where x and y are smallest.
+IsometricFaces isometric_faces(std::vector<Face> faces,
+                               const std::vector<ScenePart>& parts,
+                               const Vec3d& towards_viewer);
+
+}  // namespace rayloc::draw

@@ -1,0 +1,36 @@
+// Controls of a study: what it takes nothing, or only the survey, to reach. They stand in a study
+// as methods do.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "daemon/experiment/study_world.h"
+#include "engine/base/expected.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+struct ControlName {
+  std::string_view name;
+  std::string_view meaning;
+};
+
+std::span<const ControlName> control_names();
+
+// An estimate for a spot and the number of the repeat.
+using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
+
+// An Error where the layout has not what the control needs, in words. `constant_power`: levels may
+// be learned. REQUIRES: a name of control_names(); `layout` outlives the result.
+Expected<Locate> make_control(std::string_view name,
+                              std::shared_ptr<const RoomModel> room,
+                              const StudyLayout& layout,
+                              bool constant_power,
+                              std::uint64_t seed);
+
+}  // namespace rayloc

@@ -1,0 +1,28 @@
+// Drawing: the lines of a flat drawing, in its own unit.
+#pragma once
+
+#include <cstddef>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "engine/base/outline.h"
+
+namespace rayloc {
+
+inline constexpr std::size_t kMostDrawnPoints = 2'000'000;  // chosen: a drawing of a city
+
+struct DrawnLine {
+  std::string layer;
+  std::vector<FloorPoint> points;  // at least two
+  bool is_closed = false;          // the last is joined to the first
+};
+
+struct Drawing {
+  std::vector<DrawnLine> lines;
+  std::set<std::string> empty_layers;
+  double metres = 0.0;               // of a unit, as the file states it; 0: it does not
+  std::vector<std::string> remarks;  // what was left out, for a person
+};
+
+}  // namespace rayloc

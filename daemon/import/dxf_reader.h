@@ -1,0 +1,15 @@
+// Reads flat drawings of the Drawing Exchange Format (DXF, as text; Autodesk's DXF Reference for
+// R12 to 2018): LINE, LWPOLYLINE, POLYLINE and the blocks that hold them, by layer.
+#pragma once
+
+#include <filesystem>
+
+#include "daemon/import/drawing.h"
+#include "engine/base/expected.h"
+
+namespace rayloc {
+
+// An Error with the file's name and line where it is no DXF, or holds no line.
+Expected<Drawing> read_dxf(const std::filesystem::path& file);
+
+}  // namespace rayloc

@@ -1,0 +1,36 @@
+// Placing: turned, scaled, sheared and moved in the plane, as drawings say of what they hold.
+#pragma once
+
+#include <cmath>
+
+#include "engine/base/outline.h"
+
+namespace rayloc {
+
+struct Placing {
+  double xx = 1.0, xy = 0.0, yx = 0.0, yy = 1.0;
+  double x = 0.0, y = 0.0;
+
+  FloorPoint operator()(const FloorPoint& p) const {
+    return {xx * p[0] + xy * p[1] + x, yx * p[0] + yy * p[1] + y};
+  }
+  // First as `inner` says, then as this.
+  Placing after(const Placing& inner) const {
+    const FloorPoint at = (*this)({inner.x, inner.y});
+    return {xx * inner.xx + xy * inner.yx,
+            xx * inner.xy + xy * inner.yy,
+            yx * inner.xx + yy * inner.yx,
+            yx * inner.xy + yy * inner.yy,
+            at[0],
+            at[1]};
+  }
+};
+
+// By an angle [rad], from +x to +y.
+inline Placing turned_by(double angle) {
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  return {c, -s, s, c};
+}
+
+}  // namespace rayloc

@@ -1,0 +1,23 @@
+// The arcs of ellipses in paths of SVG (W3C, SVG 1.1 appendix F.6).
+#pragma once
+
+#include <vector>
+
+#include "engine/base/outline.h"
+
+namespace rayloc {
+
+struct SvgArc {
+  FloorPoint from;
+  FloorPoint to;
+  FloorPoint radii;           // scaled up where the ends are too far apart for them
+  double turned = 0.0;        // [rad], of the ellipse, from +x to +y of the drawing
+  bool is_large = false;      // of the two arcs on an ellipse the longer one
+  bool is_clockwise = false;  // "sweep", y pointing down
+};
+
+// Corners of its chords without the first, at most a 32nd of a turn each; the last is `to`. One
+// chord where a radius is 0.
+std::vector<FloorPoint> chords_of(const SvgArc& arc);
+
+}  // namespace rayloc

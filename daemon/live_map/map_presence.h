@@ -1,0 +1,13 @@
+// Where somebody was today, as JSON for the map (daemon/http/ROUTES.md, "/api/v1/presence").
+#pragma once
+
+#include <string>
+
+#include "daemon/publish/message_board.h"
+#include "engine/base/timestamp.h"
+
+namespace rayloc {
+
+std::string map_presence_json(const MessageBoard& board, Timestamp now);
+
+}  // namespace rayloc

@@ -1,0 +1,53 @@
+// The row `cifi`: images of phase differences, as a network has seen them at surveyed places. It
+// has no tracks.
+#include <memory>
+#include <utility>
+
+#include "daemon/methods/device_method.h"
+#include "daemon/methods/method.h"
+#include "engine/baselines/cifi/cifi.h"
+
+namespace rayloc {
+namespace {
+
+class CifiDevices : public DeviceMethod {
+ public:
+  explicit CifiDevices(PlaceClassifier classifier)
+      : classifier_(std::make_unique<PlaceClassifier>(std::move(classifier))) {}
+
+  const RoomModel& room() const override { return classifier_->room(); }
+  LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t repeat) const override {
+    return classifier_->locate(frames, repeat);
+  }
+
+ private:
+  std::unique_ptr<PlaceClassifier> classifier_;
+};
+
+Expected<std::unique_ptr<DeviceMethod>> create_device(DeviceMethodInput input) {
+  auto made = make_cifi(std::move(input.room),
+                        input.options.values,
+                        input.options.seed,
+                        input.options.accuracy_confidence,
+                        std::move(input.training));
+  if (!made) {
+    return tl::make_unexpected(std::move(made.error()));
+  }
+  return std::make_unique<CifiDevices>(*std::move(made));
+}
+
+}  // namespace
+
+const Method& cifi_method() {
+  static const Method kRow = {.name = "cifi",
+                              .summary = "images of phases that a network has seen at places",
+                              .reference = "CiFi, IEEE ICC 2017",
+                              .domain = "chain gains; surveyed places",
+                              .baseline_settings = cifi_settings(),
+                              .create_device = &create_device,
+                              .train = &train_cifi,
+                              .needs_training = true};
+  return kRow;
+}
+
+}  // namespace rayloc

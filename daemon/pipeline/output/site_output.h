@@ -1,0 +1,113 @@
+// SiteOutput: what one site has to say, until the publisher's thread takes it (publisher_stage.h).
+//
+// The estimation never waits for it: when more locations wait than `max_waiting`, the oldest one of
+// the same target and kind is replaced by the newer, which says so (Envelope.coalesced); of as many
+// events the oldest is dropped, and counted. Queues are of one site alone: one that says much
+// displaces nothing of another.
+//
+// Thread safety: location() and event() from one thread; tap() and counters() from any; take() and
+// report() from the publisher's.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/publish/location.h"
+#include "daemon/publish/location_message.h"
+#include "daemon/publish/publisher.h"
+#include "daemon/publish/target_event.h"
+#include "rayloc/v1/heartbeat.pb.h"
+#include "rayloc/v1/source.pb.h"
+
+namespace rayloc {
+
+struct SiteOutputCounters {
+  std::uint64_t coalesced = 0;
+  std::uint64_t events_dropped = 0;
+  std::uint64_t csi_dropped = 0;
+  // Of all sites together, as of the last time that the publisher had something to say.
+  PublishedCounters published;
+};
+
+// What is said once per heartbeat; filled from the counters of all stages.
+struct StatusMessages {
+  v1::Heartbeat heartbeat;
+  std::vector<v1::SourceState> sources;
+};
+
+class SiteOutput : public LocationSink, public FrameTap {
+ public:
+  struct Options {
+    std::string site;                               // part of every topic
+    std::shared_ptr<MessageBoard> board = nullptr;  // where its viewers look; may be null
+    std::size_t max_waiting = 1024;
+    std::size_t max_waiting_csi = 8192;  // frames
+    std::function<StatusMessages(Timestamp now)> status;
+    // What the clock of `sent` is later than event time; zero when empty.
+    std::function<Duration()> clock_ahead = {};
+    // What the transmitter of a frame is called outside.
+    std::function<std::string(const CsiFrame& frame)> name = {};
+  };
+  using Event = std::variant<TrackEvent, ZoneEvent>;
+
+  explicit SiteOutput(Options options) : options_(std::move(options)) {}
+
+  const Options& options() const { return options_; }
+  // Called whenever something waits that nobody has been told of; set before anything is said.
+  void on_something(std::function<void()> wake) { wake_ = std::move(wake); }
+
+  void location(Location&& location) override;
+  void event(TrackEvent&& event) override { keep(std::move(event)); }
+  void event(ZoneEvent&& event) override { keep(std::move(event)); }
+  // Of messages that somebody else has made; as events, but in their order.
+  using Message = std::variant<v1::Location, v1::TrackEvent, v1::ZoneEvent>;
+  void say(Message&& message);
+  // Of frames that are to be published as they are; from any thread.
+  void tap(const std::string& access_point, std::span<const CsiFrame> frames) override;
+
+  struct WaitingLocation {
+    Location location;
+    std::uint32_t coalesced = 0;
+  };
+  struct WaitingCsi {
+    std::string access_point;
+    CsiFrame frame;
+  };
+  struct Waiting {
+    std::deque<WaitingLocation> locations;
+    std::deque<Event> events;
+    std::deque<Message> messages;
+    std::deque<WaitingCsi> csi;
+  };
+  // What waits, and nothing afterwards.
+  Waiting take();
+  // `options.status`, unless it is closed.
+  std::optional<StatusMessages> report(Timestamp now);
+  // `options.status` and the others are not called any more once this has returned.
+  void close();
+
+  void note_published(const PublishedCounters& published);
+  SiteOutputCounters counters() const;
+
+ private:
+  void keep(Event&& event);
+
+  const Options options_;
+  std::function<void()> wake_;
+  mutable std::mutex mutex_;
+  Waiting waiting_;              // guarded by mutex_
+  SiteOutputCounters counters_;  // guarded by mutex_
+  std::mutex status_mutex_;      // held while the site is asked
+  bool closed_ = false;          // guarded by status_mutex_
+};
+
+}  // namespace rayloc

@@ -1,0 +1,37 @@
+// ZoneEstimator: an estimator whose locations say how probably they are in each zone of the site,
+// and that tells who enters and leaves (ZoneWatch).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "daemon/pipeline/pipeline.h"
+#include "daemon/pipeline/zones/zone_watch.h"
+#include "daemon/site/site.h"
+
+namespace rayloc {
+
+class ZoneEstimator : public Estimator {
+ public:
+  // `inner` outlives it. `before`: of the predecessor in whose place it begins; null: nobody.
+  ZoneEstimator(Estimator& inner,
+                const std::vector<SiteZone>& zones,
+                const Carried* before = nullptr);
+
+  void estimate(const Burst& burst, Estimates& out) override;
+  void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out) override;
+  void advance(Timestamp time, Estimates& out) override;
+  void restart(const std::string& reason, Estimates& out) override;
+  void carry(Carried& carried) const override;
+  Rank rank(const MacAddress& transmitter) const override { return inner_.rank(transmitter); }
+
+ private:
+  void look_at(Estimates& out, std::size_t first);
+
+  Estimator& inner_;
+  const std::vector<SiteZone> zones_;
+  ZoneWatch watch_;
+};
+
+}  // namespace rayloc

@@ -1,0 +1,27 @@
+// A Prediction as a picture, as csv and as arrays of numpy.
+#pragma once
+
+#include <string>
+
+#include "daemon/draw/drawing.h"
+#include "daemon/predict/prediction.h"
+#include "engine/base/expected.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// Median of a place's errors [m]; a draw without a fix counts, as infinite.
+double median_error(const PredictedPlace& place);
+// Share of its draws that are off by more than kAnotherPlace.
+double another_place_share(const PredictedPlace& place);
+
+// A dot a place, coloured by median_error(); a ring where some draw is taken to be elsewhere.
+draw::Drawing prediction_picture(const Prediction& prediction, const RoomModel& room);
+
+// x,y,z,median_m,another_place_share
+std::string prediction_csv(const Prediction& prediction);
+
+// position [place][3], error [place][draw], estimate [place][draw][3], all in metres.
+Expected<void> write_npz(const Prediction& prediction, const std::string& path);
+
+}  // namespace rayloc

@@ -1,0 +1,64 @@
+// FrameArrays: the frames of recordings as arrays, for numpy: one of all values, where something
+// was measured, and a header a frame.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/channel/csi_frame.h"
+
+namespace rayloc {
+
+// Without padding, as numpy reads it. Texts end with zeros, and are cut where they are too long.
+struct FrameHeader {
+  std::int64_t time = 0;       // [ns] since 1970, UTC
+  std::int64_t time_last = 0;  // [ns]
+  double tone_spacing = 0.0;   // [Hz]
+  std::int32_t access_point = 0;
+  std::int32_t bandwidth_mhz = 0;
+  std::int32_t channel_bandwidth_mhz = 0;
+  std::int32_t streams = 0;
+  std::uint16_t sequence = 0;
+  std::uint16_t sequence_control = 0;
+  bool complete = false;
+  std::array<char, 17> transmitter{};
+  std::array<char, 16> format{};
+  std::array<char, 7> phy{};
+  std::array<char, 67> flags{};  // with commas
+};
+static_assert(sizeof(FrameHeader) == 152, "kFrameHeaderDescr has its fields, without padding");
+
+inline constexpr const char* kFrameHeaderDescr =
+    "[('time', '<M8[ns]'), ('time_last', '<M8[ns]'), ('tone_spacing', '<f8'), "
+    "('access_point', '<i4'), ('bandwidth_mhz', '<i4'), ('channel_bandwidth_mhz', '<i4'), "
+    "('streams', '<i4'), ('sequence', '<u2'), ('sequence_control', '<u2'), ('complete', '|b1'), "
+    "('transmitter', '|S17'), ('format', '|S16'), ('phy', '|S7'), ('flags', '|S67')]";
+
+struct FrameArrays {
+  std::vector<std::uint8_t> cores;       // of all frames, ascending
+  std::vector<std::int16_t> tone_index;  // of all frames, ascending
+  std::vector<FrameHeader> headers;      // [frame]
+  std::vector<std::complex<float>> csi;  // [frame][core][tone], 0 where nothing was measured
+  std::vector<std::uint8_t> mask;        // of the same, 1 where something was measured
+  std::vector<float> power_dbm;          // [frame][core], NaN where none is known
+
+  std::vector<std::size_t> shape() const {
+    return {headers.size(), cores.size(), tone_index.size()};
+  }
+};
+
+// Of one spatial stream; frames with fewer have nothing measured.
+FrameArrays frame_arrays(std::span<const CsiFrame> frames, std::size_t stream = 0);
+
+// As an .npz of these names, and `access_points`: the names that FrameHeader::access_point counts.
+Expected<void> write_npz(const FrameArrays& arrays,
+                         const std::vector<std::string>& access_points,
+                         const std::string& path);
+
+}  // namespace rayloc

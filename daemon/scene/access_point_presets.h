@@ -1,0 +1,49 @@
+// Access points that are known, with the antennas that receive and the cores behind them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rayloc {
+
+struct AntennaPreset {
+  std::string_view model;
+  std::string_view remark;   // for people
+  double spacing_m;          // between neighbours
+  std::array<int, 3> cores;  // from the left, seen from where it looks to: local -y first
+};
+
+// The order and 8.9 cm of the RT-AX86U: IndoLocate's script (github.com/intentlab-iitk/IndoLocate).
+// The RT-AC86U has the same three outer antennas and cores 0 to 3; which core is where has no
+// source, so people are told to check. rayloc calibrate says when two are exchanged.
+inline constexpr std::array<AntennaPreset, 2> kAntennaPresets = {{
+    {"RT-AX86U", "three antennas, 8.9 cm apart: measure your own", 0.089, {2, 0, 3}},
+    {"RT-AC86U",
+     "three antennas: measure the distance, and check the order of cores",
+     0.089,
+     {0, 1, 2}},
+}};
+
+inline std::vector<std::string> preset_models() {
+  std::vector<std::string> models;
+  models.reserve(kAntennaPresets.size());
+  for (const AntennaPreset& preset : kAntennaPresets) {
+    models.emplace_back(preset.model);
+  }
+  return models;
+}
+
+// The first where `model` is none of them.
+inline const AntennaPreset& preset_of(std::string_view model) {
+  for (const AntennaPreset& preset : kAntennaPresets) {
+    if (preset.model == model) {
+      return preset;
+    }
+  }
+  return kAntennaPresets.front();
+}
+
+}  // namespace rayloc

@@ -1,0 +1,41 @@
+// From [cluster] to what the parts of a cluster are told.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+#include "daemon/cluster/broker.h"
+#include "daemon/cluster/cluster_names.h"
+#include "daemon/config/config.h"
+
+namespace rayloc {
+
+inline BrokerOptions broker_options(const ClusterConfig& config) {
+  BrokerOptions options{config.servers, "raylocd " + config.name};
+  options.inbox = subject_token(config.name);
+  options.ca_file = config.tls_ca.string();
+  options.certificate_file = config.tls_cert.string();
+  options.key_file = config.tls_key.string();
+  options.nkey_seed_file = config.nkey_seed_file.string();
+  return options;
+}
+
+// How a stream is made where there is none.
+inline StreamOptions stream_options(const ClusterConfig& config) {
+  StreamOptions options;
+  options.in_memory = config.in_memory;
+  options.replicas = config.replicas;
+  options.max_age = config.retention;
+  return options;
+}
+
+// The same of the stream of results, which is small and outlives its servers.
+inline StreamOptions result_options(const ClusterConfig& config) {
+  constexpr std::chrono::minutes kKeep{10};  // for gateways that were away, and for replays
+  StreamOptions options = stream_options(config);
+  options.in_memory = false;
+  options.max_age = std::max<std::chrono::seconds>(config.retention, kKeep);
+  return options;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,136 @@
+"""The calibration of a site, in a process of its own.
+
+A step of the fit takes longer than anybody waits who has pressed Ctrl-C, and no thread of C++ can be
+ended from outside. A process can, and what it has written stays.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from os import PathLike
+from typing import Optional, Sequence, Union
+
+from rayloc.needs import explained
+
+try:
+    from rayloc._engine import Error
+except ModuleNotFoundError as error:
+    raise explained(error) from None
+
+__all__ = ["calibrate"]
+
+# Seconds for the process to end by itself, within the second that Ctrl-C may take.
+PATIENCE = 0.7
+
+CHILD = """
+import json, sys
+from rayloc import _engine
+if not _engine.end_with_parent(int(sys.argv[2])):
+    sys.exit("nobody waits for this calibration any more")
+try:
+    answer = {"explains": _engine.run_calibration(json.loads(sys.stdin.read()))}
+except _engine.Error as error:
+    answer = {"error": str(error), "kind": error.kind}
+print(json.dumps(answer))
+"""
+
+
+def calibrate(
+    site: Union[str, PathLike[str]],
+    captures: Union[str, Sequence[str]],
+    points: Union[str, PathLike[str]],
+    out: Union[str, PathLike[str]],
+    *,
+    method: str = "joint",
+    holdout: float = 0.2,
+    survey_error: Optional[float] = None,
+    seed: int = 1,
+    resume: bool = False,
+    force: bool = False,
+) -> bool:
+    """Calibrates a site by a survey, as `rayloc calibrate` does.
+
+    Args:
+        site: a directory with site.toml, as surveyed.
+        captures: recordings of the survey, "AP=FILE".
+        points: where the device stood, csv: t_start, t_end, x, y, z.
+        out: folder to create: the calibrated site, with report.json and report.html.
+        method: "joint", "paper" or "gains-only".
+        holdout: share of the points kept for checking, 0 to 0.8.
+        survey_error: standard deviation of the points along each axis [m]; None: the joint method
+            finds it, the others assume 0.005.
+        seed: of the draw of those points.
+        resume: goes on with what was interrupted in `out`.
+        force: also into a folder that is not empty, and what is no success.
+
+    Returns:
+        Whether the calibrated room explains the points that were held out; where it does not, the
+        site was written with `force` only, and report.json says why.
+
+    Ctrl-C ends it within a second and raises KeyboardInterrupt; `out` then holds the last good
+    state, from which resume=True goes on. It ends as well, at once and with the same state, when
+    this process is killed.
+
+    Shapes: none. Units: metres, seconds. Frame: the world of the site.
+    Errors: Error names the row of the points or the access point.
+    Source: daemon/calibrate/calibrate.h; METHODS B4.
+    """
+    if not 0.0 <= holdout <= 0.8:
+        raise ValueError("holdout is a share of the points from 0 to 0.8")
+    if survey_error is not None and not 0.0005 <= survey_error <= 0.1:
+        raise ValueError("survey_error is from 0.0005 to 0.1 m")
+    if method not in ("joint", "paper", "gains-only"):
+        raise ValueError(f"there is no method {method!r}: joint, paper or gains-only")
+    if resume and method != "joint":
+        raise ValueError("resume goes on with the joint method only")
+    arguments = {
+        "site": os.fspath(site),
+        "captures": [captures] if isinstance(captures, str) else list(captures),
+        "points": os.fspath(points),
+        "out": os.fspath(out),
+        "method": method,
+        "holdout": holdout,
+        "survey_error": survey_error,
+        "seed": seed,
+        "resume": resume,
+        "force": force,
+    }
+    answer = json.loads(_answer_of_child(json.dumps(arguments), os.fspath(out)))
+    if "error" in answer:
+        error = Error(answer["error"])
+        error.kind = answer["kind"]
+        raise error
+    return bool(answer["explains"])
+
+
+def _answer_of_child(question: str, out: str) -> str:
+    # Of its own session: a terminal sends Ctrl-C to this process alone, which passes it on. It does
+    # not read `out`, which is there so that people who list processes see whose it is.
+    with subprocess.Popen(
+        [sys.executable, "-c", CHILD, out, str(os.getpid())],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+    ) as child:
+        try:
+            answer, _ = child.communicate(question)
+        except BaseException:
+            _end(child)
+            raise
+    if child.returncode != 0:
+        raise RuntimeError(f"the calibration ended with status {child.returncode}")
+    return answer
+
+
+def _end(child: subprocess.Popen[str]) -> None:
+    child.send_signal(signal.SIGINT)
+    try:
+        child.wait(PATIENCE)
+    except subprocess.TimeoutExpired:
+        child.kill()

@@ -1,0 +1,56 @@
+"""Localization of a burst of frames, and the calibration that it needs."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import Optional, Union
+
+from rayloc.needs import explained
+
+try:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from rayloc._engine import LocationEstimate, NativeLocalizer
+    from rayloc.recording import Frames
+except ModuleNotFoundError as error:
+    raise explained(error) from None
+
+__all__ = ["LocationEstimate", "Localizer"]
+
+
+class Localizer:
+    """Where a device stands that sent a burst of frames, heard by any number of access points.
+
+    Args:
+        site: a directory with site.toml; access points without calibration are left out.
+        cache: whether what is traced is kept for the next time, as raylocd does.
+
+    Making one traces the room, which takes seconds; `locate` takes milliseconds.
+
+    Shapes: `cells` (x, y, 3); `log_likelihood` (x, y).
+    Units: metres.
+    Frame: the world of the site, right-handed, z up.
+    Errors: Error for a site that cannot be read or modelled, for frames of several transmitters, and
+        for frames that were read without the site.
+    Source: engine/localize/localizer.h; METHODS B2, B3, B7.
+    """
+
+    def __init__(self, site: Union[str, PathLike[str]], cache: bool = True) -> None:
+        self._native = NativeLocalizer(site, cache)
+        self.cells: NDArray[np.float64] = self._native.cells
+
+    @property
+    def access_points(self) -> list[str]:
+        """Of the site, in its order."""
+        return self._native.access_points
+
+    def locate(
+        self, frames: Frames, likelihood_exponent: Optional[float] = None
+    ) -> LocationEstimate:
+        """The estimate of frames of one transmitter; None: the exponent of the calibration."""
+        return self._native.locate(frames._table, likelihood_exponent)
+
+    def log_likelihood(self, frames: Frames) -> NDArray[np.float64]:
+        """Of each cell, (x, y), against the device being nowhere in particular; not tempered."""
+        return self._native.log_likelihood(frames._table)

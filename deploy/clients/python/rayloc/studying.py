@@ -1,0 +1,227 @@
+"""Reports in one line: how far estimates are from the truth, and studies on simulated captures."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple, Sequence, Union
+
+from rayloc.needs import explained
+
+try:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    import rayloc._engine as _engine
+except ModuleNotFoundError as error:
+    raise explained(error) from None
+
+__all__ = ["Evaluation", "StudiedCondition", "Study", "evaluate", "experiment"]
+
+
+class Evaluation(NamedTuple):
+    """What `evaluate` found: a row a point of the truth.
+
+    Shapes: `time`, `error`, `best_of_5`, `room_centre_error` (points,); `truth`, `position`
+        (points, 3).
+    Units: seconds of the Unix epoch; metres. An error is horizontal, and infinite where the point
+        was missed; `position` is NaN there.
+    Frame: the world of the site.
+    Errors: none.
+    Source: daemon/evaluate/comparison.h.
+    """
+
+    statistics: dict[str, Any]
+    """The keys of `rayloc evaluate --json`; None: infinite, or not stated."""
+    time: NDArray[np.float64]
+    """When the point begins."""
+    truth: NDArray[np.float64]
+    """Where the target was."""
+    position: NDArray[np.float64]
+    """Where it was estimated."""
+    error: NDArray[np.float64]
+    """Horizontal distance of the two."""
+    best_of_5: NDArray[np.float64]
+    """The same of the nearest of the five heaviest hypotheses."""
+    room_centre_error: NDArray[np.float64]
+    """The error of always answering the room's centre; empty without a site."""
+    version: str
+    """Of RayLoc."""
+    calibration: str
+    """Of the site; empty: none was given, or it is not calibrated."""
+    seed: int
+    """Of the bootstrap of the intervals."""
+
+
+class StudiedCondition(NamedTuple):
+    """One setting of a study, and what was found.
+
+    Shapes: `error` (points,), by layout, spot and repeat.
+    Units: metres, horizontal; infinite where the point was missed.
+    Frame: none.
+    Errors: none; a method that is out of its domain says so in `refusal`.
+    Source: daemon/experiment/condition.h.
+    """
+
+    values: dict[str, str]
+    """By key of the experiment's file."""
+    statistics: dict[str, Any]
+    """The keys of `rayloc evaluate --json`."""
+    error: NDArray[np.float64]
+    """Of every point."""
+    refusal: str
+    """Why the method locates nothing here; empty: it does."""
+
+
+class Study(NamedTuple):
+    """One study of an experiment.
+
+    Shapes: none. Units: metres. Frame: none. Errors: none.
+    Source: daemon/experiment/experiment_file.h.
+    """
+
+    name: str
+    """As the file has it."""
+    claim: str
+    """What is to be seen, as the file has it."""
+    conditions: list[StudiedCondition]
+    """In the order of the file."""
+    version: str
+    """Of RayLoc."""
+    seed: int
+    """Of everything that is drawn."""
+
+
+def evaluate(
+    estimates: Union[str, PathLike[str]],
+    truth: Union[str, PathLike[str]],
+    *,
+    kind: str = "device",
+    estimate: str = "snapshot",
+    target: str = "",
+    time_offset: float = 0.0,
+    site: Union[str, PathLike[str]] = "",
+    plots: Union[str, PathLike[str]] = "",
+    force: bool = False,
+) -> Evaluation:
+    """Compares estimates with surveyed truth, as `rayloc evaluate` does.
+
+    Args:
+        estimates: what `rayloc replay` or `rayloc sub` wrote: JSON lines or protobuf.
+        truth: csv: t_start,t_end,x,y,z per spot or t,x,y,z per instant.
+        kind: "device" or "person".
+        estimate: "snapshot" or "filtered".
+        target: only this one: its address, or person-N.
+        time_offset: added to the times of the truth [s].
+        site: for the control by the room's centre, the map and the calibration's name.
+        plots: folder for cdf.svg, coverage.svg, reliability.svg and, with a site, map.svg.
+        force: also into a folder that is not empty.
+
+    Shapes: as of Evaluation.
+    Units: metres, seconds.
+    Frame: the world of the site.
+    Errors: Error names the file and line, and what does not match.
+    Source: daemon/evaluate/comparison.h.
+    """
+    if kind not in ("device", "person"):
+        raise ValueError(f"there is no kind {kind!r}: device or person")
+    if estimate not in ("snapshot", "filtered"):
+        raise ValueError(f"there is no estimate {estimate!r}: snapshot or filtered")
+    statistics, calibration, seed, arrays = _engine.evaluate(
+        {
+            "estimates": os.fspath(estimates),
+            "truth": os.fspath(truth),
+            "person": kind == "person",
+            "filtered": estimate == "filtered",
+            "target": target,
+            "time_offset": float(time_offset),
+            "site": os.fspath(site),
+            "plots": os.fspath(plots),
+            "force": force,
+        }
+    )
+    return Evaluation(
+        statistics=json.loads(statistics),
+        version=_engine.version(),
+        calibration=calibration,
+        seed=seed,
+        **arrays,
+    )
+
+
+def experiment(
+    file: Union[str, PathLike[str]],
+    out: Union[str, PathLike[str]],
+    *,
+    studies: Sequence[str] = (),
+    resume: bool = False,
+    force: bool = False,
+) -> list[Study]:
+    """Runs studies on simulated captures, by the program `rayloc experiment`.
+
+    Args:
+        file: the experiment, TOML (`rayloc experiment --help`).
+        out: folder for report.html, report.json, report.csv and errors.csv.
+        studies: names of those to run; none: all.
+        resume: a condition that is done in `out` is not run again.
+        force: also into a folder that is not empty.
+
+    A terminal shows how far it is. Ctrl-C ends it at once; resume=True goes on.
+
+    Shapes: as of StudiedCondition.
+    Units: metres.
+    Frame: none.
+    Errors: Error has the words of the program; FileNotFoundError names the package.
+    Source: daemon/experiment/run_experiment.h.
+    """
+    words = [_program(), "experiment", os.fspath(file), "--out", os.fspath(out)]
+    for name in studies:
+        words += ["--study", name]
+    words += ["--resume"] if resume else []
+    words += ["--force"] if force else []
+    words += [] if sys.stderr.isatty() else ["--quiet"]
+    version = subprocess.run([words[0], "--version"], stdout=subprocess.PIPE, text=True, check=True)
+    shown = None if sys.stderr.isatty() else subprocess.PIPE
+    done = subprocess.run(words, stderr=shown, text=True)
+    if done.returncode != 0:
+        raise _engine.Error((done.stderr or f"rayloc experiment ended with {done.returncode}").strip())
+    report = json.loads((Path(out) / "report.json").read_text())
+    errors = _errors_of(Path(out) / "errors.csv")
+    return [
+        Study(
+            name=study["name"],
+            claim=study["claim"],
+            conditions=[
+                StudiedCondition(
+                    one["values"], one["statistics"], errors.get((s, c), np.array([])), one.get("refused", "")
+                )
+                for c, one in enumerate(study["conditions"], 1)
+            ],
+            version=version.stdout.split()[-1],
+            seed=report["seed"],
+        )
+        for s, study in enumerate(report["studies"], 1)
+    ]
+
+
+def _program() -> str:
+    """Of the build that this package belongs to, else the one that is installed."""
+    built = Path(_engine.__file__).resolve().parents[2] / "bin" / "rayloc"
+    found = str(built) if os.access(built, os.X_OK) else shutil.which("rayloc")
+    if found is None:
+        raise FileNotFoundError("rayloc.experiment runs the program rayloc: apt install raylocd")
+    return found
+
+
+def _errors_of(file: Path) -> dict[tuple[int, int], NDArray[np.float64]]:
+    """By number of study and condition; infinite where the point was missed."""
+    errors: dict[tuple[int, int], list[float]] = {}
+    for line in file.read_text().splitlines()[1:]:
+        study, condition, _, error = line.split(",")
+        errors.setdefault((int(study), int(condition)), []).append(float(error or "inf"))
+    return {key: np.array(values) for key, values in errors.items()}

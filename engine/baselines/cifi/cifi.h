@@ -1,0 +1,34 @@
+// CiFi: a device by images of the phase differences between its access points' antennas [CF].
+//
+// The published value of a tone is the angle asin(phase lambda / 2 pi d). At more than half a
+// wavelength between antennas it is no direction, and it jumps where the phase wraps; nearer it is
+// undefined for some. Ours are the cosine and the sine of the phase, which do not jump; `input=aoa`
+// gives the published value, cut to what an arcsine takes.
+//
+// References: [CF] X. Wang, X. Wang, S. Mao, CiFi, IEEE ICC 2017 and TNSE 2018.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "engine/base/expected.h"
+#include "engine/baselines/places/place_classifier.h"
+#include "engine/baselines/settings.h"
+#include "engine/baselines/training.h"
+
+namespace rayloc {
+
+std::span<const BaselineSetting> cifi_settings();
+
+// What was learned with is what is located with. An Error as of PlaceClassifier, or where `values`
+// states another image than the training has.
+Expected<PlaceClassifier> make_cifi(std::shared_ptr<const RoomModel> room,
+                                    const BaselineValues& values,
+                                    std::uint64_t seed,
+                                    double accuracy_confidence,
+                                    std::shared_ptr<const Training> training);
+
+Expected<std::shared_ptr<const Training>> train_cifi(const TrainingInput& input);
+
+}  // namespace rayloc

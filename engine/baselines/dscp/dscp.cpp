@@ -1,0 +1,60 @@
+#include "engine/baselines/dscp/dscp.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/baselines/places/place_method.h"
+
+namespace rayloc {
+namespace {
+
+std::span<const BaselineSetting> table() {
+  // Each says its unit; chosen.
+  static const std::array kTable = std::to_array<BaselineSetting>({
+      {"cell_m", "of the areas that places are merged to [m]; 0: each is one", 0.0, 0.0, 100.0},
+      {"images", "of a burst", 16.0, 1.0, 256.0, true},
+      {"epochs", "of training", 15.0, 1.0, 1000.0, true},
+      {"answer", "the place stated", 0.0, 0.0, 0.0, false, place_answers()},
+  });
+  return kTable;
+}
+
+std::size_t pairs(std::size_t antennas) { return antennas < 2 ? 0 : antennas * (antennas - 1) / 2; }
+
+void draw_differences(const ImageFrame& frame, std::span<float> row) {
+  std::size_t plane = 0;
+  for (std::size_t a = 0; a < frame.antennas; ++a) {
+    for (std::size_t b = a + 1; b < frame.antennas; ++b, ++plane) {
+      for (std::size_t k = 0; k < frame.tones; ++k) {
+        row[plane * frame.tones + k] = static_cast<float>(std::abs(frame.h[a * frame.tones + k]) -
+                                                          std::abs(frame.h[b * frame.tones + k]));
+      }
+    }
+  }
+}
+
+ImageKind kind_of(const BaselineValues&) {
+  return {NetworkKind::kMobileNet, &pairs, &draw_differences, true};
+}
+
+PlaceMethod method() { return {"dscp", table(), "cell_m", &kind_of, "cell_m"}; }
+
+}  // namespace
+
+std::span<const BaselineSetting> dscp_settings() { return table(); }
+
+Expected<PlaceClassifier> make_dscp(std::shared_ptr<const RoomModel> room,
+                                    const BaselineValues& values,
+                                    std::uint64_t seed,
+                                    double accuracy_confidence,
+                                    std::shared_ptr<const Training> training) {
+  return make_classifier(
+      method(), std::move(room), values, seed, accuracy_confidence, std::move(training));
+}
+
+Expected<std::shared_ptr<const Training>> train_dscp(const TrainingInput& input) {
+  return train_classifier(method(), input);
+}
+
+}  // namespace rayloc

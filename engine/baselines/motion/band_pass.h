@@ -1,0 +1,37 @@
+// BandPass: a Butterworth filter that passes what moves and neither stands still nor is noise.
+//
+// Fourth order, second-order sections, begun in the steady state, run forward and back over the
+// signal continued oddly by kContinued samples at each end: no delay. The same as SciPy's
+// butter(4, ..., 'band') and sosfiltfilt().
+//
+// Thread safety: const members may be used from many threads.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <span>
+#include <vector>
+
+namespace rayloc {
+
+class BandPass {
+ public:
+  static constexpr std::size_t kContinued = 27;  // samples, as SciPy has it for four sections
+
+  // Frequencies in Hz. REQUIRES: 0 < low < high < rate / 2.
+  BandPass(double low, double high, double rate);
+
+  // REQUIRES: more than kContinued samples.
+  std::vector<std::complex<double>> filtered(std::span<const std::complex<double>> signal) const;
+
+ private:
+  struct Section {
+    std::array<double, 3> b{};
+    std::array<double, 2> a{};  // a1 and a2; a0 is 1
+  };
+  void run(std::vector<std::complex<double>>& signal) const;
+
+  std::array<Section, 4> sections_;
+};
+
+}  // namespace rayloc

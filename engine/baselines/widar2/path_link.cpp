@@ -1,0 +1,76 @@
+#include "engine/baselines/widar2/path_link.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "engine/baselines/paths/turn.h"
+
+namespace rayloc {
+namespace {
+
+// What a step from window to window costs 1 or 1/2 for, and what at most: measured with a
+// prototype.
+constexpr double kRateStep = 0.3;      // [m/s]
+constexpr double kDelayStep = 15e-9;   // [s]
+constexpr double kPsiStep = 0.6;       // [rad]
+constexpr double kMostCost = 8.0;      // a logarithm, measured with a prototype
+constexpr double kLeastShare = 1e-12;  // of the energy
+
+double square(double x) { return x * x; }
+
+double edge(const MotionPath& from, const MotionPath& to) {
+  return std::min(kMostCost,
+                  square((to.rate - from.rate) / kRateStep) +
+                      0.5 * square((to.delay - from.delay) / kDelayStep) +
+                      square(wrapped(to.psi - from.psi) / kPsiStep));
+}
+
+}  // namespace
+
+std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
+  double energy = 0.0;
+  for (const MotionPath& path : paths) {
+    energy += path.energy;
+  }
+  Window window{std::move(paths), {}, {}};
+  for (const MotionPath& path : window.paths) {
+    double best = 0.0;
+    std::size_t before = 0;
+    if (!heard_.empty()) {
+      best = std::numeric_limits<double>::infinity();
+      const Window& last = heard_.back();
+      for (std::size_t i = 0; i < last.paths.size(); ++i) {
+        const double cost = last.cost[i] + edge(last.paths[i], path);
+        if (cost < best) {
+          best = cost;
+          before = i;
+        }
+      }
+    }
+    const double share = energy > 0.0 ? path.energy / energy : 1.0;
+    window.cost.push_back(best - std::log(std::max(share, kLeastShare)));
+    window.before.push_back(before);
+  }
+  const double least = *std::min_element(window.cost.begin(), window.cost.end());
+  for (double& cost : window.cost) {
+    cost -= least;  // sums stay small
+  }
+  heard_.push_back(std::move(window));
+  if (heard_.size() <= windows_) {
+    return std::nullopt;
+  }
+  const auto& last = heard_.back().cost;
+  auto at = static_cast<std::size_t>(std::min_element(last.begin(), last.end()) - last.begin());
+  for (std::size_t i = heard_.size() - 1; i > heard_.size() - 1 - windows_; --i) {
+    at = heard_[i].before[at];
+  }
+  const MotionPath told = heard_[heard_.size() - 1 - windows_].paths[at];
+  if (heard_.size() > windows_ + 1) {
+    heard_.pop_front();
+  }
+  return told;
+}
+
+}  // namespace rayloc

@@ -1,0 +1,105 @@
+// Widar2.0: a person who walks, by one link: how fast the path by way of them gets longer, its
+// length and its bearing [W2].
+//
+// The frames of an access point become conjugate products, the band of motion is kept, SAGE tells
+// the paths of every window, PathLink which are the target's, and RangeSmoother its length. A
+// length and a bearing are a place: r = (D^2 - |x_T|^2) / (2 (D - x_T . e)).
+//
+// Ours: the place as a map, in which the phase counts on the circle, so that every direction that
+// fits stays a hypothesis and nothing picks one; several access points multiply their maps; motion
+// is told from noise; a gap begins anew.
+//
+// References: [W2] K. Qian et al., Widar2.0, ACM MobiSys 2018.
+// Thread safety: for one thread.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
+#include "engine/base/vec3.h"
+#include "engine/baselines/motion/frame_series.h"
+#include "engine/baselines/motion/motion_sage.h"
+#include "engine/baselines/motion/range_smoother.h"
+#include "engine/baselines/paths/bearing.h"
+#include "engine/baselines/widar2/path_link.h"
+#include "engine/baselines/widar2/widar2_options.h"
+#include "engine/channel/csi_frame.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/room_model.h"
+
+namespace rayloc {
+
+// Where the frames come from.
+struct Widar2Link {
+  MacAddress transmitter;
+  Vec3d position;                          // [m]
+  std::vector<std::size_t> access_points;  // that hear it
+};
+
+// The distance in plan at which a path by way of it has this length. `to_transmitter`: from the
+// receiver, in plan; `direction`: of length 1. Not positive: no such place.
+double range_of(double length, const Vec3d& to_transmitter, const Vec3d& direction);
+
+class Widar2 {
+ public:
+  // By which a position may be behind what was heard.
+  static constexpr Duration kMostLag = std::chrono::milliseconds(2500);
+
+  // An Error without an access point that is calibrated and has two antennas in a line.
+  static Expected<Widar2> create(std::shared_ptr<const RoomModel> room,
+                                 Widar2Link link,
+                                 const Widar2Options& options);
+
+  // Appends a position for every window that these frames complete. `frames`: of the link's
+  // transmitter, in order of time.
+  void hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
+  // Why nothing follows from what was heard so far; empty: something does.
+  const std::string& problem() const { return problem_; }
+  void restart();
+
+ private:
+  struct Receiver {
+    std::size_t access_point = 0;
+    AntennaLine line;
+    FrameSeries series;  // [antenna of the line][tone], phases from the first antenna
+    std::optional<Timestamp> next = std::nullopt;  // window
+    std::optional<MotionSage> sage = std::nullopt;
+    Duration sample{};
+    double still_s = 0.0;
+    PathLink link;
+    RangeSmoother range;
+    // Of windows whose length is not smoothed back yet.
+    std::vector<double> psi = {};
+  };
+  // What an access point says of a window.
+  struct Heard {
+    const Receiver* receiver = nullptr;
+    SmoothedRange range;
+    double psi = 0.0;
+  };
+
+  Widar2(std::shared_ptr<const RoomModel> room, Widar2Link link, const Widar2Options& options);
+  void take(const CsiFrame& frame);
+  void begin_anew(Receiver& receiver) const;
+  bool is_ready();
+  bool is_complete(Timestamp window) const;
+  std::optional<Heard> hear_window(Receiver& receiver, Timestamp window);
+  Eigen::MatrixXcd samples_of(const Receiver& receiver, Timestamp from, Timestamp to) const;
+  LocationEstimate estimate(std::span<const Heard> heard, Timestamp time) const;
+
+  std::shared_ptr<const RoomModel> room_;
+  Widar2Link link_;
+  Widar2Options options_;
+  std::vector<std::size_t> tones_;  // of the grid
+  std::vector<Receiver> receivers_;
+  std::optional<Timestamp> window_;  // the next
+  std::string problem_;
+};
+
+}  // namespace rayloc

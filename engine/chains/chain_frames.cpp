@@ -1,0 +1,38 @@
+#include "engine/chains/chain_frames.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+namespace rayloc {
+namespace {
+
+constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
+
+}  // namespace
+
+void multiply(const RoomAccessPoint& ap,
+              const std::vector<std::complex<double>>& factors,
+              CsiFrame& frame) {
+  for (std::size_t row = 0; row < frame.cores.size(); ++row) {
+    const auto core = std::find(ap.cores.begin(), ap.cores.end(), frame.cores[row]);
+    if (core == ap.cores.end()) {
+      continue;
+    }
+    const std::complex<float> factor(factors[static_cast<std::size_t>(core - ap.cores.begin())]);
+    for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
+      for (std::complex<float>& value : frame.csi.row(row, stream)) {
+        value *= factor;
+      }
+    }
+  }
+}
+
+std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames) {
+  const auto end = std::find_if(frames.begin(), frames.end(), [&](const CsiFrame& frame) {
+    return frame.time - frames.front().time > kMoment;
+  });
+  return frames.first(static_cast<std::size_t>(end - frames.begin()));
+}
+
+}  // namespace rayloc

@@ -1,0 +1,65 @@
+#include "engine/chains/coarse_fix.h"
+
+#include <utility>
+#include <vector>
+
+#include "engine/chains/cell_belief.h"
+#include "engine/chains/chain_evidence.h"
+#include "engine/likelihood/chain_kernel.h"
+#include "engine/localize/watched_area.h"
+#include "engine/posterior/posterior.h"
+
+namespace rayloc {
+namespace {
+
+// Above those of FaultPrior, because a phase would contradict what is wrong, and there is none.
+constexpr double kWrong = 0.1;  // a probability, chosen: an access point says nothing of the place
+constexpr double kElsewhere = 0.03;  // a probability, chosen: none of them does
+
+// [cell]: what the access point says of the place, its level with it.
+std::vector<double> cells_of(const HeardArray& heard, double likelihood_exponent) {
+  const TurnGrid grid(heard.map->antennas());
+  const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));
+  std::vector<double> cells =
+      places_whatever_turned(*heard.map, heard.observed, grid, likelihood_exponent, any);
+  for (std::size_t cell = 0; cell < cells.size() && !heard.level.empty(); ++cell) {
+    cells[cell] += heard.level[cell];
+  }
+  return cells;
+}
+
+}  // namespace
+
+LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const CsiFrame> frames) {
+  RoomObservation observation = localizer.hear(frames);
+  LocationEstimate& estimate = observation.estimate;
+  const RoomModel& room = localizer.room();
+  CellBelief belief(localizer.grid().size());
+  bool is_heard = false;
+  for (const HeardArray& heard : observation.arrays) {
+    if (heard.map->antennas() <= kMostChains) {
+      belief.hear(cells_of(heard, room.likelihood_exponent), kWrong);
+      is_heard = true;
+    }
+  }
+  if (!is_heard) {
+    return std::move(estimate);
+  }
+  estimate.reason.clear();
+  std::vector<double> log_probability = belief.log_probability();
+  const double outside = take_outside(localizer.area(), 1.0, log_probability);
+  if (outside > WatchedArea::kMostElsewhere) {
+    estimate.reason = WatchedArea::kBeside;
+    return std::move(estimate);
+  }
+  summarise_posterior(localizer.grid(),
+                      log_probability,
+                      {.accuracy_confidence = localizer.options().accuracy_confidence,
+                       .max_hypotheses = localizer.options().max_hypotheses,
+                       .outlier = 1.0 - (1.0 - kElsewhere) * (1.0 - outside),
+                       .least_sigma = room.least_sigma},
+                      estimate);
+  return std::move(estimate);
+}
+
+}  // namespace rayloc

@@ -1,0 +1,85 @@
+// FieldKernel: the sums of a RayField, eight numbers at a time, by the widest vectors that the
+// processor has for eight floats. The result does not depend on threads; between kinds of
+// processors it differs by rounding.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/likelihood/lane_kernel.h"
+
+namespace rayloc {
+
+inline constexpr std::size_t kFieldRays = 32;   // a count, chosen: of rays, known at most
+inline constexpr std::size_t kFieldDelays = 3;  // a count: of a burst, at most
+
+// A number for each ray; 0 of those that are not there.
+struct RaySums {
+  std::array<float, kFieldRays> re{};
+  std::array<float, kFieldRays> im{};
+};
+
+// L and D of L D L^T = T + n I, T a real tridiagonal matrix and n the noise of a coordinate.
+struct Bidiagonal {
+  std::vector<float> below;  // [coordinate], of L below the diagonal; the last is unused
+  std::vector<float> scale;  // [coordinate], of D, one over its root
+  float log_determinant = 0.0F;
+};
+
+// D^-1/2 L^-1 Q^H y, `turn` = Q^H by rows; y is [coordinate] in eight lanes. out: [coordinate].
+void turn_and_whiten(std::span<const std::complex<float>> turn,
+                     const Bidiagonal& of,
+                     std::span<const LaneRow> re,
+                     std::span<const LaneRow> im,
+                     std::span<LaneSums> out);
+// The same of rays that are turned already, [coordinate].
+void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out);
+
+// What a burst says of the places of a RayField.
+struct FieldTerms {
+  std::size_t rays = 0;
+  bool has_direct = false;   // the first of them may be covered
+  float log_covered = 0.0F;  // [nat], of the probability that it is
+  float dimension = 0.0F;    // of the measurement
+  float less = 0.0F;         // ln |Sigma|
+  std::size_t delays = 0;
+  std::array<float, kFieldDelays> power_inverse{};  // 1 / |W y|^2
+  std::array<float, kFieldDelays> log_power{};
+  std::array<RaySums, kFieldDelays> along{};  // (W v_p)^H W y
+  std::array<RaySums, kFieldRays> gram{};     // (W v_p)^H W v_q, [p]
+};
+
+// Fills `gram`; z: [coordinate], whitened.
+void gram_of(std::span<const RaySums> z, FieldTerms& terms);
+// (W v_p)^H x; x: [coordinate].
+RaySums along_of(std::span<const RaySums> z, std::span<const std::complex<float>> x);
+
+// Eight places in a row, by the phasors of the rays there.
+struct FieldRow {
+  const RaySums* by_x = nullptr;
+  const RaySums* by_z = nullptr;
+  const LaneSums* by_y = nullptr;  // [ray], of the eight places
+};
+// Log-likelihoods, by the first `delays` of the terms; out.size() == rows.size().
+void field_rows(const FieldTerms& terms,
+                std::size_t delays,
+                std::span<const FieldRow> rows,
+                std::span<LaneRow> out);
+
+// What each access point says, in the mass of a place: with x = t l - shift the product of
+// (right e^x + quarter e^(x/4) + sixteenth e^(x/16) + wrong), less the product of the wrong.
+struct FusedArray {
+  std::span<const LaneRow> log_likelihood;  // [row]
+  float exponent = 1.0F;
+  float shift = 0.0F;
+  float right = 1.0F;
+  float quarter = 0.0F;
+  float sixteenth = 0.0F;
+  float wrong = 0.0F;
+};
+void fuse_rows(std::span<const FusedArray> arrays, std::span<LaneRow> mass);
+
+}  // namespace rayloc

@@ -1,0 +1,258 @@
+#include "engine/likelihood/ray_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+#include "engine/base/check.h"
+#include "engine/base/work_done.h"
+#include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/place_moments.h"
+
+namespace rayloc {
+namespace {
+
+using Value = std::complex<double>;
+using Eigen::Index;
+
+constexpr double kLeftOut = 1e-5;      // of the known power, chosen: below any noise
+constexpr float kLeastPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
+
+// The strongest by what is known of them, the one that may be covered first.
+void choose_known(const ObservationModel& model,
+                  const ObservationModel::Place& place,
+                  const ObservationModel::RayTerms& terms,
+                  FieldCovariance& out) {
+  std::vector<double> power(place.rays.size());
+  for (std::size_t p = 0; p < power.size(); ++p) {
+    power[p] = std::norm(terms.parts[p].known * place.rays[p].amplitude);
+  }
+  std::vector<std::size_t> order(power.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return power[a] > power[b];
+  });
+  double left = std::accumulate(power.begin(), power.end(), 0.0);
+  const double least = kLeftOut * left;
+  for (std::size_t i = 0; i < order.size() && i < kFieldRays && (i == 0 || left > least); ++i) {
+    left -= power[order[i]];
+    out.known.push_back(order[i]);
+  }
+  const auto direct = std::find(out.known.begin(), out.known.end(), model.coverable(place.rays));
+  if (direct != out.known.end()) {
+    out.has_direct = true;
+    std::rotate(out.known.begin(), direct, direct + 1);
+  }
+}
+
+// v_p, not yet multiplied by what is known of it: [antenna][coordinate of one].
+Eigen::VectorXcd array_of(const ObservationModel& model,
+                          const ObservationModel::Place& place,
+                          const ObservationModel::RayTerms& terms,
+                          std::size_t p) {
+  const std::size_t antennas = place.element_offset.size();
+  const std::size_t q = model.dimension() / antennas;
+  const Ray& ray = place.rays[p];
+  Eigen::VectorXcd s(static_cast<Index>(model.dimension()));
+  for (std::size_t m = 0; m < antennas; ++m) {
+    const double length = norm(ray.length * ray.at_array - place.element_offset[m]);
+    const Value phase = std::polar(1.0, -model.wave_number() * (length - terms.first_length));
+    for (std::size_t i = 0; i < q; ++i) {
+      s(static_cast<Index>(m * q + i)) = phase * terms.tone[p * q + i];
+    }
+  }
+  return s;
+}
+
+template <typename Sums>
+void put(std::complex<float> value, std::size_t lane, Sums& to) {
+  to.re[lane] = value.real();
+  to.im[lane] = value.imag();
+}
+
+std::complex<float> single(double phase) { return std::complex<float>(std::polar(1.0, phase)); }
+
+Bidiagonal factorise(const FieldCovariance& of, double noise) {
+  Bidiagonal factor;
+  const std::size_t size = of.diagonal.size();
+  factor.below.resize(size);
+  factor.scale.resize(size);
+  double log_determinant = 0.0;
+  double d = of.diagonal[0] + noise;
+  for (std::size_t i = 0;; ++i) {
+    RAYLOC_CHECK(d > 0.0);
+    factor.scale[i] = static_cast<float>(1.0 / std::sqrt(d));
+    log_determinant += std::log(d);
+    if (i + 1 == size) {
+      break;
+    }
+    const double below = of.beside[i] / d;
+    factor.below[i] = static_cast<float>(below);
+    d = of.diagonal[i + 1] + noise - below * of.beside[i];
+  }
+  factor.log_determinant = static_cast<float>(log_determinant);
+  return factor;
+}
+
+}  // namespace
+
+FieldCovariance field_covariance(const ObservationModel& model,
+                                 const ObservationModel::Place& place,
+                                 const ModelError& error) {
+  RAYLOC_CHECK(!place.rays.empty());
+  FieldCovariance out;
+  const auto terms = model.ray_terms(place, error);
+  choose_known(model, place, terms, out);
+  const auto size = static_cast<Index>(model.dimension());
+  PlaceMoments moments(size);
+  Eigen::MatrixXcd unknown(size, static_cast<Index>(place.rays.size()));
+  for (std::size_t p = 0; p < place.rays.size(); ++p) {
+    const auto& parts = terms.parts[p];
+    const bool is_known = std::find(out.known.begin(), out.known.end(), p) != out.known.end();
+    const double share = parts.unknown + (is_known ? 0.0 : parts.known * parts.known);
+    unknown.col(static_cast<Index>(p)) = std::sqrt(share) * array_of(model, place, terms, p);
+  }
+  moments.add(unknown);
+  moments.diffuse = diffuse_share(error, terms.first_length);
+  const Eigen::Tridiagonalization<Eigen::MatrixXcd> reduced(moments.covariance(
+      place.element_offset.size(), model.diffuse_covariance(error.diffuse_decay)));
+  const Eigen::MatrixXcd q = reduced.matrixQ();
+  // The products of the unknown rays, the reduction and its Q, in double precision.
+  const std::size_t side = model.dimension();
+  WorkDone::add(4 * side * side * place.rays.size() + 11 * side * side * side,
+                16 * side * (place.rays.size() + 2 * side));
+  for (Index i = 0; i < size; ++i) {
+    for (Index j = 0; j < size; ++j) {
+      out.turn.emplace_back(std::conj(q(j, i)));
+    }
+    out.diagonal.push_back(reduced.diagonal()(i));
+    if (i + 1 < size) {
+      out.beside.push_back(reduced.subDiagonal()(i));
+    }
+  }
+  return out;
+}
+
+RayField ray_field(const ObservationModel& model,
+                   const FieldCovariance& covariance,
+                   const ObservationModel::Place& place,
+                   const ModelError& error,
+                   const FieldLattice& lattice) {
+  const Lattice& plan = lattice.plan;
+  RAYLOC_CHECK(plan.count_y % kLaneCount == 0);
+  const std::size_t size = model.dimension();
+  RayField field;
+  field.rays = covariance.known.size();
+  field.known.resize(size);
+  field.by_x.resize(plan.count_x);
+  field.by_z.resize(lattice.heights.size());
+  field.by_y.resize(plan.count_y / kLaneCount * field.rays);
+  const auto terms = model.ray_terms(place, error);
+  const double k = model.wave_number();
+  for (std::size_t n = 0; n < field.rays; ++n) {
+    const std::size_t p = covariance.known[n];
+    const Ray& ray = place.rays[p];
+    const Eigen::VectorXcd v = terms.parts[p].known * array_of(model, place, terms, p);
+    WorkDone::add(8 * size * size, size * (size + 4) * sizeof(std::complex<float>));
+    for (std::size_t i = 0; i < size; ++i) {
+      std::complex<float> sum;
+      for (std::size_t j = 0; j < size; ++j) {
+        const std::complex<float> a = covariance.turn[i * size + j];
+        const std::complex<float> b(v(static_cast<Index>(j)));
+        sum += std::complex<float>(a.real() * b.real() - a.imag() * b.imag(),
+                                   a.real() * b.imag() + a.imag() * b.real());
+      }
+      put(sum, n, field.known[i]);
+    }
+    for (std::size_t x = 0; x < plan.count_x; ++x) {
+      put(single(k * ray.at_device.x * plan.offset(x, 0).x), n, field.by_x[x]);
+    }
+    for (std::size_t y = 0; y < plan.count_y; ++y) {
+      put(single(k * ray.at_device.y * plan.offset(0, y).y),
+          y % kLaneCount,
+          field.by_y[y / kLaneCount * field.rays + n]);
+    }
+    for (std::size_t z = 0; z < lattice.heights.size(); ++z) {
+      const Vec3d way = ray.length * ray.at_device - Vec3d{0.0, 0.0, lattice.heights[z]};
+      put(single(-k * (norm(way) - ray.length)), n, field.by_z[z]);
+    }
+  }
+  return field;
+}
+
+FieldBurst::FieldBurst(const FieldCovariance& covariance,
+                       const ObservedArray& observed,
+                       double noise)
+    : covariance_(covariance),
+      observed_(observed),
+      factor_(factorise(covariance, noise / static_cast<double>(covariance.diagonal.size()))),
+      burst_(covariance.diagonal.size()) {}
+
+void FieldBurst::take(const ObservedArray::Block& block) {
+  turn_and_whiten(covariance_.turn, factor_, block.re, block.im, burst_);
+  power_.fill(kLeastPower);
+  for (const LaneSums& one : burst_) {
+    for (std::size_t t = 0; t < kLaneCount; ++t) {
+      power_[t] += one.re[t] * one.re[t] + one.im[t] * one.im[t];
+    }
+  }
+}
+
+// Of the delays of the block, where the rays' phases may be any.
+std::size_t FieldBurst::best_of(std::span<const RaySums> z, std::size_t rays) const {
+  std::array<double, kLaneCount> values{};
+  for (std::size_t t = 0; t < kLaneCount; ++t) {
+    const RaySums along = along_of(z, delay(t));
+    float sum = 0.0F;
+    for (std::size_t p = 0; p < rays; ++p) {
+      sum += along.re[p] * along.re[p] + along.im[p] * along.im[p];
+    }
+    values[t] = gain_profile(static_cast<double>(power_[t]),
+                             std::sqrt(static_cast<double>(sum)),
+                             static_cast<double>(burst_.size()));
+  }
+  return static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
+}
+
+std::vector<std::complex<float>> FieldBurst::delay(std::size_t t) const {
+  std::vector<std::complex<float>> x;
+  x.reserve(burst_.size());
+  for (const LaneSums& one : burst_) {
+    x.emplace_back(one.re[t], one.im[t]);
+  }
+  return x;
+}
+
+FieldTerms FieldBurst::terms(const RayField& field) {
+  std::vector<RaySums> z(field.known.size());
+  whiten_rays(factor_, field.known, z);
+  if (best_.empty()) {
+    take(observed_.coarse);
+    take(observed_.windows[best_of(z, field.rays)]);
+    const std::size_t best = best_of(z, field.rays);
+    for (const std::size_t t : {best, best - 1, best + 1}) {
+      if (t < kLaneCount) {
+        of_delays_.power_inverse[best_.size()] = 1.0F / power_[t];
+        of_delays_.log_power[best_.size()] = std::log(power_[t]);
+        best_.push_back(delay(t));
+      }
+    }
+    of_delays_.delays = best_.size();
+    of_delays_.has_direct = covariance_.has_direct;
+    of_delays_.log_covered = static_cast<float>(kLogCovered);
+    of_delays_.dimension = static_cast<float>(burst_.size());
+    of_delays_.less = factor_.log_determinant;
+  }
+  FieldTerms terms = of_delays_;
+  terms.rays = field.rays;
+  for (std::size_t k = 0; k < terms.delays; ++k) {
+    terms.along[k] = along_of(z, best_[k]);
+  }
+  gram_of(z, terms);
+  return terms;
+}
+
+}  // namespace rayloc

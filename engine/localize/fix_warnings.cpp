@@ -1,0 +1,38 @@
+#include "engine/localize/fix_warnings.h"
+
+#include <cstddef>
+#include <string>
+
+namespace rayloc {
+namespace {
+
+constexpr double kDoubted = 0.5;            // a probability, chosen
+constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempered
+
+}  // namespace
+
+// Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
+void warn_of_doubtful(const std::vector<HeardArray>& heard,
+                      const RoomMap& map,
+                      double likelihood_exponent,
+                      const RaysOfEach& rays,
+                      LocationEstimate& estimate) {
+  const std::vector<double> doubt = doubts(map, likelihood_exponent);
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    const std::string name = "access point " + heard[i].map->access_point().id;
+    if (heard.size() > 1 && doubt[i] > kDoubted) {
+      estimate.warnings.push_back(name +
+                                  " contradicts the others: it is covered, was moved or has "
+                                  "changed; what it hears is not believed");
+      continue;
+    }
+    const auto odds = heard[i].map->covered_log_odds(rays[i], heard[i].observed);
+    if (odds && likelihood_exponent * *odds > kCoveredForCertain) {
+      estimate.warnings.push_back(name +
+                                  ": the direct way to the device is not as the plan has it: it is "
+                                  "covered, or the chains have changed");
+    }
+  }
+}
+
+}  // namespace rayloc

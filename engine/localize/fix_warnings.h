@@ -1,0 +1,23 @@
+// What a fix says of the access points that it rests on.
+#pragma once
+
+#include <vector>
+
+#include "engine/localize/heard_array.h"
+#include "engine/posterior/room_map.h"
+#include "engine/room/location_estimate.h"
+#include "engine/room/ray.h"
+
+namespace rayloc {
+
+using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, [array]
+
+// Adds warnings of access points that contradict the others, and of direct ways that are covered.
+// `map`: of the fix.
+void warn_of_doubtful(const std::vector<HeardArray>& heard,
+                      const RoomMap& map,
+                      double likelihood_exponent,
+                      const RaysOfEach& rays,
+                      LocationEstimate& estimate);
+
+}  // namespace rayloc

@@ -1,0 +1,391 @@
+#include "engine/localize/tracked_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "engine/base/check.h"
+#include "engine/base/highest.h"
+#include "engine/base/parallel.h"
+#include "engine/posterior/cell_places.h"
+
+namespace rayloc {
+namespace {
+
+// Of the mass before the burst, chosen. With 5e-3 a hill of half a per cent was given up, and 20 of
+// 579 moments of a walk lost what the whole room ranks first (hundred-devices study).
+constexpr double kNotLookedAt = 1e-3;
+// A count of boxes, chosen: of all access points together. 90 % of the mass of a track of one
+// access point lie in 30 to 280 boxes (hundred-devices study).
+constexpr std::size_t kMostBoxes = 640;
+// Of the mass, chosen: with more in none of its boxes, an access point has those of the others as
+// well. Who does not know where a device is has many hills, and none of them may be given up.
+constexpr double kWide = 0.02;
+constexpr std::size_t kMostClosely = 96;  // a count, chosen: of kMostBoxes, with all their places
+constexpr double kCloseMargin = 8.0;      // [nat], below the best
+constexpr std::size_t kFewX = 2;          // a count: every second place in x ...
+constexpr std::size_t kFewZ = 4;          // a count: ... and every fourth in height comes first
+// A count of cells, as the close search has it; and how far below the best of a room they are.
+constexpr std::size_t kMostColumns = 400;
+constexpr double kColumnMargin = 12.0;  // [nat], as the close search has it
+constexpr double kLeastSum = 1e-37;     // of a mass in single precision
+
+}  // namespace
+
+TrackedSearch::TrackedSearch(const Room& room,
+                             std::vector<HeardArray> heard,
+                             const SearchFocus& focus)
+    : room_(room),
+      heard_(std::move(heard)),
+      layer_weight_(focus.layer_weight.empty() ? room.heights.weight : focus.layer_weight),
+      lattice_(places_of_box(room.grid, room.heights, room.wavelength)) {
+  RAYLOC_CHECK(!heard_.empty() && !focus.cells.empty());
+  for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
+    slices_.push_back(slices_of_box(room.grid, room.heights, layer, room.wavelength));
+  }
+  choose_boxes(focus);
+  choose_rows();
+}
+
+// Those with most of the mass before the burst.
+void TrackedSearch::choose_boxes(const SearchFocus& focus) {
+  const std::size_t layers = layer_weight_.size();
+  std::vector<double> prior;
+  prior.reserve(focus.cells.size() * layers);
+  for (std::size_t n = 0; n < focus.cells.size(); ++n) {
+    const double of_cell = focus.log_prior.empty() ? 1.0 : std::exp(focus.log_prior[n]);
+    for (const double weight : layer_weight_) {
+      prior.push_back(of_cell * weight);
+    }
+  }
+  const double sum = std::accumulate(prior.begin(), prior.end(), 0.0);
+  std::vector<std::size_t> order = highest(prior, kMostBoxes);
+  const std::size_t share = kMostBoxes / heard_.size();
+  double left = sum;
+  std::size_t kept = 0;
+  while (kept < order.size() && left > (kept < share ? kNotLookedAt : kWide) * sum) {
+    left -= prior[order[kept++]];
+  }
+  most_closely_ = std::max<std::size_t>(1, kMostClosely * std::max(share, kept) / kMostBoxes);
+  order.resize(kept);
+  not_looked_at_ = left / sum;
+  std::sort(order.begin(), order.end());
+  for (const std::size_t i : order) {
+    const std::size_t cell = focus.cells[i / layers];
+    if (cells_.empty() || cells_.back() != cell) {
+      cells_.push_back(cell);
+      first_.push_back(boxes_.size());
+    }
+    boxes_.push_back({cells_.size() - 1, i % layers, prior[i] / sum});
+  }
+  first_.push_back(boxes_.size());
+}
+
+// The first places lie as on a chessboard.
+void TrackedSearch::choose_rows() {
+  const std::size_t rows_y = lattice_.plan.count_y / kLaneCount;
+  for (std::size_t z = 0; z < lattice_.heights.size(); ++z) {
+    for (std::size_t x = 0; x < lattice_.plan.count_x; ++x) {
+      const bool is_first = (x + 1) % kFewX == 0 && (z + 3 + x) % kFewZ == 0;
+      for (std::size_t y = 0; y < rows_y; ++y) {
+        all_.push_back({x, y, z});
+        if (is_first) {
+          few_.push_back({x, y, z});
+        }
+      }
+    }
+  }
+  if (few_.empty()) {
+    few_ = all_;
+  }
+}
+
+double TrackedSearch::above(std::size_t array, std::size_t cell, double nowhere) const {
+  return heard_[array].level_at(cell, room_.likelihood_exponent) - nowhere;
+}
+
+// The boxes of one cell: those of a few layers share what is unknown.
+void TrackedSearch::look_at_cell(std::size_t array,
+                                 std::size_t first,
+                                 std::size_t last,
+                                 double nowhere) {
+  const HeardArray& heard = heard_[array];
+  const std::size_t cell = cells_[boxes_[first].number];
+  const auto add = static_cast<float>(above(array, cell, nowhere));
+  std::vector<LaneRow>& values = of_few_[array];
+  if (!heard.map->is_reachable(cell)) {
+    LaneRow nothing;
+    nothing.fill(add + static_cast<float>(nowhere));
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(first * few_.size()),
+              values.begin() + static_cast<std::ptrdiff_t>(last * few_.size()),
+              nothing);
+    return;
+  }
+  std::vector<FieldRow> rows(few_.size());
+  FieldLook look(*heard.map, cell, heard.observed);
+  for (std::size_t n = first; n < last; ++n) {
+    const auto [terms, field] = look.at(boxes_[n].layer);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      rows[r] = field->row(few_[r].x, few_[r].y, few_[r].z);
+    }
+    const std::span<LaneRow> out(values.data() + n * few_.size(), few_.size());
+    field_rows(terms, terms.delays, rows, out);
+    for (LaneRow& row : out) {
+      for (float& value : row) {
+        value += add;
+      }
+    }
+  }
+}
+
+std::vector<std::vector<double>> TrackedSearch::look(std::span<const double> nowhere) {
+  nowhere_.assign(nowhere.begin(), nowhere.end());
+  std::vector<std::vector<double>> maps(heard_.size(), std::vector<double>(cells_.size()));
+  of_few_.assign(heard_.size(), std::vector<LaneRow>(boxes_.size() * few_.size()));
+  parallel_for(cells_.size() * heard_.size(), 1, [&](std::size_t i) {
+    const std::size_t array = i / cells_.size();
+    const std::size_t n = i % cells_.size();
+    look_at_cell(array, first_[n], first_[n + 1], nowhere_[array]);
+  });
+  const auto t = static_cast<float>(room_.likelihood_exponent);
+  for (std::size_t array = 0; array < heard_.size(); ++array) {
+    float top = of_few_[array].front()[0];
+    for (const LaneRow& row : of_few_[array]) {
+      top = std::max(top, *std::max_element(row.begin(), row.end()));
+    }
+    highest_.push_back(top);
+    parallel_for(cells_.size(), 16, [&](std::size_t n) {
+      std::vector<LaneRow> mass(few_.size());
+      double sum = 0.0;
+      double weights = 0.0;
+      for (std::size_t b = first_[n]; b < first_[n + 1]; ++b) {
+        const std::span<const LaneRow> values(of_few_[array].data() + b * few_.size(), few_.size());
+        const FusedArray alone{values, t, t * top};
+        fuse_rows({&alone, 1}, mass);
+        const double weight = layer_weight_[boxes_[b].layer];
+        sum += weight * mean_of(boxes_[b].layer, few_, mass);
+        weights += weight;
+      }
+      maps[array][n] = static_cast<double>(top) +
+                       std::log(std::max(sum / weights, kLeastSum)) / room_.likelihood_exponent;
+    });
+  }
+  return maps;
+}
+
+void TrackedSearch::leave_out(std::size_t array) {
+  const auto at = static_cast<std::ptrdiff_t>(array);
+  heard_.erase(heard_.begin() + at);
+  nowhere_.erase(nowhere_.begin() + at);
+  of_few_.erase(of_few_.begin() + at);
+  highest_.erase(highest_.begin() + at);
+}
+
+// Over the places of a layer, by the probability of their heights.
+double TrackedSearch::mean_of(std::size_t layer,
+                              std::span<const Row> rows,
+                              std::span<const LaneRow> mass) const {
+  double sum = 0.0;
+  double weights = 0.0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    float of_row = 0.0F;
+    for (const float one : mass[r]) {
+      of_row += one;
+    }
+    const double weight = slices_[layer][rows[r].z].weight;
+    sum += weight * static_cast<double>(of_row);
+    weights += weight * static_cast<double>(kLaneCount);
+  }
+  return sum / weights;
+}
+
+std::vector<FusedArray> TrackedSearch::fused(const AccessPointFusion& fusion) const {
+  static_assert(kBlunted[0].exponent == 1.0 / 4.0 && kBlunted[1].exponent == 1.0 / 16.0,
+                "as of FusedArray");
+  std::vector<FusedArray> arrays(heard_.size());
+  for (std::size_t i = 0; i < arrays.size(); ++i) {
+    FusedArray& one = arrays[i];
+    one.exponent = static_cast<float>(room_.likelihood_exponent);
+    one.shift = one.exponent * highest_[i];
+    if (heard_.size() == 1) {  // nobody contradicts it
+      one.right = static_cast<float>(std::exp(fusion.log_right(i)));
+      continue;
+    }
+    const auto shift = static_cast<double>(one.shift);
+    const AccessPointFusion::Terms& factor = fusion.log_factor(i);
+    one.right = static_cast<float>(std::exp(factor[0]));
+    one.quarter = static_cast<float>(std::exp(factor[1] - (1.0 - kBlunted[0].exponent) * shift));
+    one.sixteenth = static_cast<float>(std::exp(factor[2] - (1.0 - kBlunted[1].exponent) * shift));
+    one.wrong = static_cast<float>(std::exp(fusion.log_wrong(i) - shift));
+  }
+  return arrays;
+}
+
+TrackedSearch::Mass TrackedSearch::uniform(const Box& box, double sum) const {
+  Mass mass;
+  mass.sum = sum;
+  mass.where.all = uniform_moments(room_.grid);
+  if (!room_.heights.is_known()) {
+    mass.where.all.z = room_.heights.offset[box.layer];
+    mass.where.all.zz = room_.heights.thickness * room_.heights.thickness / 12.0;
+  }
+  mass.where.best = mass.where.all;
+  return mass;
+}
+
+// Masses of all places of a box, [height][x][y].
+std::vector<LaneRow> TrackedSearch::all_places(const Box& box,
+                                               const std::vector<FusedArray>& fused) const {
+  const std::size_t cell = cells_[box.number];
+  std::vector<std::vector<LaneRow>> values(heard_.size(), std::vector<LaneRow>(all_.size()));
+  std::vector<FusedArray> arrays = fused;
+  std::vector<FieldRow> rows(all_.size());
+  for (std::size_t i = 0; i < heard_.size(); ++i) {
+    const auto add = static_cast<float>(above(i, cell, nowhere_[i]));
+    if (heard_[i].map->is_reachable(cell)) {
+      FieldLook look(*heard_[i].map, cell, heard_[i].observed);
+      const auto [terms, field] = look.at(box.layer);
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        rows[r] = field->row(all_[r].x, all_[r].y, all_[r].z);
+      }
+      field_rows(terms, terms.delays, rows, values[i]);
+    } else {
+      LaneRow nothing;
+      nothing.fill(static_cast<float>(nowhere_[i]));
+      std::fill(values[i].begin(), values[i].end(), nothing);
+    }
+    arrays[i].log_likelihood = values[i];
+    arrays[i].shift -= arrays[i].exponent * add;
+  }
+  std::vector<LaneRow> mass(all_.size());
+  fuse_rows(arrays, mass);
+  for (std::size_t r = 0; r < mass.size(); ++r) {
+    const auto weight = static_cast<float>(slices_[box.layer][all_[r].z].weight);
+    for (float& one : mass[r]) {
+      one *= weight;
+    }
+  }
+  return mass;
+}
+
+void TrackedSearch::put_together(const AccessPointFusion& fusion, RoomMap& map) const {
+  const std::vector<FusedArray> arrays = fused(fusion);
+  double log_scale = 0.0;
+  for (const FusedArray& one : arrays) {
+    log_scale += static_cast<double>(one.shift);
+  }
+  std::vector<Mass> masses(boxes_.size());
+  std::vector<double> score(boxes_.size());
+  parallel_for(boxes_.size(), 16, [&](std::size_t b) {
+    std::vector<FusedArray> of_box = arrays;
+    for (std::size_t i = 0; i < of_box.size(); ++i) {
+      of_box[i].log_likelihood = std::span(of_few_[i]).subspan(b * few_.size(), few_.size());
+    }
+    std::vector<LaneRow> mass(few_.size());
+    fuse_rows(of_box, mass);
+    masses[b] = uniform(boxes_[b], mean_of(boxes_[b].layer, few_, mass));
+    score[b] = boxes_[b].prior * masses[b].sum;
+  });
+  std::vector<std::size_t> closely = highest(score, most_closely_);
+  while (score[closely.back()] < std::exp(-kCloseMargin) * score[closely.front()]) {
+    closely.pop_back();
+  }
+  std::vector<double> heights;
+  parallel_for(closely.size(), 1, [&](std::size_t n) {
+    const Box& box = boxes_[closely[n]];
+    const std::vector<LaneRow> mass = all_places(box, arrays);
+    std::vector<double> at;
+    for (const HeightSlice& slice : slices_[box.layer]) {
+      at.push_back(slice.offset);
+    }
+    Mass& of_box = masses[closely[n]];
+    const auto [sum, where] =
+        summarise_masses(lattice_.plan, at, {mass.front().data(), mass.size() * kLaneCount});
+    if (sum > kLeastSum) {
+      of_box.sum = sum / static_cast<double>(lattice_.plan.size());
+      of_box.where = where;
+    }
+  });
+  for (std::size_t n = 0; n < cells_.size(); ++n) {
+    put_cell(first_[n], first_[n + 1], masses, log_scale, map);
+  }
+}
+
+// A layer that nobody looked at is taken to be as likely as those that somebody did.
+void TrackedSearch::put_cell(std::size_t first,
+                             std::size_t last,
+                             const std::vector<Mass>& masses,
+                             double log_scale,
+                             RoomMap& map) const {
+  double sum = 0.0;
+  double looked = 0.0;
+  std::size_t best = first;
+  const auto peak = [&](std::size_t b) {
+    return layer_weight_[boxes_[b].layer] * masses[b].sum * masses[b].where.best_share;
+  };
+  for (std::size_t b = first; b < last; ++b) {
+    const double weight = layer_weight_[boxes_[b].layer];
+    sum += weight * masses[b].sum;
+    looked += weight;
+    best = peak(b) > peak(best) ? b : best;
+  }
+  const double mean = std::max(sum / looked, kLeastSum);
+  CellMass cell;
+  std::vector<WeightedMoments> parts;
+  cell.layers.assign(layer_weight_.size(), 0.0F);
+  std::size_t b = first;
+  for (std::size_t layer = 0; layer < layer_weight_.size(); ++layer) {
+    const bool is_looked_at = b < last && boxes_[b].layer == layer;
+    const double share =
+        layer_weight_[layer] * (is_looked_at && sum > kLeastSum ? masses[b].sum / mean : 1.0);
+    const Mass mass = is_looked_at ? masses[b] : uniform({0, layer, 0.0}, mean);
+    parts.push_back({share, mass.where.all});
+    cell.layers[layer] = static_cast<float>(share);
+    b += is_looked_at ? 1 : 0;
+  }
+  cell.all = mixture_of(parts);
+  cell.best = masses[best].where.best;
+  cell.best_share = std::clamp(peak(best) / mean, 0.0, 1.0);
+  if (room_.heights.is_known()) {
+    cell.layers.clear();
+  }
+  const std::size_t number = boxes_[first].number;
+  map.log_likelihood[number] = (log_scale + std::log(mean)) / room_.likelihood_exponent;
+  map.within.emplace_back(cells_[number], std::move(cell));
+}
+
+void search_best_boxes(const TrackedSearch::Room& room,
+                       const std::vector<HeardArray>& heard,
+                       std::span<const double> nowhere,
+                       const AccessPointFusion& fusion,
+                       const SearchFocus& focus,
+                       RoomMap& map) {
+  std::vector<double> score = map.log_likelihood;
+  for (double& one : score) {
+    one *= room.likelihood_exponent;
+  }
+  for (std::size_t n = 0; n < focus.log_prior.size(); ++n) {
+    score[n] += focus.log_prior[n];
+  }
+  SearchFocus best;
+  best.layer_weight = focus.layer_weight;
+  best.cells = highest(score, kMostColumns);
+  const double top = score[best.cells.front()];
+  std::erase_if(best.cells, [&](std::size_t cell) { return score[cell] < top - kColumnMargin; });
+  std::sort(best.cells.begin(), best.cells.end());
+  for (const std::size_t cell : best.cells) {
+    best.log_prior.push_back(score[cell] - top);
+  }
+  TrackedSearch search(room, heard, best);
+  search.look(nowhere);
+  RoomMap of_best;
+  of_best.log_likelihood.resize(search.cells().size());
+  search.put_together(fusion, of_best);
+  for (std::size_t n = 0; n < search.cells().size(); ++n) {
+    map.log_likelihood[search.cells()[n]] = of_best.log_likelihood[n];
+  }
+  map.within = std::move(of_best.within);
+}
+
+}  // namespace rayloc

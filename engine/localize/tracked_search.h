@@ -1,0 +1,101 @@
+// TrackedSearch: where a burst is looked at whose device is known to be about somewhere: the boxes
+// (a cell and a layer of heights) that it may be in, by few places each, and the best of them by
+// all of their places.
+//
+// Its cost depends on how well the place is known, and on nothing of the room.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "engine/likelihood/ray_field.h"
+#include "engine/localize/close_search.h"
+#include "engine/localize/heard_array.h"
+#include "engine/posterior/access_point_fusion.h"
+#include "engine/posterior/posterior.h"
+#include "engine/posterior/room_map.h"
+#include "engine/room/height_layers.h"
+
+namespace rayloc {
+
+class TrackedSearch {
+ public:
+  // All of them outlive it. REQUIRES: every map has_fields(); focus.cells is not empty.
+  struct Room {
+    const RoomGrid& grid;
+    const HeightLayers& heights;
+    double wavelength;  // [m]
+    double likelihood_exponent;
+  };
+  TrackedSearch(const Room& room, std::vector<HeardArray> heard, const SearchFocus& focus);
+
+  // Of the mass before the burst, what lies in no box that is looked at.
+  double not_looked_at() const { return not_looked_at_; }
+
+  // The cells that are looked at, in order; some of the focus.
+  const std::vector<std::size_t>& cells() const { return cells_; }
+
+  // [array][of cells()]: log-likelihoods of each access point alone, above those of `nowhere`.
+  std::vector<std::vector<double>> look(std::span<const double> nowhere);
+  // Of one that nothing in the room explains.
+  void leave_out(std::size_t array);
+  // What all say together; log_likelihood: of cells() first.
+  void put_together(const AccessPointFusion& fusion, RoomMap& map) const;
+
+ private:
+  struct Box {
+    std::size_t number = 0;  // in cells_
+    std::size_t layer = 0;
+    double prior = 0.0;
+  };
+  struct Mass {
+    double sum = 0.0;  // of the layer's places together, their mean
+    CellMass where;
+  };
+  struct Row {
+    std::size_t x = 0;
+    std::size_t y = 0;  // eight places
+    std::size_t z = 0;
+  };
+
+  void choose_boxes(const SearchFocus& focus);
+  void choose_rows();
+  void look_at_cell(std::size_t array, std::size_t first, std::size_t last, double nowhere);
+  std::vector<FusedArray> fused(const AccessPointFusion& fusion) const;
+  double mean_of(std::size_t layer, std::span<const Row> rows, std::span<const LaneRow> mass) const;
+  std::vector<LaneRow> all_places(const Box& box, const std::vector<FusedArray>& fused) const;
+  Mass uniform(const Box& box, double sum) const;
+  void put_cell(std::size_t first,
+                std::size_t last,
+                const std::vector<Mass>& masses,
+                double log_scale,
+                RoomMap& map) const;
+  double above(std::size_t array, std::size_t cell, double nowhere) const;
+
+  const Room room_;
+  std::vector<HeardArray> heard_;
+  std::vector<double> layer_weight_;
+  FieldLattice lattice_;
+  std::vector<std::vector<HeightSlice>> slices_;  // [layer]
+  std::vector<Row> few_;                          // rows of places that are looked at first
+  std::vector<Row> all_;
+  std::vector<std::size_t> cells_;
+  std::vector<Box> boxes_;                    // by cell
+  double not_looked_at_ = 0.0;                // a probability
+  std::size_t most_closely_ = 0;              // boxes, with all their places
+  std::vector<std::size_t> first_;            // [cell and the end], in boxes_
+  std::vector<double> nowhere_;               // [array]
+  std::vector<std::vector<LaneRow>> of_few_;  // [array][box][row]
+  std::vector<float> highest_;                // [array]
+};
+
+// The same where the device may be anywhere: of the boxes of the best cells of a map of the room.
+void search_best_boxes(const TrackedSearch::Room& room,
+                       const std::vector<HeardArray>& heard,
+                       std::span<const double> nowhere,
+                       const AccessPointFusion& fusion,
+                       const SearchFocus& focus,
+                       RoomMap& map);
+
+}  // namespace rayloc

@@ -1,0 +1,99 @@
+// Two edges in a row: where a way over both bends, and the face that both may share.
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "engine/base/vec3.h"
+#include "engine/scene/wedges.h"
+#include "engine/trace/diffraction/edge_path.h"
+
+namespace rayloc {
+
+// Heights of the bends on two lines [m].
+template <typename T>
+struct EdgePairBends {
+  T first{}, second{};
+};
+
+// The three parts of a way over two lines.
+template <typename T>
+struct EdgePairWay {
+  T before{}, between{}, behind{};  // [m]
+  Vec3<T> in, across, out;          // their directions, unit
+};
+
+template <typename T>
+EdgePairWay<T> edge_pair_way(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
+                             const Vec3<T>& source,
+                             const Vec3<T>& observer,
+                             const EdgePairBends<T>& bends) {
+  const Vec3<T> at_first = edges.first.from + bends.first * edges.first.along;
+  const Vec3<T> at_second = edges.second.from + bends.second * edges.second.along;
+  EdgePairWay<T> way;
+  const auto part = [](const Vec3<T>& off, T& length, Vec3<T>& direction) {
+    length = norm(off);
+    direction = (T(1) / length) * off;
+  };
+  part(at_first - source, way.before, way.in);
+  part(at_second - at_first, way.between, way.across);
+  part(observer - at_second, way.behind, way.out);
+  return way;
+}
+
+// How the length is curved with the heights of both bends [1/m]. Its determinant is positive unless
+// the way goes along an edge.
+template <typename T>
+struct EdgePairCurvature {
+  T first{}, mixed{}, second{};
+  T determinant() const { return first * second - mixed * mixed; }
+};
+
+template <typename T>
+EdgePairCurvature<T> edge_pair_curvature(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
+                                         const EdgePairWay<T>& way) {
+  const Vec3<T>& e = edges.first.along;
+  const Vec3<T>& f = edges.second.along;
+  const auto across = [](const T& cosine) { return T(1) - cosine * cosine; };
+  const T e_across = dot(e, way.across);
+  const T f_across = dot(f, way.across);
+  return {across(dot(e, way.in)) / way.before + across(e_across) / way.between,
+          (e_across * f_across - dot(e, f)) / way.between,
+          across(f_across) / way.between + across(dot(f, way.out)) / way.behind};
+}
+
+// One step of Newton's towards the shortest way. From bends that are right in their values it
+// gives their first derivatives.
+template <typename T>
+EdgePairBends<T> improved(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
+                          const Vec3<T>& source,
+                          const Vec3<T>& observer,
+                          const EdgePairBends<T>& bends) {
+  const EdgePairWay<T> way = edge_pair_way(edges, source, observer, bends);
+  const EdgePairCurvature<T> curved = edge_pair_curvature(edges, way);
+  const T by_first = dot(edges.first.along, way.in - way.across);
+  const T by_second = dot(edges.second.along, way.across - way.out);
+  const T determinant = curved.determinant();
+  return {bends.first - (curved.second * by_first - curved.mixed * by_second) / determinant,
+          bends.second - (curved.first * by_second - curved.mixed * by_first) / determinant};
+}
+
+// The shortest way over both lines: the length is convex, so there is one. Nothing where it cannot
+// be told: it comes too near to an end or to where the lines meet.
+std::optional<EdgePairBends<double>> shortest_over(
+    const std::pair<EdgeLine<double>, EdgeLine<double>>& edges,
+    const Vec3d& source,
+    const Vec3d& observer);
+
+// A side of a face that two edges share: the way between them goes along it. Azimuths of it [rad].
+struct SharedSide {
+  double at_first = 0.0;
+  double at_second = 0.0;
+};
+
+// Along face 0 or face n of the first; nothing: the second one does not share that side. Free
+// edges of one sheet share both.
+std::optional<SharedSide> shared_side(const std::pair<const Wedge&, const Wedge&>& edges,
+                                      bool along_face_n);
+
+}  // namespace rayloc

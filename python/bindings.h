@@ -1,0 +1,20 @@
+// The parts of the module rayloc._engine, each of which a file declares to Python.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace rayloc::python {
+
+void bind_errors(pybind11::module_& module);
+void bind_scene(pybind11::module_& module);
+void bind_devices(pybind11::module_& module);
+void bind_diffuse(pybind11::module_& module);
+void bind_paths(pybind11::module_& module);
+void bind_tracer(pybind11::module_& module);
+void bind_radio_map(pybind11::module_& module);
+void bind_frames(pybind11::module_& module);
+void bind_localizer(pybind11::module_& module);
+void bind_calibration(pybind11::module_& module);
+void bind_evaluation(pybind11::module_& module);
+
+}  // namespace rayloc::python

@@ -1,0 +1,48 @@
+// What Python holds of a link: scenes, tracers, paths with what they came from, derivatives.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <pybind11/pybind11.h>
+
+#include "engine/channel/ofdm_grid.h"
+#include "engine/scene/scene.h"
+#include "engine/trace/path_tracer.h"
+
+namespace rayloc::python {
+
+struct SceneHandle {
+  std::string name;
+  std::shared_ptr<const Scene> scene;
+};
+
+struct TracerHandle {
+  SceneHandle scene;
+  PathTracer tracer;
+};
+
+// The paths of a link and all that is needed to differentiate them.
+struct LinkPaths {
+  std::shared_ptr<const Scene> scene;
+  ReceiverTracer at_receiver;
+  Transmitter transmitter;
+  Paths paths;
+  TraceOptions options;
+};
+
+struct LinkDerivatives {
+  std::shared_ptr<const LinkPaths> link;
+  std::vector<std::string> names;
+  PathDerivatives values;
+};
+
+// A number of the link by its name, as `rayloc trace --gradient` has them. Raises what is unknown.
+struct NamedParameters {
+  std::vector<std::string> names;
+  std::vector<Parameter> parameters;
+};
+NamedParameters parameters_of(const std::vector<std::string>& names, const Scene& scene);
+
+}  // namespace rayloc::python

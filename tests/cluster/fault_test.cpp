@@ -1,0 +1,250 @@
+// Machines of a cluster fail one after the other, while something is located: nothing is lost but
+// what marks stand for, nothing is said twice, and the gateway says what the replay of the stream
+// says. RAYLOC_CLUSTER_FAULTS: how many (tests/soak), some of them two at once; else one of each
+// machine.
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "daemon/cluster/cluster_names.h"
+#include "daemon/cluster/sealed_message.h"
+#include "daemon/cluster/site_start.h"
+#include "daemon/pipeline/record/system_now.h"
+#include "tests/cluster/nats_server.h"
+#include "tests/cluster/one_site.h"
+
+namespace rayloc::cluster {
+namespace {
+
+constexpr std::chrono::seconds kFrozen{3};  // longer than a lease
+constexpr std::array kMachines = {"worker", "node", "gateway", "broker"};
+constexpr std::chrono::seconds kAbsent{4};  // longer than a batch waits for the broker
+constexpr std::array kWays = {"kill -9", "SIGSTOP", "restart", "absent"};
+
+std::size_t faults() {
+  const char* const stated = std::getenv("RAYLOC_CLUSTER_FAULTS");
+  return stated == nullptr ? kMachines.size() : std::stoul(stated);
+}
+
+struct Fault {
+  std::string machine;
+  std::string way;  // "absent": killed, and begun again later
+};
+
+std::chrono::seconds lasts(const Fault& fault) {
+  return fault.way == "SIGSTOP"  ? kFrozen
+         : fault.way == "absent" ? kAbsent
+                                 : std::chrono::seconds(0);
+}
+
+std::string words(const Fault& fault) { return fault.machine + " " + fault.way; }
+
+// One machine, or in a soak every third time two at once.
+std::vector<Fault> nth(std::size_t i) {
+  constexpr std::size_t kPair = 3;
+  const std::size_t machine = i % kMachines.size();
+  const std::size_t round = i / kMachines.size();
+  std::vector<Fault> all = {{kMachines[machine], kWays[(i + round) % kWays.size()]}};
+  if (faults() > kMachines.size() && i % kPair == kPair - 1) {
+    // Each machine with each other one within eight pairs.
+    const std::size_t next = i / kPair / kMachines.size() % (kMachines.size() - 1);
+    const std::size_t other = (machine + 1 + next) % kMachines.size();
+    all.push_back({kMachines[other], kWays[(i + 2 * round + 1) % kWays.size()]});
+  }
+  return all;
+}
+
+class Faults : public OneSite {
+ protected:
+  void SetUp() override {
+    RAYLOC_NEEDS_NATS_SERVER();
+    ASSERT_TRUE(server_.start());
+    begin_machines({{server_.url()}});
+  }
+
+  void begin(const std::string& name, const Fault& fault) {
+    if (name == "broker") {
+      fault.way == "SIGSTOP"   ? server_.freeze()
+      : fault.way == "restart" ? server_.stop()
+                               : server_.kill();
+    } else if (fault.way == "SIGSTOP") {
+      machines_.at(name)->signal(SIGSTOP);
+    } else {
+      const int status = machines_.at(name)->end(fault.way == "restart" ? SIGTERM : SIGKILL);
+      EXPECT_TRUE(fault.way != "restart" || status == 0) << machines_.at(name)->errors();
+    }
+  }
+  void end(const std::string& name, const Fault& fault) {
+    if (name == "broker") {
+      if (fault.way == "SIGSTOP") {
+        server_.thaw();
+      } else {
+        EXPECT_TRUE(server_.start());
+      }
+    } else if (fault.way == "SIGSTOP") {
+      machines_.at(name)->signal(SIGCONT);
+    } else {
+      machines_.at(name)->begin();
+    }
+  }
+  // All at once.
+  void fail(const std::vector<Fault>& faults) {
+    std::vector<std::string> names;  // of the machines that they befall, while the broker says it
+    for (const Fault& fault : faults) {
+      names.push_back(fault.machine == "worker" ? owner() : fault.machine);
+    }
+    std::chrono::seconds longest{0};
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      begin(names[i], faults[i]);
+      longest = std::max(longest, lasts(faults[i]));
+    }
+    std::this_thread::sleep_for(longest);
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      end(names[i], faults[i]);
+    }
+  }
+
+  NatsServer server_{folder_.path()};
+};
+
+class HotFaults : public Faults {
+ protected:
+  std::string standby() const override { return "hot"; }
+  // Until the worker that does not own the hall has compared some windows.
+  bool stands_by() {
+    std::mutex mutex;
+    v1::StandbyState last;
+    const auto states =
+        broker_->subscribe(std::string(kWorkerSubjects), [&](BrokerMessage&& message) {
+          v1::WorkerState state;
+          if (unseal(message.data, state) && !state.stands_by().empty()) {
+            const std::lock_guard lock(mutex);
+            last = state.stands_by(0);
+          }
+        });
+    const bool done = eventually(kPatience, [&] {
+      const std::lock_guard lock(mutex);
+      return last.results() > 5;
+    });
+    const std::lock_guard lock(mutex);
+    std::cout << last.ShortDebugString() << '\n';
+    windows_ += last.windows();
+    differing_ += last.differing();
+    return done;
+  }
+
+  std::uint64_t windows_ = 0;
+  std::uint64_t differing_ = 0;
+};
+
+TEST_F(Faults, LoseNothingButWhatMarksStandForAndSayNothingTwice) {
+  std::map<std::string, double> longest;
+  for (std::size_t i = 0; i < faults(); ++i) {
+    const std::vector<Fault> now = nth(i);
+    std::string what;
+    for (const Fault& fault : now) {
+      what += (what.empty() ? "" : " and ") + words(fault);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    fail(now);
+    ASSERT_TRUE(goes_on()) << what << machines_.at("w1")->errors();
+    double& most = longest[what];
+    most = std::max(
+        most, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  for (const auto& [fault, seconds] : longest) {
+    std::cout << fault << ": said of everything again after at most " << seconds << " s\n";
+  }
+  end_machines();
+  expect_one_story();
+  expect_every_datagram();
+  const std::vector<nlohmann::json> again = expect_what_was_said();
+  // What marks stand for came later, and is located by whoever asks.
+  const std::vector<nlohmann::json> history = replay({"--fill"});
+  EXPECT_FALSE(history.empty());
+  for (const nlohmann::json& location : history) {
+    EXPECT_EQ(std::find(again.begin(), again.end(), location), again.end()) << location.dump();
+  }
+  if (faults() > kMachines.size()) {  // of the soak: the room is prepared once more
+    replay({"--uninterrupted"});
+  }
+}
+
+// The other worker computes along, and goes on at once. RAYLOC_CLUSTER_FAULTS: how many owners die.
+TEST_F(HotFaults, OfTheOwnerAreOverAtOnce) {
+  std::vector<double> spoken;
+  std::vector<double> whole;
+  for (std::size_t i = 0; i < faults(); ++i) {
+    ASSERT_TRUE(stands_by()) << machines_.at("w1")->errors() << machines_.at("w2")->errors();
+    const std::string gone = owner();
+    const std::uint64_t generation = last_record().generation();
+    const auto begin = std::chrono::steady_clock::now();
+    const auto passed = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    machines_.at(gone)->end(SIGKILL);
+    ASSERT_TRUE(eventually(kPatience, [&] {
+      const v1::OutputRecord last = last_record();
+      return last.generation() > generation && last.has_output();
+    }));
+    spoken.push_back(passed());
+    ASSERT_TRUE(eventually(kPatience, [&, now = us_of(system_now())] {
+      return last_record().output().done_us() > now;
+    }));
+    whole.push_back(passed());
+    machines_.at(gone)->begin();
+  }
+  const auto tell = [](const std::string& what, std::vector<double> seconds) {
+    std::sort(seconds.begin(), seconds.end());
+    std::cout << "hot: the next one " << what << " after " << seconds.front() << " to "
+              << seconds.back() << " s, median " << seconds[seconds.size() / 2] << " s, of "
+              << seconds.size() << '\n';
+  };
+  tell("spoke", spoken);
+  tell("had said everything", whole);
+  std::cout << windows_ << " windows compared, " << differing_ << " differ\n";
+  EXPECT_EQ(differing_, 0U);
+  EXPECT_TRUE(stands_by());  // the last one has begun
+  sender_->signal(SIGTERM);
+  sender_->wait(kPatience);
+  for (const std::string name : {"w1", "w2"}) {
+    EXPECT_EQ(machines_.at(name)->end(SIGTERM), 0) << machines_.at(name)->errors();
+  }
+  expect_one_story();
+  replay({});
+}
+
+// Nobody else has prepared the room, or knows anything: it is read from its cache, and the traffic
+// of some seconds is listened to again.
+TEST_F(Faults, OfTheOnlyWorkerAreOverWhenItIsBegunAgain) {
+  const std::string only = owner();
+  EXPECT_EQ(machines_.at(only == "w1" ? "w2" : "w1")->end(SIGTERM), 0);
+  std::vector<double> seconds;
+  for (std::size_t i = 0; i < faults(); ++i) {
+    const auto begin = std::chrono::steady_clock::now();
+    machines_.at(only)->end(SIGKILL);
+    machines_.at(only)->begin();
+    ASSERT_TRUE(goes_on()) << machines_.at(only)->errors();
+    seconds.push_back(
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  std::cout << "cold: said of everything again after " << seconds.front() << " to "
+            << seconds.back() << " s, median " << seconds[seconds.size() / 2] << " s\n";
+  sender_->signal(SIGTERM);
+  sender_->wait(kPatience);
+  EXPECT_EQ(machines_.at(only)->end(SIGTERM), 0);
+  expect_one_story();
+}
+
+}  // namespace
+}  // namespace rayloc::cluster

@@ -1,0 +1,87 @@
+#include "engine/chains/coarse_fix.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "engine/posterior/credible_region.h"
+#include "tests/support/faulty_frames.h"
+#include "tests/support/synthetic_room.h"
+
+namespace rayloc {
+namespace {
+
+std::shared_ptr<const Localizer> localizer() {
+  static const std::shared_ptr<const Localizer> kLocalizer = std::make_shared<const Localizer>(
+      *Localizer::create(std::make_shared<const RoomModel>(test::make_room()), {}));
+  return kLocalizer;
+}
+
+Vec3d place(int number) {
+  std::mt19937 random(static_cast<unsigned>(number + 100));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double x = 1.2 * uniform(random);
+  return {x, 0.9 * uniform(random), 1.2};
+}
+
+// A burst of a device there, with each chain but the first of each access point turned.
+std::vector<CsiFrame> burst(int number, double turn) {
+  auto frames = test::frames_at(
+      localizer()->room(), place(number), {4, 30.0, static_cast<unsigned>(number + 1)});
+  const auto& access_points = localizer()->room().access_points;
+  for (std::size_t a = 0; a < access_points.size(); ++a) {
+    for (std::size_t m = 1; m < access_points[a].cores.size(); ++m) {
+      test::turn_chain(frames,
+                       static_cast<int>(a),
+                       access_points[a].cores[m],
+                       turn * static_cast<double>(1 + m + a));
+    }
+  }
+  return frames;
+}
+
+// The states of the chains are a sixteenth of a turn apart, and all are equally probable.
+TEST(CoarseFix, IsTheSameHoweverTheChainsHaveTurned) {
+  constexpr double kStep = 2.0 * std::numbers::pi / 16.0;
+  for (int i = 0; i < 5; ++i) {
+    const LocationEstimate as_calibrated = locate_coarsely(*localizer(), burst(i, 0.0));
+    const LocationEstimate turned = locate_coarsely(*localizer(), burst(i, kStep));
+    ASSERT_TRUE(as_calibrated.position && turned.position) << i << turned.reason;
+    EXPECT_NEAR(norm(*as_calibrated.position - *turned.position), 0.0, 1e-3) << i;
+    EXPECT_NEAR(as_calibrated.accuracy_m, turned.accuracy_m, 1e-3) << i;
+  }
+}
+
+// They are wider than those of chains that are known, and no wider than the room.
+TEST(CoarseFix, ItsRegionsHoldThePlaces) {
+  constexpr int kPlaces = 20;
+  constexpr double kTurn = 1.0;  // [rad]
+  int held = 0;
+  double width = 0.0;
+  double width_of_known = 0.0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const LocationEstimate coarse = locate_coarsely(*localizer(), burst(i, kTurn));
+    ASSERT_TRUE(coarse.position) << i << coarse.reason;
+    held += region_reaching(coarse, place(i)).value_or(1.0) < 0.95 ? 1 : 0;
+    width += coarse.accuracy_m / kPlaces;
+    width_of_known += localizer()->locate(burst(i, 0.0)).accuracy_m / kPlaces;
+    EXPECT_EQ(coarse.access_points_used, localizer()->room().access_points.size());
+  }
+  EXPECT_GE(held, kPlaces - 2);
+  EXPECT_GT(width, 2.0 * width_of_known);
+  EXPECT_LT(width, std::hypot(3.0, 2.4));  // [m], of the room
+}
+
+TEST(CoarseFix, SaysWhyThereIsNone) {
+  const LocationEstimate of_nothing = locate_coarsely(*localizer(), {});
+  EXPECT_FALSE(of_nothing.position);
+  EXPECT_EQ(of_nothing.reason, "no frames");
+}
+
+}  // namespace
+}  // namespace rayloc

@@ -1,0 +1,104 @@
+"""A long calibration that is left: by Ctrl-C, within a second, and by the death of who asked for it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Callable
+
+from conftest import MEETING_ROOM
+
+PROGRAM = """
+import sys, rayloc
+site, out = sys.argv[1:]
+captures = [f"ap{i}={site}/calibration-ap{i}.pcap.gz" for i in (1, 2, 3)]
+try:
+    rayloc.calibrate(site, captures, f"{site}/calibration.csv", out)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+"""
+PATIENCE = 240.0
+MOMENT = 5.0
+
+
+def processes_of(out: Path) -> list[int]:
+    found = subprocess.run(["pgrep", "-f", str(out)], capture_output=True, text=True)
+    return [int(number) for number in found.stdout.split()]
+
+
+def end(numbers: list[int]) -> None:
+    for number in numbers:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(number, signal.SIGKILL)
+
+
+def wait_until(what: Callable[[], object], seconds: float) -> bool:
+    deadline = time.monotonic() + seconds
+    while not what():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+def in_the_engine(out: Path, parent: int) -> bool:
+    """Whether the process of the calibration has loaded the engine."""
+    maps = [Path(f"/proc/{number}/maps") for number in processes_of(out) if number != parent]
+    with contextlib.suppress(OSError):
+        return any("/_engine." in file.read_text() for file in maps)
+    return False
+
+
+def test_a_calibration_does_not_outlive_who_asked_for_it(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with subprocess.Popen([sys.executable, "-c", PROGRAM, str(MEETING_ROOM), str(out)]) as process:
+        try:
+            assert wait_until(lambda: in_the_engine(out, process.pid), PATIENCE)
+            time.sleep(MOMENT / 10)  # past what it does at the start; it would go on for long
+            assert in_the_engine(out, process.pid), "the calibration ended"
+            process.kill()
+            process.wait(PATIENCE)
+            assert wait_until(lambda: not processes_of(out), MOMENT), "a process is left behind"
+        finally:
+            end(processes_of(out))
+
+
+def test_a_process_whose_parent_is_gone_is_told_so() -> None:
+    program = "import sys; from rayloc import _engine; print(_engine.end_with_parent(int(sys.argv[1])))"
+    for parent, answer in ((os.getpid(), "True\n"), (1 << 22, "False\n")):  # above all numbers
+        said = subprocess.run([sys.executable, "-c", program, str(parent)], stdout=subprocess.PIPE, text=True)
+        assert said.stdout == answer
+
+
+def test_ctrl_c_ends_a_calibration_within_a_second_and_leaves_its_last_state(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    checkpoint = out / "calibration.checkpoint.json"
+    with subprocess.Popen(
+        [sys.executable, "-c", PROGRAM, str(MEETING_ROOM), str(out)], stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            deadline = time.monotonic() + PATIENCE
+            while not checkpoint.exists():
+                assert process.poll() is None, "it ended before it had a state to keep"
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
+            # Else the search at the end would find nothing whatever is left.
+            assert set(processes_of(out)) - {process.pid}, "the calibration itself is not found"
+            begin = time.monotonic()
+            os.kill(process.pid, signal.SIGINT)
+            assert process.stdout is not None
+            assert process.stdout.readline() == "interrupted\n"
+            taken = time.monotonic() - begin
+            process.wait(PATIENCE)
+            # One that was killed may take a moment to go.
+            assert wait_until(lambda: not processes_of(out), MOMENT), "a process is left behind"
+        finally:
+            end(processes_of(out))
+    # A second, and what a busy machine adds to it.
+    assert taken < 5.0
+    assert checkpoint.stat().st_size > 0
