@@ -24,7 +24,7 @@ constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compas
 constexpr double kYawStep = 1.0 * kDegree;
 constexpr int kYawSteps = 3;  // to either side
 // The tones of a point are no independent evidence about the model's errors; one point is.
-constexpr double kEvidence = 0.1;
+constexpr double kAccessPointEvidence = 0.1;
 
 // The maximum of a function on a list of values: scans it, and takes the parabola through the best
 // and its neighbours for the maximum and its width.
@@ -147,7 +147,8 @@ void AccessPointCalibrator::fit_yaw(AccessPointFit& fit) const {
     const auto turned = offsets(yaw);
     const auto gains = principal_gains(turned, error, nullptr, {});
     const double prior = yaw / kYawPrior;
-    return kEvidence * log_likelihood(observe(gains), turned, error) - 0.5 * prior * prior;
+    return kAccessPointEvidence * log_likelihood(observe(gains), turned, error) -
+           0.5 * prior * prior;
   });
   fit.gain_sigma.clear();
   fit.gains = principal_gains(offsets(fit.yaw_offset.value), error, &fit.gain_sigma, {});
@@ -157,7 +158,9 @@ void AccessPointCalibrator::fit_error(AccessPointFit& fit) const {
   const auto turned = offsets(fit.yaw_offset.value);
   const auto observed = observe(fit.gains);
   fit.error = fit_model_error(
-      [&](const ModelError& error) { return kEvidence * log_likelihood(observed, turned, error); },
+      [&](const ModelError& error) {
+        return kAccessPointEvidence * log_likelihood(observed, turned, error);
+      },
       fit.error);
 }
 

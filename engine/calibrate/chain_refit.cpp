@@ -23,7 +23,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kIterations = 8;  // a count, chosen: bounds the time of a refit
+constexpr int kRefitIterations = 8;  // a count, chosen: bounds the time of a refit
 // Reflections beyond those that the likelihood knows; tried, and kept where they explain more. They
 // average out over a survey, not over one spot: where the strong paths to an antenna cancel, what
 // is left of them turns the phase.
@@ -90,7 +90,7 @@ class FactorFit {
   void run() {
     align_by_one_chain();
     take_common_level();
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
+    for (int iteration = 0; iteration < kRefitIterations; ++iteration) {
       for (std::size_t row = 0; row < rows(); ++row) {
         improve(row);
       }
@@ -343,7 +343,7 @@ RoomModel traced_deeper(RoomModel room) {
   return room;
 }
 
-std::string text_of(double share) {
+std::string share_text(double share) {
   std::array<char, 16> text{};
   const auto end =
       std::to_chars(text.data(), text.data() + text.size(), share, std::chars_format::fixed, 3);
@@ -393,9 +393,9 @@ Expected<ChainRefit> refit_chains(const RoomModel& room,
   }
   if (options.usual && is_far_below(best.refit.fit, *options.usual)) {
     return bad_input("access point " + ap.id + ": new chain gains explain " +
-                     text_of(best.refit.fit) + " of what it hears (median of " +
+                     share_text(best.refit.fit) + " of what it hears (median of " +
                      std::to_string(best.refit.spots) + " known places), the calibration " +
-                     text_of(options.usual->median) +
+                     share_text(options.usual->median) +
                      ": the room or the access point has changed, or a place is wrong; check the "
                      "places, or calibrate anew");
   }

@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kIterations = 6;  // a count, chosen: phases of frames and gains, in turn
+constexpr int kRippleIterations = 6;  // a count, chosen: phases of frames and gains, in turn
 // Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
 constexpr int kGainDegree = 4;
 
@@ -106,7 +106,7 @@ ChainRipple chain_ripple(const Aligner& aligner,
   }
   std::vector<Value> gain(size, Value(1.0));
   std::vector<std::vector<Value>> ratio(pairs.size());
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
+  for (int iteration = 0; iteration < kRippleIterations; ++iteration) {
     parallel_for(pairs.size(), 4, [&](std::size_t i) {
       ratio[i] = aligned_ratio(aligner, pairs[i].measured, pairs[i].expected, gain);
     });

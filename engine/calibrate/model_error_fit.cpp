@@ -16,14 +16,14 @@ namespace {
 // One of the numbers. Scales are unknown by their logarithms to base 2 above a floor below which
 // nothing can be told or is wanted: no plan and survey is better than half a millimetre, and the
 // more the noise of a weak burst exceeds the model's, the worse a map tells it (burst_noise.h).
-struct Unknown {
+struct ModelErrorUnknown {
   Fitted<double> FittedModelError::*value;
   bool is_scale;
   double width;  // standard deviation of the prior, octaves if it is a scale
   double floor;
 };
 // Priors are about assumed_model_error(); their widths and the floors are chosen.
-constexpr std::array<Unknown, 5> kUnknowns = {{
+constexpr std::array<ModelErrorUnknown, 5> kUnknowns = {{
     {&FittedModelError::plan_tolerance, true, 3.0, 0.5e-3},
     {&FittedModelError::diffuse, true, 3.0, 1e-3},
     {&FittedModelError::diffuse_exponent, false, 1.0, 0.0},
@@ -33,27 +33,28 @@ constexpr std::array<Unknown, 5> kUnknowns = {{
 constexpr auto kCount = static_cast<int>(kUnknowns.size());  // a count, of kUnknowns
 // Of differences: the likelihood is a sum in single precision, and decays are tabulated by
 // quarters.
-constexpr double kStep = 0.125;
-constexpr double kCurvatureStep = 0.5;  // as kStep; chosen: second differences need a wider one
-constexpr double kConverged = 1e-6;     // of the cost, a hundredth of a unit in 10 000
-constexpr int kMostIterations = 40;     // a count, chosen: bounds the time of the fit
+constexpr double kSlopeStep = 0.125;
+constexpr double kCurvatureStep =
+    0.5;                             // as kSlopeStep; chosen: second differences need a wider one
+constexpr double kConverged = 1e-6;  // of the cost, a hundredth of a unit in 10 000
+constexpr int kMostIterations = 40;  // a count, chosen: bounds the time of the fit
 // Of a scale, about its assumed value: log_evidence is asked for nothing beyond.
 constexpr double kMostOctaves = 12.0;
 
 using Point = Eigen::Matrix<double, kCount, 1>;
 
-double coordinate_of(const Unknown& unknown, double value) {
+double coordinate_of(const ModelErrorUnknown& unknown, double value) {
   return unknown.is_scale ? std::log2(std::max(value - unknown.floor, 1e-12)) : value;
 }
 
-double value_at(const Unknown& unknown, double coordinate) {
+double value_at(const ModelErrorUnknown& unknown, double coordinate) {
   return unknown.is_scale ? unknown.floor + std::exp2(coordinate) : coordinate;
 }
 
 Point point_of(const FittedModelError& fit, double Fitted<double>::*what) {
   Point point;
   for (int i = 0; i < kCount; ++i) {
-    const Unknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
+    const ModelErrorUnknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
     point(i) = coordinate_of(unknown, fit.*unknown.value.*what);
   }
   return point;
@@ -62,7 +63,7 @@ Point point_of(const FittedModelError& fit, double Fitted<double>::*what) {
 FittedModelError fit_at(const Point& point, const Point& sigma) {
   FittedModelError fit = assumed_model_error();
   for (int i = 0; i < kCount; ++i) {
-    const Unknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
+    const ModelErrorUnknown& unknown = kUnknowns[static_cast<std::size_t>(i)];
     Fitted<double>& found = fit.*unknown.value;
     found.value = value_at(unknown, point(i));
     found.sigma =
@@ -93,8 +94,8 @@ class Cost final : public ceres::FirstOrderFunction {
     const Point point = Eigen::Map<const Point>(coordinates);
     *cost = at(point);
     for (int i = 0; gradient != nullptr && i < kCount; ++i) {
-      const Point step = kStep * Point::Unit(i);
-      gradient[i] = (at(point + step) - at(point - step)) / (2.0 * kStep);
+      const Point step = kSlopeStep * Point::Unit(i);
+      gradient[i] = (at(point + step) - at(point - step)) / (2.0 * kSlopeStep);
     }
     return std::isfinite(*cost);
   }

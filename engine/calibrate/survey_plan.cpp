@@ -27,7 +27,7 @@ struct Sighting {
   friend auto operator<=>(const Sighting&, const Sighting&) = default;
 };
 
-struct Candidate {
+struct SurveyCandidate {
   Vec3d position;
   std::vector<Sighting> seen;  // ascending, each once
 };
@@ -104,10 +104,10 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
 }
 
 // Traces all places and numbers the pairs of surface and access point that they see.
-std::vector<Candidate> look_from(const std::vector<Vec3d>& places,
-                                 const RoomModel& room,
-                                 const SurveyPlanOptions& options,
-                                 std::vector<SurfaceSightings>& sightings) {
+std::vector<SurveyCandidate> look_from(const std::vector<Vec3d>& places,
+                                       const RoomModel& room,
+                                       const SurveyPlanOptions& options,
+                                       std::vector<SurfaceSightings>& sightings) {
   using Met = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   std::vector<std::vector<Met>> met(places.size(), std::vector<Met>(room.access_points.size()));
   const PathTracer tracer(room.scene, {.max_depth = options.max_depth});
@@ -131,9 +131,9 @@ std::vector<Candidate> look_from(const std::vector<Vec3d>& places,
     number = static_cast<std::uint32_t>(sightings.size());
     sightings.push_back({pair.first, pair.second, 0, 0, {}});
   }
-  std::vector<Candidate> candidates;
+  std::vector<SurveyCandidate> candidates;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    Candidate candidate{places[i], {}};
+    SurveyCandidate candidate{places[i], {}};
     for (std::size_t ap = 0; ap < met[i].size(); ++ap) {
       for (const auto& [surface, band] : met[i][ap]) {
         candidate.seen.push_back({numbers[{surface, ap}], band});
@@ -151,7 +151,7 @@ std::vector<Candidate> look_from(const std::vector<Vec3d>& places,
 
 // Calls body(pair, first of its sightings) for each pair that a candidate sees, once.
 template <typename Body>
-void for_each_pair(const Candidate& candidate, const Body& body) {
+void for_each_pair(const SurveyCandidate& candidate, const Body& body) {
   for (std::size_t i = 0; i < candidate.seen.size(); ++i) {
     if (i == 0 || candidate.seen[i].pair != candidate.seen[i - 1].pair) {
       body(candidate.seen[i].pair);
@@ -161,7 +161,7 @@ void for_each_pair(const Candidate& candidate, const Body& body) {
 
 class Greedy {
  public:
-  Greedy(const std::vector<Candidate>& candidates,
+  Greedy(const std::vector<SurveyCandidate>& candidates,
          const SurveyPlanOptions& options,
          std::vector<SurfaceSightings>& sightings)
       : candidates_(candidates),
@@ -217,7 +217,7 @@ class Greedy {
     }
   }
 
-  const std::vector<Candidate>& candidates_;
+  const std::vector<SurveyCandidate>& candidates_;
   const SurveyPlanOptions& options_;
   std::vector<SurfaceSightings>& sightings_;
   std::vector<double> distance_;  // of each candidate from the nearest that was taken
@@ -265,7 +265,7 @@ SurveyPlan plan_survey(const RoomModel& room, const SurveyPlanOptions& options) 
   SurveyPlan plan;
   const auto candidates = look_from(free_places(room, options), room, options, plan.sightings);
   plan.candidates = candidates.size();
-  for (const Candidate& candidate : candidates) {
+  for (const SurveyCandidate& candidate : candidates) {
     for_each_pair(candidate, [&](std::uint32_t pair) { ++plan.sightings[pair].candidates; });
   }
   plan.points =

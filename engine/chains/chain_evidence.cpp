@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kBlock = 64;  // a count of cells, chosen: worth a task, and a sum of its own
-constexpr double kMost = 300.0;     // [nat], of a burst: keeps exp() finite
+constexpr double kMaxEvidence = 300.0;  // [nat], of a burst: keeps exp() finite
 // Counts, chosen: of a coarse look at all cells only so many turns of a chain are tried, and of
 // each state that many cells are kept.
 constexpr std::size_t kFewTurns = 8;
@@ -130,9 +130,9 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
       log_likelihood_of_turns(map.model(cell), observed.array, look.windows[cell], grid, values);
       const double weight = std::exp(log_weight[cell]);
       for (std::size_t s = 0; s < values.size(); ++s) {
-        sum[s] +=
-            weight * std::exp(std::min(
-                         likelihood_exponent * (static_cast<double>(values[s]) - nowhere), kMost));
+        sum[s] += weight * std::exp(std::min(
+                               likelihood_exponent * (static_cast<double>(values[s]) - nowhere),
+                               kMaxEvidence));
       }
     }
   });
@@ -154,7 +154,7 @@ std::vector<double> places_whatever_turned(const AccessPointMap& map,
   RAYLOC_CHECK(grid.chains() == map.antennas() && grid.size() == probability.size());
   const double nowhere = map.nowhere(observed);
   const CoarseLook look = coarse_look(map, observed, grid);
-  std::vector<double> of_cell(map.cells(), -kMost);
+  std::vector<double> of_cell(map.cells(), -kMaxEvidence);
   parallel_for(map.cells(), kBlock, [&](std::size_t cell) {
     if (look.windows[cell] == 0) {
       return;
@@ -164,8 +164,8 @@ std::vector<double> places_whatever_turned(const AccessPointMap& map,
     double sum = 0.0;
     for (std::size_t s = 0; s < values.size(); ++s) {
       sum += probability[s] *
-             std::exp(
-                 std::min(likelihood_exponent * (static_cast<double>(values[s]) - nowhere), kMost));
+             std::exp(std::min(likelihood_exponent * (static_cast<double>(values[s]) - nowhere),
+                               kMaxEvidence));
     }
     of_cell[cell] = std::log(std::max(sum, std::numeric_limits<double>::min()));
   });

@@ -32,11 +32,11 @@ constexpr double kSameCorrelation = 0.9;   // correlation of bursts that say the
 constexpr double kMostNoise = 2e-3;  // of a burst, share of its power: as ModelError::noise is
 constexpr double kMostSigma = 0.35;  // [rad], 20 degrees: of a phase that is believed
 // Counts of bursts, chosen.
-constexpr std::size_t kLeastLearned = 10;  // before anything is believed anew
-constexpr std::size_t kCompareAfter = 3;   // new ones, before states are compared again
-constexpr std::size_t kRefineAfter = 8;    // new ones, before what was learned is refined
-constexpr std::size_t kMostNeeded = 200;   // stated at most
-constexpr std::size_t kModes = 6;          // a count of states to compare, chosen
+constexpr std::size_t kLeastLearned = 10;      // before anything is believed anew
+constexpr std::size_t kCompareAfter = 3;       // new ones, before states are compared again
+constexpr std::size_t kRefineAfterBursts = 8;  // new ones, before what was learned is refined
+constexpr std::size_t kMostNeeded = 200;       // stated at most
+constexpr std::size_t kModes = 6;              // a count of states to compare, chosen
 // [s], chosen: between looks.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
@@ -309,7 +309,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
     const bool is_certain = !is_learned && ap.belief.as_believed() > ChainMemory::kSure;
     // Bursts from before a turn would confirm what was right then.
     const bool is_shaken = is_learned && ap.belief.as_believed() < kShaken;
-    if (is_certain || is_shaken || ap.unrefined < kRefineAfter) {
+    if (is_certain || is_shaken || ap.unrefined < kRefineAfterBursts) {
       return;
     }
   } else if (!is_learning) {

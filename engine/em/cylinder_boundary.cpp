@@ -16,7 +16,7 @@ using Scalar = std::complex<double>;
 // Smaller semi-axis of the sources' ellipse, over that of the boundary.
 constexpr double kSourceDepth = 0.7;
 
-Scalar scalar(const C& z) { return {z.re, z.im}; }
+Scalar boundary_scalar(const C& z) { return {z.re, z.im}; }
 Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 double midpoint(std::size_t i, std::size_t count) {
@@ -77,9 +77,9 @@ Family EllipseQuarter::regular_waves(const C& wavenumber,
     for (std::size_t k = 0; k < count; ++k) {
       const std::size_t n = symmetry.order(k);
       const Angular a = angular(symmetry, n, p.azimuth);
-      const Scalar value = scale * scalar(bessel[n]);
-      const Scalar slope =
-          (static_cast<double>(n) / p.radius) * value - scale * scalar(wavenumber * bessel[n + 1]);
+      const Scalar value = scale * boundary_scalar(bessel[n]);
+      const Scalar slope = (static_cast<double>(n) / p.radius) * value -
+                           scale * boundary_scalar(wavenumber * bessel[n + 1]);
       const Scalar by_radius = a.value * slope;
       const Scalar by_azimuth = (a.slope / p.radius) * value;
       family.value(index(i), index(k)) = a.value * value;
@@ -102,8 +102,8 @@ Family EllipseQuarter::entering_waves(const C& wavenumber,
       const double along = static_cast<double>(n) / p.speed;
       const C across2 = k2 - C{along * along, 0.0};
       // Growing outwards; as for J_n at a large argument, with the local radius of curvature.
-      const Scalar slope =
-          scalar(C{0.0, 1.0} * sqrt(across2)) - 0.5 * p.curvature * scalar(k2 / across2);
+      const Scalar slope = boundary_scalar(C{0.0, 1.0} * sqrt(across2)) -
+                           0.5 * p.curvature * boundary_scalar(k2 / across2);
       const Angular a = angular(symmetry, n, p.t);
       family.value(index(i), index(k)) = a.value;
       family.across(index(i), index(k)) = p.speed * a.value * slope;
@@ -135,12 +135,12 @@ InnerSources::InnerSources(const EllipseQuarter& boundary, double wavenumber, st
         const double dy = p.y - ((image & 2) != 0 ? -y_[q] : y_[q]);
         const double distance = std::hypot(dx, dy);
         hankel_orders(wavenumber * distance, h);
-        const Scalar slope = (-wavenumber / distance) * scalar(h[1]);
+        const Scalar slope = (-wavenumber / distance) * boundary_scalar(h[1]);
         // The tangent times ds/dt is (-a sin t, b cos t).
         const double tx = -a / b * p.y;
         const double ty = b / a * p.x;
         Family& family = images_[image];
-        family.value(index(i), index(q)) = scalar(h[0]);
+        family.value(index(i), index(q)) = boundary_scalar(h[0]);
         family.across(index(i), index(q)) = (dx * ty - dy * tx) * slope;
         family.along(index(i), index(q)) = (dx * tx + dy * ty) * slope;
       }

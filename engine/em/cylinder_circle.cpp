@@ -18,15 +18,14 @@ using C = Complex<double>;
 // Samples are this far apart in k_t times the radius: at the most, and at the least for bodies of
 // little loss, whose resonances are narrow.
 constexpr double kWidestStep = 0.1;
-constexpr double kNarrowestStep = 0.02;     // as above, chosen: bounds the size of the table
-constexpr std::size_t kFewestSamples = 16;  // a count, chosen: slopes need five neighbours
-constexpr std::size_t kMostOrders = 132;    // cylinder_order_count(kLargestSection), and some
+constexpr double kNarrowestStep = 0.02;   // as above, chosen: bounds the size of the table
+constexpr std::size_t kMostOrders = 132;  // cylinder_order_count(kLargestSection), and some
 
 // A resonance is about x |Im eps| / (2 eps) wide.
 std::size_t sample_count(double k_radius, const C& relative_permittivity) {
   const double width = 0.5 * k_radius * -relative_permittivity.im / relative_permittivity.re;
   const double step = std::clamp(0.5 * width, kNarrowestStep, kWidestStep);
-  return kFewestSamples +
+  return kMinTableSamples +
          static_cast<std::size_t>(std::ceil((1.0 - kLowestCosine) * k_radius / step));
 }
 

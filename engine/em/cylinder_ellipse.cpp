@@ -19,7 +19,6 @@ using C = Complex<double>;
 
 // Samples are this far apart in k_t times the larger semi-axis.
 constexpr double kStep = 0.4;
-constexpr std::size_t kFewestSamples = 16;  // a count, chosen: slopes need five neighbours
 // A flat body needs some orders more than a round one of the same length.
 constexpr std::size_t kMoreOrders = 8;
 // Error of the transition matrix above which it is refused.
@@ -87,7 +86,7 @@ std::vector<std::vector<C>> sample(const std::array<double, 2>& k_semi_axes,
                                    std::size_t orders) {
   const double longer = std::max(k_semi_axes[0], k_semi_axes[1]);
   const std::size_t count =
-      kFewestSamples + static_cast<std::size_t>((1.0 - kLowestCosine) * longer / kStep);
+      kMinTableSamples + static_cast<std::size_t>((1.0 - kLowestCosine) * longer / kStep);
   std::vector<std::vector<C>> samples(count);
   // The level one is the hardest, so it says at once what cannot be done.
   samples.back() = coefficients(k_semi_axes, relative_permittivity, 1.0, orders);

@@ -1,11 +1,10 @@
 #include "engine/em/cylinder_scatterer.h"
 
-#include <array>
-#include <charconv>
 #include <string>
 #include <utility>
 
 #include "engine/base/check.h"
+#include "engine/base/six_digit_text.h"
 
 namespace rayloc {
 namespace {
@@ -15,27 +14,21 @@ constexpr double kFlattest = 3.0;
 // Above it a body is not what this is for, and its tables would be large.
 constexpr double kLargestPermittivity = 200.0;
 
-std::string number(double value) {
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 6).ptr;
-  return {text.begin(), end};
-}
-
 Expected<void> validate(const CylinderBody& body, double k) {
   const auto refuse = [](const std::string& what, double value, const std::string& wanted) {
-    return bad_input("body: " + what + " is " + number(value) + ", must be " + wanted);
+    return bad_input("body: " + what + " is " + six_digit_text(value) + ", must be " + wanted);
   };
   const double largest = kLargestSection / k;
   for (const double axis : body.semi_axes) {
     if (!(axis > 0.0 && axis <= largest)) {
-      return refuse("a semi-axis", axis, "more than 0 and at most " + number(largest) + " m");
+      return refuse(
+          "a semi-axis", axis, "more than 0 and at most " + six_digit_text(largest) + " m");
     }
   }
   const double flat = std::max(body.semi_axes[0], body.semi_axes[1]) /
                       std::min(body.semi_axes[0], body.semi_axes[1]);
   if (flat > kFlattest) {
-    return refuse("the ratio of the semi-axes", flat, "at most " + number(kFlattest));
+    return refuse("the ratio of the semi-axes", flat, "at most " + six_digit_text(kFlattest));
   }
   if (!(std::isfinite(body.height) && body.height > 0.0)) {
     return refuse("height", body.height, "more than 0 [m]");
@@ -50,7 +43,7 @@ Expected<void> validate(const CylinderBody& body, double k) {
   if (!(permittivity.re >= 1.0 && permittivity.re <= kLargestPermittivity)) {
     return refuse("the relative permittivity",
                   permittivity.re,
-                  "between 1 and " + number(kLargestPermittivity));
+                  "between 1 and " + six_digit_text(kLargestPermittivity));
   }
   if (!(std::isfinite(permittivity.im) && permittivity.im <= 0.0)) {
     return refuse("the imaginary part of the relative permittivity",

@@ -12,6 +12,9 @@
 
 namespace rayloc {
 
+// Of a table, a count, chosen: slopes need five neighbours.
+inline constexpr std::size_t kMinTableSamples = 16;
+
 class ElevationTable {
  public:
   // A value is weight[0] node[0] + ... + weight[3] node[3], its derivative the same with

@@ -11,14 +11,14 @@ using C = Complex<double>;
 // Below: the power series, which loses digits when u is larger; above: the continued fraction,
 // which converges slowly when u is smaller.
 constexpr double kSeriesEnd = 2.4;
-constexpr double kSmallest = 1e-18;  // squared, of a term of the series
+constexpr double kMinWindowTerm = 1e-18;  // squared, of a term of the series
 
 // With z^2 = j pi u^2 / 2 the knife edge is 1 - erfc(z) / 2.
 C half_erf_series(const C& z) {
   const C z2 = z * z;
   C term = z;
   C sum;
-  for (int n = 0; abs2(term) > kSmallest * kSmallest; ++n) {
+  for (int n = 0; abs2(term) > kMinWindowTerm * kMinWindowTerm; ++n) {
     sum = sum + C{1.0 / (2.0 * n + 1.0), 0.0} * term;
     term = C{-1.0 / (n + 1.0), 0.0} * term * z2;
   }

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
 #include "engine/base/constants.h"
+#include "engine/base/six_digit_text.h"
 #include "engine/base/suggestion.h"
 
 namespace rayloc {
@@ -43,13 +43,6 @@ constexpr std::array<ItuRow, 17> kItuTable{{
 
 constexpr double kHertzPerGigahertz = 1e9;  // [Hz/GHz]: the formulas of ITU-R P.2040-3 take GHz
 
-std::string number(double value) {
-  std::array<char, 32> text{};
-  const auto end =
-      std::to_chars(text.begin(), text.end(), value, std::chars_format::general, 6).ptr;
-  return {text.begin(), end};
-}
-
 }  // namespace
 
 Complex<double> complex_permittivity(const RadioMaterial& material, double frequency_hz) {
@@ -82,12 +75,12 @@ Expected<RadioMaterial> itu_material(std::string_view name, double frequency_hz,
       return RadioMaterial{
           std::string(name), row.a * std::pow(f, row.b), row.c * std::pow(f, row.d), thickness};
     }
-    covered += (covered.empty() ? "" : " and ") + number(row.low_ghz) + " to " +
-               number(row.high_ghz) + " GHz";
+    covered += (covered.empty() ? "" : " and ") + six_digit_text(row.low_ghz) + " to " +
+               six_digit_text(row.high_ghz) + " GHz";
   }
   if (!covered.empty()) {
     return bad_input("ITU-R P.2040-3 states '" + std::string(name) + "' for " + covered +
-                     ", not for " + number(f) +
+                     ", not for " + six_digit_text(f) +
                      " GHz; state relative_permittivity and conductivity instead");
   }
   return bad_input("ITU-R P.2040-3 has no material '" + std::string(name) + "'" +
@@ -96,8 +89,8 @@ Expected<RadioMaterial> itu_material(std::string_view name, double frequency_hz,
 
 Expected<void> validate(const RadioMaterial& material) {
   const auto refuse = [&](const char* what, double value, const char* wanted) {
-    return bad_input("material '" + material.name + "': " + what + " is " + number(value) + ", " +
-                     wanted);
+    return bad_input("material '" + material.name + "': " + what + " is " + six_digit_text(value) +
+                     ", " + wanted);
   };
   if (!std::isfinite(material.relative_permittivity) || material.relative_permittivity < 1.0) {
     return refuse("relative_permittivity", material.relative_permittivity, "must be at least 1");

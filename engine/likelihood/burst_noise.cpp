@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/min_power.h"
 #include "engine/likelihood/whitened_gaussian.h"
 
 namespace rayloc {
@@ -15,7 +16,6 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kLeastCounted = 0.2;  // of the model's noise: less is a unit of log-likelihood
-constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
 }  // namespace
 
@@ -46,7 +46,7 @@ double log_likelihood_with_noise(const PlaceModel& place,
   // there is nothing but noise.
   const auto n = static_cast<double>(place.noise);
   const double less = n / dimension * observed.noise / (n + observed.noise);
-  const double a = std::max(power - less * inverse_power, kLeastPower);
+  const double a = std::max(power - less * inverse_power, kMinPower);
   const double noise = observed.noise / dimension;
   double best = std::numeric_limits<double>::lowest();
   for (std::size_t first = 0; first < place.mean.size(); first += size) {
@@ -63,7 +63,7 @@ double log_likelihood_with_noise(const PlaceModel& place,
     // |r y - mu|^2 in one metric and in the other.
     const auto misfit = [&](double of_y, const Value& of_both, float of_mu) {
       return std::max(r * r * of_y - 2.0 * r * (turn * of_both).real() + static_cast<double>(of_mu),
-                      kLeastPower);
+                      kMinPower);
     };
     const double left = misfit(power, along, of_mean.whitened);
     const double inverse_left = misfit(inverse_power, inverse_along, of_mean.inverse);

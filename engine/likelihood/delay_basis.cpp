@@ -16,7 +16,7 @@ using Value = std::complex<double>;
 constexpr double kWindowBegin = -12e-9;  // [s]
 constexpr double kWindowEnd = 75e-9;     // [s], METHODS B2
 constexpr double kWindowStep = 0.5e-9;   // [s], chosen: finer than 160 MHz tells apart
-constexpr double kLeftOut = 1e-4;        // share of the power in the window outside of the basis
+constexpr double kBasisLeftOut = 1e-4;   // share of the power in the window outside of the basis
 // Linear interpolation at this step is exact to 4e-5 over 80 MHz.
 constexpr double kTableStep = 0.05e-9;
 constexpr std::size_t kTableSize =
@@ -46,7 +46,7 @@ DelayBasis::DelayBasis(const OfdmGrid& grid) {
   RAYLOC_CHECK(gram.info() == Eigen::Success);
   const Eigen::VectorXd power = gram.eigenvalues().reverse();  // largest first
   double left = power.sum();
-  const double most_left = kLeftOut * left;
+  const double most_left = kBasisLeftOut * left;
   while (static_cast<Eigen::Index>(size_) < power.size() && left > most_left) {
     left -= power(static_cast<Eigen::Index>(size_++));
   }

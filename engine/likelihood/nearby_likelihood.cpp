@@ -8,6 +8,7 @@
 
 #include "engine/base/check.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/min_power.h"
 #include "engine/likelihood/whitened_gaussian.h"
 
 namespace rayloc {
@@ -17,8 +18,7 @@ using Value = std::complex<double>;
 
 // Delays of the search that are kept around the best one.
 constexpr std::size_t kDelaysBeside = 1;
-constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
-constexpr double kLeftOut = 1e-6;      // of the known power
+constexpr double kNearbyLeftOut = 1e-6;  // of the known power
 
 // Products written out: those of std::complex check for infinities.
 Value times(const Value& a, const Value& b) {
@@ -71,7 +71,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
     for (const Value& v : delay.observed) {
       delay.power += std::norm(v);
     }
-    delay.power = std::max(delay.power, kLeastPower);
+    delay.power = std::max(delay.power, kMinPower);
     observed_.insert(observed_.end(), delay.observed.begin(), delay.observed.end());
     delays_.push_back(std::move(delay));
   }
@@ -96,7 +96,7 @@ void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
     return power[a] > power[b];
   });
   double left = std::accumulate(power.begin(), power.end(), 0.0);
-  const double least = kLeftOut * left;
+  const double least = kNearbyLeftOut * left;
   std::size_t kept = 0;
   while (kept < order.size() && left > least) {
     left -= power[order[kept++]];

@@ -10,6 +10,7 @@
 #include "engine/base/check.h"
 #include "engine/base/constants.h"
 #include "engine/likelihood/burst_noise.h"
+#include "engine/likelihood/min_power.h"
 #include "engine/likelihood/place_moments.h"
 
 namespace rayloc {
@@ -27,7 +28,6 @@ constexpr int kDecaysBelow = 8;
 constexpr int kDecaysAbove = 8;            // a count as well, chosen: two octaves to either side
 constexpr double kDecaysAnOctave = 4.0;    // a count: makes the factor 2^(1/4)
 constexpr double kDiffuseReference = 3.0;  // [m]
-constexpr float kLeastPower = 1e-12F;      // a ratio, chosen: keeps divisions from zero
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
 constexpr std::array<double, 4> kStrengthVariance = {0.02, 0.1, 0.2, 0.3};
 
@@ -56,7 +56,7 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
   LaneRow power =
       whiten(place.whitener.data(), block.re, block.im, place.mean, std::span(along).first(means));
   for (float& one : power) {
-    one = std::max(one, kLeastPower);
+    one = std::max(one, kMinSinglePower);
   }
   Profile result{at_best_gain(power, along[0], size), {}};
   for (float& value : result.open) {

@@ -3,10 +3,10 @@
 namespace rayloc {
 namespace {
 
-void put(ObservedArray::Block& block,
-         std::size_t coordinate,
-         std::size_t entry,
-         std::complex<float> value) {
+void put_delay(ObservedArray::Block& block,
+               std::size_t coordinate,
+               std::size_t entry,
+               std::complex<float> value) {
   block.re[coordinate][entry] = value.real();
   block.im[coordinate][entry] = value.imag();
 }
@@ -37,12 +37,12 @@ std::uint8_t ObservedArray::worth_a_look(const Row& values) {
 void ObservedArray::set(std::size_t coordinate, std::size_t delay, std::complex<double> value) {
   const std::complex<float> single(value);
   if (delay % kStride == kStride / 2) {
-    put(coarse, coordinate, delay / kStride, single);
+    put_delay(coarse, coordinate, delay / kStride, single);
   }
   for (std::size_t w = 0; w < kWindows; ++w) {
     const std::size_t first = first_of(w);
     if (delay >= first && delay < first + kLaneCount) {
-      put(windows[w], coordinate, delay - first, single);
+      put_delay(windows[w], coordinate, delay - first, single);
     }
   }
 }

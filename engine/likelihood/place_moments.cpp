@@ -13,10 +13,10 @@ using Value = std::complex<double>;
 using Eigen::Index;
 
 // covered: mu without the direct way; of size 0: there is none.
-PlaceModel factorise(const Eigen::MatrixXcd& sigma,
-                     const Eigen::VectorXcd& mu,
-                     const Eigen::VectorXcd& covered,
-                     double noise) {
+PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
+                            const Eigen::VectorXcd& mu,
+                            const Eigen::VectorXcd& covered,
+                            double noise) {
   const Eigen::LLT<Eigen::MatrixXcd> cholesky(sigma);
   RAYLOC_CHECK(cholesky.info() == Eigen::Success);
   const Index size = mu.size();
@@ -75,10 +75,11 @@ PlaceModel PlaceMoments::factorised(std::size_t antennas,
                                     double noise) const {
   Eigen::MatrixXcd all = sigma;
   add_rest(diffuse / static_cast<double>(antennas), noise, covariance, all);
-  return factorise(all,
-                   mean.all,
-                   mean.direct.size() > 0 ? Eigen::VectorXcd(mean.all - mean.direct) : mean.direct,
-                   noise);
+  return factorised_model(
+      all,
+      mean.all,
+      mean.direct.size() > 0 ? Eigen::VectorXcd(mean.all - mean.direct) : mean.direct,
+      noise);
 }
 
 Eigen::MatrixXcd PlaceMoments::covariance(std::size_t antennas,

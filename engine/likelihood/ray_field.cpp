@@ -10,6 +10,7 @@
 #include "engine/base/check.h"
 #include "engine/base/work_done.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/min_power.h"
 #include "engine/likelihood/place_moments.h"
 
 namespace rayloc {
@@ -18,8 +19,7 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kLeftOut = 1e-5;      // of the known power, chosen: below any noise
-constexpr float kLeastPower = 1e-12F;  // a ratio, chosen: keeps divisions from zero
+constexpr double kFieldLeftOut = 1e-5;  // of the known power, chosen: below any noise
 
 // The strongest by what is known of them, the one that may be covered first.
 void choose_known(const ObservationModel& model,
@@ -36,7 +36,7 @@ void choose_known(const ObservationModel& model,
     return power[a] > power[b];
   });
   double left = std::accumulate(power.begin(), power.end(), 0.0);
-  const double least = kLeftOut * left;
+  const double least = kFieldLeftOut * left;
   for (std::size_t i = 0; i < order.size() && i < kFieldRays && (i == 0 || left > least); ++i) {
     left -= power[order[i]];
     out.known.push_back(order[i]);
@@ -68,14 +68,14 @@ Eigen::VectorXcd array_of(const ObservationModel& model,
 }
 
 template <typename Sums>
-void put(std::complex<float> value, std::size_t lane, Sums& to) {
+void put_lane(std::complex<float> value, std::size_t lane, Sums& to) {
   to.re[lane] = value.real();
   to.im[lane] = value.imag();
 }
 
 std::complex<float> single(double phase) { return std::complex<float>(std::polar(1.0, phase)); }
 
-Bidiagonal factorise(const FieldCovariance& of, double noise) {
+Bidiagonal bidiagonal_factor(const FieldCovariance& of, double noise) {
   Bidiagonal factor;
   const std::size_t size = of.diagonal.size();
   factor.below.resize(size);
@@ -165,19 +165,19 @@ RayField ray_field(const ObservationModel& model,
         sum += std::complex<float>(a.real() * b.real() - a.imag() * b.imag(),
                                    a.real() * b.imag() + a.imag() * b.real());
       }
-      put(sum, n, field.known[i]);
+      put_lane(sum, n, field.known[i]);
     }
     for (std::size_t x = 0; x < plan.count_x; ++x) {
-      put(single(k * ray.at_device.x * plan.offset(x, 0).x), n, field.by_x[x]);
+      put_lane(single(k * ray.at_device.x * plan.offset(x, 0).x), n, field.by_x[x]);
     }
     for (std::size_t y = 0; y < plan.count_y; ++y) {
-      put(single(k * ray.at_device.y * plan.offset(0, y).y),
-          y % kLaneCount,
-          field.by_y[y / kLaneCount * field.rays + n]);
+      put_lane(single(k * ray.at_device.y * plan.offset(0, y).y),
+               y % kLaneCount,
+               field.by_y[y / kLaneCount * field.rays + n]);
     }
     for (std::size_t z = 0; z < lattice.heights.size(); ++z) {
       const Vec3d way = ray.length * ray.at_device - Vec3d{0.0, 0.0, lattice.heights[z]};
-      put(single(-k * (norm(way) - ray.length)), n, field.by_z[z]);
+      put_lane(single(-k * (norm(way) - ray.length)), n, field.by_z[z]);
     }
   }
   return field;
@@ -188,12 +188,13 @@ FieldBurst::FieldBurst(const FieldCovariance& covariance,
                        double noise)
     : covariance_(covariance),
       observed_(observed),
-      factor_(factorise(covariance, noise / static_cast<double>(covariance.diagonal.size()))),
+      factor_(
+          bidiagonal_factor(covariance, noise / static_cast<double>(covariance.diagonal.size()))),
       burst_(covariance.diagonal.size()) {}
 
 void FieldBurst::take(const ObservedArray::Block& block) {
   turn_and_whiten(covariance_.turn, factor_, block.re, block.im, burst_);
-  power_.fill(kLeastPower);
+  power_.fill(kMinSinglePower);
   for (const LaneSums& one : burst_) {
     for (std::size_t t = 0; t < kLaneCount; ++t) {
       power_[t] += one.re[t] * one.re[t] + one.im[t] * one.im[t];

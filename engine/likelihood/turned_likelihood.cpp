@@ -7,6 +7,7 @@
 
 #include "engine/base/check.h"
 #include "engine/likelihood/gain_profile.h"
+#include "engine/likelihood/min_power.h"
 
 namespace rayloc {
 namespace {
@@ -15,7 +16,6 @@ namespace {
 // a look at them is worth.
 constexpr std::size_t kSteps = 16;
 constexpr std::size_t kStepsOfMany = 8;  // a count, chosen
-constexpr double kLeastPower = 1e-12;    // a ratio, chosen: keeps divisions from zero
 
 ChainProducts products_of(const PlaceModel& place,
                           const ObservedArray::Block& block,
@@ -154,8 +154,8 @@ double ChainMoments::log_likelihood(std::span<const std::complex<double>> undoin
     for (std::size_t n = 0; n < chains; ++n) {
       b += undoing[n] * means[k].along[n];
     }
-    best = std::max(
-        best, gain_profile(std::max(a, kLeastPower), std::abs(b), dimension) + means[k].offset);
+    best = std::max(best,
+                    gain_profile(std::max(a, kMinPower), std::abs(b), dimension) + means[k].offset);
   }
   return best + dimension / static_cast<double>(chains) * volume;
 }

@@ -19,7 +19,7 @@ namespace {
 
 // A count, chosen: of boxes of a cell and a layer that are kept, of 1.5 kB each at 40 MHz. Few are
 // looked at, and mostly the same again: those along a walk.
-constexpr std::size_t kMostBoxes = 16'384;
+constexpr std::size_t kMaxKeptBoxes = 16'384;
 // Bytes, chosen: of what is kept of boxes for tracks, and as much of what they share. A walk
 // through a room needs a thousand boxes or two.
 constexpr std::size_t kFieldBytes = std::size_t{48} << 20U;
@@ -115,8 +115,8 @@ AccessPointMap::AccessPointMap(const Source& source,
       model_(source.room->grid, offsets_.size()),
       tracing_(std::move(tracing)),
       nowhere_(likelihood_->nowhere(access_point().error)),
-      boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)),
-      close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMostBoxes)),
+      boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
+      close_boxes_(std::make_unique<Kept<PlaceLikelihood>>(kMaxKeptBoxes)),
       field_lattice_(places_of_box(source.grid, source.heights, wavelength_of(*source.room))),
       covariances_(std::make_unique<Kept<FieldCovariance>>(kept_covariances(model_.dimension()))),
       fields_(std::make_unique<Kept<RayField>>(kept_fields(model_.dimension(), field_lattice_))) {

@@ -23,10 +23,10 @@ constexpr std::size_t kMostFine =
 // Of an unknown height. A cell as a whole says less of the device than its places, so more cells
 // are looked at, layer by layer: those whose tempered log-likelihood is within this of the best.
 constexpr double kColumnMargin = 12.0;
-constexpr std::size_t kMostColumns = 400;  // a count of cells, chosen: bounds the time of a fix
-constexpr double kBoxMargin = 8.0;         // the same of boxes, which are looked at place by place
-constexpr std::size_t kMostBoxes = 480;    // a count, of all access points together
-constexpr double kLeastWeight = 1e-4;      // of a layer that is worth a look
+constexpr std::size_t kMaxCloseColumns = 400;  // a count of cells, chosen: bounds the time of a fix
+constexpr double kBoxMargin = 8.0;  // the same of boxes, which are looked at place by place
+constexpr std::size_t kMaxCloseBoxes = 480;  // a count, of all access points together
+constexpr double kLeastWeight = 1e-4;        // of a layer that is worth a look
 
 // Those with the highest scores, best first, none of them `margin` below the best.
 std::vector<std::size_t> best_of(const std::vector<double>& score,
@@ -160,7 +160,7 @@ void search_cells(const CloseSearch& search, RoomMap& map) {
 }
 
 // A cell and a layer of heights: probability masses are e^(log_mass).
-struct Box {
+struct CloseBox {
   std::size_t number = 0;  // of the cell, in the map
   std::size_t cell = 0;
   std::size_t layer = 0;
@@ -187,16 +187,16 @@ class BoxSearch {
 
   void run(RoomMap& map) const {
     const std::vector<std::size_t> cells =
-        best_of(scores(search_, map, search_.likelihood_exponent), kMostColumns, kColumnMargin);
+        best_of(scores(search_, map, search_.likelihood_exponent), kMaxCloseColumns, kColumnMargin);
     const std::size_t layers = weight_.size();
-    std::vector<Box> boxes(cells.size() * layers);
+    std::vector<CloseBox> boxes(cells.size() * layers);
     std::vector<double> box_score(boxes.size());
     parallel_for(boxes.size(), 4, [&](std::size_t n) {
       boxes[n] = as_a_whole(cells[n / layers], n % layers);
       box_score[n] = boxes[n].log_mass + prior(boxes[n].number);
     });
-    const std::vector<std::size_t> closely =
-        best_of(box_score, std::max<std::size_t>(1, kMostBoxes / search_.heard.size()), kBoxMargin);
+    const std::vector<std::size_t> closely = best_of(
+        box_score, std::max<std::size_t>(1, kMaxCloseBoxes / search_.heard.size()), kBoxMargin);
     parallel_for(closely.size(), 1, [&](std::size_t n) { look_closely(boxes[closely[n]]); });
     for (std::size_t n = 0; n < cells.size(); ++n) {
       put_together(std::span(boxes).subspan(n * layers, layers), map);
@@ -208,9 +208,9 @@ class BoxSearch {
     return search_.focus.log_prior.empty() ? 0.0 : search_.focus.log_prior[number];
   }
 
-  Box as_a_whole(std::size_t number, std::size_t layer) const {
+  CloseBox as_a_whole(std::size_t number, std::size_t layer) const {
     const std::size_t cell = search_.compared.cell(number);
-    Box box;
+    CloseBox box;
     box.number = number;
     box.cell = cell;
     box.layer = layer;
@@ -237,7 +237,7 @@ class BoxSearch {
     return box;
   }
 
-  void look_closely(Box& box) const {
+  void look_closely(CloseBox& box) const {
     const auto looks = searcher_.look(box.cell, box.layer);
     if (!searcher_.tells(box.cell, looks)) {
       return;
@@ -274,18 +274,20 @@ class BoxSearch {
     }
   }
 
-  void put_together(std::span<const Box> boxes, RoomMap& map) const {
+  void put_together(std::span<const CloseBox> boxes, RoomMap& map) const {
     const std::size_t number = boxes.front().number;
-    const auto best = std::max_element(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) {
-      return a.log_mass + std::log(a.mass.best_share) < b.log_mass + std::log(b.mass.best_share);
-    });
+    const auto best =
+        std::max_element(boxes.begin(), boxes.end(), [](const CloseBox& a, const CloseBox& b) {
+          return a.log_mass + std::log(a.mass.best_share) <
+                 b.log_mass + std::log(b.mass.best_share);
+        });
     double sum = 0.0;
-    for (const Box& box : boxes) {
+    for (const CloseBox& box : boxes) {
       sum += std::exp(box.log_mass - best->log_mass);
     }
     CellMass mass;
     std::vector<WeightedMoments> parts;
-    for (const Box& box : boxes) {
+    for (const CloseBox& box : boxes) {
       const double share = std::exp(box.log_mass - best->log_mass) / sum;
       parts.push_back({share, box.mass.all});
       mass.layers.push_back(static_cast<float>(share));

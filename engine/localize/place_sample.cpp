@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 // A cell and a layer of heights, and the steps of the mass that fall into it.
-struct Box {
+struct SampleBox {
   std::size_t cell = 0;
   std::size_t layer = 0;
   std::size_t drawn = 0;
@@ -40,10 +40,10 @@ std::vector<std::size_t> draw(std::span<const double> log_mass, std::size_t coun
   return drawn;
 }
 
-std::vector<Box> drawn_boxes(const Localizer& localizer,
-                             const Localizer::Evidence& evidence,
-                             std::size_t count) {
-  std::vector<Box> boxes;
+std::vector<SampleBox> drawn_boxes(const Localizer& localizer,
+                                   const Localizer::Evidence& evidence,
+                                   std::size_t count) {
+  std::vector<SampleBox> boxes;
   std::vector<double> log_mass;
   for (const auto& [cell, mass] : evidence.within) {
     const double whole = localizer.room().likelihood_exponent * evidence.log_likelihood[cell];
@@ -62,11 +62,11 @@ std::vector<Box> drawn_boxes(const Localizer& localizer,
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     boxes[i].drawn = drawn[i];
   }
-  std::erase_if(boxes, [](const Box& box) { return box.drawn == 0; });
+  std::erase_if(boxes, [](const SampleBox& box) { return box.drawn == 0; });
   return boxes;
 }
 
-std::vector<SampledPlace> places_in(const Box& box,
+std::vector<SampledPlace> places_in(const SampleBox& box,
                                     const Localizer& localizer,
                                     const RoomObservation& observation) {
   std::vector<std::unique_ptr<const CloseLook>> looks;
@@ -117,7 +117,7 @@ std::vector<SampledPlace> sample_places(const Localizer& localizer,
                                         const RoomObservation& observation,
                                         const Localizer::Evidence& evidence,
                                         std::size_t count) {
-  const std::vector<Box> boxes = drawn_boxes(localizer, evidence, count);
+  const std::vector<SampleBox> boxes = drawn_boxes(localizer, evidence, count);
   std::vector<std::vector<SampledPlace>> in_each(boxes.size());
   parallel_for(boxes.size(), 1, [&](std::size_t i) {
     in_each[i] = places_in(boxes[i], localizer, observation);

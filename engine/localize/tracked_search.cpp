@@ -18,18 +18,19 @@ namespace {
 constexpr double kNotLookedAt = 1e-3;
 // A count of boxes, chosen: of all access points together. 90 % of the mass of a track of one
 // access point lie in 30 to 280 boxes (hundred-devices study).
-constexpr std::size_t kMostBoxes = 640;
+constexpr std::size_t kMaxTrackedBoxes = 640;
 // Of the mass, chosen: with more in none of its boxes, an access point has those of the others as
 // well. Who does not know where a device is has many hills, and none of them may be given up.
 constexpr double kWide = 0.02;
-constexpr std::size_t kMostClosely = 96;  // a count, chosen: of kMostBoxes, with all their places
-constexpr double kCloseMargin = 8.0;      // [nat], below the best
-constexpr std::size_t kFewX = 2;          // a count: every second place in x ...
-constexpr std::size_t kFewZ = 4;          // a count: ... and every fourth in height comes first
+constexpr std::size_t kMostClosely =
+    96;                               // a count, chosen: of kMaxTrackedBoxes, with all their places
+constexpr double kCloseMargin = 8.0;  // [nat], below the best
+constexpr std::size_t kFewX = 2;      // a count: every second place in x ...
+constexpr std::size_t kFewZ = 4;      // a count: ... and every fourth in height comes first
 // A count of cells, as the close search has it; and how far below the best of a room they are.
-constexpr std::size_t kMostColumns = 400;
-constexpr double kColumnMargin = 12.0;  // [nat], as the close search has it
-constexpr double kLeastSum = 1e-37;     // of a mass in single precision
+constexpr std::size_t kMaxTrackedColumns = 400;
+constexpr double kTrackedColumnMargin = 12.0;  // [nat], as the close search has it
+constexpr double kLeastSum = 1e-37;            // of a mass in single precision
 
 }  // namespace
 
@@ -60,14 +61,14 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
     }
   }
   const double sum = std::accumulate(prior.begin(), prior.end(), 0.0);
-  std::vector<std::size_t> order = highest(prior, kMostBoxes);
-  const std::size_t share = kMostBoxes / heard_.size();
+  std::vector<std::size_t> order = highest(prior, kMaxTrackedBoxes);
+  const std::size_t share = kMaxTrackedBoxes / heard_.size();
   double left = sum;
   std::size_t kept = 0;
   while (kept < order.size() && left > (kept < share ? kNotLookedAt : kWide) * sum) {
     left -= prior[order[kept++]];
   }
-  most_closely_ = std::max<std::size_t>(1, kMostClosely * std::max(share, kept) / kMostBoxes);
+  most_closely_ = std::max<std::size_t>(1, kMostClosely * std::max(share, kept) / kMaxTrackedBoxes);
   order.resize(kept);
   not_looked_at_ = left / sum;
   std::sort(order.begin(), order.end());
@@ -370,9 +371,10 @@ void search_best_boxes(const TrackedSearch::Room& room,
   }
   SearchFocus best;
   best.layer_weight = focus.layer_weight;
-  best.cells = highest(score, kMostColumns);
+  best.cells = highest(score, kMaxTrackedColumns);
   const double top = score[best.cells.front()];
-  std::erase_if(best.cells, [&](std::size_t cell) { return score[cell] < top - kColumnMargin; });
+  std::erase_if(best.cells,
+                [&](std::size_t cell) { return score[cell] < top - kTrackedColumnMargin; });
   std::sort(best.cells.begin(), best.cells.end());
   for (const std::size_t cell : best.cells) {
     best.log_prior.push_back(score[cell] - top);

@@ -19,6 +19,23 @@ namespace {
 
 using Value = std::complex<double>;
 
+}  // namespace
+
+// One transmitter, as one access point should hear it and does. In no unnamed namespace:
+// a member of CalibrationMonitor::AccessPoint.
+struct MonitoredSpot {
+  CalibrationMonitor::Transmitter transmitter;
+  std::vector<Ray> rays;
+  std::vector<Value> expected;
+  double known_share = 1.0;      // of its power, SpotArrays::known_share()
+  std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
+  std::vector<CsiFrame> frames;  // of the window
+  std::vector<Value> usual;      // phasor of each chain in the first windows
+  bool settled = false;          // kSteady windows agreed about `usual`
+};
+
+namespace {
+
 constexpr std::size_t kFramesOfBurst = 6;  // a count, chosen: bounds the memory of a window
 constexpr std::size_t kScannedRays = 16;   // the strongest; the scan is about the large part
 constexpr double kShiftStep = 0.01;        // [m], a sixth of a wavelength
@@ -41,21 +58,9 @@ bool is_worse(double unexplained, double usual, double strictness) {
          unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
 }
 
-// One transmitter, as one access point should hear it and does.
-struct Spot {
-  CalibrationMonitor::Transmitter transmitter;
-  std::vector<Ray> rays;
-  std::vector<Value> expected;
-  double known_share = 1.0;      // of its power, SpotArrays::known_share()
-  std::vector<double> sigma;     // [rad], SpotArrays::place_phase_sigma()
-  std::vector<CsiFrame> frames;  // of the window
-  std::vector<Value> usual;      // phasor of each chain in the first windows
-  bool settled = false;          // kSteady windows agreed about `usual`
-};
-
 // What an access point heard of one spot in a window, chains removed.
 struct HeardSpot {
-  Spot* spot = nullptr;
+  MonitoredSpot* spot = nullptr;
   std::vector<Value> h;
 };
 
@@ -68,7 +73,7 @@ bool any_jump(const std::vector<double>& turn) {
 }
 
 // Takes windows for usual until two in a row agree; a person who walks by spoils single ones.
-void settle(Spot& spot, const std::vector<Value>& phasor) {
+void settle(MonitoredSpot& spot, const std::vector<Value>& phasor) {
   if (spot.settled) {
     return;
   }
@@ -107,7 +112,7 @@ class CalibrationMonitor::AccessPoint {
   }
 
   void observe(const Transmitter& transmitter, std::span<const CsiFrame> frames) {
-    Spot& spot = spot_of(transmitter);
+    MonitoredSpot& spot = spot_of(transmitter);
     std::size_t taken = 0;
     for (const CsiFrame& frame : frames) {
       if (frame.access_point == static_cast<int>(index_) && taken < kFramesOfBurst) {
@@ -134,7 +139,7 @@ class CalibrationMonitor::AccessPoint {
   void append_warnings(std::vector<CalibrationWarning>& out) const;
 
  private:
-  Spot& spot_of(const Transmitter& transmitter);
+  MonitoredSpot& spot_of(const Transmitter& transmitter);
   std::vector<HeardSpot> hear();
   void evaluate(const std::vector<HeardSpot>& heard);
   std::vector<Value> along(const HeardSpot& one) const;
@@ -152,19 +157,19 @@ class CalibrationMonitor::AccessPoint {
   OfdmGrid grid_;
   SpotArrays arrays_;
   Aligner aligner_;
-  std::vector<std::unique_ptr<Spot>> spots_;
+  std::vector<std::unique_ptr<MonitoredSpot>> spots_;
   const std::optional<double> stated_usual_;
   Told told_;
 };
 
-Spot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
+MonitoredSpot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
   for (const auto& spot : spots_) {
     if (spot->transmitter.position == transmitter.position &&
         spot->transmitter.device == transmitter.device) {
       return *spot;
     }
   }
-  auto spot = std::make_unique<Spot>();
+  auto spot = std::make_unique<MonitoredSpot>();
   spot->transmitter = transmitter;
   spot->rays = arrays_.rays(transmitter.position, transmitter.device);
   spot->expected = arrays_.expected(spot->rays, ap_.error.plan_tolerance);
@@ -180,7 +185,7 @@ Spot& CalibrationMonitor::AccessPoint::spot_of(const Transmitter& transmitter) {
 void CalibrationMonitor::AccessPoint::know(const Transmitter& transmitter,
                                            std::vector<Value> array) {
   RAYLOC_CHECK(array.size() == ap_.gains.gain.size());
-  Spot& spot = spot_of(transmitter);
+  MonitoredSpot& spot = spot_of(transmitter);
   spot.expected = std::move(array);
   spot.known_share = 1.0;
   spot.sigma.assign(ap_.cores.size(), 0.0);

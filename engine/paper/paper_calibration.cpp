@@ -79,11 +79,11 @@ std::size_t points_of(std::span<const PaperSample> samples) {
 }
 
 // One run of the descent.
-class PaperDescent {
+class CalibrationDescent {
  public:
-  PaperDescent(const RoomModel& room,
-               const PaperSamples& samples,
-               const PaperCalibrationOptions& options)
+  CalibrationDescent(const RoomModel& room,
+                     const PaperSamples& samples,
+                     const PaperCalibrationOptions& options)
       : room_(room),
         samples_(samples),
         options_(options),
@@ -127,7 +127,7 @@ class PaperDescent {
   std::size_t fitted_points_;
 };
 
-Expected<void> PaperDescent::rebuild() {
+Expected<void> CalibrationDescent::rebuild() {
   parameters_.project(state_.values);
   auto scene = parameters_.scene_with(state_.values);
   if (!scene) {
@@ -137,7 +137,7 @@ Expected<void> PaperDescent::rebuild() {
   return {};
 }
 
-Expected<void> PaperDescent::step(const std::vector<double>& position_gradient) {
+Expected<void> CalibrationDescent::step(const std::vector<double>& position_gradient) {
   position_steps_.step(position_gradient, state_.values.translation);
   if (auto built = rebuild(); !built) {
     return built;
@@ -151,10 +151,10 @@ Expected<void> PaperDescent::step(const std::vector<double>& position_gradient) 
   return rebuild();
 }
 
-bool PaperDescent::report(double loss,
-                          int iteration,
-                          const CalibrationObserver& observer,
-                          RoomCalibration& result) {
+bool CalibrationDescent::report(double loss,
+                                int iteration,
+                                const CalibrationObserver& observer,
+                                RoomCalibration& result) {
   const double heldout =
       median(correlations(room_, state_.scene, samples_.held_out, options_.max_depth));
   result.history.push_back({kStage, iteration, loss, heldout});
@@ -166,7 +166,8 @@ bool PaperDescent::report(double loss,
   return observer({result.history.back(), share, fitted_points_});
 }
 
-Expected<void> PaperDescent::run(const CalibrationObserver& observer, RoomCalibration& result) {
+Expected<void> CalibrationDescent::run(const CalibrationObserver& observer,
+                                       RoomCalibration& result) {
   for (int iteration = 0;; ++iteration) {
     const auto here =
         evaluator_.evaluate(state_.scene, PaperLossKind::kDelay, parameters_.objects());
@@ -226,7 +227,7 @@ Expected<RoomCalibration> calibrate_by_paper(const RoomModel& room,
   }
   RoomCalibration result;
   result.room = room;
-  PaperDescent descent(room, *samples, options);
+  CalibrationDescent descent(room, *samples, options);
   if (auto done = descent.run(observer, result); !done) {
     return tl::make_unexpected(std::move(done.error()));
   }

@@ -8,13 +8,6 @@
 #include "engine/paper/paper_search.h"
 
 namespace rayloc {
-namespace {
-
-// A ratio, chosen: a perfect match is -300 dB and not infinite.
-constexpr double kLeastResidual = 1e-30;
-
-}  // namespace
-
 PaperPersonLoss::PaperPersonLoss(const RoomModel& room,
                                  const PaperCsiLoss& csi_loss,
                                  std::span<const PaperPersonMeasurement> measured,
@@ -86,7 +79,7 @@ double PaperPersonLoss::model_residual_db(const Vec3d& position) const {
     residual += 1.0 - aligner.align(h, measured.h).correlation;
   }
   return 10.0 *
-         std::log10(std::max(residual / static_cast<double>(measured_.size()), kLeastResidual));
+         std::log10(std::max(residual / static_cast<double>(measured_.size()), kMinResidual));
 }
 
 }  // namespace rayloc

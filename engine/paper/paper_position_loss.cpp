@@ -12,9 +12,6 @@
 namespace rayloc {
 namespace {
 
-// A ratio, chosen: a perfect match is -300 dB and not infinite.
-constexpr double kLeastResidual = 1e-30;
-
 Transmitter device_at(const RoomModel& room, const Vec3d& position) {
   return Transmitter{{position, {}, room.device.pattern, room.device.polarization}};
 }
@@ -80,7 +77,7 @@ double PaperPositionLoss::model_residual_db(const Vec3d& position) const {
     residual += is_silent ? 1.0 : 1.0 - aligner.align(h, measured.h).correlation;
   }
   return 10.0 *
-         std::log10(std::max(residual / static_cast<double>(measured_.size()), kLeastResidual));
+         std::log10(std::max(residual / static_cast<double>(measured_.size()), kMinResidual));
 }
 
 bool PaperPositionLoss::is_reached(const Vec3d& position) const {

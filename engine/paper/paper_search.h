@@ -17,6 +17,9 @@
 
 namespace rayloc {
 
+// A ratio, chosen: a perfect match is -300 dB and not infinite.
+inline constexpr double kMinResidual = 1e-30;
+
 // The room in plan, `margin` [m] inside; as far as that goes in a narrower one.
 PlanBounds plan_bounds(const RoomModel& room, double margin);
 

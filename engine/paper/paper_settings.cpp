@@ -14,7 +14,7 @@ namespace rayloc {
 namespace {
 
 using Options = PaperLocalizerOptions;
-using Kind = PaperSettingKind;
+using SettingKind = PaperSettingKind;
 
 // In a setting's unit, chosen: far above every value of METHODS A4.
 constexpr double kLargest = 1e6;
@@ -24,105 +24,105 @@ constexpr double kBelowOne = 0.999999;  // a ratio, chosen: a memory of 1 would 
 // The settings of METHODS A4 and what it leaves open; each says its unit.
 constexpr std::array kSettings = std::to_array<PaperSetting>({
     {"gamma_1",
-     Kind::kNumber,
+     SettingKind::kNumber,
      0.0,
      kLargest,
      "weight of the delays' MSE [1/ns^2]",
      [](const Options& o) { return o.csi.delay_weight; },
      [](Options& o, double x) { o.csi.delay_weight = x; }},
     {"gamma_2",
-     Kind::kNumber,
+     SettingKind::kNumber,
      0.0,
      kLargest,
      "weight of the distance from the room's centre [1/m^2]",
      [](const Options& o) { return o.centre_weight; },
      [](Options& o, double x) { o.centre_weight = x; }},
     {"sigma_0_squared",
-     Kind::kNumber,
+     SettingKind::kNumber,
      kSmallest,
      kLargest,
      "variance of the smoothing at the start [m^2]",
      [](const Options& o) { return o.descent.variance; },
      [](Options& o, double x) { o.descent.variance = x; }},
     {"sigma_m",
-     Kind::kNumber,
+     SettingKind::kNumber,
      kSmallest,
      kLargest,
      "deviation that the smoothing shrinks towards [m]",
      [](const Options& o) { return o.descent.least_deviation; },
      [](Options& o, double x) { o.descent.least_deviation = x; }},
     {"alpha",
-     Kind::kNumber,
+     SettingKind::kNumber,
      0.0,
      kLargest,
      "exponent of the bias B = exp(-alpha L)",
      [](const Options& o) { return o.descent.alpha; },
      [](Options& o, double x) { o.descent.alpha = x; }},
     {"positions",
-     Kind::kWhole,
+     SettingKind::kWhole,
      1.0,
      10'000.0,
      "N_p, positions that a step of the smoothed loss draws",
      [](const Options& o) { return static_cast<double>(o.descent.positions); },
      [](Options& o, double x) { o.descent.positions = static_cast<std::size_t>(x); }},
     {"iterations",
-     Kind::kWhole,
+     SettingKind::kWhole,
      0.0,
      100'000.0,
      "T, steps of the descent",
      [](const Options& o) { return static_cast<double>(o.descent.iterations); },
      [](Options& o, double x) { o.descent.iterations = static_cast<int>(x); }},
     {"rate",
-     Kind::kNumber,
+     SettingKind::kNumber,
      kSmallest,
      kLargest,
      "learning rate of RMSprop [m]",
      [](const Options& o) { return o.descent.rate; },
      [](Options& o, double x) { o.descent.rate = x; }},
     {"momentum",
-     Kind::kNumber,
+     SettingKind::kNumber,
      0.0,
      kBelowOne,
      "of RMSprop",
      [](const Options& o) { return o.descent.rmsprop.momentum; },
      [](Options& o, double x) { o.descent.rmsprop.momentum = x; }},
     {"decay",
-     Kind::kNumber,
+     SettingKind::kNumber,
      0.0,
      kBelowOne,
      "of RMSprop's mean square (not stated by the paper)",
      [](const Options& o) { return o.descent.rmsprop.decay; },
      [](Options& o, double x) { o.descent.rmsprop.decay = x; }},
     {"smoothing",
-     Kind::kFlag,
+     SettingKind::kFlag,
      0.0,
      1.0,
      "false: ablation, the gradient at the position itself",
      [](const Options& o) { return o.descent.is_smoothed ? 1.0 : 0.0; },
      [](Options& o, double x) { o.descent.is_smoothed = x != 0.0; }},
     {"fixed_sigma",
-     Kind::kFlag,
+     SettingKind::kFlag,
      0.0,
      1.0,
      "true: ablation, sigma_0 to the end",
      [](const Options& o) { return o.descent.is_deviation_fixed ? 1.0 : 0.0; },
      [](Options& o, double x) { o.descent.is_deviation_fixed = x != 0.0; }},
     {"window",
-     Kind::kWhole,
+     SettingKind::kWhole,
      1.0,
      1'001.0,
      "of the Savitzky-Golay filter along the tones, odd [tones]",
      [](const Options& o) { return static_cast<double>(o.csi.smoothing.window); },
      [](Options& o, double x) { o.csi.smoothing.window = static_cast<int>(x); }},
     {"order",
-     Kind::kWhole,
+     SettingKind::kWhole,
      0.0,
      20.0,
      "of that filter's polynomial",
      [](const Options& o) { return static_cast<double>(o.csi.smoothing.order); },
      [](Options& o, double x) { o.csi.smoothing.order = static_cast<int>(x); }},
     {"floor",
-     Kind::kNumber,
+     SettingKind::kNumber,
      kSmallest,
      1.0,
      "of the ratio's denominator, share of its mean power",
@@ -137,7 +137,7 @@ std::string number_text(double value) {
 }
 
 std::optional<double> parse(const PaperSetting& setting, std::string_view text) {
-  if (setting.kind == Kind::kFlag) {
+  if (setting.kind == SettingKind::kFlag) {
     return text == "true"    ? std::optional(1.0)
            : text == "false" ? std::optional(0.0)
                              : std::nullopt;
@@ -145,18 +145,19 @@ std::optional<double> parse(const PaperSetting& setting, std::string_view text) 
   double value = 0.0;
   const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (status != std::errc() || end != text.data() + text.size() || !(value >= setting.min) ||
-      !(value <= setting.max) || (setting.kind == Kind::kWhole && value != std::trunc(value))) {
+      !(value <= setting.max) ||
+      (setting.kind == SettingKind::kWhole && value != std::trunc(value))) {
     return std::nullopt;
   }
   return value;
 }
 
 std::string limits_text(const PaperSetting& setting) {
-  if (setting.kind == Kind::kFlag) {
+  if (setting.kind == SettingKind::kFlag) {
     return "true or false";
   }
-  return std::string(setting.kind == Kind::kWhole ? "a whole number" : "a number") + " from " +
-         number_text(setting.min) + " to " + number_text(setting.max);
+  return std::string(setting.kind == SettingKind::kWhole ? "a whole number" : "a number") +
+         " from " + number_text(setting.min) + " to " + number_text(setting.max);
 }
 
 }  // namespace
@@ -197,7 +198,7 @@ Expected<PaperAssignment> read_paper_assignment(std::string_view assignment) {
 }
 
 std::string paper_text(const PaperSetting& setting, double value) {
-  if (setting.kind == Kind::kFlag) {
+  if (setting.kind == SettingKind::kFlag) {
     return value != 0.0 ? "true" : "false";
   }
   return number_text(value);

@@ -137,7 +137,7 @@ struct Mean {
 
 // Of the cells for which `take` holds.
 template <typename Take>
-Mean mean_of(const Masses& masses, const Take& take) {
+Mean mean_position(const Masses& masses, const Take& take) {
   Mean result;
   double x = 0.0;
   double y = 0.0;
@@ -327,7 +327,7 @@ void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEsti
     const auto near = [&](std::size_t i) {
       return horizontal_distance(masses.grid.centre(i), peak) <= kHypothesisRadius;
     };
-    const Mean mean = mean_of(masses, near);
+    const Mean mean = mean_position(masses, near);
     if (mean.mass < kLeastWeight) {
       break;
     }
@@ -407,7 +407,7 @@ void summarise_posterior(const RoomGrid& grid,
   const auto near = [&](std::size_t i) {
     return horizontal_distance(grid.centre(i), peak) <= kPeakRadius;
   };
-  const Vec3d position = mean_of(masses, near).position;
+  const Vec3d position = mean_position(masses, near).position;
   estimate.position = position;
   estimate.covariance = covariance_about(masses, position, [](std::size_t) { return true; });
   estimate.is_height_estimated =

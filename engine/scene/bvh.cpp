@@ -25,11 +25,6 @@ constexpr double kFarAway = 2.0;
 // 29 degrees; a sharper corner's last tip, of weight almost 0 by all measures, may be missed.
 constexpr double kCornerReach = 4.0;
 
-struct Primitive {
-  std::uint32_t surface;
-  std::uint32_t piece;
-};
-
 // What the callbacks see: Embree passes on a pointer to its context.
 struct Query {
   RTCIntersectContext context;  // first, so that its address is the query's
@@ -109,6 +104,11 @@ class Bvh::Impl {
   }
 
  private:
+  struct Primitive {
+    std::uint32_t surface;
+    std::uint32_t piece;
+  };
+
   bool ask(const Segment& segment, std::vector<Crossing>* found) const {
     const Vec3d along = segment.to - segment.from;
     Query query{};

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/scene/surface.h"
+#include "engine/scene/unit_vector.h"
 
 namespace rayloc {
 namespace {
@@ -22,11 +23,6 @@ constexpr int kMostFits = 10;
 constexpr double kNoChange = 0.01;  // of a plane, in tolerances
 // The list of free facets is made anew when an eighth of it is taken.
 constexpr std::size_t kCompaction = 8;
-
-Vec3d unit(const Vec3d& v) {
-  const double length = norm(v);
-  return {v.x / length, v.y / length, v.z / length};  // exact for a vector along an axis
-}
 
 struct Facet3 {
   Triangle corners;
@@ -80,7 +76,7 @@ class PlaneFinder {
 
   void add(const Triangle& t) {
     const Vec3d twice_area = cross(t[1] - t[0], t[2] - t[0]);
-    facets_.push_back({t, twice_area, unit(twice_area)});
+    facets_.push_back({t, twice_area, unit_vector(twice_area)});
   }
 
   // Corners that are off by the tolerance tilt a low triangle by more than a tall one.
@@ -156,7 +152,7 @@ class PlaneFinder {
       }
       weight += 3.0 * area;
     }
-    const Vec3d normal = unit(sum);
+    const Vec3d normal = unit_vector(sum);
     return {normal, dot(normal, origin) + dot(normal, (1.0 / weight) * moment)};
   }
 

@@ -18,10 +18,6 @@ namespace {
 // Of the largest coordinate: some 160 roundings of a float.
 constexpr float kClearance = 1e-5F;
 
-struct Corner {
-  float x, y, z;
-};
-
 }  // namespace
 
 class RayShooter::Impl {
@@ -136,6 +132,10 @@ class RayShooter::Impl {
   float clearance() const { return clearance_; }
 
  private:
+  struct Corner {
+    float x, y, z;
+  };
+
   void add(const Surface& surface, std::uint32_t number) {
     const Vec3d& normal = surface.plane().normal;
     for (const Surface::Piece& piece : surface.pieces()) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/scene/convex_hull.h"
+#include "engine/scene/unit_vector.h"
 
 namespace rayloc {
 namespace {
@@ -17,11 +18,6 @@ using Triangle = std::array<Vec3d, 3>;
 constexpr double kStraight = 1e-10;
 // Relative difference of areas up to which pieces fill their convex outline.
 constexpr double kAreaTolerance = 1e-7;
-
-Vec3d unit(const Vec3d& v) {
-  const double length = norm(v);
-  return {v.x / length, v.y / length, v.z / length};  // exact for a vector along an axis
-}
 
 double component_min(double a, double b) { return a < b ? a : b; }
 double component_max(double a, double b) { return a < b ? b : a; }
@@ -35,7 +31,7 @@ Surface::Surface(const Plane<double>& plane,
   // The first edge of the first triangle is a good axis for rectangles: their edges become
   // parallel to u and v.
   const Vec3d along = triangles[0][1] - triangles[0][0];
-  u_axis_ = unit(along - dot(along, plane.normal) * plane.normal);
+  u_axis_ = unit_vector(along - dot(along, plane.normal) * plane.normal);
   v_axis_ = cross(plane.normal, u_axis_);
   const Vec3d& corner = triangles[0][0];
   origin_ = corner - distance(plane, corner) * plane.normal;

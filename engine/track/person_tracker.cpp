@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastWeight = 0.02;  // of a moment that is worth working out the map for
+constexpr double kMinMomentWeight = 0.02;  // of a moment that is worth working out the map for
 // Height at which walls are in the way of a walk and chairs are not, share of the body's.
 constexpr double kWalkHeight = 0.8;
 // Share of the power by which two frames of a room at rest differ beyond noise: the phases of
@@ -190,7 +190,7 @@ PersonTracker::Sight PersonTracker::weigh(const PersonObservation& observation) 
   const double weight = share * (1.0 - credit);
   life_->filter.weigh_change(change);
   life_->credit = credit;
-  if (weight >= kLeastWeight) {
+  if (weight >= kMinMomentWeight) {
     PersonMap map = look(observation);
     if (const Sight sight = sight_of(map, 0.0); sight != Sight::kSeen) {
       return sight;

@@ -11,8 +11,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastWeight = 0.02;   // of a burst that is worth working out the map for
-constexpr double kLeastChange = 1e-12;  // of the power; less is rounding
+constexpr double kMinBurstWeight = 0.02;  // of a burst that is worth working out the map for
+constexpr double kLeastChange = 1e-12;    // of the power; less is rounding
 // Counts of cells, chosen: what a resting track keeps, with 17 modes 29 KiB ...
 constexpr std::size_t kRestingCells = 400;
 constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... and where in a cell its mass is
@@ -96,7 +96,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   double weight = weight_of_burst();
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
-  if (weight >= kLeastWeight) {
+  if (weight >= kMinBurstWeight) {
     if (is_joining) {  // soon again: one burst of one more may mislead
       whole_room_period_ = kFirstWholeRoomPeriod;
     }

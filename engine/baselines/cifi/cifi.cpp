@@ -14,7 +14,7 @@ namespace {
 // Two words: what an image shows.
 constexpr std::array kInputs = std::to_array<std::string_view>({"phase", "aoa"});
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> cifi_table() {
   // Each says its unit; 16 images are the paper's, the others chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"input", "what an image shows", 0.0, 0.0, 0.0, false, kInputs},
@@ -25,7 +25,9 @@ std::span<const BaselineSetting> table() {
   return kTable;
 }
 
-std::size_t pairs(std::size_t antennas) { return antennas - std::min<std::size_t>(1, antennas); }
+std::size_t neighbour_pairs(std::size_t antennas) {
+  return antennas - std::min<std::size_t>(1, antennas);
+}
 
 // The phase from antenna `pair` to the next.
 double phase(const ImageFrame& frame, std::size_t pair, std::size_t tone) {
@@ -33,10 +35,10 @@ double phase(const ImageFrame& frame, std::size_t pair, std::size_t tone) {
                   std::conj(frame.h[pair * frame.tones + tone]));
 }
 
-std::size_t phase_planes(std::size_t antennas) { return 2 * pairs(antennas); }
+std::size_t phase_planes(std::size_t antennas) { return 2 * neighbour_pairs(antennas); }
 
 void draw_phases(const ImageFrame& frame, std::span<float> row) {
-  for (std::size_t pair = 0; pair < pairs(frame.antennas); ++pair) {
+  for (std::size_t pair = 0; pair < neighbour_pairs(frame.antennas); ++pair) {
     for (std::size_t k = 0; k < frame.tones; ++k) {
       const double turn = phase(frame, pair, k);
       row[2 * pair * frame.tones + k] = static_cast<float>(std::cos(turn));
@@ -46,7 +48,7 @@ void draw_phases(const ImageFrame& frame, std::span<float> row) {
 }
 
 void draw_angles(const ImageFrame& frame, std::span<float> row) {
-  for (std::size_t pair = 0; pair < pairs(frame.antennas); ++pair) {
+  for (std::size_t pair = 0; pair < neighbour_pairs(frame.antennas); ++pair) {
     for (std::size_t k = 0; k < frame.tones; ++k) {
       const double sine = phase(frame, pair, k) / (2.0 * std::numbers::pi * frame.spacing);
       row[pair * frame.tones + k] = static_cast<float>(std::asin(std::clamp(sine, -1.0, 1.0)));
@@ -54,17 +56,17 @@ void draw_angles(const ImageFrame& frame, std::span<float> row) {
   }
 }
 
-ImageKind kind_of(const BaselineValues& values) {
-  const bool is_published = choice_of(table(), values, "input") == 1;
-  return is_published ? ImageKind{NetworkKind::kLeNet, &pairs, &draw_angles, false}
+ImageKind cifi_image(const BaselineValues& values) {
+  const bool is_published = choice_of(cifi_table(), values, "input") == 1;
+  return is_published ? ImageKind{NetworkKind::kLeNet, &neighbour_pairs, &draw_angles, false}
                       : ImageKind{NetworkKind::kLeNet, &phase_planes, &draw_phases, false};
 }
 
-PlaceMethod method() { return {"cifi", table(), "input", &kind_of}; }
+PlaceMethod cifi_method() { return {"cifi", cifi_table(), "input", &cifi_image}; }
 
 }  // namespace
 
-std::span<const BaselineSetting> cifi_settings() { return table(); }
+std::span<const BaselineSetting> cifi_settings() { return cifi_table(); }
 
 Expected<PlaceClassifier> make_cifi(std::shared_ptr<const RoomModel> room,
                                     const BaselineValues& values,
@@ -72,11 +74,11 @@ Expected<PlaceClassifier> make_cifi(std::shared_ptr<const RoomModel> room,
                                     double accuracy_confidence,
                                     std::shared_ptr<const Training> training) {
   return make_classifier(
-      method(), std::move(room), values, seed, accuracy_confidence, std::move(training));
+      cifi_method(), std::move(room), values, seed, accuracy_confidence, std::move(training));
 }
 
 Expected<std::shared_ptr<const Training>> train_cifi(const TrainingInput& input) {
-  return train_classifier(method(), input);
+  return train_classifier(cifi_method(), input);
 }
 
 }  // namespace rayloc

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> dscp_table() {
   // Each says its unit; chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"cell_m", "of the areas that places are merged to [m]; 0: each is one", 0.0, 0.0, 100.0},
@@ -20,7 +20,9 @@ std::span<const BaselineSetting> table() {
   return kTable;
 }
 
-std::size_t pairs(std::size_t antennas) { return antennas < 2 ? 0 : antennas * (antennas - 1) / 2; }
+std::size_t all_pairs(std::size_t antennas) {
+  return antennas < 2 ? 0 : antennas * (antennas - 1) / 2;
+}
 
 void draw_differences(const ImageFrame& frame, std::span<float> row) {
   std::size_t plane = 0;
@@ -34,15 +36,15 @@ void draw_differences(const ImageFrame& frame, std::span<float> row) {
   }
 }
 
-ImageKind kind_of(const BaselineValues&) {
-  return {NetworkKind::kMobileNet, &pairs, &draw_differences, true};
+ImageKind dscp_image(const BaselineValues&) {
+  return {NetworkKind::kMobileNet, &all_pairs, &draw_differences, true};
 }
 
-PlaceMethod method() { return {"dscp", table(), "cell_m", &kind_of, "cell_m"}; }
+PlaceMethod dscp_method() { return {"dscp", dscp_table(), "cell_m", &dscp_image, "cell_m"}; }
 
 }  // namespace
 
-std::span<const BaselineSetting> dscp_settings() { return table(); }
+std::span<const BaselineSetting> dscp_settings() { return dscp_table(); }
 
 Expected<PlaceClassifier> make_dscp(std::shared_ptr<const RoomModel> room,
                                     const BaselineValues& values,
@@ -50,11 +52,11 @@ Expected<PlaceClassifier> make_dscp(std::shared_ptr<const RoomModel> room,
                                     double accuracy_confidence,
                                     std::shared_ptr<const Training> training) {
   return make_classifier(
-      method(), std::move(room), values, seed, accuracy_confidence, std::move(training));
+      dscp_method(), std::move(room), values, seed, accuracy_confidence, std::move(training));
 }
 
 Expected<std::shared_ptr<const Training>> train_dscp(const TrainingInput& input) {
-  return train_classifier(method(), input);
+  return train_classifier(dscp_method(), input);
 }
 
 }  // namespace rayloc

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -11,17 +10,17 @@
 #include "engine/baselines/paths/living_line.h"
 #include "engine/baselines/paths/turn.h"
 #include "engine/baselines/plan_map.h"
+#include "engine/baselines/two_pi.h"
 #include "engine/observe/alignment.h"
 #include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
-constexpr int kAlignments = 5;                     // of the hops to the paths, a count
-constexpr double kLeastSigmaTau = 1e-9;            // [s], of a delay behind the first path
-constexpr double kSigmaOfResolution = 0.1;         // of 1 / band, a ratio
-constexpr double kDelays = 70e-9;                  // [s], over which an unknown path may come
+constexpr int kAlignments = 5;              // of the hops to the paths, a count
+constexpr double kLeastSigmaTau = 1e-9;     // [s], of a delay behind the first path
+constexpr double kSigmaOfResolution = 0.1;  // of 1 / band, a ratio
+constexpr double kDelays = 70e-9;           // [s], over which an unknown path may come
 
 double normal(double x, double sigma) {
   return std::exp(-0.5 * x * x / (sigma * sigma)) / (sigma * std::sqrt(kTwoPi));

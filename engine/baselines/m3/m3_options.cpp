@@ -5,7 +5,7 @@
 namespace rayloc {
 namespace {
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> m3_table() {
   // Each says its unit; the paper's values are not readable, these are chosen (the study says).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"paths", "that are looked for at an access point", 5.0, 1.0, 12.0, true},
@@ -20,10 +20,10 @@ std::span<const BaselineSetting> table() {
 
 }  // namespace
 
-std::span<const BaselineSetting> m3_settings() { return table(); }
+std::span<const BaselineSetting> m3_settings() { return m3_table(); }
 
 M3Options m3_options(const BaselineValues& values) {
-  const auto number = [&](std::string_view key) { return number_of(table(), values, key); };
+  const auto number = [&](std::string_view key) { return number_of(m3_table(), values, key); };
   M3Options options;
   options.paths = static_cast<std::size_t>(number("paths"));
   options.least_amplitude = number("least_amplitude");

@@ -8,7 +8,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kReferenceGain = 1000.0;  // of the mean least amplitude, of the published release
-constexpr double kLeastSpread = 1e-12;     // of an amplitude that never varies, a share
+constexpr double kMinAmplitudeSpread = 1e-12;  // of an amplitude that never varies, a share
 
 std::size_t steadiest(const Eigen::MatrixXd& amplitude, std::size_t antennas) {
   const Eigen::Index tones = amplitude.rows() / static_cast<Eigen::Index>(antennas);
@@ -20,7 +20,7 @@ std::size_t steadiest(const Eigen::MatrixXd& amplitude, std::size_t antennas) {
       const auto row = amplitude.row(static_cast<Eigen::Index>(m) * tones + k);
       const double mean = row.mean();
       const double variance = (row.array() - mean).square().mean();
-      sum += mean / (std::sqrt(variance) + kLeastSpread * mean);
+      sum += mean / (std::sqrt(variance) + kMinAmplitudeSpread * mean);
     }
     if (sum > most) {
       most = sum;

@@ -4,11 +4,10 @@
 #include <numbers>
 
 #include "engine/baselines/paths/turn.h"
+#include "engine/baselines/two_pi.h"
 
 namespace rayloc {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
 
 Eigen::VectorXd in_steps(double first, double last, double step) {
   const auto count = static_cast<Eigen::Index>(std::lround((last - first) / step)) + 1;

@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kSmoothings = 3;        // a count, of the published release
+constexpr int kSmoothingPasses = 3;   // a count, of the published release
 constexpr std::size_t kChord = 2;     // samples from end to end of a tangent
 constexpr double kLeastRange = 1e-3;  // [rad/s], chosen: no turning is evener than that
 
@@ -40,7 +40,7 @@ std::vector<std::complex<double>> smoothed(std::span<const std::complex<double>>
   std::iota(position.begin(), position.end(), 0.0);
   const SavitzkyGolay smoother(position, {window, 2});
   std::vector<std::complex<double>> q(ratio.begin(), ratio.end());
-  for (int i = 0; i < kSmoothings; ++i) {
+  for (int i = 0; i < kSmoothingPasses; ++i) {
     q = smoother.smooth(q);
   }
   return q;

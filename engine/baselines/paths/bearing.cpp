@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "engine/baselines/two_pi.h"
 
 namespace rayloc {
 namespace {
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
 // Of the spacing, by how much an antenna may stand beside its place; a ratio, chosen: calibrated
 // arrays are off by 1 %, and at 5 % a bearing of 1.5 wavelengths is off by half a radian.
 constexpr double kMostOff = 0.05;

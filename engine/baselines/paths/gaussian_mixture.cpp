@@ -9,7 +9,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastShare = 1e-9;  // of the points, a ratio: with less a component is gone
+constexpr double kMinComponentShare =
+    1e-9;  // of the points, a ratio: with less a component is gone
 
 // Far from each other: each point is drawn in proportion to its squared distance from those before.
 Eigen::MatrixXd starts(const Eigen::MatrixXd& points, const MixtureOptions& options) {
@@ -71,7 +72,7 @@ void maximise(const Eigen::MatrixXd& points,
   std::vector<MixtureComponent> next;
   for (Eigen::Index c = 0; c < shares.rows(); ++c) {
     const double weight = shares.row(c).sum();
-    if (!(weight > kLeastShare * count)) {
+    if (!(weight > kMinComponentShare * count)) {
       continue;
     }
     MixtureComponent one;

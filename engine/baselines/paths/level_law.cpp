@@ -7,12 +7,12 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kLeastPlaces = 10;  // a count, chosen: as for RayLoc's own levels
-constexpr double kLeastSpread = 1e-4;     // of log10 r, squared, chosen: all are equally far away
-constexpr double kNearest = 0.1;          // [m], chosen: nearer is no far field
-constexpr double kLeastSigma = 0.5;       // [dB], chosen: receivers state whole dBm
+constexpr std::size_t kMinLevelPlaces = 10;  // a count, chosen: as for RayLoc's own levels
+constexpr double kMinLevelSpread = 1e-4;   // of log10 r, squared, chosen: all are equally far away
+constexpr double kMinLevelDistance = 0.1;  // [m], chosen: nearer is no far field
+constexpr double kMinLevelSigma = 0.5;     // [dB], chosen: receivers state whole dBm
 
-double decades(double distance) { return std::log10(std::max(distance, kNearest)); }
+double decades(double distance) { return std::log10(std::max(distance, kMinLevelDistance)); }
 
 }  // namespace
 
@@ -21,7 +21,7 @@ double LevelLaw::at(double distance) const {
 }
 
 std::optional<LevelLaw> fit_level_law(std::span<const LevelAtDistance> places) {
-  if (places.size() < kLeastPlaces) {
+  if (places.size() < kMinLevelPlaces) {
     return std::nullopt;
   }
   const auto count = static_cast<double>(places.size());
@@ -38,7 +38,7 @@ std::optional<LevelLaw> fit_level_law(std::span<const LevelAtDistance> places) {
     xx += x * x;
     xy += x * (place.level_dbm - mean_y);
   }
-  if (xx < kLeastSpread * count) {
+  if (xx < kMinLevelSpread * count) {
     return std::nullopt;
   }
   LevelLaw law;
@@ -49,7 +49,7 @@ std::optional<LevelLaw> fit_level_law(std::span<const LevelAtDistance> places) {
     const double off = place.level_dbm - law.at(place.distance);
     squares += off * off;
   }
-  law.sigma_db = std::max(kLeastSigma, std::sqrt(squares / (count - 2.0)));
+  law.sigma_db = std::max(kMinLevelSigma, std::sqrt(squares / (count - 2.0)));
   return law;
 }
 

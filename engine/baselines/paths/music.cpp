@@ -11,13 +11,13 @@
 #include <Eigen/SVD>
 
 #include "engine/baselines/paths/turn.h"
+#include "engine/baselines/two_pi.h"
 
 namespace rayloc {
 namespace {
 
 using std::complex;
 
-constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
 // Of a steering vector's power, what must be left of it beside the paths found before; a ratio.
 constexpr double kLeastLeft = 1e-3;
 constexpr int kNewtonSteps = 4;  // a count: the second already moves it by less than 1e-4 steps

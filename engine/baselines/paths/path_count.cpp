@@ -8,15 +8,16 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastShare = 0.03;  // of the largest eigenvalue, a ratio: what counts as a path
-constexpr double kDrop = 1.58;        // from one eigenvalue to the next, a ratio: 2 dB
+constexpr double kMinEigenvalueShare =
+    0.03;                       // of the largest eigenvalue, a ratio: what counts as a path
+constexpr double kDrop = 1.58;  // from one eigenvalue to the next, a ratio: 2 dB
 
 std::size_t by_drop(std::span<const double> e) {
   std::size_t last = 0;
   std::size_t steepest = 1;
   double most = 0.0;
   for (std::size_t i = 0; i + 1 < e.size() && i < kMostPaths; ++i) {
-    if (!(e[i] > kLeastShare * e[0])) {
+    if (!(e[i] > kMinEigenvalueShare * e[0])) {
       break;
     }
     const double drop = e[i] / std::max(e[i + 1], std::numeric_limits<double>::min());

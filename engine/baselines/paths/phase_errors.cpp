@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kLeast = 10;  // errors, a count, chosen
 constexpr int kRounds = 500;  // of expectation maximisation, a count: it has ended long before
-constexpr double kLeastSigma = 0.02;      // [rad], chosen: of no array that we know
+constexpr double kMinPhaseSigma = 0.02;   // [rad], chosen: of no array that we know
 constexpr double kLeastOutliers = 0.005;  // a share, chosen: of a few dozen points none is no proof
 
 }  // namespace
@@ -32,7 +32,7 @@ PhaseErrors fit_phase_errors(std::span<const double> errors) {
       inside += share;
       squares += share * error * error;
     }
-    fit.sigma = std::max(kLeastSigma, std::sqrt(squares / std::max(inside, 1.0)));
+    fit.sigma = std::max(kMinPhaseSigma, std::sqrt(squares / std::max(inside, 1.0)));
     fit.outliers = std::max(kLeastOutliers, 1.0 - inside / count);
   }
   return fit;

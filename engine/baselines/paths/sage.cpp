@@ -1,16 +1,14 @@
 #include "engine/baselines/paths/sage.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "engine/base/constants.h"
 #include "engine/baselines/paths/turn.h"
+#include "engine/baselines/two_pi.h"
 
 namespace rayloc {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;  // [rad]
 
 // From antenna to antenna [rad], of a path with u = 1.
 double phase_of(const OfdmGrid& hop, double spacing) {

@@ -11,8 +11,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kLeastPlaces = 10;  // a count, chosen: fewer are no survey
-constexpr std::size_t kHeldOutEvery = 5;  // of the classes one in so many is held out at first
+constexpr std::size_t kMinSurveyPlaces = 10;  // a count, chosen: fewer are no survey
+constexpr std::size_t kHeldOutEvery = 5;      // of the classes one in so many is held out at first
 constexpr double kLeastDeviation = 1e-6;  // of a plane's values, chosen: a plane that is constant
 constexpr std::size_t kStages = 2;        // of learning, a count
 // The empty room is shown as often as so many places, a count, chosen: it is no place among many.
@@ -89,8 +89,8 @@ Expected<void> Trainer::see() {
   if (options_.cell > 0.0) {
     merge_cells();
   }
-  if (seen_.size() < kLeastPlaces) {
-    return bad_input(options_.classifier.method + " needs " + std::to_string(kLeastPlaces) +
+  if (seen_.size() < kMinSurveyPlaces) {
+    return bad_input(options_.classifier.method + " needs " + std::to_string(kMinSurveyPlaces) +
                      " places or more that an access point heard; the survey has " +
                      std::to_string(seen_.size()));
   }

@@ -10,7 +10,7 @@ namespace {
 // Three words, in the order of SpotfiRange.
 constexpr std::array kRanges = std::to_array<std::string_view>({"level", "none", "room"});
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> spotfi_table() {
   // Each says its unit; defaults are those of the paper, or measured, or chosen (the study says).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"frames", "of a burst at an access point, at most", 10.0, 1.0, 64.0, true},
@@ -39,14 +39,14 @@ std::span<const BaselineSetting> table() {
 
 }  // namespace
 
-std::span<const BaselineSetting> spotfi_settings() { return table(); }
+std::span<const BaselineSetting> spotfi_settings() { return spotfi_table(); }
 
 SpotfiOptions spotfi_options(const BaselineValues& values) {
-  const auto number = [&](std::string_view key) { return number_of(table(), values, key); };
+  const auto number = [&](std::string_view key) { return number_of(spotfi_table(), values, key); };
   SpotfiOptions options;
   options.path.frames = static_cast<std::size_t>(number("frames"));
   options.path.clusters = static_cast<std::size_t>(number("clusters"));
-  options.path.count = static_cast<PathCountRule>(choice_of(table(), values, "rank"));
+  options.path.count = static_cast<PathCountRule>(choice_of(spotfi_table(), values, "rank"));
   options.path.w_share = number("w_share");
   options.path.w_psi = number("w_psi");
   options.path.w_tau = number("w_tau");
@@ -54,7 +54,7 @@ SpotfiOptions spotfi_options(const BaselineValues& values) {
   options.sigma_psi = number("sigma_psi");
   options.outliers = number("outliers");
   options.grid = number("grid_m");
-  options.range = static_cast<SpotfiRange>(choice_of(table(), values, "range"));
+  options.range = static_cast<SpotfiRange>(choice_of(spotfi_table(), values, "range"));
   return options;
 }
 

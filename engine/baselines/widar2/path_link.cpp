@@ -12,11 +12,11 @@ namespace {
 
 // What a step from window to window costs 1 or 1/2 for, and what at most: measured with a
 // prototype.
-constexpr double kRateStep = 0.3;      // [m/s]
-constexpr double kDelayStep = 15e-9;   // [s]
-constexpr double kPsiStep = 0.6;       // [rad]
-constexpr double kMostCost = 8.0;      // a logarithm, measured with a prototype
-constexpr double kLeastShare = 1e-12;  // of the energy
+constexpr double kRateStep = 0.3;          // [m/s]
+constexpr double kDelayStep = 15e-9;       // [s]
+constexpr double kPsiStep = 0.6;           // [rad]
+constexpr double kMostCost = 8.0;          // a logarithm, measured with a prototype
+constexpr double kMinEnergyShare = 1e-12;  // of the energy
 
 double square(double x) { return x * x; }
 
@@ -50,7 +50,7 @@ std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
       }
     }
     const double share = energy > 0.0 ? path.energy / energy : 1.0;
-    window.cost.push_back(best - std::log(std::max(share, kLeastShare)));
+    window.cost.push_back(best - std::log(std::max(share, kMinEnergyShare)));
     window.before.push_back(before);
   }
   const double least = *std::min_element(window.cost.begin(), window.cost.end());

@@ -18,16 +18,16 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLowest = 2.0;            // [Hz], of the band of motion, as published
-constexpr double kHighest = 50.0;          // [Hz], so
-constexpr double kMostOfBand = 0.45;       // of the rate of frames, where that is less
-constexpr double kBefore = 1.5;            // [s], heard before a window, for the filter to settle
-constexpr double kAfter = 0.5;             // [s], so after
-constexpr double kStill = 1.0;             // [s], without motion: nothing is stated
-constexpr double kMotion = 2.0;            // energy of the band over that of noise, 3 dB
-constexpr double kLeastDetour = 0.1;       // [m], of a path by way of somebody
-constexpr std::size_t kLeastSamples = 10;  // of a window, a count, chosen
-constexpr double kElsewhere = 0.1;         // a probability, chosen: another path was followed
+constexpr double kLowest = 2.0;             // [Hz], of the band of motion, as published
+constexpr double kHighest = 50.0;           // [Hz], so
+constexpr double kMostOfBand = 0.45;        // of the rate of frames, where that is less
+constexpr double kBefore = 1.5;             // [s], heard before a window, for the filter to settle
+constexpr double kAfter = 0.5;              // [s], so after
+constexpr double kWidar2StillTime = 1.0;    // [s], without motion: nothing is stated
+constexpr double kWidar2MotionRatio = 2.0;  // energy of the band over that of noise, 3 dB
+constexpr double kLeastDetour = 0.1;        // [m], of a path by way of somebody
+constexpr std::size_t kLeastSamples = 10;   // of a window, a count, chosen
+constexpr double kElsewhere = 0.1;          // a probability, chosen: another path was followed
 
 Vec3d in_plan(const Vec3d& v) { return {v.x, v.y, 0.0}; }
 
@@ -37,7 +37,7 @@ bool is_moving(const Eigen::MatrixXcd& raw, const Eigen::MatrixXcd& band) {
   const Eigen::Index n = raw.cols();
   const double noise =
       0.5 * (raw.rightCols(n - 1) - raw.leftCols(n - 1)).squaredNorm() / static_cast<double>(n - 1);
-  return band.squaredNorm() / static_cast<double>(n) > kMotion * noise;
+  return band.squaredNorm() / static_cast<double>(n) > kWidar2MotionRatio * noise;
 }
 
 }  // namespace
@@ -256,7 +256,7 @@ std::optional<Widar2::Heard> Widar2::hear_window(Receiver& receiver, Timestamp w
   }
   const Heard heard{&receiver, receiver.range.smoothed(), receiver.psi.front()};
   receiver.psi.erase(receiver.psi.begin());
-  return receiver.still_s < kStill ? std::optional(heard) : std::nullopt;
+  return receiver.still_s < kWidar2StillTime ? std::optional(heard) : std::nullopt;
 }
 
 LocationEstimate Widar2::estimate(std::span<const Heard> heard, Timestamp time) const {
@@ -327,7 +327,7 @@ void Widar2::hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate
   }
   const bool all_still =
       std::all_of(receivers_.begin(), receivers_.end(), [&](const Receiver& receiver) {
-        return receiver.still_s >= kStill || receiver.sample == Duration{};
+        return receiver.still_s >= kWidar2StillTime || receiver.sample == Duration{};
       });
   if (all_still) {
     problem_ = "nothing moves: widar2 sees only what moves";

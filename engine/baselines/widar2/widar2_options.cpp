@@ -5,7 +5,7 @@
 namespace rayloc {
 namespace {
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> widar2_table() {
   // Each says its unit; the first three are the paper's, the others chosen or measured.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"window_s", "of one search for paths [s]", 0.1, 0.02, 1.0},
@@ -28,10 +28,10 @@ std::span<const BaselineSetting> table() {
 
 }  // namespace
 
-std::span<const BaselineSetting> widar2_settings() { return table(); }
+std::span<const BaselineSetting> widar2_settings() { return widar2_table(); }
 
 Widar2Options widar2_options(const BaselineValues& values) {
-  const auto number = [&](std::string_view key) { return number_of(table(), values, key); };
+  const auto number = [&](std::string_view key) { return number_of(widar2_table(), values, key); };
   Widar2Options options;
   options.window_s = number("window_s");
   options.windows = static_cast<std::size_t>(number("windows"));

@@ -10,11 +10,11 @@ namespace {
 
 constexpr double kLeastDeterminant = 0.05;  // of the normal equations, 1 for good geometry, chosen
 constexpr double kRidge = 0.1;              // added to their diagonal where it is less, chosen
-constexpr double kNearest = 0.05;           // [m], chosen: nobody stands in an antenna
+constexpr double kMinAntennaDistance = 0.05;  // [m], chosen: nobody stands in an antenna
 
 Eigen::Vector2d away_from(const Vec3d& from, double x, double y) {
   const Eigen::Vector2d off(x - from.x, y - from.y);
-  return off / std::max(kNearest, off.norm());
+  return off / std::max(kMinAntennaDistance, off.norm());
 }
 
 struct Solved {

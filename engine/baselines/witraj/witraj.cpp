@@ -16,14 +16,15 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kTones = 12;     // that vote, a count, of the published release
-constexpr double kBeginning = 1.0;     // [s], until which antenna is the stronger one is known
-constexpr double kStill = 0.5;         // [s], without motion: the place is held
-constexpr double kMotion = 2.0;        // variance of a ratio over that of its noise, 3 dB
-constexpr double kMotionWindow = 0.1;  // [s], to each side
-constexpr double kMostHeard = 0.97;    // probability of the Gaussian, as RayLoc leaves 0.03 over
+constexpr std::size_t kTones = 12;          // that vote, a count, of the published release
+constexpr double kBeginning = 1.0;          // [s], until which antenna is the stronger one is known
+constexpr double kWitrajStillTime = 0.5;    // [s], without motion: the place is held
+constexpr double kWitrajMotionRatio = 2.0;  // variance of a ratio over that of its noise, 3 dB
+constexpr double kMotionWindow = 0.1;       // [s], to each side
+constexpr double kMostHeard = 0.97;  // probability of the Gaussian, as RayLoc leaves 0.03 over
 // The two of the published release, in seconds.
-constexpr std::array kSmoothings = {PathRateOptions{0.0275, 0.15}, PathRateOptions{0.0425, 0.24}};
+constexpr std::array kRateSmoothings = {PathRateOptions{0.0275, 0.15},
+                                        PathRateOptions{0.0425, 0.24}};
 
 // Evenly from all of a comb.
 std::vector<std::size_t> voting_tones(const OfdmGrid& grid) {
@@ -216,8 +217,8 @@ Witraj::Rates Witraj::rates_of(const Receiver& receiver,
   const double step_s = to_seconds(sample_);
   std::vector<std::vector<PathRate>> of_tone;
   for (const auto& values : ratio) {
-    std::vector<PathRate> best = path_rates(values, step_s, wavelength, kSmoothings[0]);
-    const auto other = path_rates(values, step_s, wavelength, kSmoothings[1]);
+    std::vector<PathRate> best = path_rates(values, step_s, wavelength, kRateSmoothings[0]);
+    const auto other = path_rates(values, step_s, wavelength, kRateSmoothings[1]);
     for (std::size_t n = 0; n < samples; ++n) {
       best[n] = other[n].score > best[n].score ? other[n] : best[n];
     }
@@ -242,7 +243,7 @@ Witraj::Rates Witraj::rates_of(const Receiver& receiver,
       spread += variance(window);
       noise += noise_of(window);
     }
-    rates.is_moving.push_back(spread > kMotion * noise ? 1 : 0);
+    rates.is_moving.push_back(spread > kWitrajMotionRatio * noise ? 1 : 0);
   }
   return rates;
 }
@@ -277,7 +278,7 @@ void Witraj::step(std::span<const Rates> rates,
   for (const Mean& mean : means) {
     kept.push_back(mean.at);
   }
-  if (still_s_ < kStill) {
+  if (still_s_ < kWitrajStillTime) {
     PlanStep step = plan_step(link_.position, kept, place_, seconds);
     const double length = std::hypot(step.x, step.y);
     const double most = options_.v_max * seconds;
@@ -316,7 +317,7 @@ LocationEstimate Witraj::estimate() const {
   estimate.residual_probability = 1.0 - kMostHeard;
   estimate.time = estimate.capture_start = estimate.capture_end = *time_;
   estimate.access_points_used = receivers_.size();
-  if (still_s_ >= kStill) {
+  if (still_s_ >= kWitrajStillTime) {
     estimate.warnings.emplace_back("nothing moves: the place is held");
   }
   if (cut_ > 0) {

@@ -10,7 +10,7 @@ constexpr std::array kWorst = std::to_array<std::string_view>({"drop", "keep"});
 // Two words: of what the weaker antenna is told.
 constexpr std::array kWeaker = std::to_array<std::string_view>({"access_point", "tone"});
 
-std::span<const BaselineSetting> table() {
+std::span<const BaselineSetting> witraj_table() {
   // Each says its unit; chosen but for the windows, which are the paper's (path_rate.h).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"v_max", "of who walks [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
@@ -25,16 +25,16 @@ std::span<const BaselineSetting> table() {
 
 }  // namespace
 
-std::span<const BaselineSetting> witraj_settings() { return table(); }
+std::span<const BaselineSetting> witraj_settings() { return witraj_table(); }
 
 WitrajOptions witraj_options(const BaselineValues& values) {
   WitrajOptions options;
-  options.v_max = number_of(table(), values, "v_max");
-  options.sigma_v = number_of(table(), values, "sigma_v");
-  options.rate_memory_s = number_of(table(), values, "rate_memory_s");
-  options.start_sigma = number_of(table(), values, "start_sigma");
-  options.drops_worst = choice_of(table(), values, "worst") == 0;
-  options.by_tone = choice_of(table(), values, "weaker") == 1;
+  options.v_max = number_of(witraj_table(), values, "v_max");
+  options.sigma_v = number_of(witraj_table(), values, "sigma_v");
+  options.rate_memory_s = number_of(witraj_table(), values, "rate_memory_s");
+  options.start_sigma = number_of(witraj_table(), values, "start_sigma");
+  options.drops_worst = choice_of(witraj_table(), values, "worst") == 0;
+  options.by_tone = choice_of(witraj_table(), values, "weaker") == 1;
   return options;
 }
 

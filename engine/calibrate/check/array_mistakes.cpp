@@ -1,8 +1,8 @@
 #include "engine/calibrate/check/array_mistakes.h"
 #include "engine/base/constants.h"
+#include "engine/base/six_digit_text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -10,15 +10,6 @@
 
 namespace rayloc {
 namespace {
-
-std::string text_of(double value) {
-  std::array<char, 32> text{};
-  // A count of significant digits: micrometres, and degrees as rounded below.
-  constexpr int kDigits = 6;
-  const auto end = std::to_chars(
-      text.data(), text.data() + text.size(), value, std::chars_format::general, kDigits);
-  return {text.data(), end.ptr};
-}
 
 // In degrees, above -180 and up to 180, without what rounding to radians left.
 double degrees(double angle) {
@@ -64,8 +55,8 @@ ArrayMistake turned(const RoomAccessPoint& ap) {
   ArrayMistake mistake{"turned by 180 degrees", "", ap.array};
   double& yaw = mistake.array.pose.orientation.yaw;
   yaw += std::numbers::pi;
-  mistake.remedy = "yaw_deg = " + text_of(degrees(yaw)) + " instead of " +
-                   text_of(degrees(ap.array.pose.orientation.yaw));
+  mistake.remedy = "yaw_deg = " + six_digit_text(degrees(yaw)) + " instead of " +
+                   six_digit_text(degrees(ap.array.pose.orientation.yaw));
   return mistake;
 }
 

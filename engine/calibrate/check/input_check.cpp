@@ -19,7 +19,7 @@
 namespace rayloc {
 namespace {
 
-using Kind = TriedMistake::Kind;
+using MistakeKind = TriedMistake::Kind;
 using Comparisons = std::vector<PairedComparison>;  // of each access point
 
 // A mistake with what it says of recordings, and how they are explained.
@@ -39,7 +39,7 @@ std::string concatenated(std::initializer_list<std::string_view> parts) {
 
 std::string quoted(const std::string& id) { return "'" + id + "'"; }
 
-TriedMistake tried(Kind kind, const PairedComparison& comparison) {
+TriedMistake tried(MistakeKind kind, const PairedComparison& comparison) {
   TriedMistake mistake;
   mistake.kind = kind;
   mistake.stated = comparison.stated();
@@ -97,7 +97,7 @@ std::vector<Candidate> try_places(const StatedSurvey& survey) {
     if (comparison.empty()) {
       continue;
     }
-    TriedMistake one = tried(Kind::kPlaces, comparison);
+    TriedMistake one = tried(MistakeKind::kPlaces, comparison);
     one.what = "the points " + mistake.meaning;
     one.remedy = "check the columns, axes and rows of the points";
     one.message = concatenated({"the recordings fit the points ",
@@ -214,7 +214,7 @@ std::vector<Candidate> try_recordings(const StatedSurvey& survey) {
     const bool possible = std::none_of(
         moved.begin(), moved.end(), [](const auto& one) { return one.comparison.empty(); });
     if (possible) {
-      candidate.told = told(moved, tried(Kind::kRecordings, comparison));
+      candidate.told = told(moved, tried(MistakeKind::kRecordings, comparison));
       all.push_back(std::move(candidate));
     }
   }
@@ -268,7 +268,7 @@ std::vector<Candidate> try_arrays(const StatedSurvey& survey, std::size_t ap) {
     if (comparison.empty()) {
       continue;
     }
-    TriedMistake mistake = tried(Kind::kArray, comparison);
+    TriedMistake mistake = tried(MistakeKind::kArray, comparison);
     const std::string id = quoted(access_point.id);
     mistake.what = concatenated({"access point ", id, " ", one.meaning});
     mistake.remedy = concatenated({"in site.toml, of access point ", id, ": ", one.remedy});
@@ -327,7 +327,7 @@ void keep_better(std::vector<TriedMistake> mistakes, std::vector<TriedMistake>& 
 }  // namespace
 
 bool is_clear(const TriedMistake& mistake) {
-  const bool of_site = mistake.kind == Kind::kArray || mistake.kind == Kind::kCarrier;
+  const bool of_site = mistake.kind == MistakeKind::kArray || mistake.kind == MistakeKind::kCarrier;
   const double least = of_site ? kSubstantial : 0.0;
   return mistake.significance > kClearly &&
          mistake.explained - mistake.stated > least * (1.0 - mistake.stated);
@@ -383,7 +383,7 @@ std::vector<TriedMistake> try_carriers(const RoomModel& room,
     if (comparison.empty()) {
       continue;
     }
-    TriedMistake mistake = tried(Kind::kCarrier, comparison);
+    TriedMistake mistake = tried(MistakeKind::kCarrier, comparison);
     const std::string centre = std::to_string(std::llround(centre_hz));
     mistake.what = "a channel with its centre at " + centre + " Hz";
     mistake.remedy = "in site.toml, [carrier]: centre_hz = " + centre + " and its channel";

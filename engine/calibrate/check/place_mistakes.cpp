@@ -12,16 +12,16 @@ bool is_inside(const RoomModel& room, const Vec3d& p) {
 }
 
 // By what `point` says of where each point was stated to be.
-PlaceMistake moved(std::string meaning,
-                   std::span<const CalibrationPoint> points,
-                   const std::function<Vec3d(const Vec3d&)>& point) {
+PlaceMistake moved_places(std::string meaning,
+                          std::span<const CalibrationPoint> points,
+                          const std::function<Vec3d(const Vec3d&)>& point) {
   return {std::move(meaning), [=](std::size_t i) { return point(points[i].position); }};
 }
 
 // By which row of the survey is that of each point.
-PlaceMistake reordered(std::string meaning,
-                       std::span<const CalibrationPoint> points,
-                       const std::function<std::size_t(std::size_t)>& row) {
+PlaceMistake reordered_places(std::string meaning,
+                              std::span<const CalibrationPoint> points,
+                              const std::function<std::size_t(std::size_t)>& row) {
   return {std::move(meaning),
           [=](std::size_t i) { return points[row(i) % points.size()].position; }};
 }
@@ -38,18 +38,18 @@ void add_other_ends(const RoomModel& room,
   const bool off_y = std::abs(y) > kSame;
   if (off_x) {
     mistakes.push_back(
-        moved("with x measured from the other end of the room", points, [=](const Vec3d& p) {
+        moved_places("with x measured from the other end of the room", points, [=](const Vec3d& p) {
           return Vec3d{x - p.x, p.y, p.z};
         }));
   }
   if (off_y) {
     mistakes.push_back(
-        moved("with y measured from the other end of the room", points, [=](const Vec3d& p) {
+        moved_places("with y measured from the other end of the room", points, [=](const Vec3d& p) {
           return Vec3d{p.x, y - p.y, p.z};
         }));
   }
   if (off_x || off_y) {
-    mistakes.push_back(moved(
+    mistakes.push_back(moved_places(
         "with x and y measured from the other corner of the room", points, [=](const Vec3d& p) {
           return Vec3d{x - p.x, y - p.y, p.z};
         }));
@@ -62,41 +62,42 @@ std::vector<PlaceMistake> mistakes_of_places(const RoomModel& room,
                                              std::span<const CalibrationPoint> points) {
   const std::size_t count = points.size();
   std::vector<PlaceMistake> mistakes = {
-      moved("with x and y exchanged",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{p.y, p.x, p.z};
-            }),
-      moved("with y and z exchanged",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{p.x, p.z, p.y};
-            }),
-      moved("with x and z exchanged",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{p.z, p.y, p.x};
-            }),
-      moved("with the sign of x changed",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{-p.x, p.y, p.z};
-            }),
-      moved("with the sign of y changed",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{p.x, -p.y, p.z};
-            }),
-      moved("with the signs of x and y changed",
-            points,
-            [](const Vec3d& p) {
-              return Vec3d{-p.x, -p.y, p.z};
-            }),
-      reordered("with every place moved one row up", points, [](std::size_t i) { return i + 1; }),
-      reordered("with every place moved one row down",
-                points,
-                [=](std::size_t i) { return i + count - 1; }),
-      reordered(
+      moved_places("with x and y exchanged",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{p.y, p.x, p.z};
+                   }),
+      moved_places("with y and z exchanged",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{p.x, p.z, p.y};
+                   }),
+      moved_places("with x and z exchanged",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{p.z, p.y, p.x};
+                   }),
+      moved_places("with the sign of x changed",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{-p.x, p.y, p.z};
+                   }),
+      moved_places("with the sign of y changed",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{p.x, -p.y, p.z};
+                   }),
+      moved_places("with the signs of x and y changed",
+                   points,
+                   [](const Vec3d& p) {
+                     return Vec3d{-p.x, -p.y, p.z};
+                   }),
+      reordered_places(
+          "with every place moved one row up", points, [](std::size_t i) { return i + 1; }),
+      reordered_places("with every place moved one row down",
+                       points,
+                       [=](std::size_t i) { return i + count - 1; }),
+      reordered_places(
           "with the rows in reverse order", points, [=](std::size_t i) { return count - 1 - i; }),
   };
   add_other_ends(room, points, mistakes);

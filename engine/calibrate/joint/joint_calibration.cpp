@@ -22,7 +22,7 @@ using Kind = Unknown::Kind;
 
 constexpr double kTolerance = 0.01;  // by which a round may lessen the correlation
 constexpr double kLeastStep = 0.2;   // of what the least squares say
-constexpr int kPasses = 3;           // of a round whose steps had to be shortened
+constexpr int kShortenedPasses = 3;  // of a round whose steps had to be shortened
 // Of the surfaces whose other half-wave cycles are tried.
 constexpr double kTriedShare = 0.05;   // of the strongest's power, at least
 constexpr std::size_t kMostTried = 8;  // a count, chosen: bounds the time of the trials
@@ -301,7 +301,7 @@ Expected<bool> JointCalibration::run_round(std::size_t index) {
   const JointCheckpoint at_first{0, 0, state_, gains(), other_cycles_, {}, survey_sigma_};
   bool has_moved = false;
   double share = 0.0;
-  for (int pass = 0; pass < kPasses && share < 1.0; ++pass) {
+  for (int pass = 0; pass < kShortenedPasses && share < 1.0; ++pass) {
     const JointState before = state_;
     const double met_before = met(round, deciders(use_));
     if (!search(round, round.cycles && pass == 0)) {

@@ -12,7 +12,7 @@ constexpr std::array<JointRound, kJointRounds> kRounds{{{0.3, 0.05, false, false
                                                         {0.12, 0.03, true, false, false},
                                                         {0.05, 0.03, true, true, true},
                                                         {0.03, 0.03, true, true, false}}};
-constexpr double kFaint = 1e-4;  // of the strongest surface's power
+constexpr double kMinRoundPower = 1e-4;  // of the strongest surface's power
 
 }  // namespace
 
@@ -28,11 +28,11 @@ std::vector<char> released(const JointRound& round,
     const Unknown& unknown = unknowns[i];
     switch (unknown.kind) {
       case Kind::kSurfaceOffset:
-        result[i] = power[unknown.index] > kFaint * most ? 1 : 0;
+        result[i] = power[unknown.index] > kMinRoundPower * most ? 1 : 0;
         break;
       case Kind::kSurfaceGain:
       case Kind::kSurfacePhase:
-        result[i] = round.corrections && power[unknown.index] > kFaint * most ? 1 : 0;
+        result[i] = round.corrections && power[unknown.index] > kMinRoundPower * most ? 1 : 0;
         break;
       case Kind::kPermittivity:
       case Kind::kConductivity:

@@ -78,7 +78,7 @@ ParameterId coupling_id(const Unknown& unknown, const RoomAccessPoint& ap) {
 }
 
 // Adds a coupling (RoomUnknowns::coupling()) between the antennas and that of the gains.
-void couple(const double* values, ChainGains& gains) {
+void set_coupling(const double* values, ChainGains& gains) {
   const std::size_t cores = gains.cores.size();
   if (gains.empty() || std::all_of(values, values + 2 * cores * (cores - 1), [](double value) {
         return value == 0.0;
@@ -201,7 +201,7 @@ Expected<RoomModel> changed_room(const RoomModel& original,
         ap.gains.gain[e * tones + k] *= std::polar(std::exp(chain[0]), chain[1]);
       }
     }
-    couple(&values[unknowns.coupling(i)], ap.gains);
+    set_coupling(&values[unknowns.coupling(i)], ap.gains);
   }
   return room;
 }

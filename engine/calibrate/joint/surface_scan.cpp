@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kFaint = 1e-3;            // of the strongest surface's power
+constexpr double kMinScanPower = 1e-3;     // of the strongest surface's power
 constexpr std::size_t kMostSurfaces = 40;  // that are worth a scan
 // Others that would move along are held: an alternative is likelier than a scan says.
 constexpr double kHeldOthers = 0.5;
@@ -107,7 +107,7 @@ void scan_surfaces(const JointContext& context,
                    std::span<const double> power,
                    const ScanOptions& options,
                    JointState& state) {
-  for (const std::uint32_t surface : strongest_surfaces(power, kFaint, kMostSurfaces)) {
+  for (const std::uint32_t surface : strongest_surfaces(power, kMinScanPower, kMostSurfaces)) {
     const std::uint32_t unknown = context.unknowns.surface_offset(surface);
     const auto values = places(state.values[unknown], options.range, options.step);
     const auto cost = profile(context, options.floor, state, unknown, values);

@@ -14,7 +14,8 @@ using Kind = Unknown::Kind;
 
 // Of the cost: what a few more iterations gain where nothing has moved is less.
 constexpr double kLeastGain = 1.0;
-constexpr int kPasses = 8;  // over all surfaces, at most: one that moves can set another right
+constexpr int kMaxSurfacePasses =
+    8;  // over all surfaces, at most: one that moves can set another right
 constexpr std::size_t kPaired = 4;  // of the surfaces that come first, in pairs
 // Moves with which the whole room is fitted anew: those that cost least while most of it is held.
 constexpr std::size_t kFittedAnew = 4;
@@ -57,10 +58,10 @@ std::vector<char> released_in_trial(const RoomUnknowns& unknowns,
   return result;
 }
 
-JointState moved(const JointState& state,
-                 const RoomUnknowns& unknowns,
-                 const Move& move,
-                 double half_wave) {
+JointState shifted_state(const JointState& state,
+                         const RoomUnknowns& unknowns,
+                         const Move& move,
+                         double half_wave) {
   JointState result = state;
   for (std::size_t i = 0; i < move.surfaces.size(); ++i) {
     const std::uint32_t surface = move.surfaces[i];
@@ -128,7 +129,7 @@ bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCy
     return false;
   }
   const std::vector<Trial> trials = fitted(options, moves.size(), [&](std::size_t i) {
-    return moved(state_, unknowns_, moves[i], search_.half_wave);
+    return shifted_state(state_, unknowns_, moves[i], search_.half_wave);
   });
   bool better = false;
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -197,7 +198,7 @@ bool WaveCycleSettler::fit_anew() {
 WaveCycles WaveCycleSettler::run() {
   WaveCycles result;
   bool better = true;
-  for (int pass = 0; pass < kPasses && better; ++pass) {
+  for (int pass = 0; pass < kMaxSurfacePasses && better; ++pass) {
     result.others.clear();
     worse_.clear();
     better = try_single(result.others) || try_pairs() || fit_anew();

@@ -16,7 +16,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kRounds = 20;  // a count, chosen: factors settle to a thousandth of a degree
+constexpr int kFactorRounds = 20;  // a count, chosen: factors settle to a thousandth of a degree
 // Of the power of an empty room, that chairs and bumps may change: more is another transmitter, or
 // it stands elsewhere. A ratio, chosen: chairs moved 0.1 to 1 % in two rooms.
 constexpr double kMostChanged = 0.1;
@@ -37,7 +37,7 @@ class DayFit {
         weight_(before_.size(), 1.0),
         turn_(before_.size() / grid.size(), 1.0) {
     align_by_one_chain();
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kFactorRounds; ++round) {
       fit_factors();
       align();
       weigh();

@@ -9,7 +9,8 @@
 namespace rayloc {
 namespace {
 
-constexpr int kRounds = 5;  // a count, chosen: the background and the frames nearest to it, in turn
+constexpr int kBackgroundRounds =
+    5;  // a count, chosen: the background and the frames nearest to it, in turn
 constexpr std::size_t kFramesPerQuiet = 2;  // a count: the quietest frame of so many is kept
 
 struct Heard {
@@ -37,7 +38,8 @@ std::optional<BurstObservation> hear_background(const RoomModel& room,
     }
   }
   const Aligner aligner(room.grid);
-  for (int round = 0; round < kRounds && background && heard.size() > kFramesPerQuiet; ++round) {
+  for (int round = 0; round < kBackgroundRounds && background && heard.size() > kFramesPerQuiet;
+       ++round) {
     for (Heard& one : heard) {
       one.correlation = aligner.align(background->h, one.h).correlation;
     }

@@ -18,22 +18,23 @@ using Value = std::complex<double>;
 
 constexpr double kSquare = 0.06;      // [m], about a known place
 constexpr std::size_t kSamples = 11;  // a count along a side, chosen: 6 mm apart over kSquare
-constexpr int kPhases = 24;           // a count, chosen: 15 degrees apart
+constexpr int kFitPhases = 24;        // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 4 dB apart.
-constexpr std::array<double, 6> kLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
+constexpr std::array<double, 6> kFitLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
 // Ratios of a ray's power, chosen: 3 dB apart.
 constexpr std::array<double, 9> kVariances = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
 // The same, of a way's.
 constexpr std::array<double, 8> kWayVariances = {0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0};
 // Ratios of the traced power, chosen: 3 dB apart.
-constexpr std::array<double, 9> kDiffuse = {0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
+constexpr std::array<double, 9> kDiffuseScan = {
+    0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
 // Ratios of all the power, chosen: 3 to 4 dB apart.
-constexpr std::array<double, 6> kNoise = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
+constexpr std::array<double, 6> kNoiseScan = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
 // [m], chosen: a wave that comes straight back turns by 0.6 to 6.5 rad.
 constexpr std::array<double, 2> kFronts = {0.0, 0.03};
-constexpr int kErrorRounds = 4;      // a count, chosen: over the errors, one after the other
-constexpr double kLevelSigma = 0.3;  // of the logarithm of |a|
+constexpr int kErrorRounds = 4;         // a count, chosen: over the errors, one after the other
+constexpr double kFitLevelSigma = 0.3;  // of the logarithm of |a|
 
 struct HeardSpot {
   std::size_t spot = 0;
@@ -188,22 +189,23 @@ Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) co
   Value best = 1.0;
   double most = -std::numeric_limits<double>::infinity();
   const auto attempt = [&](Value scale) {
-    const double level = std::log(std::abs(scale)) / kLevelSigma;
+    const double level = std::log(std::abs(scale)) / kFitLevelSigma;
     const double value = of_link(link, scale, model) - 0.5 * level * level;
     if (value > most) {
       most = value;
       best = scale;
     }
   };
-  for (const double level : kLevels) {
-    for (int i = 0; i < kPhases; ++i) {
-      attempt(std::polar(level, 2.0 * std::numbers::pi * i / kPhases));
+  for (const double level : kFitLevels) {
+    for (int i = 0; i < kFitPhases; ++i) {
+      attempt(std::polar(level, 2.0 * std::numbers::pi * i / kFitPhases));
     }
   }
   const Value rough = best;
   for (int i = -2; i <= 2; ++i) {
     for (int j = -2; j <= 2; ++j) {
-      attempt(rough * std::polar(std::exp(0.06 * i), 2.0 * std::numbers::pi * j / (5 * kPhases)));
+      attempt(rough *
+              std::polar(std::exp(0.06 * i), 2.0 * std::numbers::pi * j / (5 * kFitPhases)));
     }
   }
   return best;
@@ -230,8 +232,8 @@ PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
     better = false;
     scan(&PersonModel::way_variance, kWayVariances);
     scan(&PersonModel::strength_variance, kVariances);
-    scan(&PersonModel::diffuse, kDiffuse);
-    scan(&PersonModel::noise, kNoise);
+    scan(&PersonModel::diffuse, kDiffuseScan);
+    scan(&PersonModel::noise, kNoiseScan);
     if (!better) {
       break;
     }

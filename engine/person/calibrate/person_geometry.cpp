@@ -17,17 +17,17 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr PatchPlan kPlan{0.0, 0.0, 0.042, 7};  // about a known place
-constexpr int kPhases = 24;                     // a count, chosen: 15 degrees apart
+constexpr int kGeometryPhases = 24;             // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 3 dB apart.
-constexpr std::array<double, 5> kLevels = {0.5, 0.7, 0.9, 1.1, 1.4};
-constexpr double kLevelSigma = 0.3;  // of the logarithm of the level
-constexpr double kCoarse = 0.005;    // [m], step of the scan of the transmitter's place
-constexpr int kCoarseSteps = 3;      // on each side
-constexpr double kFine = 0.001;      // [m], last step of the search
+constexpr std::array<double, 5> kGeometryLevels = {0.5, 0.7, 0.9, 1.1, 1.4};
+constexpr double kGeometryLevelSigma = 0.3;  // of the logarithm of the level
+constexpr double kCoarse = 0.005;            // [m], step of the scan of the transmitter's place
+constexpr int kCoarseSteps = 3;              // on each side
+constexpr double kFine = 0.001;              // [m], last step of the search
 // What is wrong with a person's rays while the geometry is unknown.
 constexpr double kVariance = 0.3;
-constexpr double kDiffuse = 0.3;  // a ratio, as PersonModel::diffuse
-constexpr double kNoise = 1e-3;   // a ratio, as PersonModel::noise
+constexpr double kGeometryDiffuse = 0.3;  // a ratio, as PersonModel::diffuse
+constexpr double kGeometryNoise = 1e-3;   // a ratio, as PersonModel::noise
 
 // A spot as one link heard it.
 struct Spot {
@@ -71,8 +71,8 @@ class GeometryLink {
     }
     PersonModel model = reference.person;
     model.strength_variance = kVariance;
-    model.diffuse = kDiffuse;
-    model.noise = kNoise;
+    model.diffuse = kGeometryDiffuse;
+    model.noise = kGeometryNoise;
     std::vector<std::optional<Spot>> found(spots.size());
     parallel_for(spots.size(), 1, [&](std::size_t s) {
       if (spots[s].h[number_].empty()) {
@@ -135,10 +135,10 @@ class GeometryLink {
       }
     }
     double best = -std::numeric_limits<double>::infinity();
-    for (const double level : kLevels) {
-      const double off = std::log(level) / kLevelSigma;
-      for (int i = 0; i < kPhases; ++i) {
-        const Value a = std::polar(level, 2.0 * std::numbers::pi * i / kPhases);
+    for (const double level : kGeometryLevels) {
+      const double off = std::log(level) / kGeometryLevelSigma;
+      for (int i = 0; i < kGeometryPhases; ++i) {
+        const Value a = std::polar(level, 2.0 * std::numbers::pi * i / kGeometryPhases);
         double sum = -0.5 * off * off;
         for (std::size_t s = 0; s < spots_.size(); ++s) {
           double top = -std::numeric_limits<double>::infinity();

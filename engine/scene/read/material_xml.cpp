@@ -29,10 +29,6 @@ std::string_view itu_id(std::string_view id) {
   return bare.starts_with(kItuPrefix) ? bare.substr(kItuPrefix.size()) : std::string_view();
 }
 
-bool contains(std::span<const std::string_view> names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 bool is_itu_material(const std::string& name) {
   const auto names = itu_material_names();
   return std::find(names.begin(), names.end(), name) != names.end();
@@ -111,7 +107,7 @@ BsdfKind MaterialReader::kind_of(const pugi::xml_node& bsdf) const {
     const std::string_view type = level.attribute("type").value();
     const std::string_view id = level.attribute("id").value();
     if (!itu_id(id).empty() || options_.materials.contains(material_name(id)) ||
-        !contains(visual_bsdf_types(), type)) {
+        !is_listed(visual_bsdf_types(), type)) {
       return BsdfKind::kRadio;
     }
     const bool is_around_others = level.child("bsdf") || level.child("ref");
@@ -195,7 +191,7 @@ void MaterialReader::read_level(const pugi::xml_node& bsdf, Stated& stated) {
 void MaterialReader::check_type(XmlElement& element,
                                 const std::string& type,
                                 const Stated& stated) {
-  if (type == kRadio || type == kItuRadio || contains(visual_bsdf_types(), type) ||
+  if (type == kRadio || type == kItuRadio || is_listed(visual_bsdf_types(), type) ||
       !file_.listens()) {
     return;
   }

@@ -25,10 +25,10 @@ constexpr std::array<std::string_view, 21> kPassedOver{
 // Wavefront's words for curves and curved surfaces.
 constexpr std::array<std::string_view, 4> kCurved{"curv", "curv2", "surf", "cstype"};
 
-constexpr std::string_view kBlank = " \t\r\f\v";  // what parts words within a line
+constexpr std::string_view kObjBlank = " \t\r\f\v";  // what parts words within a line
 
 template <std::size_t N>
-bool is_one_of(std::string_view word, const std::array<std::string_view, N>& words) {
+bool is_keyword_of(std::string_view word, const std::array<std::string_view, N>& words) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
@@ -75,7 +75,7 @@ class ObjReader {
       bytes_.remove_prefix(std::min(end + 1, bytes_.size()));
       ++next_line_;
       line = line.substr(0, line.find('#'));
-      line = line.substr(0, line.find_last_not_of(kBlank) + 1);
+      line = line.substr(0, line.find_last_not_of(kObjBlank) + 1);
       goes_on = line.ends_with('\\');
       statement += line.substr(0, line.size() - (goes_on ? 1 : 0));
       statement += ' ';
@@ -85,8 +85,8 @@ class ObjReader {
 
   // The next word of the statement, cut off from it; empty at its end.
   static std::string_view next_word(std::string_view& rest) {
-    rest.remove_prefix(std::min(rest.find_first_not_of(kBlank), rest.size()));
-    const std::string_view word = rest.substr(0, rest.find_first_of(kBlank));
+    rest.remove_prefix(std::min(rest.find_first_not_of(kObjBlank), rest.size()));
+    const std::string_view word = rest.substr(0, rest.find_first_of(kObjBlank));
     rest.remove_prefix(word.size());
     return word;
   }
@@ -100,10 +100,10 @@ class ObjReader {
     if (keyword == "f" || keyword == "fo") {
       return read_face(rest);
     }
-    if (keyword.empty() || is_one_of(keyword, kPassedOver)) {
+    if (keyword.empty() || is_keyword_of(keyword, kPassedOver)) {
       return {};
     }
-    if (is_one_of(keyword, kCurved)) {
+    if (is_keyword_of(keyword, kCurved)) {
       return refuse("'" + std::string(keyword) +
                     "' begins a curved surface; export the mesh as polygons");
     }

@@ -87,14 +87,14 @@ std::optional<Type> type_named(std::string_view name) {
 }
 
 // Blanks that part words of a header and numbers of a body.
-constexpr std::string_view kBlank = " \t\r\n";
+constexpr std::string_view kPlyBlank = " \t\r\n";
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> words;
-  for (std::size_t begin = line.find_first_not_of(kBlank); begin != std::string_view::npos;) {
-    const std::size_t end = std::min(line.find_first_of(kBlank, begin), line.size());
+  for (std::size_t begin = line.find_first_not_of(kPlyBlank); begin != std::string_view::npos;) {
+    const std::size_t end = std::min(line.find_first_of(kPlyBlank, begin), line.size());
     words.push_back(line.substr(begin, end - begin));
-    begin = line.find_first_not_of(kBlank, end);
+    begin = line.find_first_not_of(kPlyBlank, end);
   }
   return words;
 }
@@ -217,13 +217,13 @@ class BodyReader {
 
  private:
   std::optional<double> next_text() {
-    while (at_ < bytes_.size() && kBlank.find(bytes_[at_]) != std::string_view::npos) {
+    while (at_ < bytes_.size() && kPlyBlank.find(bytes_[at_]) != std::string_view::npos) {
       line_ += bytes_[at_] == '\n' ? 1U : 0U;
       ++at_;
     }
     std::string_view rest = bytes_.substr(at_);
     const auto value = read_number(rest);
-    if (!rest.empty() && kBlank.find(rest[0]) == std::string_view::npos) {
+    if (!rest.empty() && kPlyBlank.find(rest[0]) == std::string_view::npos) {
       return std::nullopt;  // "1,5" and "4m" are no numbers
     }
     text_ = bytes_.substr(at_, bytes_.size() - rest.size() - at_);

@@ -22,10 +22,6 @@ namespace {
 
 constexpr std::string_view kMeshPrefix = "mesh-";  // as Mitsuba's exporters begin ids
 
-bool contains(std::span<const std::string_view> names, std::string_view name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 // Mitsuba's [-1, 1]^2 in the plane z = 0, and [-1, 1]^3.
 Mesh rectangle_mesh() {
   return {{{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
@@ -106,7 +102,7 @@ class SceneReader {
                                           : "write what it stands for into this file"));
       } else if (tag == "bsdf") {
         add_bsdf(child, id);
-      } else if (contains(visual_tags(), tag) && !id.empty()) {
+      } else if (is_listed(visual_tags(), tag) && !id.empty()) {
         visual_ids_[id] = tag;
       }
     }

@@ -13,7 +13,7 @@ namespace {
 
 // Axes are written with four digits and more; of a room of ten metres that is a millimetre.
 constexpr double kUnitTolerance = 1e-4;
-constexpr double kRounding = 1e-9;  // of a product of matrices
+constexpr double kMatrixRounding = 1e-9;  // of a product of matrices
 
 AffineTransform operator*(const AffineTransform& a, const AffineTransform& b) {
   const Vec3d x = a.linear * Vec3d{b.linear.row0.x, b.linear.row1.x, b.linear.row2.x};
@@ -67,7 +67,8 @@ class StepReader {
       return {};
     }
     const auto& v = *m;
-    if (norm(Vec3d{v[12], v[13], v[14]}) > kRounding || std::abs(v[15] - 1.0) > kRounding) {
+    if (norm(Vec3d{v[12], v[13], v[14]}) > kMatrixRounding ||
+        std::abs(v[15] - 1.0) > kMatrixRounding) {
       element_.complain(
           "the last row of a <matrix> must be 0 0 0 1; it is written row by row, and a translation "
           "stands at the ends of the rows");

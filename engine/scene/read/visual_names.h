@@ -2,6 +2,7 @@
 // is not read is an error. engine/scene/FILES.md has the same list for people.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <string_view>
 
@@ -23,5 +24,10 @@ std::span<const std::string_view> visual_shape_properties();
 std::span<const std::string_view> visual_bsdf_properties();
 // Of Mitsuba's openpbr: properties that begin so.
 std::span<const std::string_view> visual_bsdf_prefixes();
+
+// Whether a name is one of those, spelt just so.
+inline bool is_listed(std::span<const std::string_view> names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
 
 }  // namespace rayloc

@@ -8,7 +8,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kNear = 1e-6;    // [m], chosen: nearer to each other than that nothing bends
+constexpr double kMinEdgeDistance =
+    1e-6;                         // [m], chosen: nearer to each other than that nothing bends
 constexpr double kExact = 1e-12;  // [m], chosen: of a step that changes nothing any more
 constexpr int kMostSteps = 60;    // a count, chosen: a few are usual
 
@@ -34,7 +35,7 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
   double length = length_of(edges, source, observer, bends);
   for (int i = 0; i < kMostSteps; ++i) {
     const EdgePairWay<double> way = edge_pair_way(edges, source, observer, bends);
-    if (std::min({way.before, way.between, way.behind}) < kNear) {
+    if (std::min({way.before, way.between, way.behind}) < kMinEdgeDistance) {
       return std::nullopt;
     }
     const EdgePairBends<double> aim = improved(edges, source, observer, bends);

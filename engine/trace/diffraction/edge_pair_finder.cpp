@@ -14,7 +14,7 @@ double distance_from_line(const Wedge& wedge, const Vec3d& point) {
 }
 
 // Within the wedge, not on its faces.
-bool is_within(const Wedge& wedge, const Vec3d& point) {
+bool is_within_wedge(const Wedge& wedge, const Vec3d& point) {
   const Vec3d off = point - wedge.from;
   const double above_0 = dot(off, wedge.normal);
   const double above_n = dot(off, wedge.normal_n());
@@ -38,7 +38,7 @@ bool EdgePairFinder::may_follow(std::uint32_t first, std::uint32_t second) const
   };
   // A wedge is convex: of an edge with both ends in it nothing is outside.
   const auto hides = [](const Wedge& wedge, const Wedge& other) {
-    return is_within(wedge, other.from) && is_within(wedge, other.to);
+    return is_within_wedge(wedge, other.from) && is_within_wedge(wedge, other.to);
   };
   return first != second && !are_in_line(one, two) && !hides(one, two) && !hides(two, one);
 }
@@ -82,8 +82,8 @@ bool EdgePairFinder::find(const Pair& pair,
   }
   const Vec3d bend = first.from + bends->first * first.along;
   const Vec3d other = second.from + bends->second * second.along;
-  if (is_within(first, other) || is_within(second, bend) || !before_.trace(from, bend) ||
-      !after_.trace(to, other)) {
+  if (is_within_wedge(first, other) || is_within_wedge(second, bend) ||
+      !before_.trace(from, bend) || !after_.trace(to, other)) {
     return false;
   }
   if (!before_.find(from, beside_edge(first, bend)) ||

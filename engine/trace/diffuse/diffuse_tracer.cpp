@@ -25,18 +25,19 @@ struct TriangleNode {
 };
 // Radon's rule, exact to degree 5: a = (6 -+ sqrt 15) / 21, weights (155 -+ sqrt 15) / 1200.
 constexpr double kRoot15 = 3.8729833462074170;
-constexpr double kNear = (6.0 - kRoot15) / 21.0;            // a ratio of Radon's rule
+constexpr double kRadonNear = (6.0 - kRoot15) / 21.0;       // a ratio of Radon's rule
 constexpr double kFar = (6.0 + kRoot15) / 21.0;             // a ratio of Radon's rule
 constexpr double kNearWeight = (155.0 - kRoot15) / 1200.0;  // of Radon's rule
 constexpr double kFarWeight = (155.0 + kRoot15) / 1200.0;   // of Radon's rule
 // Radon's rule of seven nodes.
-constexpr std::array<TriangleNode, 7> kRule{{{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 0.225},
-                                             {{kNear, kNear, 1.0 - 2.0 * kNear}, kNearWeight},
-                                             {{kNear, 1.0 - 2.0 * kNear, kNear}, kNearWeight},
-                                             {{1.0 - 2.0 * kNear, kNear, kNear}, kNearWeight},
-                                             {{kFar, kFar, 1.0 - 2.0 * kFar}, kFarWeight},
-                                             {{kFar, 1.0 - 2.0 * kFar, kFar}, kFarWeight},
-                                             {{1.0 - 2.0 * kFar, kFar, kFar}, kFarWeight}}};
+constexpr std::array<TriangleNode, 7> kRule{
+    {{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 0.225},
+     {{kRadonNear, kRadonNear, 1.0 - 2.0 * kRadonNear}, kNearWeight},
+     {{kRadonNear, 1.0 - 2.0 * kRadonNear, kRadonNear}, kNearWeight},
+     {{1.0 - 2.0 * kRadonNear, kRadonNear, kRadonNear}, kNearWeight},
+     {{kFar, kFar, 1.0 - 2.0 * kFar}, kFarWeight},
+     {{kFar, 1.0 - 2.0 * kFar, kFar}, kFarWeight},
+     {{1.0 - 2.0 * kFar, kFar, kFar}, kFarWeight}}};
 
 // Whether faces would move with it.
 bool moves_faces(const Parameter& parameter) {

@@ -11,7 +11,7 @@ namespace {
 // [m], twice the tolerance of meshes, as beside an edge.
 constexpr double kBeside = 2e-5;
 // A cosine, chosen: what comes flatter carries nothing.
-constexpr double kLeastCosine = 1e-6;
+constexpr double kMinLegCosine = 1e-6;
 // A count, chosen: faces in front of a mirror that are crossed on the way to it, a wall or a door.
 constexpr int kMostCrossed = 2;
 
@@ -54,7 +54,7 @@ const std::vector<FoundLeg>& LegFinder::find(const Vec3d& point, const Vec3d& si
       return;
     }
     const Vec3d last = (chain.points.empty() ? end_ : chain.points.back()) - point;
-    if (dot(last, side) > kLeastCosine * norm(last) && finder_.find(chain, from, to, met_)) {
+    if (dot(last, side) > kMinLegCosine * norm(last) && finder_.find(chain, from, to, met_)) {
       legs_.push_back({{met_.rbegin(), met_.rend()}, static_cast<int>(chain.points.size())});
     }
   });

@@ -6,12 +6,11 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/trace/images/tolerances.h"
+
 namespace rayloc {
 namespace {
 
-// Single precision decides within this share of the largest coordinate: some 30 roundings, where a
-// plane equation has 7.
-constexpr float kRounding = 2e-6F;
 // A cube is divided down to this half of its side [m], or while it has more beams than this.
 constexpr float kLeastHalf = 0.15F;
 constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are looked at faster than divided
@@ -119,7 +118,7 @@ std::unique_ptr<const BeamIndex::Cube> BeamIndex::part(const Cube& whole,
   part->half = half;
   part->centre = {
       shifted(whole.centre.x, 1), shifted(whole.centre.y, 2), shifted(whole.centre.z, 4)};
-  const float margin = kRounding * reach_;
+  const float margin = kSingleRounding * reach_;
   for (const std::uint32_t beam : whole.beams) {
     if (beams_[beam].meets(part->centre, half, margin)) {
       part->beams.push_back(beam);
@@ -149,7 +148,7 @@ const BeamIndex::Cube* BeamIndex::cube_at(const Vec3d& point) const {
 
 CubeRegion BeamIndex::region_of(const Cube& cube) const {
   const Vec3d centre{cube.centre.x, cube.centre.y, cube.centre.z};
-  return {root_ + centre, static_cast<double>(cube.half + kRounding * reach_)};
+  return {root_ + centre, static_cast<double>(cube.half + kSingleRounding * reach_)};
 }
 
 void BeamIndex::select(const Vec3d& point,
@@ -157,7 +156,7 @@ void BeamIndex::select(const Vec3d& point,
                        std::vector<std::uint32_t>& found) const {
   found.clear();
   const Vec3<float> at = from_root(point);
-  const float margin = kRounding * (reach_ + largest(at));
+  const float margin = kSingleRounding * (reach_ + largest(at));
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (i + kAhead < from.size()) {
       const auto* next = reinterpret_cast<const char*>(&beams_[from[i + kAhead]]);
@@ -173,13 +172,13 @@ void BeamIndex::select(const Vec3d& point,
 BeamIndex::Segment BeamIndex::segment(const Vec3d& from, const Vec3d& to) const {
   const Vec3<float> start = from_root(from);
   const Vec3<float> end = from_root(to);
-  return {start, end, kRounding * (reach_ + std::max(largest(start), largest(end)))};
+  return {start, end, kSingleRounding * (reach_ + std::max(largest(start), largest(end)))};
 }
 
 BeamIndex::Box BeamIndex::box(const Vec3d& lower, const Vec3d& upper) const {
   const Vec3<float> centre = from_root(0.5 * (lower + upper));
   const Vec3<float> half = single(0.5 * (upper - lower));
-  return {centre, half, kRounding * (reach_ + largest(centre) + largest(half))};
+  return {centre, half, kSingleRounding * (reach_ + largest(centre) + largest(half))};
 }
 
 std::size_t BeamIndex::bytes(const Cube& cube) {

@@ -10,7 +10,7 @@ namespace rayloc {
 namespace {
 
 // So far inside of all limits rounding changes nothing [m].
-constexpr double kCertain = 1e-6;
+constexpr double kCertainInside = 1e-6;
 
 // Where the line from `point` to the image of a mirror meets the mirror; nothing when the point is
 // not certainly in front.
@@ -18,7 +18,7 @@ std::optional<Vec3d> reflection(const Image& image,
                                 const Plane<double>& plane,
                                 const Vec3d& point) {
   const double here = distance(plane, point);
-  if (image.distance < 0.0 ? here < kCertain : here > -kCertain) {
+  if (image.distance < 0.0 ? here < kCertainInside : here > -kCertainInside) {
     return std::nullopt;
   }
   return point + (here / (here - image.distance)) * (image.point - point);
@@ -77,7 +77,7 @@ bool BlockedChains::is_blocked(std::uint32_t node,
     from_surface = nodes_[node].surface;
     front = facing_away(scene_.surfaces()[from_surface].plane(), apex);
   }
-  const BeamShadow shadow(apex, node == kRootNode ? nullptr : &front, kCertain);
+  const BeamShadow shadow(apex, node == kRootNode ? nullptr : &front, kCertainInside);
   // What blocks all blocks the middle.
   std::vector<Crossing> crossings;
   scene_.crossings({from, to.middle, from_surface, to.surface}, crossings);

@@ -6,12 +6,11 @@
 
 #include "engine/trace/images/blocked_chains.h"
 #include "engine/trace/images/image_tree_builder.h"
+#include "engine/trace/images/tolerances.h"
 
 namespace rayloc {
 namespace {
 
-// Closer to a mirror's plane than this, a point is on it and has no reflection there [m].
-constexpr double kOnPlane = 1e-9;
 // A cube that a root's queries ask more often than this is looked at closely: what that costs (85
 // us) as many more queries save (18 us each).
 constexpr std::size_t kOften = 4;
@@ -70,7 +69,7 @@ bool ImageTree::back_trace(std::size_t root,
     const Surface& surface = scene_->surfaces()[number];
     const double here = distance(surface.plane(), point);
     // The point must be in front of the mirror: on the other side than the image.
-    if (image.distance < 0.0 ? here < kOnPlane : here > -kOnPlane) {
+    if (image.distance < 0.0 ? here < kMinPlaneDistance : here > -kMinPlaneDistance) {
       return false;
     }
     point = point + (here / (here - image.distance)) * (image.point - point);
@@ -101,7 +100,8 @@ bool ImageTree::is_clear(std::size_t root, const SpecularChain& chain, const Vec
 }
 
 bool ImageTree::is_direct(std::size_t root, const Vec3d& target) const {
-  return norm(target - roots_[root]) > kOnPlane && (!clear_only_ || is_clear(root, {}, target));
+  return norm(target - roots_[root]) > kMinPlaneDistance &&
+         (!clear_only_ || is_clear(root, {}, target));
 }
 
 std::vector<std::uint32_t> ImageTree::candidates(const Vec3d& target) const {

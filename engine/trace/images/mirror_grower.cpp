@@ -9,15 +9,14 @@
 #include "engine/trace/image_method.h"
 #include "engine/trace/images/beam_shadow.h"
 #include "engine/trace/images/mirror_trie.h"
+#include "engine/trace/images/tolerances.h"
 
 namespace rayloc {
 namespace {
 
-// Closer to a mirror's plane than this, a point is on it and has no reflection there [m].
-constexpr double kOnPlane = 1e-9;
 // So far inside the edges of what stands in the way, and so far from both ends, no rounding and no
 // tolerance changes a verdict [m].
-constexpr double kCertain = 1e-6;
+constexpr double kCertainOcclusion = 1e-6;
 // Of the mirrors that a beam lights, so many are tried as things in the way of the others.
 constexpr std::size_t kMaxOccluders = 12;
 // A count of lit mirrors, chosen: with no more, images of the last level are not tried for shadows.
@@ -105,8 +104,9 @@ int MirrorGrower::crossings(const Parent& parent,
     }
     bool hides = true;
     for_each_root(lit.roots, [&](std::size_t root) {
-      hides = hides && BeamShadow(parent.images[root].point, start, options_.softness + kCertain)
-                           .hides(*i->shape, window);
+      hides = hides &&
+              BeamShadow(parent.images[root].point, start, options_.softness + kCertainOcclusion)
+                  .hides(*i->shape, window);
     });
     count += hides ? 1 : 0;
   }
@@ -128,7 +128,7 @@ void MirrorGrower::find_lit(const Parent& parent) {
     std::array<RootSet, 2> lit_by{};  // from behind, from the front
     for_each_root(parent.roots, [&](std::size_t root) {
       const double here = distance(table_.plane(surface), parent.images[root].point);
-      if (std::abs(here) >= kOnPlane && table_.is_lit(surface, root, here)) {
+      if (std::abs(here) >= kMinPlaneDistance && table_.is_lit(surface, root, here)) {
         lit_by[here > 0.0 ? 1 : 0] |= RootSet{1} << root;
       }
     });

@@ -5,12 +5,11 @@
 #include <bit>
 #include <cmath>
 
+#include "engine/trace/images/tolerances.h"
+
 namespace rayloc {
 namespace {
 
-// Single precision decides within this share of the largest coordinate: some 30 roundings, where a
-// plane equation has 7.
-constexpr float kRounding = 2e-6F;
 // Winding numbers closer than this to a whole number are that number.
 constexpr double kWindingTolerance = 0.01;
 
@@ -28,7 +27,9 @@ int lit_side(const Solid& solid, const Mesh& mesh, const Vec3d& root) {
   return inside_single ? -solid.orientation : 0;
 }
 
-double largest(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+double largest_coordinate(const Vec3d& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 }  // namespace
 
@@ -83,7 +84,7 @@ void MirrorTable::put_into_block(std::uint32_t surface) {
          std::max(u[1], dot(s.u_axis(), from_origin))};
     v = {std::min(v[0], dot(s.v_axis(), from_origin)),
          std::max(v[1], dot(s.v_axis(), from_origin))};
-    reach_ = std::max(reach_, largest(corner - roots_[0]));
+    reach_ = std::max(reach_, largest_coordinate(corner - roots_[0]));
   }
   const Vec3d centre = s.origin() + (0.5 * (u[0] + u[1])) * s.u_axis() +
                        (0.5 * (v[0] + v[1])) * s.v_axis() - roots_[0];
@@ -101,7 +102,7 @@ void MirrorTable::put_into_block(std::uint32_t surface) {
 
 // Bit i: lane i is not wholly outside one of the bounds.
 unsigned MirrorTable::within(const Block& block, std::span<const PlaneF> bounds) const {
-  const float margin = kRounding * static_cast<float>(reach_);
+  const float margin = kSingleRounding * static_cast<float>(reach_);
   alignas(64) Lanes least;
   least.fill(1.0F);
   const auto along = [](const Vectors& v, const PlaneF& n, std::size_t i) {

@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kPortions = 16;
 
 // Whether the root is in the matter of a closed object.
-bool is_within(const Scene& scene, std::uint32_t object, const Vec3d& root) {
+bool is_within_object(const Scene& scene, std::uint32_t object, const Vec3d& root) {
   return scene.solid(object).shells > 0 && is_inside(scene.objects()[object].mesh, root);
 }
 
@@ -39,7 +39,7 @@ std::vector<std::uint32_t> met_faces(const Scene& scene, const Vec3d& root) {
   std::vector<std::uint32_t> met(scene.surfaces().size());
   std::iota(met.begin(), met.end(), 0U);
   for (std::uint32_t object = 0; object < scene.objects().size(); ++object) {
-    if (!is_within(scene, object, root)) {
+    if (!is_within_object(scene, object, root)) {
       continue;
     }
     const auto [first, end] = scene.surfaces_of(object);

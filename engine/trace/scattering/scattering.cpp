@@ -19,7 +19,7 @@
 namespace rayloc {
 namespace {
 
-using Dual = ceres::Jet<double, 2>;
+using PlaceDual = ceres::Jet<double, 2>;
 
 // Largest gain of a body, against a mirror in its place; beyond what any material has shown.
 constexpr double kLargestGain = 4.0;
@@ -77,7 +77,7 @@ class TargetLink::Impl {
   Expected<void> check(const TargetPosition& position) const;
   std::vector<Pair> find(const TargetPosition& position) const;
   bool evaluate(Pair& pair, const Vec3d& point, const CylinderRoute<double>& route) const;
-  ScatteredCoefficient<Dual> differentiate(const Pair& pair) const;
+  ScatteredCoefficient<PlaceDual> differentiate(const Pair& pair) const;
 
   std::shared_ptr<const ScatteringContext> shared_;
   std::shared_ptr<const ScatteringEnd> transmitter_;
@@ -160,15 +160,18 @@ bool TargetLink::Impl::evaluate(Pair& pair,
   return true;
 }
 
-ScatteredCoefficient<Dual> TargetLink::Impl::differentiate(const Pair& pair) const {
-  const ScatteringPlace<Dual> place{
-      pair.place.source, pair.place.observer, Dual(pair.place.x, 0), Dual(pair.place.y, 1)};
-  const CylinderRoute<Dual> route = place.route(shared_->scatterer);
-  const Vec3<Dual> point{place.x, place.y, limited_height(route.height, shared_->scatterer.body())};
+ScatteredCoefficient<PlaceDual> TargetLink::Impl::differentiate(const Pair& pair) const {
+  const ScatteringPlace<PlaceDual> place{pair.place.source,
+                                         pair.place.observer,
+                                         PlaceDual(pair.place.x, 0),
+                                         PlaceDual(pair.place.y, 1)};
+  const CylinderRoute<PlaceDual> route = place.route(shared_->scatterer);
+  const Vec3<PlaceDual> point{
+      place.x, place.y, limited_height(route.height, shared_->scatterer.body())};
   return scattered(shared_->scatterer,
                    route,
-                   transmitter_->evaluate<Dual>(pair.in, point),
-                   receiver_.evaluate<Dual>(pair.out, point));
+                   transmitter_->evaluate<PlaceDual>(pair.in, point),
+                   receiver_.evaluate<PlaceDual>(pair.out, point));
 }
 
 Expected<TargetPaths> TargetLink::Impl::trace(const TargetPosition& position,
@@ -181,7 +184,7 @@ Expected<TargetPaths> TargetLink::Impl::trace(const TargetPosition& position,
   if (with_derivatives) {
     result.by_position = PathDerivatives(pairs.size(), 2);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const ScatteredCoefficient<Dual> dual = differentiate(pairs[i]);
+      const ScatteredCoefficient<PlaceDual> dual = differentiate(pairs[i]);
       for (int axis = 0; axis < 2; ++axis) {
         result.by_position.at(i, static_cast<std::size_t>(axis)) = {
             {dual.a.re.v[axis], dual.a.im.v[axis]}, dual.length.v[axis] / kSpeedOfLight};
