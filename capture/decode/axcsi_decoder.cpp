@@ -29,10 +29,8 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kHeaderBytes = kAxcsiHeaderBytes;
 constexpr unsigned kEncodingLegacy = 0;
 constexpr unsigned kEncodingHt = 1;
-constexpr unsigned kEncodingHe = 3;
 
 AxcsiHeader read_fields(const ByteReader& reader) {
   AxcsiHeader header;
@@ -62,13 +60,13 @@ AxcsiHeader read_fields(const ByteReader& reader) {
 
 bool length_fits(const AxcsiHeader& header, std::size_t size) {
   return header.first_tone <= header.last_tone &&
-         size ==
-             kHeaderBytes + kBytesPerWord * (header.last_tone - header.first_tone + std::size_t{1});
+         size == kAxcsiHeaderBytes +
+                     kBytesPerWord * (header.last_tone - header.first_tone + std::size_t{1});
 }
 
 // Bandwidth of the channel, by the size of the transform: 0 where there is no such transform.
 int channel_bandwidth_mhz(unsigned encoding, unsigned total_tones) {
-  const unsigned tones_of_20_mhz = encoding == kEncodingHe ? 256 : 64;
+  const unsigned tones_of_20_mhz = encoding == kAxcsiEncodingHe ? 256 : 64;
   for (const unsigned parts : {1U, 2U, 4U, 8U}) {
     if (total_tones == parts * tones_of_20_mhz) {
       return static_cast<int>(20 * parts);
@@ -83,7 +81,7 @@ PhyFormat phy_of(unsigned encoding) {
       return PhyFormat::kLegacy;
     case kEncodingHt:
       return PhyFormat::kHt;
-    case kEncodingHe:
+    case kAxcsiEncodingHe:
       return PhyFormat::kHe;
     default:
       return PhyFormat::kVht;
@@ -108,14 +106,14 @@ unsigned AxcsiHeader::mcs() const {
 }
 
 tl::expected<AxcsiHeader, RejectReason> read_axcsi_header(std::span<const std::byte> payload) {
-  if (payload.size() < kHeaderBytes) {
+  if (payload.size() < kAxcsiHeaderBytes) {
     return tl::make_unexpected(RejectReason::kTooShort);
   }
   const AxcsiHeader header = read_fields(ByteReader(payload));
   if (!length_fits(header, payload.size())) {
     return tl::make_unexpected(RejectReason::kLengthMismatch);
   }
-  if (header.encoding() > kEncodingHe) {
+  if (header.encoding() > kAxcsiEncodingHe) {
     return tl::make_unexpected(RejectReason::kEncodingRange);
   }
   if (header.core >= kMaxCores) {
@@ -161,12 +159,12 @@ DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
     }
   }
   fragment.layout = CsiWords::kFloat12;
-  fragment.words = payload.subspan(kHeaderBytes);
+  fragment.words = payload.subspan(kAxcsiHeaderBytes);
   return fragment;
 }
 
 bool resembles_axcsi(std::span<const std::byte> payload) {
-  if (payload.size() < kHeaderBytes) {
+  if (payload.size() < kAxcsiHeaderBytes) {
     return false;
   }
   const AxcsiHeader header = read_fields(ByteReader(payload));
@@ -174,7 +172,7 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
     return true;
   }
   return header.core < kMaxCores && header.stream < kMaxStreams &&
-         header.encoding() <= kEncodingHe &&
+         header.encoding() <= kAxcsiEncodingHe &&
          channel_bandwidth_mhz(header.encoding(), header.total_tones) != 0 &&
          header.sequence_control == header.receive_sequence;
 }

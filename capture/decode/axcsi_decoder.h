@@ -10,6 +10,7 @@
 namespace rayloc {
 
 inline constexpr std::size_t kAxcsiHeaderBytes = 54;
+inline constexpr unsigned kAxcsiEncodingHe = 3;  // of AxcsiHeader::encoding()
 
 // Every field of the header, as it stands there.
 struct AxcsiHeader {

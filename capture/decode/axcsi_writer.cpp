@@ -13,8 +13,6 @@ constexpr int kMantissaBits = 11;
 constexpr int kExponentBits = 6;
 constexpr int kLowestExponent = -32;
 constexpr int kHighestExponent = 31;
-constexpr std::size_t kHeaderBytes = 54;
-constexpr unsigned kEncodingHe = 3;
 
 void put(std::vector<std::byte>& bytes, std::uint64_t value, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -88,7 +86,7 @@ std::vector<std::byte> write_axcsi_datagram(const AxcsiHeader& header,
   RAYLOC_CHECK(header.first_tone <= header.last_tone &&
                tones.size() == header.last_tone - header.first_tone + std::size_t{1});
   std::vector<std::byte> bytes;
-  bytes.reserve(kHeaderBytes + kBytesPerWord * tones.size());
+  bytes.reserve(kAxcsiHeaderBytes + kBytesPerWord * tones.size());
   put_header(bytes, header);
   for (const std::complex<double>& tone : tones) {
     put(bytes, pack_axcsi_word(tone), kBytesPerWord);
@@ -100,7 +98,7 @@ std::vector<std::vector<std::byte>> write_axcsi_frame(const AxcsiFrame& frame) {
   RAYLOC_CHECK(!frame.cores.empty() && frame.tones.size() % frame.cores.size() == 0);
   const std::size_t total = frame.tones.size() / frame.cores.size();
   RAYLOC_CHECK(total >= kToneBlock && total <= kMaxTones && (total & (total - 1)) == 0);
-  const bool two_transforms = total == 512 && frame.header.encoding() != kEncodingHe;
+  const bool two_transforms = total == 512 && frame.header.encoding() != kAxcsiEncodingHe;
   AxcsiHeader header = frame.header;
   header.total_tones = static_cast<std::uint16_t>(total);
   header.receive_sequence = header.sequence_control;

@@ -35,7 +35,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::uint8_t kCode = 0xbb;
-constexpr std::size_t kHeaderBytes = 21;
+constexpr std::size_t kBeamformingHeaderBytes = 21;
 constexpr std::size_t kExtendedHeaderBytes = 39;
 constexpr std::size_t kTransmitterOffset = 29;  // of extended records
 constexpr std::size_t kMostChains = 3;
@@ -75,7 +75,7 @@ struct Header {
 };
 
 tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload) {
-  if (payload.size() < kHeaderBytes) {
+  if (payload.size() < kBeamformingHeaderBytes) {
     return tl::make_unexpected(RejectReason::kTooShort);
   }
   const ByteReader reader(payload);
@@ -95,7 +95,7 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
   const std::size_t csi = csi_bytes(header.chains, header.streams);
   header.bytes = payload.size() - csi;
   if (reader.u16(17) != csi || payload.size() < csi ||
-      (header.bytes != kHeaderBytes && header.bytes != kExtendedHeaderBytes)) {
+      (header.bytes != kBeamformingHeaderBytes && header.bytes != kExtendedHeaderBytes)) {
     return tl::make_unexpected(RejectReason::kLengthMismatch);
   }
   if (((header.rate >> kHtBit) & 1U) == 0) {  // the card measures HT frames alone

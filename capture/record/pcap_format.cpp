@@ -6,14 +6,11 @@
 #include <limits>
 #include <span>
 
+#include "capture/record/udp_packet.h"
 #include "engine/base/check.h"
 
 namespace rayloc {
 namespace {
-
-constexpr std::size_t kIpv4HeaderBytes = 20;
-constexpr std::size_t kUdpHeaderBytes = 8;
-constexpr std::uint8_t kProtocolUdp = 17;
 
 // WIRE_FORMATS 1.1: "NEXMON" sends to everybody.
 constexpr std::array<std::uint8_t, 14> kEthernetHeader = {

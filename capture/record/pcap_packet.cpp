@@ -4,6 +4,7 @@
 #include <array>
 
 #include "capture/record/pcap_bytes.h"
+#include "capture/record/udp_packet.h"
 
 namespace rayloc::pcap {
 namespace {
@@ -29,10 +30,6 @@ constexpr std::uint16_t kEtherTypeOldQinq = 0x9100;
 constexpr std::size_t kVlanTagBytes = 4;
 
 constexpr std::uint32_t kFamilyIpv4 = 2;  // AF_INET is 2 on every system that writes such files
-
-constexpr std::uint8_t kProtocolUdp = 17;
-constexpr std::size_t kIpv4HeaderBytes = 20;
-constexpr std::size_t kUdpHeaderBytes = 8;
 
 using Refusal = tl::unexpected<const char*>;
 

@@ -15,16 +15,18 @@
 #include "capture/transport/poll_timeout.h"
 
 namespace rayloc {
+
+// In no unnamed namespace: a member of PcapLiveSource::Impl.
+struct ClosePcapHandle {
+  void operator()(pcap_t* handle) const { pcap_close(handle); }
+};
+using PcapHandle = std::unique_ptr<pcap_t, ClosePcapHandle>;
+
 namespace {
 
 // Longer than any CSI datagram with its headers; what is cut is counted "truncated_capture".
 constexpr int kSnapLength = 8192;
 constexpr int kBatchPackets = 256;
-
-struct CloseHandle {
-  void operator()(pcap_t* handle) const { pcap_close(handle); }
-};
-using Handle = std::unique_ptr<pcap_t, CloseHandle>;
 
 tl::unexpected<Error> activation_error(pcap_t* handle, const std::string& interface, int status) {
   std::string message = "interface " + interface + ": " + pcap_statustostr(status);
@@ -57,7 +59,7 @@ Expected<void> set_filter(pcap_t* handle, const std::string& filter) {
 
 class PcapLiveSource::Impl {
  public:
-  Impl(Handle handle, std::string interface)
+  Impl(PcapHandle handle, std::string interface)
       : handle_(std::move(handle)),
         interface_(std::move(interface)),
         link_type_(static_cast<std::uint32_t>(pcap_datalink(handle_.get()))),
@@ -77,7 +79,7 @@ class PcapLiveSource::Impl {
   void take(const pcap_pkthdr& header, const u_char* bytes);
   void count_drops();
 
-  const Handle handle_;
+  const PcapHandle handle_;
   const std::string interface_;
   const std::uint32_t link_type_;
   const std::int64_t fraction_;  // nanoseconds per unit of tv_usec
@@ -180,7 +182,7 @@ void PcapLiveSource::Impl::count_drops() {
 
 Expected<std::unique_ptr<PcapLiveSource>> PcapLiveSource::open(const PcapLiveOptions& options) {
   std::array<char, PCAP_ERRBUF_SIZE> error{};
-  Handle handle(pcap_create(options.interface.c_str(), error.data()));
+  PcapHandle handle(pcap_create(options.interface.c_str(), error.data()));
   if (!handle) {
     return make_error(ErrorKind::kUnavailable,
                       "interface " + options.interface + ": " + error.data());

@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 // Enough to make the cost of a call vanish, few enough to keep a reader's queue short.
-constexpr std::size_t kBatchDatagrams = 256;
+constexpr std::size_t kFileBatchDatagrams = 256;
 
 // Odd places of a pipe that are told at its end.
 constexpr std::size_t kMostNoted = 1000;
@@ -93,7 +93,7 @@ Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
 }
 
 void PcapFileSource::take_records(DatagramBatch& batch) {
-  while (batch.datagrams.size() < kBatchDatagrams && !error_) {
+  while (batch.datagrams.size() < kFileBatchDatagrams && !error_) {
     const pcap::PcapParser::Step step = parser_->next(input_->window());
     switch (step.status) {
       case pcap::PcapParser::Status::kNeedMore:

@@ -1,9 +1,9 @@
 #include "capture/source/record_times.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
+
+#include "capture/source/seconds_text.h"
 
 namespace rayloc {
 namespace {
@@ -33,12 +33,6 @@ bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const Stam
   }
   return outside > latest ? stamp < outside - limits.disorder
                           : stamp - outside >= (latest - outside) / 2;
-}
-
-std::string seconds_text(Duration duration) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.1f s", to_seconds(duration));
-  return text.data();
 }
 
 std::string at(const RecordPlace& place) {

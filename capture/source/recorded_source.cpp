@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kBatchDatagrams = 256;
+constexpr std::size_t kRecordedBatchDatagrams = 256;
 
 }  // namespace
 
@@ -121,7 +121,7 @@ std::vector<std::string> RecordedSource::warnings() const {
 
 Expected<void> RecordedSource::read(DatagramBatch& batch, Duration timeout) {
   batch.datagrams.clear();
-  while (batch.datagrams.size() < kBatchDatagrams) {
+  while (batch.datagrams.size() < kRecordedBatchDatagrams) {
     // What a batch shows lies in its readers until the next call.
     const bool may_read = batch.datagrams.empty();
     if (may_read) {

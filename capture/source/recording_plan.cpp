@@ -1,12 +1,12 @@
 #include "capture/source/recording_plan.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <system_error>
 #include <utility>
+
+#include "capture/source/seconds_text.h"
 
 namespace rayloc {
 namespace {
@@ -42,12 +42,6 @@ std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, Duration gap) {
     }
   }
   return all;
-}
-
-std::string seconds_text(Duration duration) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%.1f s", to_seconds(duration));
-  return text.data();
 }
 
 // Of two files that follow each other; empty where there is nothing to say.

@@ -27,12 +27,12 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kBatchDatagrams = 64;
+constexpr std::size_t kUdpBatchDatagrams = 64;
 constexpr std::size_t kControlBytes = CMSG_SPACE(sizeof(timespec)) +
                                       CMSG_SPACE(sizeof(in_pktinfo)) +
                                       CMSG_SPACE(sizeof(std::uint32_t));
 
-tl::unexpected<Error> unavailable(const std::string& what) {
+tl::unexpected<Error> udp_unavailable(const std::string& what) {
   return make_error(ErrorKind::kUnavailable, what + ": " + std::strerror(errno));
 }
 
@@ -168,11 +168,11 @@ class UdpSource::Impl {
   ReceiveBuffer buffer_granted_;
 
   EventClock clock_;
-  std::vector<std::byte> buffer_ = std::vector<std::byte>(kBatchDatagrams * kMaxDatagramBytes);
-  std::array<std::array<std::byte, kControlBytes>, kBatchDatagrams> control_{};
-  std::array<sockaddr_storage, kBatchDatagrams> names_{};
-  std::array<iovec, kBatchDatagrams> vectors_{};
-  std::array<mmsghdr, kBatchDatagrams> messages_{};
+  std::vector<std::byte> buffer_ = std::vector<std::byte>(kUdpBatchDatagrams * kMaxDatagramBytes);
+  std::array<std::array<std::byte, kControlBytes>, kUdpBatchDatagrams> control_{};
+  std::array<sockaddr_storage, kUdpBatchDatagrams> names_{};
+  std::array<iovec, kUdpBatchDatagrams> vectors_{};
+  std::array<mmsghdr, kUdpBatchDatagrams> messages_{};
   std::uint32_t last_drops_ = 0;
   SourceCounters counting_;  // the reader's own
 
@@ -186,7 +186,7 @@ UdpSource::Impl::Impl(int fd, int wake_fd, std::string description, const UdpSou
       description_(std::move(description)),
       interface_(options.interface),
       senders_(options.senders) {
-  for (std::size_t i = 0; i < kBatchDatagrams; ++i) {
+  for (std::size_t i = 0; i < kUdpBatchDatagrams; ++i) {
     vectors_[i] = {.iov_base = buffer_.data() + i * kMaxDatagramBytes,
                    .iov_len = kMaxDatagramBytes};
     messages_[i].msg_hdr.msg_iov = &vectors_[i];
@@ -205,7 +205,7 @@ Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
   if (!switch_on(fd_.get(), SOL_SOCKET, SO_TIMESTAMPNS) ||
       !switch_on(fd_.get(), SOL_SOCKET, SO_RXQ_OVFL) ||
       !switch_on(fd_.get(), IPPROTO_IP, IP_PKTINFO)) {
-    return unavailable(description_ + ": the socket cannot be set up");
+    return udp_unavailable(description_ + ": the socket cannot be set up");
   }
   const bool adopted = options.adopted_fd >= 0;
   set_receive_buffer(fd_.get(), options.receive_buffer_bytes, adopted);
@@ -219,7 +219,7 @@ Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
   socklen_t size = sizeof bound;
   // sockaddr is the type of the interface; what lies behind it is told by the family.
   if (getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&bound), &size) != 0) {
-    return unavailable(description_ + ": the socket has no address");
+    return udp_unavailable(description_ + ": the socket has no address");
   }
   sockaddr_in6 v6{};
   std::memcpy(&v6, &bound, sizeof v6);
@@ -235,14 +235,14 @@ Expected<std::size_t> UdpSource::Impl::receive() {
     message.msg_hdr.msg_controllen = kControlBytes;
   }
   clock_.observe_now();
-  const int got = recvmmsg(fd_.get(), messages_.data(), kBatchDatagrams, MSG_DONTWAIT, nullptr);
+  const int got = recvmmsg(fd_.get(), messages_.data(), kUdpBatchDatagrams, MSG_DONTWAIT, nullptr);
   if (got >= 0) {
     return static_cast<std::size_t>(got);
   }
   if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
     return std::size_t{0};
   }
-  return unavailable(description_ + ": cannot receive");
+  return udp_unavailable(description_ + ": cannot receive");
 }
 
 // False when it was woken or nothing came.
@@ -276,7 +276,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
     const std::size_t size = std::min<std::size_t>(messages_[i].msg_len, kMaxDatagramBytes);
     take(messages_[i], buffer.subspan(i * kMaxDatagramBytes, size), batch);
   }
-  if (*got < kBatchDatagrams) {
+  if (*got < kUdpBatchDatagrams) {
     clock_.drained();
     count_drops_of_idle_socket();
   } else if (!batch.datagrams.empty()) {
@@ -363,17 +363,17 @@ Expected<std::unique_ptr<UdpSource>> UdpSource::open(const UdpSourceOptions& opt
     description = "udp " + options.address;
     fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (fd < 0) {
-      return unavailable(description);
+      return udp_unavailable(description);
     }
     if (bind(fd, reinterpret_cast<const sockaddr*>(&*address), sizeof *address) != 0) {
-      const auto error = unavailable(description + ": cannot listen here");
+      const auto error = udp_unavailable(description + ": cannot listen here");
       close(fd);
       return error;
     }
   }
   const int wake_fd = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake_fd < 0) {
-    const auto error = unavailable(description);
+    const auto error = udp_unavailable(description);
     close(fd);
     return error;
   }

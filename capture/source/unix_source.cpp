@@ -25,12 +25,12 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kBatchDatagrams = 64;
+constexpr std::size_t kUnixBatchDatagrams = 64;
 constexpr std::size_t kMessageBytes = kRelayHeaderBytes + UdpSource::kMaxDatagramBytes;
 // How late the sender may be before we go on without it.
 constexpr Duration kSenderPatience = std::chrono::seconds(1);
 
-tl::unexpected<Error> unavailable(const std::string& what) {
+tl::unexpected<Error> unix_unavailable(const std::string& what) {
   return make_error(ErrorKind::kUnavailable, what + ": " + std::strerror(errno));
 }
 
@@ -65,16 +65,16 @@ Expected<int> bind_socket(const std::string& path) {
   if (stat(path.c_str(), &there) == 0 && S_ISSOCK(there.st_mode)) {
     if (in_use(address)) {
       errno = EADDRINUSE;
-      return unavailable("unix " + path);
+      return unix_unavailable("unix " + path);
     }
     unlink(path.c_str());
   }
   const int fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (fd < 0) {
-    return unavailable("unix " + path);
+    return unix_unavailable("unix " + path);
   }
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    const auto error = unavailable("unix " + path + ": cannot listen here");
+    const auto error = unix_unavailable("unix " + path + ": cannot listen here");
     close(fd);
     return error;
   }
@@ -111,10 +111,10 @@ class UnixSource::Impl {
   EventClock clock_{kSenderPatience};
   Timestamp watermark_ = Timestamp::min();
   std::optional<RelayHeader> last_;  // of the sender that is heard now
-  std::vector<std::byte> buffer_ = std::vector<std::byte>(kBatchDatagrams * kMessageBytes);
-  std::array<std::array<std::byte, CMSG_SPACE(sizeof(ucred))>, kBatchDatagrams> control_{};
-  std::array<iovec, kBatchDatagrams> vectors_{};
-  std::array<mmsghdr, kBatchDatagrams> messages_{};
+  std::vector<std::byte> buffer_ = std::vector<std::byte>(kUnixBatchDatagrams * kMessageBytes);
+  std::array<std::array<std::byte, CMSG_SPACE(sizeof(ucred))>, kUnixBatchDatagrams> control_{};
+  std::array<iovec, kUnixBatchDatagrams> vectors_{};
+  std::array<mmsghdr, kUnixBatchDatagrams> messages_{};
   SourceCounters counting_;  // the reader's own
 
   mutable std::mutex mutex_;
@@ -123,7 +123,7 @@ class UnixSource::Impl {
 
 UnixSource::Impl::Impl(int fd, std::string path)
     : fd_(fd), path_(std::move(path)), user_(geteuid()) {
-  for (std::size_t i = 0; i < kBatchDatagrams; ++i) {
+  for (std::size_t i = 0; i < kUnixBatchDatagrams; ++i) {
     vectors_[i] = {.iov_base = buffer_.data() + i * kMessageBytes, .iov_len = kMessageBytes};
     messages_[i].msg_hdr.msg_iov = &vectors_[i];
     messages_[i].msg_hdr.msg_iovlen = 1;
@@ -143,14 +143,14 @@ Expected<std::size_t> UnixSource::Impl::receive() {
     message.msg_hdr.msg_controllen = control_[0].size();
   }
   clock_.observe_now();
-  const int got = recvmmsg(fd_, messages_.data(), kBatchDatagrams, MSG_DONTWAIT, nullptr);
+  const int got = recvmmsg(fd_, messages_.data(), kUnixBatchDatagrams, MSG_DONTWAIT, nullptr);
   if (got >= 0) {
     return static_cast<std::size_t>(got);
   }
   if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
     return std::size_t{0};
   }
-  return unavailable(description() + ": cannot receive");
+  return unix_unavailable(description() + ": cannot receive");
 }
 
 Expected<void> UnixSource::Impl::read(DatagramBatch& batch, Duration timeout) {
@@ -170,7 +170,7 @@ Expected<void> UnixSource::Impl::read(DatagramBatch& batch, Duration timeout) {
     const std::size_t size = std::min<std::size_t>(messages_[i].msg_len, kMessageBytes);
     take(messages_[i], buffer.subspan(i * kMessageBytes, size), batch);
   }
-  if (*got < kBatchDatagrams) {
+  if (*got < kUnixBatchDatagrams) {
     clock_.drained();
   }
   watermark_ = std::max(watermark_, clock_.watermark());
