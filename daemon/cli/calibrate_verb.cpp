@@ -12,7 +12,7 @@
 namespace rayloc::cli {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   CalibrateArguments calibrate;
   PlanArguments plan;
   bool make_plan = false;
@@ -25,7 +25,7 @@ Expected<int> done(const Expected<void>& result) {
   return result.map([] { return 0; });
 }
 
-Expected<int> run(const Options& options) {
+Expected<int> run_calibrate(const CalibrateOptions& options) {
   CalibrateArguments calibrate = options.calibrate;
   if (options.make_plan) {
     PlanArguments plan = options.plan;
@@ -79,8 +79,8 @@ Expected<int> run(const Options& options) {
   });
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto options = std::make_shared<Options>();
+RunVerb declare_calibrate(OptionParser& app) {
+  const auto options = std::make_shared<CalibrateOptions>();
   app.add_option("site", options->calibrate.site, "directory with site.toml")->required();
   app.add_option("--capture", options->calibrate.captures, "recordings of the survey: [AP=]FILE");
   app.add_option(
@@ -131,7 +131,7 @@ RunVerb declare(OptionParser& app) {
                options->calibrate.progress,
                "for programs: lines \"progress SHARE TEXT\" on stderr, though it is no terminal");
   app.add_flag("--quiet", options->calibrate.quiet, "no words on stderr");
-  return [options] { return run(*options); };
+  return [options] { return run_calibrate(*options); };
 }
 
 }  // namespace
@@ -149,6 +149,6 @@ const Verb kCalibrate = {"calibrate",
                          "Exit status 79: the calibration explains the survey no better than the "
                          "plan does, or the site contradicts it; standard error and report.json "
                          "say why, and without --force no site is written",
-                         declare};
+                         declare_calibrate};
 
 }  // namespace rayloc::cli

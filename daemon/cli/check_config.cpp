@@ -26,18 +26,18 @@
 namespace rayloc::cli {
 namespace {
 
-struct Arguments {
+struct CheckConfigArguments {
   std::string path;
   bool quiet = false;
 };
 
-std::string count_of(std::size_t count, const char* one, const char* many) {
+std::string quantity_text(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
 std::string describe(const Site& site) {
   return "site '" + site.name + "', " +
-         count_of(site.access_points.size(), "access point", "access points");
+         quantity_text(site.access_points.size(), "access point", "access points");
 }
 
 using LacksOf = std::function<SiteLacks(const RoomModel& room)>;
@@ -86,7 +86,7 @@ Expected<void> check_secrets_of(const DaemonConfig& config) {
   return check_secrets(config);
 }
 
-Expected<std::string> check(const std::filesystem::path& path) {
+Expected<std::string> check_daemon(const std::filesystem::path& path) {
   std::error_code status;
   if (std::filesystem::is_directory(path, status) || path.filename() == "site.toml") {
     return check_site(path);
@@ -107,11 +107,11 @@ Expected<std::string> check(const std::filesystem::path& path) {
     }
     good += (good.empty() ? "" : "; ") + *room;
   }
-  return good + ", " + count_of(setup->config.sources.size(), "source", "sources");
+  return good + ", " + quantity_text(setup->config.sources.size(), "source", "sources");
 }
 
-Expected<void> run(const Arguments& arguments) {
-  const Expected<std::string> found = check(arguments.path);
+Expected<void> run_check_config(const CheckConfigArguments& arguments) {
+  const Expected<std::string> found = check_daemon(arguments.path);
   if (!found) {
     return report_file_error({ErrorKind::kConfiguration, found.error().message});
   }
@@ -121,12 +121,12 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_check_config(OptionParser& app) {
+  const auto arguments = std::make_shared<CheckConfigArguments>();
   app.add_option("FILE", arguments->path, "raylocd.toml, or a site: a directory with site.toml")
       ->required();
   app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_check_config(*arguments); };
 }
 
 }  // namespace
@@ -143,6 +143,6 @@ extern const Verb kCheckConfig;
 const Verb kCheckConfig = {"check-config",
                            "Check a configuration of raylocd and its site",
                            "rayloc check-config /etc/raylocd/raylocd.toml",
-                           declare};
+                           declare_check_config};
 
 }  // namespace rayloc::cli

@@ -22,11 +22,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPatience{3000};  // until the broker answers
+constexpr milliseconds kBrokerTimeout{3000};  // until the broker answers
 constexpr milliseconds kDrainStep{100};
 constexpr milliseconds kDrainPatience{60000};  // a lease may last so long
 
-Expected<ClusterView> look(const BrokerOptions& server) {
+Expected<ClusterView> read_cluster(const BrokerOptions& server) {
   const auto broker = connect(server);
   return broker ? look_at_cluster(**broker) : tl::make_unexpected(broker.error());
 }
@@ -34,7 +34,7 @@ Expected<ClusterView> look(const BrokerOptions& server) {
 Expected<int> run_status(const BrokerOptions& server) {
   constexpr int kOrphaned = 1;
   constexpr std::uint32_t kPermillePerPercent = 10;
-  const auto view = look(server);
+  const auto view = read_cluster(server);
   if (!view) {
     return tl::make_unexpected(view.error());
   }
@@ -77,7 +77,7 @@ std::string lag_of(const v1::OutputRecord& last) {
 }
 
 Expected<int> run_sites(const BrokerOptions& server) {
-  const auto view = look(server);
+  const auto view = read_cluster(server);
   if (!view) {
     return tl::make_unexpected(view.error());
   }
@@ -141,7 +141,7 @@ Expected<int> run_drain(const BrokerOptions& server, const std::string& worker) 
   return 0;
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_cluster(OptionParser& app) {
   app.require_subcommand(1);
   const auto worker = std::make_shared<std::string>();
   struct Part {
@@ -213,7 +213,7 @@ void add_identity_options(OptionParser& sub, BrokerOptions& options) {
 
 Expected<std::shared_ptr<Broker>> connect(const BrokerOptions& options) {
   auto broker = open_broker(options);
-  if (broker && !wait_for_broker(**broker, kPatience)) {
+  if (broker && !wait_for_broker(**broker, kBrokerTimeout)) {
     const std::string refusal = (*broker)->refusal();
     return make_error(ErrorKind::kUnavailable,
                       "no NATS server answers at " + options.servers.front() +
@@ -227,6 +227,6 @@ extern const Verb kCluster;
 const Verb kCluster = {"cluster",
                        "See who works for which site of a cluster, and have a worker leave",
                        "rayloc cluster status --server nats://10.0.0.1:4222",
-                       declare};
+                       declare_cluster};
 
 }  // namespace rayloc::cli

@@ -31,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kLookAgain{10};  // news may be lost
-constexpr std::chrono::milliseconds kStep{200};
+constexpr std::chrono::milliseconds kApplyStep{200};
 
 // A folder that goes when nobody needs it.
 class Temporary {
@@ -259,10 +259,10 @@ Expected<void> run_cluster_fetch(const BrokerOptions& options, const FetchArgume
       run_command(arguments.command);
     }
     std::unique_lock lock(mutex);
-    for (auto waited = kStep;
+    for (auto waited = kApplyStep;
          arguments.keep_on && !is_told && waited < kLookAgain && !StopSignal::requested();
-         waited += kStep) {
-      news.wait_for(lock, kStep);
+         waited += kApplyStep) {
+      news.wait_for(lock, kApplyStep);
     }
     is_told = false;
   } while (arguments.keep_on && !StopSignal::requested());

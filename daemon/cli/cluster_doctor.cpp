@@ -27,7 +27,7 @@ using Kind = Finding::Kind;
 using std::chrono::milliseconds;
 using Findings = std::vector<Finding>;
 
-constexpr milliseconds kPatience{2000};  // of a server's greeting
+constexpr milliseconds kGreetingTimeout{2000};  // of a server's greeting
 // Servers of a cluster below it have lost messages of replicated streams where a node was cut off
 // for 6 s (2.9.10), or forgotten streams (until 2.10.22).
 constexpr int kGoodMajor = 2;
@@ -45,7 +45,7 @@ bool is_old(const std::string& version) {
 
 // Whether it is one of several.
 bool check_server(const std::string& server, Findings& findings) {
-  const auto greeting = greeting_of(server, kPatience);
+  const auto greeting = greeting_of(server, kGreetingTimeout);
   if (!greeting) {
     findings.push_back({Kind::kProblem,
                         "server " + printable(greeting.error().message),
@@ -256,7 +256,7 @@ void check_sites(const ClusterView& view, Findings& findings) {
   }
 }
 
-Expected<void> look(Broker& broker, bool servers_are_several, Findings& findings) {
+Expected<void> inspect_broker(Broker& broker, bool servers_are_several, Findings& findings) {
   const auto streams = streams_of(broker);
   if (!streams) {
     return tl::make_unexpected(streams.error());
@@ -293,8 +293,8 @@ Expected<void> run_cluster_doctor(const BrokerOptions& options) {
     servers_are_several = check_server(server, findings) || servers_are_several;
   }
   const auto broker = connect(options);
-  const Expected<void> looked =
-      broker ? look(**broker, servers_are_several, findings) : tl::make_unexpected(broker.error());
+  const Expected<void> looked = broker ? inspect_broker(**broker, servers_are_several, findings)
+                                       : tl::make_unexpected(broker.error());
   if (!looked) {
     findings.push_back({Kind::kProblem, looked.error().message, ""});
   }

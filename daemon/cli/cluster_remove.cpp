@@ -21,8 +21,8 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::chrono::milliseconds kStep{200};
-constexpr std::chrono::seconds kPatience{30};  // who fetches looks every ten seconds
+constexpr std::chrono::milliseconds kRemovalStep{200};
+constexpr std::chrono::seconds kRemovalTimeout{30};  // who fetches looks every ten seconds
 
 // Whether there was one.
 Expected<bool> retract(Broker& broker, const std::string& site) {
@@ -40,7 +40,7 @@ Expected<bool> retract(Broker& broker, const std::string& site) {
 
 // Nothing where it has no claim. An Error where a worker goes on with it.
 Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::string& site) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  const auto deadline = std::chrono::steady_clock::now() + kRemovalTimeout;
   for (;;) {
     const auto view = look_at_cluster(broker);
     if (!view) {
@@ -58,7 +58,7 @@ Expected<std::optional<v1::SiteClaim>> last_claim(Broker& broker, const std::str
                         "worker '" + found->second.claim.worker() + "' goes on with site '" + site +
                             "': take it out of its configuration, have it reload, and try again");
     }
-    std::this_thread::sleep_for(kStep);
+    std::this_thread::sleep_for(kRemovalStep);
   }
 }
 

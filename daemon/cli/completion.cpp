@@ -11,7 +11,7 @@
 namespace rayloc::cli {
 namespace {
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_completion(OptionParser& app) {
   const auto shell = std::make_shared<std::string>();
   app.add_option("SHELL", *shell, "For which shell: bash or zsh")
       ->required()
@@ -30,6 +30,6 @@ extern const Verb kCompletion;
 const Verb kCompletion = {"completion",
                           "Print a script by which bash or zsh completes command lines of rayloc",
                           "source <(rayloc completion bash)",
-                          declare};
+                          declare_completion};
 
 }  // namespace rayloc::cli

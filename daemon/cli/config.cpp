@@ -21,7 +21,7 @@ Expected<void> print(const Expected<std::string>& text) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_config(OptionParser& app) {
   const auto file = std::make_shared<std::string>();
   const auto of = std::make_shared<std::string>("raylocd.toml");
   const OptionParser* example = app.add_subcommand(
@@ -59,6 +59,6 @@ const Verb kConfig = {
     "config",
     "Print the configuration of raylocd: defaults, in effect, schema; keys of site.toml",
     "rayloc config default > raylocd.toml",
-    declare};
+    declare_config};
 
 }  // namespace rayloc::cli

@@ -49,7 +49,7 @@ bool ask_for_sources(const HttpQuery& query, const Site& site, std::vector<Findi
 }
 
 // What the site lacks to locate.
-void check_site(const SiteSetup& setup, std::vector<Finding>& findings) {
+void check_site_setup(const SiteSetup& setup, std::vector<Finding>& findings) {
   const Expected<RoomModel> room = load_room_model(setup.site);
   if (!room) {
     findings.push_back({Finding::Kind::kProblem, room.error().message, ""});
@@ -127,7 +127,7 @@ Expected<HttpQuery> query_of(HttpOptions options, const HttpConfig& config) {
   return query_of(options);
 }
 
-Expected<void> run(const std::string& file, const HttpOptions& options) {
+Expected<void> run_doctor(const std::string& file, const HttpOptions& options) {
   const Expected<DaemonSetup> setup = load_daemon_setup(file);
   if (!setup) {
     return report_file_error({ErrorKind::kConfiguration, setup.error().message});
@@ -144,7 +144,7 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
     findings.push_back(silent_daemon(*silent, setup->config.http.enabled));
   }
   for (const SiteSetup& site : setup->sites) {
-    check_site(site, findings);
+    check_site_setup(site, findings);
   }
   if (answers) {
     ask_daemon(*query, setup->sites.front().site, setup->config.has_site_list, findings);
@@ -152,7 +152,7 @@ Expected<void> run(const std::string& file, const HttpOptions& options) {
   return print_findings(findings);
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_doctor(OptionParser& app) {
   const auto file = std::make_shared<std::string>("/etc/raylocd/raylocd.toml");
   app.add_option("FILE", *file, "raylocd.toml")->capture_default_str();
   const auto options = add_http_options(app, "");
@@ -163,7 +163,7 @@ RunVerb declare(OptionParser& app) {
       ->description(
           "File with the token, where it is not [http] token_file "
           "of FILE");
-  return [file, options] { return run(*file, *options); };
+  return [file, options] { return run_doctor(*file, *options); };
 }
 
 }  // namespace
@@ -172,6 +172,6 @@ extern const Verb kDoctor;
 const Verb kDoctor = {"doctor",
                       "Look for what on this machine stands in raylocd's way",
                       "rayloc doctor /etc/raylocd/raylocd.toml",
-                      declare};
+                      declare_doctor};
 
 }  // namespace rayloc::cli

@@ -19,7 +19,7 @@
 namespace rayloc::cli {
 namespace {
 
-struct Arguments {
+struct ExperimentArguments {
   std::string file;
   std::string out;
   std::vector<std::string> studies;  // names; none: all
@@ -38,7 +38,7 @@ void show_progress(const Study& study, std::size_t done, const ConditionResult& 
                done == study.conditions.size() ? "\n" : "");
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_experiment_verb(const ExperimentArguments& arguments) {
   auto experiment = load_experiment(arguments.file);
   if (!experiment) {
     return report_file_error(experiment.error());
@@ -71,8 +71,8 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_experiment(OptionParser& app) {
+  const auto arguments = std::make_shared<ExperimentArguments>();
   app.add_option("FILE", arguments->file, "The experiment, TOML")->required();
   app.add_option("--out",
                  arguments->out,
@@ -101,7 +101,7 @@ A file (the paper's studies are in deploy/experiments):
 
 Keys and their defaults:
 )" + experiment_help());
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_experiment_verb(*arguments); };
 }
 
 }  // namespace
@@ -113,6 +113,6 @@ const Verb kExperiment = {
     "rayloc experiment deploy/experiments/ablation.toml --out ablation\n\n"
     "The captures are made with the model that locates: they compare methods and conditions, and "
     "say nothing about accuracy.",
-    declare};
+    declare_experiment};
 
 }  // namespace rayloc::cli

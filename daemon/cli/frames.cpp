@@ -190,7 +190,7 @@ Expected<File> open_output(const std::string& path) {
   return file;
 }
 
-Expected<void> print_line(std::FILE* out, const std::string& line) {
+Expected<void> write_frame_line(std::FILE* out, const std::string& line) {
   if (std::fputs(line.c_str(), out) < 0 || std::fputc('\n', out) == EOF) {
     return make_error(ErrorKind::kUnavailable, "the output cannot be written");
   }
@@ -202,9 +202,9 @@ Expected<void> print_frames(const std::vector<CsiFrame>& frames,
                             const FramesOptions& options,
                             std::FILE* out) {
   for (const CsiFrame& frame : frames) {
-    Expected<void> printed =
-        print_line(out,
-                   options.json || options.values ? json_line(frame, access_point, options.values)
+    Expected<void> printed = write_frame_line(out,
+                                              options.json || options.values
+                                                  ? json_line(frame, access_point, options.values)
                                                   : text_line(frame, access_point));
     if (!printed) {
       return printed;
@@ -282,7 +282,7 @@ Expected<void> run_recording(const RecordingArgument& recording,
   return result;
 }
 
-Expected<void> run(const FramesOptions& options) {
+Expected<void> run_frames(const FramesOptions& options) {
   if (!options.format.empty() && !is_wire_format(options.format)) {
     std::string known;
     for (const std::string_view name : wire_formats()) {
@@ -308,7 +308,7 @@ Expected<void> run(const FramesOptions& options) {
     result = write_npz(frame_arrays(collected.frames), collected.access_points, options.out);
   }
   Expected<void> printed =
-      print_line(out->get(), summary_line(summary, options.json || options.values));
+      write_frame_line(out->get(), summary_line(summary, options.json || options.values));
   if (result && !printed) {
     return printed;
   }
@@ -319,7 +319,7 @@ Expected<void> run(const FramesOptions& options) {
   return result;
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_frames(OptionParser& app) {
   const auto options = std::make_shared<FramesOptions>();
   app.add_option(
          "captures",
@@ -339,7 +339,7 @@ RunVerb declare(OptionParser& app) {
       "[frame][core][tone] of the first stream, headers, power_dbm, cores, tone_index, "
       "access_points)");
   app.add_flag("--quiet", options->quiet, "no words on stderr");
-  return [options] { return run(*options); };
+  return [options] { return run_frames(*options); };
 }
 
 }  // namespace
@@ -348,6 +348,6 @@ extern const Verb kFrames;
 const Verb kFrames = {"frames",
                       "List the CSI frames of recordings",
                       "rayloc frames --json ap1=recording.pcap.gz | jq .power_dbm",
-                      declare};
+                      declare_frames};
 
 }  // namespace rayloc::cli

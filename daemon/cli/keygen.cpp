@@ -14,13 +14,13 @@
 namespace rayloc::cli {
 namespace {
 
-struct Arguments {
+struct KeygenArguments {
   std::string file;
   bool of_existing = false;
   bool of_nats = false;
 };
 
-Expected<std::string> public_key_of(const Arguments& arguments) {
+Expected<std::string> public_key_of(const KeygenArguments& arguments) {
   if (arguments.of_nats) {
     return read_nkey(arguments.file);
   }
@@ -28,7 +28,7 @@ Expected<std::string> public_key_of(const Arguments& arguments) {
   return keys ? Expected<std::string>(keys->public_key) : tl::make_unexpected(keys.error());
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_keygen(const KeygenArguments& arguments) {
   if (!arguments.of_existing) {
     const std::string secret = arguments.of_nats ? make_nkey_seed() : make_curve_keys().secret_key;
     if (const Expected<void> written = write_secret(arguments.file, secret); !written) {
@@ -43,8 +43,8 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_keygen(OptionParser& app) {
+  const auto arguments = std::make_shared<KeygenArguments>();
   app.add_option(
          "FILE", arguments->file, "Where the secret key goes; a file that exists is never changed")
       ->required();
@@ -53,7 +53,7 @@ RunVerb declare(OptionParser& app) {
   app.add_flag("--nkey",
                arguments->of_nats,
                "Who a machine of a cluster is to its NATS servers ([cluster] nkey_seed_file)");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_keygen(*arguments); };
 }
 
 }  // namespace
@@ -63,6 +63,6 @@ const Verb kKeygen = {
     "keygen",
     "Make the keys of encrypted publishing, or of a cluster: secret into a file, public printed",
     "rayloc keygen /etc/raylocd/curve.secret",
-    declare};
+    declare_keygen};
 
 }  // namespace rayloc::cli

@@ -12,7 +12,7 @@
 namespace rayloc::cli {
 namespace {
 
-int run(int argc, const char* const* argv) {
+int run_program(int argc, const char* const* argv) {
   const std::unique_ptr<OptionParser> parser = make_parser();
   RunVerb chosen;
   declare_command_line(*parser, chosen);
@@ -35,7 +35,7 @@ int run(int argc, const char* const* argv) {
 int main(int argc, char** argv) {
   try {
     rayloc::quiet_protobuf();
-    return rayloc::cli::run(argc, argv);
+    return rayloc::cli::run_program(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "rayloc: internal error: %s\n", error.what());
     return rayloc::kExitInternal;

@@ -9,7 +9,7 @@
 namespace rayloc::cli {
 namespace {
 
-RunVerb declare(OptionParser&) {
+RunVerb declare_man(OptionParser&) {
   return []() -> Expected<void> {
     std::fputs(manual_page(describe_command_line()).c_str(), stdout);
     return {};
@@ -22,6 +22,6 @@ extern const Verb kMan;
 const Verb kMan = {"man",
                    "Print the manual page rayloc(1); those of files: rayloc config man",
                    "rayloc man | man -l -",
-                   declare};
+                   declare_man};
 
 }  // namespace rayloc::cli

@@ -24,13 +24,13 @@ namespace rayloc::cli {
 namespace {
 
 constexpr std::size_t kMostLookAlikes = 5;  // a count, chosen: what somebody reads
-constexpr double kLeastStep = 0.4;          // [m], chosen: places nearer tell no more
+constexpr double kMinSpotStep = 0.4;        // [m], chosen: places nearer tell no more
 constexpr double kUsualPlaces = 60.0;       // a count, chosen: 180 bursts, so shares to 4 %
 constexpr double kCentimetre = 0.01;        // [m]
 
-struct Arguments {
+struct PredictArguments {
   std::string site;
-  RoomPlan plan;
+  PlannedRoomOptions plan;
   double spacing_cm = 0.0;
   PredictionOptions options;
   double step = 0.0;  // [m]; 0: about kUsualPlaces places
@@ -75,7 +75,7 @@ Expected<void> write_output(const std::string& file,
   return bytes ? write_file(file, *bytes) : tl::make_unexpected(bytes.error());
 }
 
-Expected<void> check(const Arguments& arguments) {
+Expected<void> check_arguments(const PredictArguments& arguments) {
   for (const std::string& file : arguments.out) {
     if (!is_npz(file) && !file.ends_with(".csv") && !file.ends_with(".svg") &&
         !file.ends_with(".png")) {
@@ -93,7 +93,7 @@ std::string place_text(const Vec3d& place) {
   return fmt::format("({:.1f}, {:.1f})", place.x, place.y);
 }
 
-void print_prediction(const Prediction& prediction, const Arguments& arguments) {
+void print_prediction(const Prediction& prediction, const PredictArguments& arguments) {
   const double heard =
       std::min(1.0, arguments.rate * arguments.burst / static_cast<double>(arguments.devices));
   fmt::print("{} places, {} bursts of {} frames at each\n",
@@ -126,13 +126,13 @@ void print_proposals(const std::vector<Proposal>& found) {
 }
 
 // Frames that are left of an access point's for one device in a burst.
-std::size_t frames_of(const Arguments& arguments) {
+std::size_t frames_of(const PredictArguments& arguments) {
   const double share = arguments.rate * arguments.burst / static_cast<double>(arguments.devices);
   return static_cast<std::size_t>(std::max(1.0, std::floor(share)));
 }
 
-Expected<void> run(Arguments arguments) {
-  if (auto checked = check(arguments); !checked) {
+Expected<void> run_predict(PredictArguments arguments) {
+  if (auto checked = check_arguments(arguments); !checked) {
     return checked;
   }
   const auto site = load_site(arguments.site);
@@ -152,7 +152,7 @@ Expected<void> run(Arguments arguments) {
   arguments.options.frames = frames_of(arguments);
   arguments.options.progress = [&](double share) { progress.show("predicting", share); };
   if (arguments.step == 0.0) {
-    arguments.step = std::max(kLeastStep, std::sqrt(room->area() / kUsualPlaces));
+    arguments.step = std::max(kMinSpotStep, std::sqrt(room->area() / kUsualPlaces));
   }
   const std::vector<Vec3d> places = predicted_places(*room, arguments.step);
   if (places.empty()) {
@@ -183,7 +183,7 @@ Expected<void> run(Arguments arguments) {
   return {};
 }
 
-void declare_plan(OptionParser& app, Arguments& arguments) {
+void declare_plan(OptionParser& app, PredictArguments& arguments) {
   app.add_option("site", arguments.site, "directory with site.toml; need not be calibrated")
       ->required();
   app.add_option("--access-points", arguments.plan.access_points, "only these; default: all");
@@ -202,8 +202,8 @@ void declare_plan(OptionParser& app, Arguments& arguments) {
       ->capture_default_str();
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_predict(OptionParser& app) {
+  const auto arguments = std::make_shared<PredictArguments>();
   declare_plan(app, *arguments);
   app.add_option("--step", arguments->step, "between places [m]; default: about sixty places")
       ->check(in_range(0.05, 10.0));
@@ -219,7 +219,7 @@ RunVerb declare(OptionParser& app) {
                "and access points half a metre aside or turned by 45 degrees, which takes minutes");
   app.add_option("--out", arguments->out, "files to write: .png, .svg, .csv, .npz");
   app.add_flag("--quiet", arguments->quiet, "no progress on stderr");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_predict(*arguments); };
 }
 
 }  // namespace
@@ -232,6 +232,6 @@ const Verb kPredict = {
     "  rayloc predict office --access-points ap1 --bandwidth 80 --spacing 2.9\n"
     "Channels are drawn from the distribution that the likelihood takes them to have after a usual "
     "calibration; what no plan has makes errors larger",
-    declare};
+    declare_predict};
 
 }  // namespace rayloc::cli

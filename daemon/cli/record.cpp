@@ -19,7 +19,7 @@
 namespace rayloc::cli {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using RecordingClock = std::chrono::steady_clock;
 
 struct RecordArguments {
   std::string udp;
@@ -65,7 +65,7 @@ Expected<std::unique_ptr<DatagramSource>> open_source(const RecordArguments& arg
 class WriteErrors {
  public:
   void report(const Error& error) {
-    const auto now = Clock::now();
+    const auto now = RecordingClock::now();
     if (!reported_ || now - *reported_ > std::chrono::seconds(10)) {
       reported_ = now;
       std::fprintf(stderr, "rayloc record: %s\n", error.message.c_str());
@@ -73,7 +73,7 @@ class WriteErrors {
   }
 
  private:
-  std::optional<Clock::time_point> reported_;
+  std::optional<RecordingClock::time_point> reported_;
 };
 
 // An Error of the source ends the recording; one of the file does not: there may be room again.
@@ -81,14 +81,14 @@ Expected<void> record(DatagramSource& source,
                       DatagramSink& recorder,
                       const RecordArguments& arguments) {
   constexpr Duration kTick = std::chrono::milliseconds(100);
-  const auto begin = Clock::now();
+  const auto begin = RecordingClock::now();
   const std::uint64_t limit = arguments.count.value_or(UINT64_MAX);
   DatagramBatch batch;
   WriteErrors errors;
   while (!StopSignal::requested() && !batch.ended && recorder.counters().given < limit) {
     Duration wait = kTick;
     if (arguments.duration) {
-      const Duration left = from_seconds(*arguments.duration) - (Clock::now() - begin);
+      const Duration left = from_seconds(*arguments.duration) - (RecordingClock::now() - begin);
       if (left <= Duration::zero()) {
         break;
       }
@@ -108,7 +108,7 @@ Expected<void> record(DatagramSource& source,
   return {};
 }
 
-void report(const DatagramSource& source, const DatagramSink& recorder) {
+void report_recorded(const DatagramSource& source, const DatagramSink& recorder) {
   const SourceCounters from = source.counters();
   const SinkCounters& to = recorder.counters();
   nlohmann::ordered_json summary;
@@ -132,7 +132,7 @@ void report(const DatagramSource& source, const DatagramSink& recorder) {
   }
 }
 
-Expected<void> run(const RecordArguments& arguments) {
+Expected<void> run_record(const RecordArguments& arguments) {
   auto source = open_source(arguments);
   if (!source) {
     return tl::make_unexpected(std::move(source.error()));
@@ -154,7 +154,7 @@ Expected<void> run(const RecordArguments& arguments) {
   for (const std::string& line : (*source)->warnings()) {
     std::fprintf(stderr, "rayloc record: %s\n", line.c_str());
   }
-  report(**source, **recorder);
+  report_recorded(**source, **recorder);
   if (result && (*recorder)->counters().lost() > 0) {
     return make_error(ErrorKind::kUnavailable,
                       arguments.out + ": " + std::to_string((*recorder)->counters().lost()) +
@@ -163,7 +163,7 @@ Expected<void> run(const RecordArguments& arguments) {
   return result;
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_record(OptionParser& app) {
   auto arguments = std::make_shared<RecordArguments>();
   auto* udp = app.add_option("--udp", arguments->udp, "HOST:PORT to receive at");
   app.add_option("--only-interface",
@@ -191,7 +191,7 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
       ->check(positive());
   app.add_option("--count", arguments->count, "Stop after so many datagrams")->check(positive());
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_record(*arguments); };
 }
 
 }  // namespace
@@ -200,6 +200,6 @@ extern const Verb kRecord;
 const Verb kRecord{"record",
                    "Record the datagrams of an access point",
                    "rayloc record --udp 0.0.0.0:5500 --out ap1.pcap --duration 60",
-                   declare};
+                   declare_record};
 
 }  // namespace rayloc::cli

@@ -34,13 +34,13 @@ namespace {
 namespace fs = std::filesystem;
 
 // By how much the clocks of access points and of the survey may differ.
-constexpr Duration kClockSlack = std::chrono::milliseconds(20);
+constexpr Duration kReferenceClockSlack = std::chrono::milliseconds(20);
 // Frames of the empty room that are averaged for each access point.
 constexpr std::size_t kMostEmptyFrames = 1024;
 // Of its power, that the channel of an empty room may change by within its recording.
 constexpr double kMostChange = 0.02;
 
-struct Options {
+struct ReferenceOptions {
   std::string site;
   std::vector<std::string> captures;
   std::vector<std::string> people;
@@ -55,7 +55,7 @@ struct Options {
 // A run of the verb.
 class Reference {
  public:
-  explicit Reference(const Options& options) : options_(options) {}
+  explicit Reference(const ReferenceOptions& options) : options_(options) {}
   Expected<void> run();
 
  private:
@@ -76,7 +76,7 @@ class Reference {
   Expected<std::string> calibration_text();
   Expected<void> write();
 
-  const Options& options_;
+  const ReferenceOptions& options_;
   Site site_;
   RoomModel room_;         // of today
   RoomModel people_room_;  // of the day of the people: other chain gains
@@ -302,7 +302,8 @@ std::vector<PersonSpot> Reference::spots_of(const PersonReference& reference,
   for (const SurveyPoint& point : points_) {
     std::vector<CsiFrame> own;
     std::copy_if(frames.begin(), frames.end(), std::back_inserter(own), [&](const CsiFrame& f) {
-      return f.time >= point.t_start - kClockSlack && f.time <= point.t_end + kClockSlack;
+      return f.time >= point.t_start - kReferenceClockSlack &&
+             f.time <= point.t_end + kReferenceClockSlack;
     });
     PersonSpot spot{{point.position.x, point.position.y}, {}};
     std::vector<std::string> warnings;
@@ -448,8 +449,8 @@ Expected<void> Reference::run() {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto options = std::make_shared<Options>();
+RunVerb declare_reference(OptionParser& app) {
+  const auto options = std::make_shared<ReferenceOptions>();
   app.add_option("site", options->site, "calibrated site: directory with site.toml")->required();
   app.add_option("--capture",
                  options->captures,
@@ -487,6 +488,6 @@ const Verb kReference = {
     "  rayloc reference office-calibrated --capture ap1=today.pcap --people ap1=somebody.pcap "
     "--people-empty ap1=empty.pcap --points places.csv --out office-today\n"
     "  rayloc reference office-calibrated --capture ap1=monday.pcap --occupied --out office-people",
-    declare};
+    declare_reference};
 
 }  // namespace rayloc::cli

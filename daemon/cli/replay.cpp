@@ -65,15 +65,15 @@ struct Options : EstimatorArguments {
 };
 
 // What the pipeline reads, and who can tell of it at the end: the pipeline owns them.
-struct Recordings {
+struct ReplayRecordings {
   std::vector<SourceWorker::Input> inputs;
   std::vector<const RecordedSource*> sources;  // of the inputs, in their order
   std::vector<int> access_points;              // of the inputs, indices in the site
 };
 
-Expected<Recordings> open_captures(const Options& options,
-                                   const Site& site,
-                                   Timestamp listen_from) {
+Expected<ReplayRecordings> open_captures(const Options& options,
+                                         const Site& site,
+                                         Timestamp listen_from) {
   const auto captures =
       resolve_captures(options.captures, access_point_ids(site), PerAccessPoint::kSeveral);
   if (!captures) {
@@ -86,7 +86,7 @@ Expected<Recordings> open_captures(const Options& options,
   PcapFileOptions file_options;
   file_options.max_gap = from_seconds(options.max_gap);
   const auto pace = *speed ? std::make_shared<Pace>(**speed, file_options.max_gap) : nullptr;
-  Recordings all;
+  ReplayRecordings all;
   for (const RecordingArgument& recording : recordings_of(*captures)) {
     auto source = RecordedSource::open(recording.files, file_options);
     if (!source) {
@@ -172,10 +172,10 @@ Expected<void> close_all(std::initializer_list<OutputFile*> files) {
   return {};
 }
 
-Expected<void> write_all(const Options& options,
-                         const PipelineOptions& pipeline_options,
-                         Recordings recordings,
-                         Estimator& estimator) {
+Expected<void> write_estimates(const Options& options,
+                               const PipelineOptions& pipeline_options,
+                               ReplayRecordings recordings,
+                               Estimator& estimator) {
   Expected<OutputFile> out = OutputFile::open(options.out);
   if (!out) {
     return tl::make_unexpected(out.error());
@@ -317,7 +317,7 @@ Expected<Site> site_of(const Options& options) {
   return site;
 }
 
-Expected<void> run(const Options& options) {
+Expected<void> run_replay(const Options& options) {
   if (options.fill && (options.stream.empty() || options.uninterrupted)) {
     return make_error(ErrorKind::kUsage, "--fill goes with --stream, and without --uninterrupted");
   }
@@ -368,7 +368,7 @@ Expected<void> run(const Options& options) {
   }
   ZoneEstimator zones(estimators->all, site->zones, start->carried.get());
   const std::vector<int> heard = recordings->access_points;
-  Expected<void> written = write_all(options, all, std::move(*recordings), zones);
+  Expected<void> written = write_estimates(options, all, std::move(*recordings), zones);
   if (estimators->devices && !options.quiet) {
     for (const std::string& line : estimators->devices->chain_news()) {
       std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
@@ -413,7 +413,7 @@ void add_output_options(OptionParser& app, Options& options) {
       ->capture_default_str();
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_replay(OptionParser& app) {
   const auto options = std::make_shared<Options>();
   app.add_option("site", options->site, "directory with site.toml")->required();
   app.add_option("captures",
@@ -459,7 +459,7 @@ RunVerb declare(OptionParser& app) {
                options->no_cache,
                "trace the room anew; else its rays are kept in $XDG_CACHE_HOME/rayloc");
   app.add_flag("--quiet", options->quiet, "no summary on standard error");
-  return [options] { return run(*options); };
+  return [options] { return run_replay(*options); };
 }
 
 }  // namespace
@@ -481,6 +481,6 @@ const Verb kReplay = {
     "  rayloc replay room/ --stream nats://127.0.0.1:4222 > locations.jsonl\n"
     "  rayloc replay room-people/ ap1=monday.pcap --kind person --burst 1.2s\n"
     "  rayloc replay room-people/ ap1=monday.pcap --kind person --method paper --seed 7",
-    &declare};
+    &declare_replay};
 
 }  // namespace rayloc::cli

@@ -12,7 +12,7 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr std::chrono::seconds kPatience{3};  // until the broker answers
+constexpr std::chrono::seconds kReplayBrokerTimeout{3};  // until the broker answers
 
 Expected<void> replay_history(Broker& broker, const StreamReplay& replay, bool quiet) {
   const auto report = replay_fill(broker, replay);
@@ -39,7 +39,7 @@ Expected<void> replay_cluster(const BrokerOptions& server,
   if (!broker) {
     return tl::make_unexpected(broker.error());
   }
-  if (!wait_for_broker(**broker, kPatience)) {
+  if (!wait_for_broker(**broker, kReplayBrokerTimeout)) {
     const std::string refusal = (*broker)->refusal();
     return make_error(ErrorKind::kUnavailable,
                       "--stream: no NATS server answers at " + server.servers.front() +

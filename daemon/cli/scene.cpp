@@ -15,7 +15,7 @@ struct Part {
   RunVerb (*declare)(OptionParser& app);
 };
 
-constexpr std::array kParts = {
+constexpr std::array kSceneParts = {
     Part{"check",
          "Summarize a scene or site, and warn of what is probably a mistake",
          declare_scene_check},
@@ -27,10 +27,10 @@ constexpr std::array kParts = {
     Part{"show", "Draw a scene, its antennas and the paths of a link", declare_scene_show},
 };
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_scene_parts(OptionParser& app) {
   app.require_subcommand(1);
   std::vector<std::pair<const OptionParser*, RunVerb>> parts;
-  for (const Part& part : kParts) {
+  for (const Part& part : kSceneParts) {
     OptionParser* sub = app.add_subcommand(part.name, part.summary);
     RunVerb run = part.declare(*sub);
     parts.emplace_back(sub, std::move(run));
@@ -48,6 +48,7 @@ RunVerb declare(OptionParser& app) {
 }  // namespace
 
 extern const Verb kScene;
-const Verb kScene = {"scene", "Make, check and draw scenes", "rayloc scene room --help", declare};
+const Verb kScene = {
+    "scene", "Make, check and draw scenes", "rayloc scene room --help", declare_scene_parts};
 
 }  // namespace rayloc::cli

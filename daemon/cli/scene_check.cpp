@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct SceneCheckArguments {
   std::string scene;
   std::optional<double> frequency;
   bool json = false;
@@ -139,7 +139,7 @@ std::string report_text(const SceneSource& source, const SceneReport& report) {
   return text + (report.warnings.empty() && report.errors.empty() ? "no warning\n" : "");
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_scene_check(const SceneCheckArguments& arguments) {
   const Expected<SceneSource> source = load_scene_source(arguments.scene, arguments.frequency);
   if (!source) {
     return report_file_error(source.error());
@@ -159,7 +159,7 @@ Expected<void> run(const Arguments& arguments) {
 }  // namespace
 
 RunVerb declare_scene_check(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneCheckArguments>();
   app.add_option("SCENE", arguments->scene, "Mitsuba XML, or a site: a directory with site.toml")
       ->required();
   app.add_option("--frequency",
@@ -169,7 +169,7 @@ RunVerb declare_scene_check(OptionParser& app) {
   app.footer(
       "Example:\n  rayloc scene check tests/data/sites/meeting_room\n"
       "  rayloc scene check office/scene.xml --frequency 2.437e9 --json");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_scene_check(*arguments); };
 }
 
 }  // namespace rayloc::cli

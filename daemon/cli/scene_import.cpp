@@ -30,7 +30,7 @@ struct Unit {
 constexpr std::array kUnits = {
     Unit{"mm", 0.001}, Unit{"cm", 0.01}, Unit{"m", 1.0}, Unit{"in", 0.0254}, Unit{"ft", 0.3048}};
 
-struct Arguments {
+struct SceneImportArguments {
   std::string file;
   std::string out;
   std::string name;
@@ -46,7 +46,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-Expected<ImportOptions> options_of(const Arguments& arguments) {
+Expected<ImportOptions> import_options(const SceneImportArguments& arguments) {
   ImportOptions options;
   if (!arguments.unit.empty()) {
     const auto unit = std::find_if(
@@ -93,7 +93,8 @@ Expected<ImportOptions> options_of(const Arguments& arguments) {
   return options;
 }
 
-Expected<void> write_imported(const Arguments& arguments, const ImportedScene& imported) {
+Expected<void> write_imported(const SceneImportArguments& arguments,
+                              const ImportedScene& imported) {
   const std::filesystem::path directory = arguments.out;
   if (auto prepared = prepare_output(directory, arguments.force); !prepared) {
     return prepared;
@@ -113,7 +114,7 @@ Expected<void> write_imported(const Arguments& arguments, const ImportedScene& i
   return {};
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_scene_import(const SceneImportArguments& arguments) {
   if (arguments.print_materials) {
     std::fputs(kDefaultMaterialTable, stdout);
     return {};
@@ -121,7 +122,7 @@ Expected<void> run(const Arguments& arguments) {
   if (arguments.file.empty() || arguments.out.empty()) {
     return make_error(ErrorKind::kUsage, "write FILE and --out, or --print-materials");
   }
-  const auto options = options_of(arguments);
+  const auto options = import_options(arguments);
   if (!options) {
     return tl::make_unexpected(options.error());
   }
@@ -158,7 +159,7 @@ Expected<void> run(const Arguments& arguments) {
 }  // namespace
 
 RunVerb declare_scene_import(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneImportArguments>();
   app.add_option("FILE", arguments->file, kFormats);
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml");
   app.add_option("--name", arguments->name, "Name of the site; default: room");
@@ -183,7 +184,7 @@ RunVerb declare_scene_import(OptionParser& app) {
       "  rayloc scene import room.json --out office\n"
       "  rayloc scene import --print-materials > materials.toml\n"
       "  rayloc scene import house.obj --unit cm --up z --materials materials.toml --out house");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_scene_import(*arguments); };
 }
 
 }  // namespace rayloc::cli

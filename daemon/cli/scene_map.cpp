@@ -29,10 +29,10 @@ namespace {
 
 constexpr double kUsualCells = 10'000.0;       // a count, chosen: what a picture shows
 constexpr std::size_t kMostCells = 4'000'000;  // a count, chosen: a gibibyte of memory at most
-constexpr double kLeastStep = 0.05;            // [m], chosen: without phases nothing is finer
-constexpr double kUsualHeight = 1.2;           // [m], of a device where no site states one
+constexpr double kMinCellStep = 0.05;          // [m], chosen: without phases nothing is finer
+constexpr double kUsualMapHeight = 1.2;        // [m], of a device where no site states one
 
-struct Arguments {
+struct SceneMapArguments {
   std::string scene;
   std::optional<double> frequency;
   std::vector<std::string> access_points;
@@ -68,7 +68,8 @@ Expected<NamedArray> antenna_at(const std::string& text, std::size_t number) {
 }
 
 // The access points of the site that are asked for, and antennas that hang nowhere yet.
-Expected<std::vector<NamedArray>> arrays_of(const Arguments& arguments, const SceneSource& source) {
+Expected<std::vector<NamedArray>> arrays_of(const SceneMapArguments& arguments,
+                                            const SceneSource& source) {
   std::vector<NamedArray> arrays;
   if (source.site) {
     for (const std::string& id : arguments.access_points) {
@@ -102,15 +103,15 @@ Expected<std::vector<NamedArray>> arrays_of(const Arguments& arguments, const Sc
   return arrays;
 }
 
-Expected<RadioMapGrid> grid_of(const Arguments& arguments, const SceneSource& source) {
+Expected<RadioMapGrid> grid_of(const SceneMapArguments& arguments, const SceneSource& source) {
   const bool stated = source.site && source.site->has_bounds;
   const Vec3d lower = stated ? source.site->bounds_min : source.scene->bounds_min();
   const Vec3d upper = stated ? source.site->bounds_max : source.scene->bounds_max();
   const double area = (upper.x - lower.x) * (upper.y - lower.y);
   const double step =
-      arguments.step > 0.0 ? arguments.step : std::max(kLeastStep, std::sqrt(area / kUsualCells));
-  const double height =
-      arguments.height.value_or(source.site ? source.site->targets.height : lower.z + kUsualHeight);
+      arguments.step > 0.0 ? arguments.step : std::max(kMinCellStep, std::sqrt(area / kUsualCells));
+  const double height = arguments.height.value_or(source.site ? source.site->targets.height
+                                                              : lower.z + kUsualMapHeight);
   if (height < lower.z || height > upper.z) {
     return make_error(
         ErrorKind::kUsage,
@@ -127,7 +128,9 @@ Expected<RadioMapGrid> grid_of(const Arguments& arguments, const SceneSource& so
   return radio_map_grid(lower, upper, height, step);
 }
 
-Expected<void> write_all(const Arguments& arguments, const RadioMaps& maps, const Scene& scene) {
+Expected<void> write_maps(const SceneMapArguments& arguments,
+                          const RadioMaps& maps,
+                          const Scene& scene) {
   const std::filesystem::path folder = arguments.out;
   for (const auto& [name, quantity] : kPictures) {
     if (quantity == RadioMapQuantity::kStrongest && maps.maps.size() == 1) {
@@ -148,7 +151,7 @@ Expected<void> write_all(const Arguments& arguments, const RadioMaps& maps, cons
   return write_npz(maps, folder / "radio-map.npz");
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_scene_map(const SceneMapArguments& arguments) {
   const auto source = load_scene_source(arguments.scene, arguments.frequency);
   if (!source) {
     return report_file_error(source.error());
@@ -172,13 +175,13 @@ Expected<void> run(const Arguments& arguments) {
   }
   maps.strongest = strongest_of(maps.maps);
   std::fputs(printable(radio_map_table(maps), '\n').c_str(), stdout);
-  return write_all(arguments, maps, *source->scene);
+  return write_maps(arguments, maps, *source->scene);
 }
 
 }  // namespace
 
 RunVerb declare_scene_map(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneMapArguments>();
   declare_scene(app, arguments->scene, arguments->frequency);
   app.add_option("--out", arguments->out, "Folder to create: pictures as .png and .svg, arrays")
       ->required();
@@ -201,7 +204,7 @@ RunVerb declare_scene_map(OptionParser& app) {
       "Example:\n"
       "  rayloc scene map tests/data/sites/meeting_room --transmission --out coverage\n"
       "  rayloc scene map floor/scene.xml --antenna 2,3,2.4 --antenna 12,3,2.4 --out compared");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_scene_map(*arguments); };
 }
 
 }  // namespace rayloc::cli

@@ -68,7 +68,7 @@ Several rooms are [[room]] tables with `name` and `outline`; their walls are kit
 site, without one it lacks only that. --access-point writes one of a known model into a corner of
 the room: say where it is in site.toml.)";
 
-struct Arguments {
+struct SceneRoomArguments {
   std::string plan;
   std::string out;
   std::string model;
@@ -76,7 +76,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_scene_room(const SceneRoomArguments& arguments) {
   const Expected<RoomPlan> plan = load_room_plan(arguments.plan);
   if (!plan) {
     return report_file_error(plan.error());
@@ -122,7 +122,7 @@ Expected<void> run(const Arguments& arguments) {
 }  // namespace
 
 RunVerb declare_scene_room(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneRoomArguments>();
   app.add_option("FILE", arguments->plan, "The plan of the room, TOML")->required();
   app.add_option("--out", arguments->out, "Directory for scene.xml, meshes/ and site.toml")
       ->required();
@@ -131,7 +131,7 @@ RunVerb declare_scene_room(OptionParser& app) {
   app.add_flag("--force", arguments->force, "Write into a directory that is not empty");
   app.add_flag("--quiet", arguments->quiet, "Say nothing when all is well");
   app.footer(kExample);
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_scene_room(*arguments); };
 }
 
 }  // namespace rayloc::cli

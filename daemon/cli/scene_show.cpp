@@ -23,7 +23,7 @@
 namespace rayloc::cli {
 namespace {
 
-struct Arguments {
+struct SceneShowArguments {
   LinkArguments link;
   std::string access_point;
   double range = 40.0;  // [dB]
@@ -80,7 +80,8 @@ Expected<Vec3d> access_point_of(const SceneSource& source, const std::string& id
 std::string text_of(const Vec3d& v) { return fmt::format("{},{},{}", v.x, v.y, v.z); }
 
 // The link that is asked for; nothing when only the scene is.
-Expected<std::optional<Link>> link_of(const Arguments& arguments, const SceneSource& source) {
+Expected<std::optional<Link>> link_of(const SceneShowArguments& arguments,
+                                      const SceneSource& source) {
   LinkArguments wanted = arguments.link;
   if (wanted.tx.empty() && wanted.rx.empty()) {
     return std::nullopt;
@@ -118,7 +119,7 @@ std::vector<draw::DrawnPath> drawn_paths(const Paths& paths, const Link& link) {
 }
 
 // Keeps what lies within `range` of the strongest path and says so.
-void add_paths(const Arguments& arguments,
+void add_paths(const SceneShowArguments& arguments,
                const Link& link,
                const SceneSource& source,
                draw::ScenePicture& picture) {
@@ -147,7 +148,7 @@ void add_paths(const Arguments& arguments,
   }
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_scene_show(const SceneShowArguments& arguments) {
   if (auto checked = check_ending(arguments.out); !checked) {
     return checked;
   }
@@ -194,7 +195,7 @@ Expected<void> run(const Arguments& arguments) {
 }  // namespace
 
 RunVerb declare_scene_show(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SceneShowArguments>();
   declare_link(app, arguments->link);
   declare_antennas(app, arguments->link);
   app.add_option("--ap",
@@ -212,7 +213,7 @@ RunVerb declare_scene_show(OptionParser& app) {
       "Example:\n"
       "  rayloc scene show tests/data/sites/meeting_room --tx 0.6,0.3,1.2 --out room.svg\n"
       "  rayloc scene show office/scene.xml --tx 1,1,1.2 --rx 4,3,2 --view 3d --out room.png");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_scene_show(*arguments); };
 }
 
 }  // namespace rayloc::cli

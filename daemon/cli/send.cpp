@@ -87,11 +87,11 @@ Datagram sent_now(const DatagramAddress& address, std::span<const std::byte> pay
 }
 
 // Several recordings as one, in order of time.
-class Recordings {
+class SentRecordings {
  public:
-  static Expected<Recordings> open(const std::vector<RecordingArgument>& recordings,
-                                   const SourceOptions& options) {
-    Recordings all;
+  static Expected<SentRecordings> open(const std::vector<RecordingArgument>& recordings,
+                                       const SourceOptions& options) {
+    SentRecordings all;
     for (const RecordingArgument& recording : recordings) {
       auto source = open_recording(recording.files, options);
       if (!source) {
@@ -179,7 +179,7 @@ struct Outcome {
 };
 
 // What scripts read: one JSON object when sending begins, one at the end.
-void print_line(const nlohmann::ordered_json& line) {
+void print_json_line(const nlohmann::ordered_json& line) {
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
 }
@@ -195,7 +195,7 @@ void announce(std::optional<Duration> time_offset, const SendArguments& argument
                  to_seconds(*time_offset));
   }
   line["to"] = arguments.destinations;
-  print_line(line);
+  print_json_line(line);
 }
 
 // A gap that is not waited for: what comes behind it arrives that much sooner.
@@ -208,7 +208,7 @@ void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> ti
   if (time_offset) {
     line["time_offset_s"] = to_seconds(*time_offset);
   }
-  print_line(line);
+  print_json_line(line);
   std::fprintf(stderr,
                "rayloc send: a gap of %.1f s in the recording, of which %.1f s are waited for (see "
                "--max-gap)\n",
@@ -218,7 +218,7 @@ void announce_skipped(Duration gap, Duration skipped, std::optional<Duration> ti
 
 // Each datagram at the recording's time, divided by the speed (infinite: at once), without what is
 // skipped of gaps.
-Expected<Outcome> send_paced(Recordings& recordings,
+Expected<Outcome> send_paced(SentRecordings& recordings,
                              SinkQueue& sender,
                              const SendArguments& arguments,
                              double speed) {
@@ -269,15 +269,15 @@ Expected<Outcome> send_paced(Recordings& recordings,
   return next ? Expected<Outcome>(outcome) : tl::make_unexpected(std::move(next.error()));
 }
 
-struct Kept {
+struct KeptDatagram {
   std::size_t file;
   DatagramAddress address;
   std::vector<std::byte> payload;
 };
 
-Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
+Expected<std::vector<KeptDatagram>> keep_all(SentRecordings& recordings) {
   constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
-  std::vector<Kept> all;
+  std::vector<KeptDatagram> all;
   std::size_t bytes = 0;
   for (auto next = recordings.next(); !next || next->datagram != nullptr;
        next = recordings.next()) {
@@ -285,7 +285,7 @@ Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
       return tl::make_unexpected(std::move(next.error()));
     }
     const auto& payload = next->datagram->payload;
-    bytes += payload.size() + sizeof(Kept);
+    bytes += payload.size() + sizeof(KeptDatagram);
     if (bytes > kMaxBytes) {
       return make_error(ErrorKind::kUsage,
                         "--rate keeps the recording in memory, at most 1 GiB; send a part of it");
@@ -297,7 +297,7 @@ Expected<std::vector<Kept>> keep_all(Recordings& recordings) {
 
 // So many datagrams a second, the recording over and over until the duration is over (once when
 // there is none). Counts what is due since the beginning: no error adds up.
-Expected<Outcome> send_at_rate(Recordings& recordings,
+Expected<Outcome> send_at_rate(SentRecordings& recordings,
                                SinkQueue& sender,
                                const SendArguments& arguments) {
   // How long datagrams may wait to leave together.
@@ -331,7 +331,7 @@ Expected<Outcome> send_at_rate(Recordings& recordings,
     }
     // In batches, so that a signal or the end of the time is seen when far behind.
     for (std::size_t i = 0; i < SinkQueue::kBatch && sent < due; ++i, ++sent) {
-      const Kept& one = (*kept)[sent % kept->size()];
+      const KeptDatagram& one = (*kept)[sent % kept->size()];
       if (auto queued = sender.queue(one.file, sent_now(one.address, one.payload)); !queued) {
         return tl::make_unexpected(std::move(queued.error()));
       }
@@ -359,7 +359,9 @@ Expected<double> parse_speed(const std::string& text) {
   return speed;
 }
 
-void report(const SinkCounters& sent, const Outcome& outcome, const Recordings& recordings) {
+void report_sent(const SinkCounters& sent,
+                 const Outcome& outcome,
+                 const SentRecordings& recordings) {
   const double elapsed = to_seconds(outcome.elapsed);
   const double rate = elapsed > 0 ? static_cast<double>(sent.delivered) / elapsed : 0;
   nlohmann::ordered_json line;
@@ -373,7 +375,7 @@ void report(const SinkCounters& sent, const Outcome& outcome, const Recordings& 
   if (sent.lost() > 0) {
     line["lost"] = sent.lost_by;
   }
-  print_line(line);
+  print_json_line(line);
   std::fprintf(stderr,
                "rayloc send: sent %llu datagrams in %.3f s (%.1f/s, at most %.1f ms late)\n",
                static_cast<unsigned long long>(sent.delivered),  // NOLINT(google-runtime-int)
@@ -388,7 +390,7 @@ void report(const SinkCounters& sent, const Outcome& outcome, const Recordings& 
   }
 }
 
-Expected<void> run(const SendArguments& arguments) {
+Expected<void> run_send(const SendArguments& arguments) {
   const auto speed = parse_speed(arguments.speed);
   if (!speed) {
     return tl::make_unexpected(speed.error());
@@ -411,7 +413,7 @@ Expected<void> run(const SendArguments& arguments) {
   }
   SourceOptions options;
   options.max_gap = from_seconds(arguments.max_gap);
-  auto recordings = Recordings::open(captures, options);
+  auto recordings = SentRecordings::open(captures, options);
   if (!recordings) {
     return tl::make_unexpected(std::move(recordings.error()));
   }
@@ -425,11 +427,11 @@ Expected<void> run(const SendArguments& arguments) {
   }
   const auto synced = sender.sync();
   recordings->print_warnings();
-  report(sender.counters(), *outcome, *recordings);
+  report_sent(sender.counters(), *outcome, *recordings);
   return synced;
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_send(OptionParser& app) {
   auto arguments = std::make_shared<SendArguments>();
   app.add_option("FILE",
                  arguments->files,
@@ -460,7 +462,7 @@ RunVerb declare(OptionParser& app) {
       ->capture_default_str();
   app.add_option("--duration", arguments->duration, "Stop after so many seconds")
       ->check(positive());
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_send(*arguments); };
 }
 
 }  // namespace
@@ -470,6 +472,6 @@ const Verb kSend{"send",
                  "Send a recording to a UDP port, as the access point would",
                  "rayloc send ap1.pcap ap2.pcap --to 127.0.0.1:5500 --to 127.0.0.1:5501\n"
                  "  rayloc send ap1=ring.pcap0 ap1=ring.pcap1 --to 127.0.0.1:5500",
-                 declare};
+                 declare_send};
 
 }  // namespace rayloc::cli

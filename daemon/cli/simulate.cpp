@@ -26,7 +26,7 @@
 namespace rayloc::cli {
 namespace {
 
-struct Arguments {
+struct SimulateArguments {
   std::string site;
   std::string points;
   std::vector<std::string> out;
@@ -89,7 +89,9 @@ struct Simulation {
   LivedInRoom lived;  // on that day
 };
 
-Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulation& simulation) {
+Expected<void> read_spots(const SimulateArguments& arguments,
+                          const Site& site,
+                          Simulation& simulation) {
   const auto table = CsvTable::load(arguments.points);
   if (!table) {
     return tl::make_unexpected(table.error());
@@ -134,7 +136,7 @@ Expected<void> read_spots(const Arguments& arguments, const Site& site, Simulati
 }
 
 // What the hands of people and a night did to the room that is simulated.
-Expected<void> live(const Arguments& arguments, Simulation& simulation) {
+Expected<void> live(const SimulateArguments& arguments, Simulation& simulation) {
   if (!arguments.second_day.empty()) {
     const auto day = read_second_day(arguments.second_day);
     if (!day) {
@@ -156,7 +158,7 @@ Expected<void> live(const Arguments& arguments, Simulation& simulation) {
                         arguments.points);
 }
 
-Expected<Simulation> prepare(const Arguments& arguments) {
+Expected<Simulation> prepare(const SimulateArguments& arguments) {
   const auto site = load_site(arguments.site);
   if (!site) {
     return tl::make_unexpected(site.error());
@@ -273,7 +275,7 @@ void print_notes(const CaptureReport& report) {
   }
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_simulate(const SimulateArguments& arguments) {
   const auto simulation = prepare(arguments);
   if (!simulation) {
     return tl::make_unexpected(simulation.error());
@@ -313,7 +315,7 @@ Expected<void> run(const Arguments& arguments) {
 }
 
 // A room that people live in.
-void declare_life(OptionParser& app, Arguments& arguments, ParserOption* person) {
+void declare_life(OptionParser& app, SimulateArguments& arguments, ParserOption* person) {
   app.add_option("--height-sigma",
                  arguments.handling.height_sigma,
                  "Heights are normal, of this deviation about height_m of the site's device and "
@@ -346,8 +348,8 @@ void declare_life(OptionParser& app, Arguments& arguments, ParserOption* person)
                  "Write where the device really was, as rayloc evaluate --truth reads it");
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_simulate(OptionParser& app) {
+  const auto arguments = std::make_shared<SimulateArguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
       ->required();
   app.add_option(
@@ -405,7 +407,7 @@ RunVerb declare(OptionParser& app) {
       ->capture_default_str();
   app.add_flag("--force", arguments->force, "Replace files that exist");
   app.add_flag("--quiet", arguments->quiet, "No words on standard error");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_simulate(*arguments); };
 }
 
 }  // namespace
@@ -425,6 +427,6 @@ const Verb kSimulate = {
     "about accuracy.\n"
     "Prints as JSON what was simulated, the phases and gains of the chains among it. A seed is a "
     "site: recordings of one seed share its chains, with --second-day those of that day.",
-    declare};
+    declare_simulate};
 
 }  // namespace rayloc::cli

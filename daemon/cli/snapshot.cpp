@@ -10,7 +10,7 @@
 namespace rayloc::cli {
 namespace {
 
-Expected<void> run(const HttpOptions& options) {
+Expected<void> run_snapshot(const HttpOptions& options) {
   const Expected<HttpQuery> query = query_of(options);
   if (!query) {
     return tl::make_unexpected(query.error());
@@ -33,13 +33,13 @@ Expected<void> run(const HttpOptions& options) {
                                 : why);
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_snapshot(OptionParser& app) {
   const auto options = add_http_options(app);
   app.footer(app.get_footer() + R"(
 
 Prints the recordings, one per access point, that raylocd begins to write: what came
 within [record] ring_s. The signal SIGUSR1 makes raylocd do the same.)");
-  return [options] { return run(*options); };
+  return [options] { return run_snapshot(*options); };
 }
 
 }  // namespace
@@ -49,6 +49,6 @@ const Verb kSnapshot = {
     "snapshot",
     "Write what raylocd received lately to recordings, for looking into a trouble",
     "rayloc snapshot --http 127.0.0.1:8480",
-    declare};
+    declare_snapshot};
 
 }  // namespace rayloc::cli

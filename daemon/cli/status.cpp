@@ -18,11 +18,11 @@
 namespace rayloc::cli {
 namespace {
 
-using Json = nlohmann::json;
+using StatusJson = nlohmann::json;
 
 // 64-bit numbers are strings in protobuf's JSON.
-std::uint64_t count_of(const Json& object, const char* key) {
-  const Json value = object.value(key, Json(0));
+std::uint64_t count_of(const StatusJson& object, const char* key) {
+  const StatusJson value = object.value(key, StatusJson(0));
   return value.is_string() ? std::stoull(value.get<std::string>()) : value.get<std::uint64_t>();
 }
 
@@ -38,7 +38,7 @@ std::string lower_tail(const std::string& name, std::size_t prefix) {
 double seconds_of(const std::string& duration) { return std::strtod(duration.c_str(), nullptr); }
 
 // When the last datagram came; a recording's came long ago, whenever that was.
-std::string last_of(const Json& source) {
+std::string last_of(const StatusJson& source) {
   if (source.contains("age")) {
     return age_text(seconds_of(source.at("age").get<std::string>())) + " ago";
   }
@@ -49,8 +49,8 @@ std::string last_of(const Json& source) {
                                                         : "from a recording";
 }
 
-void print_source(const Json& source) {
-  const Json& counters = source.at("counters");
+void print_source(const StatusJson& source) {
+  const StatusJson& counters = source.at("counters");
   std::uint64_t rejected = 0;
   for (const auto& [reason, count] : counters.at("rejected").items()) {
     rejected += count.is_string() ? std::stoull(count.get<std::string>()) : 0U;
@@ -71,9 +71,9 @@ void print_source(const Json& source) {
 }
 
 // How many are followed now: people where they are looked for, with a measured empty room.
-std::string tracks_of(const Json& status) {
+std::string tracks_of(const StatusJson& status) {
   std::string text = fmt::format("{} tracks of devices",
-                                 count_of(status.value("tracker", Json::object()), "tracks"));
+                                 count_of(status.value("tracker", StatusJson::object()), "tracks"));
   if (status.contains("person_tracker")) {
     text += fmt::format(", {} of people", count_of(status.at("person_tracker"), "tracks"));
   }
@@ -87,8 +87,8 @@ std::string to_the_second(const std::string& time) {
 }
 
 // What all sites share.
-std::string publisher_of(const Json& status) {
-  const Json& publisher = status.at("publisher");
+std::string publisher_of(const StatusJson& status) {
+  const StatusJson& publisher = status.at("publisher");
   return fmt::format("{} messages to {} subscriptions, {} times one was slow",
                      count_of(publisher, "published"),
                      count_of(publisher, "subscriptions"),
@@ -96,24 +96,24 @@ std::string publisher_of(const Json& status) {
 }
 
 // `end`: of the last line.
-void print_state(const Json& ready, const Json& status, const std::string& end) {
+void print_state(const StatusJson& ready, const StatusJson& status, const std::string& end) {
   fmt::print("raylocd {} since {}: {}\n",
              status.at("software_version").get<std::string>(),
              to_the_second(status.at("started").get<std::string>()),
              ready.at("ready").get<bool>() ? "ready" : "not ready");
-  for (const Json& reason : ready.at("reasons")) {
+  for (const StatusJson& reason : ready.at("reasons")) {
     fmt::print("  {}\n", reason.get<std::string>());
   }
-  for (const Json& warning : ready.at("warnings")) {
+  for (const StatusJson& warning : ready.at("warnings")) {
     fmt::print("  warning: {}\n", warning.get<std::string>());
   }
   if (ready.value("clock", "") == "unknown") {
     fmt::print("  clock: unknown to raylocd whether it is synchronised; timedatectl tells\n");
   }
-  for (const Json& source : status.at("sources")) {
+  for (const StatusJson& source : status.at("sources")) {
     print_source(source);
   }
-  const Json& estimation = status.at("estimation");
+  const StatusJson& estimation = status.at("estimation");
   fmt::print(
       "{} fixes, {} without a position, {}; {} bursts gave way to newer ones, {} were left out{}\n",
       count_of(estimation, "fixes"),
@@ -122,7 +122,7 @@ void print_state(const Json& ready, const Json& status, const std::string& end) 
       count_of(estimation, "bursts_merged"),
       count_of(estimation, "bursts_dropped"),
       end);
-  const Json reloads = status.value("reloads", Json::object());
+  const StatusJson reloads = status.value("reloads", StatusJson::object());
   if (count_of(reloads, "exchanges") > 0) {
     fmt::print("prepared anew {} times since the start: {} datagrams lost, {} frames left\n",
                count_of(reloads, "exchanges"),
@@ -133,8 +133,8 @@ void print_state(const Json& ready, const Json& status, const std::string& end) 
 
 struct State {
   std::string site;  // empty: the only one
-  Json readiness;
-  Json status;  // an error where the site has never begun
+  StatusJson readiness;
+  StatusJson status;  // an error where the site has never begun
   bool has_begun() const { return status.contains("sources"); }
 };
 
@@ -159,7 +159,7 @@ Expected<std::vector<State>> ask_all(const HttpQuery& query, const std::string& 
   }
   std::vector<State> states;
   std::string names;
-  for (const Json& site : sites->json) {
+  for (const StatusJson& site : sites->json) {
     const std::string name = site.at("name").get<std::string>();
     names += (names.empty() ? "" : ", ") + name;
     if (!only.empty() && name != only) {
@@ -181,7 +181,7 @@ Expected<std::vector<State>> ask_all(const HttpQuery& query, const std::string& 
   return states;
 }
 
-Expected<void> run(const HttpOptions& options, const std::string& site, bool json) {
+Expected<void> run_status_verb(const HttpOptions& options, const std::string& site, bool json) {
   const Expected<HttpQuery> query = query_of(options);
   if (!query) {
     return tl::make_unexpected(query.error());
@@ -192,7 +192,7 @@ Expected<void> run(const HttpOptions& options, const std::string& site, bool jso
   }
   for (const State& state : *states) {
     if (json) {
-      Json line = {{"readiness", state.readiness}, {"status", state.status}};
+      StatusJson line = {{"readiness", state.readiness}, {"status", state.status}};
       if (!state.site.empty()) {
         line["site"] = state.site;
       }
@@ -219,7 +219,7 @@ Expected<void> run(const HttpOptions& options, const std::string& site, bool jso
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_status(OptionParser& app) {
   const auto options = add_http_options(app);
   const auto site = std::make_shared<std::string>();
   const auto json = std::make_shared<bool>(false);
@@ -228,13 +228,15 @@ RunVerb declare(OptionParser& app) {
                *json,
                "A line of JSON for each site: readiness, the heartbeat as status, and of several "
                "the name as site");
-  return [options, site, json] { return run(*options, *site, *json); };
+  return [options, site, json] { return run_status_verb(*options, *site, *json); };
 }
 
 }  // namespace
 
 extern const Verb kStatus;
-const Verb kStatus = {
-    "status", "Show how a running raylocd is", "rayloc status --http 127.0.0.1:8480", declare};
+const Verb kStatus = {"status",
+                      "Show how a running raylocd is",
+                      "rayloc status --http 127.0.0.1:8480",
+                      declare_status};
 
 }  // namespace rayloc::cli

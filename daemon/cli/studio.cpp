@@ -20,16 +20,16 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr auto kTick = std::chrono::milliseconds(100);
+constexpr auto kStudioTick = std::chrono::milliseconds(100);
 
-struct Arguments {
+struct StudioArguments {
   std::string site;
   std::string listen = "127.0.0.1:8481";
   std::string token_file;
   std::vector<std::string> captures;
 };
 
-Expected<HttpServer::Options> options_of(const Arguments& arguments) {
+Expected<HttpServer::Options> server_options(const StudioArguments& arguments) {
   HttpServer::Options options;
   const auto address = parse_listen(arguments.listen);
   if (!address) {
@@ -53,8 +53,8 @@ Expected<HttpServer::Options> options_of(const Arguments& arguments) {
   return options;
 }
 
-Expected<void> run(const Arguments& arguments) {
-  const auto options = options_of(arguments);
+Expected<void> run_studio(const StudioArguments& arguments) {
+  const auto options = server_options(arguments);
   if (!options) {
     return tl::make_unexpected(options.error());
   }
@@ -89,13 +89,13 @@ Expected<void> run(const Arguments& arguments) {
                static_cast<unsigned>((*server)->port()),
                arguments.site.c_str());
   while (!StopSignal::requested()) {
-    std::this_thread::sleep_for(kTick);
+    std::this_thread::sleep_for(kStudioTick);
   }
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_studio(OptionParser& app) {
+  const auto arguments = std::make_shared<StudioArguments>();
   app.add_option("SITE", arguments->site, "Folder with a site.toml, or an empty one")->required();
   app.add_option("--listen", arguments->listen, "ADDRESS:PORT of the page; port 0: a free one")
       ->capture_default_str();
@@ -106,7 +106,7 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--capture",
                  arguments->captures,
                  "Recordings of the survey in SITE/survey.csv, [AP=]FILE: the page calibrates");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_studio(*arguments); };
 }
 
 }  // namespace
@@ -116,6 +116,6 @@ const Verb kStudio = {"studio",
                       "Draw and name a site in a browser: access points, zones, walls, furniture",
                       "rayloc studio office\n"
                       "  rayloc scene import scan.glb --out office && rayloc studio office",
-                      declare};
+                      declare_studio};
 
 }  // namespace rayloc::cli

@@ -14,14 +14,13 @@
 #include "daemon/feed/message_filter.h"
 #include "daemon/feed/message_source.h"
 #include "daemon/publish/gap_detector.h"
+#include "daemon/publish/topic.h"
 #include "daemon/terminal/stop_signal.h"
 #include "engine/base/printable.h"
 #include "rayloc/v1/envelope.pb.h"
 
 namespace rayloc::cli {
 namespace {
-
-const char* const kHeartbeats = "v1/heartbeat/";
 
 struct SubArguments {
   std::vector<std::string> topics;
@@ -33,7 +32,7 @@ struct SubArguments {
   double timeout = 0.0;     // [s]; 0: none
 };
 
-Expected<void> print_line(const std::string& line) {
+Expected<void> print_message_line(const std::string& line) {
   if (std::fputs(line.c_str(), stdout) < 0 || std::fputc('\n', stdout) == EOF ||
       std::fflush(stdout) != 0) {
     return make_error(ErrorKind::kUnavailable, "standard output cannot be written");
@@ -67,7 +66,7 @@ class Subscription {
   Expected<void> run() {
     std::vector<std::string> prefixes = topics_;
     if (writer_.needs_heartbeats()) {
-      prefixes.emplace_back(kHeartbeats);
+      prefixes.emplace_back(kHeartbeatTopics);
     }
     const Expected<Receive> receive = connect(arguments_.from, prefixes);
     if (!receive) {
@@ -75,7 +74,7 @@ class Subscription {
     }
     StopSignal::install();
     if (const auto header = writer_.header()) {
-      if (auto written = print_line(*header); !written) {
+      if (auto written = print_message_line(*header); !written) {
         return written;
       }
     }
@@ -137,7 +136,7 @@ class Subscription {
       if (!line) {
         return {};
       }
-      if (auto written = print_line(*line); !written) {
+      if (auto written = print_message_line(*line); !written) {
         return written;
       }
       ++printed_;

@@ -37,10 +37,10 @@
 namespace rayloc::cli {
 namespace {
 
-constexpr Duration kTick = std::chrono::milliseconds(20);
+constexpr Duration kListenTick = std::chrono::milliseconds(20);
 constexpr double kSamePlace = 0.01;  // [m]: a planned point that has a row is done
 
-struct Arguments {
+struct SurveyVerbArguments {
   std::string site;
   std::string out;
   std::string plan;
@@ -56,7 +56,7 @@ Timestamp now() { return std::chrono::system_clock::now(); }
 
 // Which of a raylocd's sites is surveyed: the only one, the one that is named, or else the one of
 // that directory or, where the survey is of another copy of it, of that name.
-Expected<SiteSetup> configured_site(const Arguments& arguments, const Site& site) {
+Expected<SiteSetup> configured_site(const SurveyVerbArguments& arguments, const Site& site) {
   auto setup = load_daemon_setup(arguments.config);
   if (!setup) {
     return tl::make_unexpected(setup.error());
@@ -91,7 +91,8 @@ Expected<SiteSetup> configured_site(const Arguments& arguments, const Site& site
 }
 
 // The live sources of a site of raylocd's configuration as they would be written after --listen.
-Expected<std::vector<std::string>> configured_ports(const Arguments& arguments, const Site& site) {
+Expected<std::vector<std::string>> configured_ports(const SurveyVerbArguments& arguments,
+                                                    const Site& site) {
   const auto setup = configured_site(arguments, site);
   if (!setup) {
     return tl::make_unexpected(setup.error());
@@ -108,7 +109,7 @@ Expected<std::vector<std::string>> configured_ports(const Arguments& arguments, 
   return listen;
 }
 
-Expected<std::vector<SurveyPort>> ports_of(const Arguments& arguments, const Site& site) {
+Expected<std::vector<SurveyPort>> ports_of(const SurveyVerbArguments& arguments, const Site& site) {
   if (arguments.listen.empty() == arguments.config.empty()) {
     return make_error(ErrorKind::kUsage,
                       "say where the access points send to: --listen [AP=]HOST:PORT, or --config "
@@ -142,7 +143,10 @@ Expected<std::vector<SurveyPort>> ports_of(const Arguments& arguments, const Sit
 
 class Survey {
  public:
-  Survey(const Arguments& arguments, RoomModel room, SurveyListener listener, SurveyFile file)
+  Survey(const SurveyVerbArguments& arguments,
+         RoomModel room,
+         SurveyListener listener,
+         SurveyFile file)
       : arguments_(arguments),
         room_(std::move(room)),
         listener_(std::move(listener)),
@@ -222,7 +226,7 @@ class Survey {
           std::fputs("\n", stderr);
           return std::nullopt;
         }
-        if (auto heard = listener_.listen(kTick); !heard) {
+        if (auto heard = listener_.listen(kListenTick); !heard) {
           return tl::make_unexpected(heard.error());
         }
         input_.poll();
@@ -256,7 +260,7 @@ class Survey {
     listener_.start_counting(start);
     std::vector<std::size_t> counts;
     do {
-      if (auto heard = listener_.listen(kTick); !heard) {
+      if (auto heard = listener_.listen(kListenTick); !heard) {
         return heard;
       }
       counts = listener_.counts();
@@ -305,7 +309,7 @@ class Survey {
     }
   }
 
-  const Arguments& arguments_;
+  const SurveyVerbArguments& arguments_;
   RoomModel room_;
   SurveyListener listener_;
   SurveyFile file_;
@@ -314,7 +318,7 @@ class Survey {
   std::size_t written_ = 0;
 };
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_survey(const SurveyVerbArguments& arguments) {
   const auto site = load_site(arguments.site);
   if (!site) {
     return tl::make_unexpected(site.error());
@@ -354,8 +358,8 @@ Expected<void> run(const Arguments& arguments) {
   return done;
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_survey(OptionParser& app) {
+  const auto arguments = std::make_shared<SurveyVerbArguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml")->required();
   app.add_option("--out",
                  arguments->out,
@@ -380,7 +384,7 @@ RunVerb declare(OptionParser& app) {
   app.add_option("--timeout", arguments->timeout, "A point ends after so many seconds in any case")
       ->check(positive())
       ->capture_default_str();
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_survey(*arguments); };
 }
 
 }  // namespace
@@ -397,6 +401,6 @@ const Verb kSurvey = {
     "...\n"
     "A survey that is continued needs new names for --record; calibrate takes all of them: "
     "--capture ap1=a.pcap ap1=a2.pcap ...",
-    declare};
+    declare_survey};
 
 }  // namespace rayloc::cli

@@ -23,11 +23,11 @@
 namespace rayloc::cli {
 namespace {
 
-using Clock = TopModel::Clock;
+using TopClock = TopModel::Clock;
 // By the site of the topics; several where a raylocd has several.
 using Models = std::map<std::string, TopModel>;
 
-struct Arguments {
+struct TopArguments {
   MessageSource from;
   std::string site;  // of several; empty: all
   bool once = false;
@@ -37,15 +37,15 @@ struct Arguments {
 
 // Takes what comes until `until`; returns early when `stop` holds.
 template <typename Stop>
-void collect(const Receive& receive, Clock::time_point until, Models& models, Stop stop) {
+void collect(const Receive& receive, TopClock::time_point until, Models& models, Stop stop) {
   constexpr auto kPoll = std::chrono::milliseconds(100);
-  for (auto now = Clock::now(); now < until && !stop(); now = Clock::now()) {
+  for (auto now = TopClock::now(); now < until && !stop(); now = TopClock::now()) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now);
     if (const auto message = receive(std::min(kPoll, left))) {
       v1::Envelope envelope;
       if (envelope.ParseFromString(message->payload)) {
         models[std::string(topic_site(message->topic))].add(
-            message->topic, envelope, Clock::now(), message->from_snapshot);
+            message->topic, envelope, TopClock::now(), message->from_snapshot);
       }
     }
   }
@@ -69,23 +69,23 @@ std::vector<std::string> lines_of(const Models& models,
       lines.insert(lines.end(), lines.empty() ? 0U : 1U, "");
       lines.push_back("site " + printable(name));
     }
-    for (std::string& line : top_lines(model, Clock::now(), width)) {
+    for (std::string& line : top_lines(model, TopClock::now(), width)) {
       lines.push_back(std::move(line));
     }
   }
-  return lines.empty() ? top_lines(TopModel(), Clock::now(), width) : lines;
+  return lines.empty() ? top_lines(TopModel(), TopClock::now(), width) : lines;
 }
 
-Clock::duration seconds(double count) {
-  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(count));
+TopClock::duration seconds(double count) {
+  return std::chrono::duration_cast<TopClock::duration>(std::chrono::duration<double>(count));
 }
 
 // Two heartbeats are enough for every rate, and a daemon that locates has said something meanwhile.
-Expected<void> print_once(const Receive& receive, const Arguments& arguments) {
+Expected<void> print_once(const Receive& receive, const TopArguments& arguments) {
   constexpr std::uint64_t kHeartbeats = 2;
   StopSignal::install();
   Models models;
-  collect(receive, Clock::now() + seconds(arguments.timeout), models, [&] {
+  collect(receive, TopClock::now() + seconds(arguments.timeout), models, [&] {
     return StopSignal::requested() ||
            (!models.empty() && std::all_of(models.begin(), models.end(), [&](const auto& one) {
              return !is_wanted(one.first, arguments.site) ||
@@ -110,7 +110,7 @@ Expected<void> print_once(const Receive& receive, const Arguments& arguments) {
   return {};
 }
 
-void show(const Receive& receive, const Arguments& arguments) {
+void show(const Receive& receive, const TopArguments& arguments) {
   Models models;
   TerminalScreen screen;
   bool is_wanted = true;
@@ -127,7 +127,7 @@ void show(const Receive& receive, const Arguments& arguments) {
     if (!screen.draw(lines)) {
       return;
     }
-    collect(receive, Clock::now() + seconds(arguments.interval), models, heed_keys);
+    collect(receive, TopClock::now() + seconds(arguments.interval), models, heed_keys);
   }
 }
 
@@ -150,7 +150,7 @@ Expected<Receive> connect_top(const MessageSource& from, double patience) {
   return connect(from, all);
 }
 
-Expected<void> run(const Arguments& arguments) {
+Expected<void> run_top(const TopArguments& arguments) {
   const Expected<Receive> receive = connect_top(arguments.from, arguments.timeout);
   if (!receive) {
     return tl::make_unexpected(receive.error());
@@ -162,8 +162,8 @@ Expected<void> run(const Arguments& arguments) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto arguments = std::make_shared<Arguments>();
+RunVerb declare_top(OptionParser& app) {
+  const auto arguments = std::make_shared<TopArguments>();
   add_source_options(app, arguments->from);
   app.get_option("--snapshot")
       ->description(
@@ -182,7 +182,7 @@ RunVerb declare(OptionParser& app) {
                  "With --once: seconds to wait for heartbeats; none is status 69")
       ->check(not_negative())
       ->capture_default_str();
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_top(*arguments); };
 }
 
 }  // namespace
@@ -193,6 +193,6 @@ const Verb kTop = {"top",
                    "rayloc top\n"
                    "  rayloc top --endpoint tcp://192.0.2.7:5560 --snapshot tcp://192.0.2.7:5561\n"
                    "  rayloc top --once | grep NO",
-                   declare};
+                   declare_top};
 
 }  // namespace rayloc::cli

@@ -121,7 +121,7 @@ Expected<TraceReport> trace(const TraceArguments& arguments,
   return report;
 }
 
-Expected<void> run(const TraceArguments& arguments) {
+Expected<void> run_trace(const TraceArguments& arguments) {
   const Expected<Link> link = parse_link(arguments.link);
   if (!link) {
     return tl::make_unexpected(link.error());
@@ -162,7 +162,7 @@ Expected<void> run(const TraceArguments& arguments) {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_trace(OptionParser& app) {
   const auto arguments = std::make_shared<TraceArguments>();
   declare_link(app, arguments->link);
   app.get_option("--tx")->required();
@@ -205,7 +205,7 @@ RunVerb declare(OptionParser& app) {
       "first on [s]), power "
       "(the sum of |h|^2 that --gradient differentiates), gradient, note (what is remarkable "
       "about the link, as on stderr)");
-  return [arguments] { return run(*arguments); };
+  return [arguments] { return run_trace(*arguments); };
 }
 
 }  // namespace
@@ -217,6 +217,6 @@ const Verb kTrace = {
     "rayloc trace tests/data/sites/meeting_room --tx 0.4,1.0,1.5 --rx -1.4,1.05,1.2\n"
     "  rayloc trace room.xml --tx 1,1,1 --rx 3,2,1.5 --transmission --cfr 5.19e9,312500,128 "
     "--gradient power:rx,eps_r.wood --json",
-    declare};
+    declare_trace};
 
 }  // namespace rayloc::cli

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMostHeldOut = 0.8;  // of the points, a share: as `rayloc calibrate` has it
 
-struct Options {
+struct TrainOptions {
   std::string site;
   std::string method;
   SurveyArguments survey;
@@ -61,7 +61,7 @@ std::vector<std::string> trained_methods() {
 // A run of the verb.
 class Train {
  public:
-  explicit Train(const Options& options)
+  explicit Train(const TrainOptions& options)
       : options_(options), method_(*find_method(options.method)) {}
   Expected<void> run();
 
@@ -76,7 +76,7 @@ class Train {
   Expected<void> write() const;
   void say() const;
 
-  const Options& options_;
+  const TrainOptions& options_;
   const Method& method_;
   MethodOptions told_;
   Site site_;
@@ -334,8 +334,8 @@ Expected<void> Train::run() {
   return {};
 }
 
-RunVerb declare(OptionParser& app) {
-  const auto options = std::make_shared<Options>();
+RunVerb declare_train(OptionParser& app) {
+  const auto options = std::make_shared<TrainOptions>();
   app.add_option("site", options->site, "calibrated site: directory with site.toml")->required();
   app.add_option("--method", options->method, "that learns")
       ->check(one_of(trained_methods()))
@@ -371,6 +371,6 @@ const Verb kTrain = {"train",
                      "Let a method learn from a survey what it needs beside the calibration",
                      "rayloc train office-calibrated --method spotfi --capture ap1=survey.pcap "
                      "--points survey.csv --out office-trained",
-                     declare};
+                     declare_train};
 
 }  // namespace rayloc::cli

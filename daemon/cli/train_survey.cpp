@@ -14,7 +14,7 @@ namespace rayloc::cli {
 namespace {
 
 // By how much the clocks of access points and of the survey may differ.
-constexpr Duration kClockSlack = std::chrono::milliseconds(20);
+constexpr Duration kTrainingClockSlack = std::chrono::milliseconds(20);
 
 using Frames = std::map<MacAddress, std::vector<CsiFrame>>;
 
@@ -44,8 +44,8 @@ std::vector<TrainingPoint> cut(const std::vector<CsiFrame>& frames,
     TrainingPoint one{point.position, {}};
     std::copy_if(
         frames.begin(), frames.end(), std::back_inserter(one.frames), [&](const CsiFrame& frame) {
-          return frame.time >= point.t_start - kClockSlack &&
-                 frame.time <= point.t_end + kClockSlack;
+          return frame.time >= point.t_start - kTrainingClockSlack &&
+                 frame.time <= point.t_end + kTrainingClockSlack;
         });
     if (!one.frames.empty()) {
       all.push_back(std::move(one));

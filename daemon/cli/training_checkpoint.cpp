@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kParts = 3;  // parameters, means and squares of their slopes: as many of each
+constexpr std::size_t kCheckpointParts =
+    3;  // parameters, means and squares of their slopes: as many of each
 
 fs::path numbers_file(const fs::path& folder, const std::string& method) {
   return folder / (method + ".checkpoint.json");
@@ -81,10 +82,10 @@ Expected<TrainingCheckpoint> read_checkpoint(const fs::path& folder,
   const auto bytes = read_file(floats);
   const auto all = bytes ? parse_weights(*bytes, floats)
                          : Expected<std::vector<float>>(tl::make_unexpected(bytes.error()));
-  if (!all || weights_hash(*bytes) != weights || all->size() % kParts != 0) {
+  if (!all || weights_hash(*bytes) != weights || all->size() % kCheckpointParts != 0) {
     return refuse("its weights are not those of " + floats.string());
   }
-  const auto count = static_cast<std::ptrdiff_t>(all->size() / kParts);
+  const auto count = static_cast<std::ptrdiff_t>(all->size() / kCheckpointParts);
   TrainingState& state = checkpoint.network;
   state.parameters.assign(all->begin(), all->begin() + count);
   state.mean.assign(all->begin() + count, all->begin() + 2 * count);

@@ -33,7 +33,7 @@ Expected<std::string> obstacle(const HttpQuery& query, bool sources) {
   return ready->status == 200 || !sources ? std::string() : reasons_of(ready->json);
 }
 
-Expected<void> run(const HttpOptions& options, double timeout, bool sources) {
+Expected<void> run_wait_ready(const HttpOptions& options, double timeout, bool sources) {
   const Expected<HttpQuery> query = query_of(options);
   if (!query) {
     return tl::make_unexpected(query.error());
@@ -54,7 +54,7 @@ Expected<void> run(const HttpOptions& options, double timeout, bool sources) {
   }
 }
 
-RunVerb declare(OptionParser& app) {
+RunVerb declare_wait_ready(OptionParser& app) {
   const auto options = add_http_options(app);
   const auto timeout = std::make_shared<double>(60.0);
   const auto running = std::make_shared<bool>(false);
@@ -62,7 +62,7 @@ RunVerb declare(OptionParser& app) {
       ->check(not_negative())
       ->capture_default_str();
   app.add_flag("--running", *running, "It is enough that raylocd runs, heard or not");
-  return [options, timeout, running] { return run(*options, *timeout, !*running); };
+  return [options, timeout, running] { return run_wait_ready(*options, *timeout, !*running); };
 }
 
 }  // namespace
@@ -72,6 +72,6 @@ const Verb kWaitReady = {
     "wait-ready",
     "Wait until raylocd is ready: runs, can locate, and hears every access point",
     "rayloc wait-ready --timeout 30 && echo go",
-    declare};
+    declare_wait_ready};
 
 }  // namespace rayloc::cli

@@ -87,7 +87,7 @@ ChainGains without_gains(const RoomAccessPoint& access_point, const OfdmGrid& gr
 
 }  // namespace
 
-Expected<RoomModel> planned_room(const Site& site, const RoomPlan& plan) {
+Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& plan) {
   auto room = load_room_model(site);
   if (!room) {
     return room;

@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-struct RoomPlan {
+struct PlannedRoomOptions {
   std::vector<std::string> access_points = {};  // ids; empty: all of the site
   int bandwidth_mhz = 0;                        // 0: that of the site
   std::optional<double> spacing =
@@ -22,7 +22,7 @@ struct RoomPlan {
 // is not gets chains without gains, and the errors that calibrations leave (planned_room.cpp).
 // Errors: as load_room_model(); an id that the site has not or that is named twice, and a spacing
 // of antennas that are no row (kUsage).
-Expected<RoomModel> planned_room(const Site& site, const RoomPlan& plan);
+Expected<RoomModel> planned_room(const Site& site, const PlannedRoomOptions& plan);
 
 // The antennas of a row at other distances: `gaps` [m] between neighbours, about the middle of the
 // row. An array of another number of antennas, or one that is no row, stays as it is.
