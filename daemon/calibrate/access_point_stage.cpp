@@ -10,10 +10,10 @@ struct Samples {
   std::vector<std::size_t> point;  // of each
 };
 
-Samples samples_of(std::span<const CalibrationPoint> points,
-                   std::size_t access_point,
-                   double survey_error,
-                   bool with_held_out) {
+Samples point_samples(std::span<const CalibrationPoint> points,
+                      std::size_t access_point,
+                      double survey_error,
+                      bool with_held_out) {
   Samples result;
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto& h = points[p].h[access_point];
@@ -34,7 +34,7 @@ Expected<AccessPointResult> fit_access_point(const RoomModel& room,
                                              ArrayFit array) {
   AccessPointResult result;
   result.index = access_point;
-  const Samples all = samples_of(points, access_point, survey_error, true);
+  const Samples all = point_samples(points, access_point, survey_error, true);
   const AccessPointCalibrator on_all(room, access_point, all.samples);
   auto fit = on_all.fit(array);
   if (!fit) {
@@ -43,7 +43,7 @@ Expected<AccessPointResult> fit_access_point(const RoomModel& room,
   result.fit = *std::move(fit);
   auto train =
       AccessPointCalibrator(
-          room, access_point, samples_of(points, access_point, survey_error, false).samples)
+          room, access_point, point_samples(points, access_point, survey_error, false).samples)
           .fit(array);
   if (!train) {
     train.error().message += " after holding out; use a smaller --holdout";

@@ -9,9 +9,9 @@ namespace rayloc {
 namespace {
 
 // Levels of the bursts of a transmitter, with the places where it stood.
-std::vector<LevelSample> samples_of(const MacAddress& transmitter,
-                                    const BurstRequest& request,
-                                    std::span<const HeldOutSpot> spots) {
+std::vector<LevelSample> level_samples(const MacAddress& transmitter,
+                                       const BurstRequest& request,
+                                       std::span<const HeldOutSpot> spots) {
   std::vector<LevelSample> samples;
   for (const HeldOutSpot& spot : spots) {
     if (spot.frames.front().transmitter != transmitter) {
@@ -41,7 +41,7 @@ std::vector<TransmitterLevel> fit_levels(const Site& site,
     if (!transmitter.constant_power || transmitter.role != TransmitterRole::kDevice) {
       continue;
     }
-    const auto samples = samples_of(transmitter.mac, request, spots);
+    const auto samples = level_samples(transmitter.mac, request, spots);
     if (const auto fit = fit_level(fitted, result.index, samples)) {
       levels.push_back({transmitter.mac, fit->offset_db, fit->sigma_db});
     } else {

@@ -12,8 +12,8 @@
 namespace rayloc {
 namespace {
 
-constexpr auto kFinishPatience = std::chrono::seconds(1);
-constexpr auto kLookAgain = std::chrono::seconds(1);  // for a stream
+constexpr auto kSenderFinishTimeout = std::chrono::seconds(1);
+constexpr auto kStreamLookInterval = std::chrono::seconds(1);  // for a stream
 constexpr auto kFlush = std::chrono::milliseconds(10);
 constexpr std::size_t kMostAtOnce = 64;  // messages, before new batches are looked at
 
@@ -193,7 +193,7 @@ BatchSender::Time BatchSender::due() const {
 // A stream in memory is gone when its server was started anew. Who may not make one finds it made.
 void BatchSender::see_to_stream() {
   const Time now = std::chrono::steady_clock::now();
-  if (!broker_->connected() || now - looked_ < kLookAgain) {
+  if (!broker_->connected() || now - looked_ < kStreamLookInterval) {
     return;
   }
   {
@@ -269,7 +269,7 @@ std::string BatchSender::id_of(const NumberedRing::Ready& batch) const {
 }
 
 void BatchSender::flush_all() {
-  const Time deadline = std::chrono::steady_clock::now() + kFinishPatience;
+  const Time deadline = std::chrono::steady_clock::now() + kSenderFinishTimeout;
   {
     const std::lock_guard lock(mutex_);
     seal(std::chrono::steady_clock::now());

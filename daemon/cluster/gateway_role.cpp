@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::chrono::milliseconds kRound{100};
+constexpr std::chrono::milliseconds kGatewayRound{100};
 
 }  // namespace
 
@@ -60,10 +60,10 @@ void GatewayRole::run() {
     progress_.beat();
     if (!reader_ && !open_reader()) {
       progress_.rest();
-      std::this_thread::sleep_for(kRound);
+      std::this_thread::sleep_for(kGatewayRound);
       continue;
     }
-    const auto message = reader_->next(kRound);
+    const auto message = reader_->next(kGatewayRound);
     if (message) {
       take(*message);
     }

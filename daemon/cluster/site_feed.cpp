@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kRound{20};         // between looks at what is missing
+constexpr milliseconds kFeedRound{20};     // between looks at what is missing
 constexpr milliseconds kFull{5};           // between looks whether there is room again
 constexpr std::chrono::seconds kAgain{1};  // what was asked for or told, and had no effect
 constexpr milliseconds kPlaces{100};       // between places from which it may be read again
@@ -204,12 +204,12 @@ void SiteFeed::run() {
   while (!ending_ && !is_over) {
     progress_.beat();
     make_stream();
-    if (const auto message = reader_->next(kRound)) {
+    if (const auto message = reader_->next(kFeedRound)) {
       take(*message);
       note_place();
     }
     const Time now = std::chrono::steady_clock::now();
-    if (now - looked >= kRound) {
+    if (now - looked >= kFeedRound) {
       looked = now;
       tend(now);
     }

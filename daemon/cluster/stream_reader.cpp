@@ -9,8 +9,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds kLookAgain{500};  // for a stream that is not there
-constexpr milliseconds kPause{20};       // while the broker is away or does not answer
+constexpr milliseconds kReaderLookInterval{500};  // for a stream that is not there
+constexpr milliseconds kPause{20};                // while the broker is away or does not answer
 // Of a message that is said to be gone though the stream goes on behind it.
 constexpr std::chrono::seconds kGonePatience{2};
 // A leader that was cut off takes itself for one for ten seconds (NATS), and knows nothing of what
@@ -83,7 +83,7 @@ bool StreamReader::look_at_stream() {
     }
   }
   const Time now = std::chrono::steady_clock::now();
-  if (connections_ == 0 && now - looked_ < kLookAgain) {
+  if (connections_ == 0 && now - looked_ < kReaderLookInterval) {
     return false;
   }
   looked_ = now;

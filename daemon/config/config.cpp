@@ -131,7 +131,7 @@ void read_site(const TomlTable& table, ConfigReading& reading) {
 }
 
 // [site], or each [[site]].
-void read_sites(const TomlTable& root, ConfigReading& reading) {
+void read_site_sections(const TomlTable& root, ConfigReading& reading) {
   reading.config.has_site_list = root.is_array("site");
   if (reading.config.has_site_list) {
     for (const TomlTable& table : root.tables("site")) {
@@ -426,7 +426,7 @@ ConfigReading read_config(TomlDocument& document) {
         read_source(table, reading);
       }
     } else if (section == "site") {
-      read_sites(root, reading);
+      read_site_sections(root, reading);
     } else if (const std::optional<TomlTable> table = root.table(section)) {
       read_section(*table, section, reading);
     } else if (!root.has(section)) {

@@ -5,7 +5,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kHead = R"(.\" Written by `rayloc config man`; do not edit.
+constexpr std::string_view kConfigHead = R"(.\" Written by `rayloc config man`; do not edit.
 .TH RAYLOCD.TOML 5 "" "rayloc" "File formats"
 .SH NAME
 raylocd.toml \- configuration of the Wi-Fi localization daemon raylocd
@@ -40,7 +40,7 @@ A reload prepares those sites anew whose keys, sources or files have changed, be
 those that are gone; the others go on as they were, and so does one whose files cannot be used.
 )";
 
-constexpr std::string_view kTail = R"(.SH FILES
+constexpr std::string_view kConfigTail = R"(.SH FILES
 .TP
 .I /etc/raylocd/raylocd.toml
 what the unit raylocd.service reads
@@ -97,7 +97,7 @@ std::string transports() {
   return text + ".RE\n";
 }
 
-std::string entry(const ConfigOption& option) {
+std::string option_entry(const ConfigOption& option) {
   std::string values(type_text(option));
   if (const std::string limits = config_limits(option); !limits.empty()) {
     values += (values.empty() ? "" : ", ") + limits;
@@ -123,7 +123,7 @@ std::string entry(const ConfigOption& option) {
 }  // namespace
 
 std::string config_manual_page() {
-  std::string page(kHead);
+  std::string page(kConfigHead);
   std::string_view section = "none";
   for (const ConfigOption& option : config_options()) {
     if (option.section != section) {
@@ -136,9 +136,9 @@ std::string config_manual_page() {
                                   : "[" + name + "]") +
               "\n";
     }
-    page += entry(option);
+    page += option_entry(option);
   }
-  return page + std::string(kTail);
+  return page + std::string(kConfigTail);
 }
 
 }  // namespace rayloc

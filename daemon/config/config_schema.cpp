@@ -48,7 +48,7 @@ void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
   }
 }
 
-const std::array kOptions = {
+const std::array kDaemonOptions = {
     ConfigOption{.section = "engine",
                  .key = "method",
                  .type = T::kChoice,
@@ -327,7 +327,7 @@ std::span<const ConfigOption> config_options() {
   static const std::vector<ConfigOption> kAll = [] {
     const std::span<const ConfigOption> inputs = config_rows::input_options();
     std::vector<ConfigOption> all(inputs.begin(), inputs.end());
-    all.insert(all.end(), kOptions.begin(), kOptions.end());
+    all.insert(all.end(), kDaemonOptions.begin(), kDaemonOptions.end());
     const std::span<const ConfigOption> cluster = config_rows::cluster_options();
     all.insert(all.end(), cluster.begin(), cluster.end());
     return all;

@@ -10,7 +10,7 @@ constexpr std::array<std::string_view, 2> kStorages = {"memory", "file"};
 
 Duration milliseconds_of(const ConfigValue& value) { return from_seconds(1e-3 * number(value)); }
 
-const std::array kOptions = {
+const std::array kClusterOptions = {
     ConfigOption{
         .section = "cluster",
         .key = "role",
@@ -147,6 +147,6 @@ const std::array kOptions = {
 
 }  // namespace
 
-std::span<const ConfigOption> cluster_options() { return kOptions; }
+std::span<const ConfigOption> cluster_options() { return kClusterOptions; }
 
 }  // namespace rayloc::config_rows

@@ -7,7 +7,7 @@
 namespace rayloc::config_rows {
 namespace {
 
-constexpr std::array<std::string_view, 4> kKinds = {"udp", "pcap", "interface", "unix"};
+constexpr std::array<std::string_view, 4> kSourceKinds = {"udp", "pcap", "interface", "unix"};
 
 constexpr std::string_view kUdp = "udp";
 constexpr std::string_view kPcap = "pcap";
@@ -24,7 +24,7 @@ void store_listen(SourceConfig& source, const ConfigValue& value) {
   }
 }
 
-const std::array kOptions = {
+const std::array kInputOptions = {
     ConfigOption{.section = "",
                  .key = "schema",
                  .type = T::kInteger,
@@ -90,10 +90,10 @@ const std::array kOptions = {
         .type = T::kChoice,
         .example = "\"udp\"",
         .required = true,
-        .choices = kKinds,
+        .choices = kSourceKinds,
         .description = "A UDP port, a recording, a network interface (libpcap), or rayloc-capture",
         .in_url = true,
-        .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kKinds); }},
+        .store_source = [](S& s, const V& v) { s.kind = chosen<SourceKind>(v, kSourceKinds); }},
     ConfigOption{.section = "source",
                  .key = "url",
                  .type = T::kUrl,
@@ -203,6 +203,6 @@ const std::array kOptions = {
 
 }  // namespace
 
-std::span<const ConfigOption> input_options() { return kOptions; }
+std::span<const ConfigOption> input_options() { return kInputOptions; }
 
 }  // namespace rayloc::config_rows

@@ -20,7 +20,7 @@ std::string text_in_toml(std::string_view text) {
   return result + "\"";
 }
 
-std::string header(std::string_view section, bool has_site_list = false) {
+std::string section_header(std::string_view section, bool has_site_list = false) {
   if (section.empty()) {
     return "";
   }
@@ -92,7 +92,7 @@ std::string config_example() {
       section = option.section;
       text += section == "source" ? "\n# Once for each access point." : "";
       text += section == "site" ? "\n# Or [[site]], once for each of several." : "";
-      text += "\n" + header(section);
+      text += "\n" + section_header(section);
     }
     text += described_line(option);
   }
@@ -113,7 +113,7 @@ Expected<std::string> effective_config(const std::filesystem::path& file) {
     if (section.entries.empty()) {
       continue;
     }
-    text += (text.empty() ? "" : "\n") + header(section.name, reading.config.has_site_list);
+    text += (text.empty() ? "" : "\n") + section_header(section.name, reading.config.has_site_list);
     for (const ConfigEntry& entry : section.entries) {
       text += std::string(entry.option->key) + " = " + to_toml(entry.value) +
               (entry.stated ? "" : "  # default") + "\n";

@@ -24,7 +24,7 @@ struct ReadSite {
   Site site;
 };
 
-std::vector<ReadSite> read_sites(const DaemonConfig& config, const RunningSetup* running) {
+std::vector<ReadSite> read_site_folders(const DaemonConfig& config, const RunningSetup* running) {
   std::vector<ReadSite> sites;
   for (const SiteConfig& stated : config.sites) {
     ReadSite& read = sites.emplace_back();
@@ -230,7 +230,7 @@ Expected<DaemonSetup> load(const fs::path& file, const RunningSetup* running) {
     return tl::make_unexpected(document.error());
   }
   ConfigReading reading = read_config(**document);
-  std::vector<ReadSite> sites = read_sites(reading.config, running);
+  std::vector<ReadSite> sites = read_site_folders(reading.config, running);
   check_names(sites, reading);
   const ClusterRole role = reading.config.cluster.role;
   if (role == ClusterRole::kWorker) {

@@ -31,7 +31,7 @@ Json array_of(Json items, std::size_t least, std::size_t most) {
 }
 
 template <typename Value>
-Json listed(std::span<const Value> values) {
+Json json_list(std::span<const Value> values) {
   Json list = Json::array();
   for (const Value& value : values) {
     list.push_back(value);
@@ -48,14 +48,14 @@ Json value_of(const SiteKey& key) {
       return {{"type", "boolean"}};
     case SiteType::kInteger:
       return key.numbers.empty() ? number_within(key.range, "integer")
-                                 : Json{{"enum", listed(key.numbers)}};
+                                 : Json{{"enum", json_list(key.numbers)}};
     case SiteType::kNumber:
       return number_within(key.range, "number");
     case SiteType::kText:
     case SiteType::kFile:
       return {{"type", "string"}, {"minLength", 1}};
     case SiteType::kChoice:
-      return {{"enum", listed(key.choices)}};
+      return {{"enum", json_list(key.choices)}};
     case SiteType::kNumbers:
       return array_of(number_within(key.range, "number"), key.count, key.count);
     case SiteType::kPairs:

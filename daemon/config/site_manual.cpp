@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kHead = R"(.\" Written by `rayloc config man site.toml`; do not edit.
+constexpr std::string_view kSiteHead = R"(.\" Written by `rayloc config man site.toml`; do not edit.
 .TH SITE.TOML 5 "" "rayloc" "File formats"
 .SH NAME
 site.toml \- a place where Wi-Fi devices and people are located
@@ -31,7 +31,7 @@ write such a folder from a plan, a drawing or a scan,
 says what is doubtful.
 )";
 
-constexpr std::string_view kTail = R"(.SH SEE ALSO
+constexpr std::string_view kSiteTail = R"(.SH SEE ALSO
 .BR rayloc (1),
 .BR raylocd.toml (5),
 .BR raylocd (8)
@@ -54,7 +54,7 @@ std::string with_limits(std::string text, const SiteKey& key) {
   return text + (told.empty() ? "" : ", " + told);
 }
 
-std::string listed(const SiteKey& key) {
+std::string choices_text(const SiteKey& key) {
   std::string text;
   for (const int number : key.numbers) {
     text += (text.empty() ? "" : ", ") + std::to_string(number);
@@ -70,14 +70,15 @@ std::string value_text(const SiteKey& key) {
     case SiteType::kBoolean:
       return "true or false";
     case SiteType::kInteger:
-      return key.numbers.empty() ? with_limits("a whole number", key)
-                                 : "one of " + listed(key) + " " + std::string(key.range.unit);
+      return key.numbers.empty()
+                 ? with_limits("a whole number", key)
+                 : "one of " + choices_text(key) + " " + std::string(key.range.unit);
     case SiteType::kNumber:
       return with_limits("a number", key);
     case SiteType::kText:
       return "text";
     case SiteType::kChoice:
-      return "one of " + listed(key);
+      return "one of " + choices_text(key);
     case SiteType::kFile:
       return "a file";
     case SiteType::kNumbers:
@@ -93,7 +94,7 @@ std::string value_text(const SiteKey& key) {
   return "";
 }
 
-std::string header(const SiteKey& key) {
+std::string key_header(const SiteKey& key) {
   const std::string name = table_of(key);
   const std::string line = key.type == SiteType::kTables        ? "[[" + name + "]]"
                            : key.type == SiteType::kNamedTables ? "[" + name + ".NAME]"
@@ -102,7 +103,7 @@ std::string header(const SiteKey& key) {
          (key.required ? "Must be there.\n" : "");
 }
 
-std::string entry(const SiteKey& key) {
+std::string key_entry(const SiteKey& key) {
   std::string text = ".TP\n.B " + roff(key.key) + "\n" + roff(key.description) + ".\n" +
                      "Value: " + roff(value_text(key)) + ".\n";
   text += key.required ? "Must be stated.\n" : "";
@@ -117,20 +118,20 @@ std::string entry(const SiteKey& key) {
 }  // namespace
 
 std::string site_manual_page() {
-  std::string page = std::string(kHead) + ".SH TOP OF THE FILE\n";
+  std::string page = std::string(kSiteHead) + ".SH TOP OF THE FILE\n";
   for (const SiteKey& key : site_keys()) {
     if (key.table.empty() && !holds_table(key)) {
-      page += entry(key);
+      page += key_entry(key);
     }
   }
   for (const SiteKey& key : site_keys()) {
     if (holds_table(key)) {
-      page += header(key);
+      page += key_header(key);
     } else if (!key.table.empty()) {
-      page += entry(key);
+      page += key_entry(key);
     }
   }
-  return page + std::string(kTail);
+  return page + std::string(kSiteTail);
 }
 
 }  // namespace rayloc

@@ -19,16 +19,18 @@ struct KindName {
   std::string_view kind;
   SourceKind value;
 };
-constexpr std::array kKinds = {KindName{"udp", "udp", SourceKind::kUdp},
-                               KindName{"pcap", "pcap", SourceKind::kPcap},
-                               KindName{"live", "interface", SourceKind::kInterface},
-                               KindName{"unix", "unix", SourceKind::kUnix}};
+constexpr std::array kSchemeKinds = {KindName{"udp", "udp", SourceKind::kUdp},
+                                     KindName{"pcap", "pcap", SourceKind::kPcap},
+                                     KindName{"live", "interface", SourceKind::kInterface},
+                                     KindName{"unix", "unix", SourceKind::kUnix}};
 constexpr KindName kOther{"", "url", SourceKind::kOther};
 
 const KindName& kind_name(const TransportScheme& scheme) {
-  const auto* const found = std::find_if(
-      kKinds.begin(), kKinds.end(), [&](const KindName& one) { return one.scheme == scheme.name; });
-  return found == kKinds.end() ? kOther : *found;
+  const auto* const found =
+      std::find_if(kSchemeKinds.begin(), kSchemeKinds.end(), [&](const KindName& one) {
+        return one.scheme == scheme.name;
+      });
+  return found == kSchemeKinds.end() ? kOther : *found;
 }
 
 // What a URL may not be here; empty where it may.

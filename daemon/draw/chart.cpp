@@ -14,14 +14,14 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr double kWidth = 470.0;
-constexpr double kHeight = 300.0;
+constexpr double kChartWidth = 470.0;
+constexpr double kChartHeight = 300.0;
 constexpr double kLeft = 62.0;
 constexpr double kRight = 14.0;
 constexpr double kTop = 30.0;
 constexpr double kBottom = 46.0;
-constexpr double kTextSize = 10.5;
-constexpr double kLineHeight = 15.0;
+constexpr double kChartTextSize = 10.5;
+constexpr double kChartLineHeight = 15.0;
 constexpr Colour kGrid{225, 225, 225, 1.0};
 
 bool can_be_shown(double value, AxisScale scale) {
@@ -92,13 +92,13 @@ AxisMap make_map(const Chart& chart,
 
 void draw_axes(const Chart& chart, const AxisMap& x, const AxisMap& y, Drawing& drawing) {
   constexpr std::size_t kTicks = 6;
-  const double bottom = kHeight - kBottom;
-  const double right = kWidth - kRight;
+  const double bottom = kChartHeight - kBottom;
+  const double right = kChartWidth - kRight;
   for (const double tick : x.ticks(kTicks)) {
     drawing.shapes.emplace_back(Line{{{x(tick), kTop}, {x(tick), bottom}}, {kGrid, 0.8}});
-    drawing.shapes.emplace_back(Text{{x(tick), bottom + kLineHeight},
+    drawing.shapes.emplace_back(Text{{x(tick), bottom + kChartLineHeight},
                                      fmt::format("{:g}", tick),
-                                     kTextSize,
+                                     kChartTextSize,
                                      kFaintInk,
                                      TextAnchor::kMiddle});
   }
@@ -106,18 +106,19 @@ void draw_axes(const Chart& chart, const AxisMap& x, const AxisMap& y, Drawing& 
     drawing.shapes.emplace_back(Line{{{kLeft, y(tick)}, {right, y(tick)}}, {kGrid, 0.8}});
     drawing.shapes.emplace_back(Text{{kLeft - 6.0, y(tick) + 3.5},
                                      fmt::format("{:g}", tick),
-                                     kTextSize,
+                                     kChartTextSize,
                                      kFaintInk,
                                      TextAnchor::kEnd});
   }
   drawing.shapes.emplace_back(
       Line{{{kLeft, kTop}, {kLeft, bottom}, {right, bottom}}, {kFaintInk, 1.0}});
-  drawing.shapes.emplace_back(Text{{0.5 * (kLeft + right), kHeight - 10.0},
+  drawing.shapes.emplace_back(Text{{0.5 * (kLeft + right), kChartHeight - 10.0},
                                    chart.x.label,
-                                   kTextSize,
+                                   kChartTextSize,
                                    kInk,
                                    TextAnchor::kMiddle});
-  Text label{{13.0, 0.5 * (kTop + bottom)}, chart.y.label, kTextSize, kInk, TextAnchor::kMiddle};
+  Text label{
+      {13.0, 0.5 * (kTop + bottom)}, chart.y.label, kChartTextSize, kInk, TextAnchor::kMiddle};
   label.degrees = 90.0;
   drawing.shapes.emplace_back(std::move(label));
 }
@@ -144,16 +145,16 @@ void draw_curve(const ChartCurve& curve, const AxisMap& x, const AxisMap& y, Dra
 }
 
 // Below the axes, one line a curve, so that nothing is covered.
-void draw_names(const Chart& chart, Drawing& drawing) {
-  double y = kHeight + 6.0;
+void draw_curve_names(const Chart& chart, Drawing& drawing) {
+  double y = kChartHeight + 6.0;
   for (const ChartCurve& curve : chart.curves) {
     if (curve.name.empty()) {
       continue;
     }
     drawing.shapes.emplace_back(
         Line{{{kLeft, y - 3.5}, {kLeft + 22.0, y - 3.5}}, {curve.colour, 1.8, curve.dashed}});
-    drawing.shapes.emplace_back(Text{{kLeft + 30.0, y}, curve.name, kTextSize, kInk});
-    y += kLineHeight;
+    drawing.shapes.emplace_back(Text{{kLeft + 30.0, y}, curve.name, kChartTextSize, kInk});
+    y += kChartLineHeight;
   }
   drawing.height = y;
 }
@@ -219,22 +220,22 @@ std::vector<ChartPoint> empirical_distribution(std::vector<double> values) {
 
 Drawing draw_chart(const Chart& chart) {
   Drawing drawing;
-  drawing.width = kWidth;
+  drawing.width = kChartWidth;
   Text title{{kLeft, 18.0}, chart.title, 12.0, kInk};
   title.bold = true;
   drawing.shapes.emplace_back(std::move(title));
-  const AxisMap x = make_map(chart, chart.x, &ChartPoint::x, {kLeft, kWidth - kRight});
-  const AxisMap y = make_map(chart, chart.y, &ChartPoint::y, {kHeight - kBottom, kTop});
+  const AxisMap x = make_map(chart, chart.x, &ChartPoint::x, {kLeft, kChartWidth - kRight});
+  const AxisMap y = make_map(chart, chart.y, &ChartPoint::y, {kChartHeight - kBottom, kTop});
   draw_axes(chart, x, y, drawing);
   const std::size_t before = drawing.shapes.size();
   for (const ChartCurve& curve : chart.curves) {
     draw_curve(curve, x, y, drawing);
   }
   if (drawing.shapes.size() == before) {
-    drawing.shapes.emplace_back(
-        Text{{0.5 * kWidth, 0.5 * kHeight}, "no data", 12.0, kFaintInk, TextAnchor::kMiddle});
+    drawing.shapes.emplace_back(Text{
+        {0.5 * kChartWidth, 0.5 * kChartHeight}, "no data", 12.0, kFaintInk, TextAnchor::kMiddle});
   }
-  draw_names(chart, drawing);
+  draw_curve_names(chart, drawing);
   return drawing;
 }
 

@@ -4,7 +4,9 @@
 // Coordinates are those of the page: x to the right, y down, in units of one pixel at scale 1.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <variant>
@@ -65,6 +67,10 @@ struct Text {
 };
 
 using Shape = std::variant<Polygon, Line, Circle, Text>;
+
+inline void append_shapes(std::vector<Shape> more, std::vector<Shape>& shapes) {
+  std::move(more.begin(), more.end(), std::back_inserter(shapes));
+}
 
 struct Drawing {
   double width = 0.0;

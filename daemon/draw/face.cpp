@@ -1,18 +1,14 @@
 #include "daemon/draw/face.h"
 
 #include <map>
-#include <tuple>
 #include <utility>
 
+#include "daemon/draw/mesh_section.h"
 #include "daemon/scene/surface_triangles.h"
 
 namespace rayloc::draw {
 namespace {
 
-using Place = std::tuple<double, double, double>;
-using Edge = std::pair<Place, Place>;
-
-Place place_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Edge edge_of(const Vec3d& a, const Vec3d& b) {
   return place_of(a) < place_of(b) ? Edge{place_of(a), place_of(b)}
                                    : Edge{place_of(b), place_of(a)};

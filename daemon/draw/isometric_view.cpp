@@ -26,7 +26,7 @@ void draw_edges(const Face& face,
   }
 }
 
-std::vector<PagePoint> on_page(const Face& face, const Projection& page) {
+std::vector<PagePoint> face_on_page(const Face& face, const Projection& page) {
   std::vector<PagePoint> corners;
   corners.reserve(face.corners.size());
   for (const Vec3d& corner : face.corners) {
@@ -43,12 +43,12 @@ std::vector<Shape> draw_isometric(const Scene& scene,
   const IsometricFaces faces = isometric_faces(scene_faces(scene), parts, page.towards_viewer);
   std::vector<Shape> shapes;
   for (const auto& [face, colour] : faces.filled) {
-    const std::vector<PagePoint> corners = on_page(face, page);
+    const std::vector<PagePoint> corners = face_on_page(face, page);
     shapes.emplace_back(Polygon{corners, colour});
     draw_edges(face, corners, kEdge, shapes);
   }
   for (const Face& face : faces.open) {
-    draw_edges(face, on_page(face, page), kOpenEdge, shapes);
+    draw_edges(face, face_on_page(face, page), kOpenEdge, shapes);
   }
   return shapes;
 }

@@ -12,8 +12,8 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr double kLineHeight = 17.0;
-constexpr double kTextSize = 10.5;
+constexpr double kLegendLineHeight = 17.0;
+constexpr double kLegendTextSize = 10.5;
 constexpr std::size_t kMostMaterials = 16;
 
 Polygon rectangle(const PagePoint& corner, double width, double height, const Colour& fill) {
@@ -40,10 +40,10 @@ class Column {
 
   void heading(const std::string& text) {
     at_.y += at_.y > top_ ? 8.0 : 0.0;
-    Text heading{{at_.x, at_.y + 11.0}, text, kTextSize, kInk};
+    Text heading{{at_.x, at_.y + 11.0}, text, kLegendTextSize, kInk};
     heading.bold = true;
     legend_.shapes.emplace_back(std::move(heading));
-    at_.y += kLineHeight + 2.0;
+    at_.y += kLegendLineHeight + 2.0;
   }
   void material(const std::string& name) {
     constexpr double kWidth = 20.0;
@@ -77,7 +77,7 @@ class Column {
       legend_.shapes.emplace_back(
           Text{{at_.x + kWidth + 8.0, y + 3.5},
                fmt::format("{:.0f} dB", strongest_db + part * (weakest_db - strongest_db)),
-               kTextSize,
+               kLegendTextSize,
                kInk});
     }
     at_.y += kHeight + 10.0;
@@ -96,7 +96,7 @@ class Column {
       legend_.shapes.emplace_back(Line{{{x, y - 4.0}, {x, y + 4.0}}, pen});
     }
     legend_.shapes.emplace_back(
-        Text{{at_.x, y + 17.0}, fmt::format("{:g} {}", metres, unit), kTextSize, kInk});
+        Text{{at_.x, y + 17.0}, fmt::format("{:g} {}", metres, unit), kLegendTextSize, kInk});
     at_.y += 32.0;
   }
 
@@ -107,8 +107,8 @@ class Column {
 
  private:
   void line(const std::string& text) {
-    legend_.shapes.emplace_back(Text{{at_.x + 28.0, at_.y + 10.0}, text, kTextSize, kInk});
-    at_.y += kLineHeight;
+    legend_.shapes.emplace_back(Text{{at_.x + 28.0, at_.y + 10.0}, text, kLegendTextSize, kInk});
+    at_.y += kLegendLineHeight;
   }
 
   Legend legend_;

@@ -3,16 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <map>
-#include <tuple>
 #include <utility>
 
 namespace rayloc::draw {
 namespace {
-
-using Place = std::tuple<double, double, double>;
-using Edge = std::pair<Place, Place>;  // lower place first: the same edge in both its triangles
-
-Place place_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
 struct Cut {
   Edge edge;

@@ -48,9 +48,9 @@ Halves split(const Face& face, const Plane<double>& plane) {
   return halves;
 }
 
-enum class Side : std::uint8_t { kWithin, kFront, kBack, kBoth };
+enum class PlaneSide : std::uint8_t { kWithin, kFront, kBack, kBoth };
 
-Side side_of(const Face& face, const Plane<double>& plane) {
+PlaneSide side_of(const Face& face, const Plane<double>& plane) {
   bool front = false;
   bool back = false;
   for (const Vec3d& corner : face.corners) {
@@ -59,9 +59,9 @@ Side side_of(const Face& face, const Plane<double>& plane) {
     back = back || d < -kOnPlane;
   }
   if (front && back) {
-    return Side::kBoth;
+    return PlaneSide::kBoth;
   }
-  return front ? Side::kFront : (back ? Side::kBack : Side::kWithin);
+  return front ? PlaneSide::kFront : (back ? PlaneSide::kBack : PlaneSide::kWithin);
 }
 
 Plane<double> plane_of(const Face& face) {
@@ -82,16 +82,16 @@ class Partition {
     std::vector<Face> within;
     for (Face& face : faces) {
       switch (side_of(face, plane)) {
-        case Side::kWithin:
+        case PlaneSide::kWithin:
           within.push_back(std::move(face));
           break;
-        case Side::kFront:
+        case PlaneSide::kFront:
           front.push_back(std::move(face));
           break;
-        case Side::kBack:
+        case PlaneSide::kBack:
           back.push_back(std::move(face));
           break;
-        case Side::kBoth:
+        case PlaneSide::kBoth:
           Halves halves = split(face, plane);
           front.push_back(std::move(halves.front));
           back.push_back(std::move(halves.back));
@@ -119,7 +119,7 @@ class Partition {
       const std::size_t chosen = faces.size() <= kCandidates ? i : next() % faces.size();
       const Plane<double> plane = plane_of(faces[chosen]);
       const auto splits = std::count_if(faces.begin(), faces.end(), [&](const Face& face) {
-        return side_of(face, plane) == Side::kBoth;
+        return side_of(face, plane) == PlaneSide::kBoth;
       });
       if (splits < fewest) {
         fewest = splits;

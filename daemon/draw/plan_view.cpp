@@ -17,7 +17,7 @@ constexpr Pen kThin{kFaintInk, 0.7};
 constexpr Pen kOverhead{kFaintInk, 0.7, true};
 constexpr double kWallPen = 2.2;
 
-std::vector<PagePoint> on_page(const std::vector<Vec3d>& points, const Projection& page) {
+std::vector<PagePoint> points_on_page(const std::vector<Vec3d>& points, const Projection& page) {
   std::vector<PagePoint> result;
   result.reserve(points.size());
   for (const Vec3d& p : points) {
@@ -30,7 +30,7 @@ void draw_face(const Face& face,
                const Colour& colour,
                const Projection& page,
                std::vector<Shape>& shapes) {
-  const std::vector<PagePoint> corners = on_page(face.corners, page);
+  const std::vector<PagePoint> corners = points_on_page(face.corners, page);
   shapes.emplace_back(Polygon{corners, colour});
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (face.outlined[i]) {
@@ -60,26 +60,26 @@ void draw_cut(const MeshSection& section,
               std::vector<Shape>& shapes) {
   const Colour dark = shaded(material_colour(part.material), 0.62);
   for (const auto& loop : section.loops) {
-    std::vector<PagePoint> corners = on_page(loop, page);
+    std::vector<PagePoint> corners = points_on_page(loop, page);
     shapes.emplace_back(Polygon{corners, shaded(material_colour(part.material), 0.85)});
     corners.push_back(corners.front());
     shapes.emplace_back(Line{std::move(corners), {kInk, 0.9}});
   }
   for (const auto& line : section.lines) {
     shapes.emplace_back(
-        Line{on_page(line, page), {{dark.red, dark.green, dark.blue, 1.0}, kWallPen}});
+        Line{points_on_page(line, page), {{dark.red, dark.green, dark.blue, 1.0}, kWallPen}});
   }
 }
 
 void draw_overhead(const ScenePart& part, const Projection& page, std::vector<Shape>& shapes) {
   const Vec3d& low = part.bounds.lower;
   const Vec3d& high = part.bounds.upper;
-  shapes.emplace_back(Line{on_page({{low.x, low.y, high.z},
-                                    {high.x, low.y, high.z},
-                                    {high.x, high.y, high.z},
-                                    {low.x, high.y, high.z},
-                                    {low.x, low.y, high.z}},
-                                   page),
+  shapes.emplace_back(Line{points_on_page({{low.x, low.y, high.z},
+                                           {high.x, low.y, high.z},
+                                           {high.x, high.y, high.z},
+                                           {low.x, high.y, high.z},
+                                           {low.x, low.y, high.z}},
+                                          page),
                            kOverhead});
 }
 

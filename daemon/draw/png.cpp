@@ -94,7 +94,7 @@ class Painter {
   cairo_t* cairo_;
 };
 
-cairo_status_t append(void* bytes, const unsigned char* data, unsigned length) {
+cairo_status_t append_bytes(void* bytes, const unsigned char* data, unsigned length) {
   static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), length);
   return CAIRO_STATUS_SUCCESS;
 }
@@ -124,7 +124,8 @@ Expected<std::string> to_png(const Drawing& drawing, double scale) {
     return failed(status);
   }
   std::string bytes;
-  const cairo_status_t status = cairo_surface_write_to_png_stream(image.get(), append, &bytes);
+  const cairo_status_t status =
+      cairo_surface_write_to_png_stream(image.get(), append_bytes, &bytes);
   if (status != CAIRO_STATUS_SUCCESS) {
     return failed(status);
   }

@@ -17,22 +17,18 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr double kMargin = 14.0;
-constexpr double kTitleHeight = 30.0;
-constexpr double kRulerMargin = 34.0;
+constexpr double kMapMargin = 14.0;
+constexpr double kMapTitleHeight = 30.0;
+constexpr double kMapRulerMargin = 34.0;
 constexpr double kBarWidth = 120.0;
-constexpr double kWidest = 760.0;  // of the room on the page
-constexpr double kHighest = 420.0;
-constexpr double kMostPixelsPerMetre = 130.0;
+constexpr double kMapMaxWidth = 760.0;  // of the room on the page
+constexpr double kMapMaxHeight = 420.0;
+constexpr double kMapMaxPixelsPerMetre = 130.0;
 constexpr double kDotRadius = 4.5;
-constexpr double kTextSize = 10.5;
+constexpr double kMapTextSize = 10.5;
 
 Colour colour_of(const RoomMap& map, double value) {
   return map.colour(std::clamp((value - map.lowest) / (map.highest - map.lowest), 0.0, 1.0));
-}
-
-void append(std::vector<Shape> more, std::vector<Shape>& shapes) {
-  std::move(more.begin(), more.end(), std::back_inserter(shapes));
 }
 
 // From the highest (above) to the lowest; below it what a ring means.
@@ -41,7 +37,7 @@ void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Sh
   constexpr int kTicks = 4;
   constexpr double kHeight = 120.0;
   constexpr double kWidth = 14.0;
-  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kTextSize, kInk});
+  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kMapTextSize, kInk});
   const double top = corner.y + 18.0;
   for (int i = 0; i < kBands; ++i) {
     const double y = top + i * kHeight / kBands;
@@ -56,20 +52,20 @@ void draw_colour_bar(const RoomMap& map, const PagePoint& corner, std::vector<Sh
     const double value = map.highest + share * (map.lowest - map.highest);
     shapes.emplace_back(Text{{corner.x + kWidth + 6.0, top + share * kHeight + 3.5},
                              fmt::format("{:.3g}", std::abs(value) < 1e-12 ? 0.0 : value),
-                             kTextSize,
+                             kMapTextSize,
                              kInk});
   }
   if (!map.ring_meaning.empty()) {
     const PagePoint at{corner.x + 7.0, top + kHeight + 22.0};
     shapes.emplace_back(Circle{at, kDotRadius, {255, 255, 255, 1.0}, Pen{kInk, 1.6}});
-    shapes.emplace_back(Text{{at.x + 12.0, at.y + 3.5}, map.ring_meaning, kTextSize, kInk});
+    shapes.emplace_back(Text{{at.x + 12.0, at.y + 3.5}, map.ring_meaning, kMapTextSize, kInk});
   }
 }
 
-void draw_names(const RoomMap& map, const PagePoint& corner, std::vector<Shape>& shapes) {
+void draw_value_names(const RoomMap& map, const PagePoint& corner, std::vector<Shape>& shapes) {
   constexpr double kRow = 18.0;
   constexpr double kSide = 12.0;
-  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kTextSize, kInk});
+  shapes.emplace_back(Text{{corner.x, corner.y + 9.0}, map.value_name, kMapTextSize, kInk});
   double y = corner.y + 18.0;
   for (const MapName& one : map.names) {
     shapes.emplace_back(Polygon{{{corner.x, y},
@@ -77,7 +73,8 @@ void draw_names(const RoomMap& map, const PagePoint& corner, std::vector<Shape>&
                                  {corner.x + kSide, y + kSide},
                                  {corner.x, y + kSide}},
                                 one.colour});
-    shapes.emplace_back(Text{{corner.x + kSide + 6.0, y + kSide - 2.0}, one.name, kTextSize, kInk});
+    shapes.emplace_back(
+        Text{{corner.x + kSide + 6.0, y + kSide - 2.0}, one.name, kMapTextSize, kInk});
     y += kRow;
   }
 }
@@ -107,10 +104,10 @@ void draw_values(const RoomMap& map, const Projection& page, std::vector<Shape>&
         Circle{page(dot.at), kDotRadius, colour_of(map, dot.value), dot.ringed ? ring : plain});
   }
   for (const MapAntenna& antenna : map.antennas) {
-    append(draw_antenna(page(antenna.at), MarkKind::kReceiver), shapes);
+    append_shapes(draw_antenna(page(antenna.at), MarkKind::kReceiver), shapes);
     Text name{{page(antenna.at).x, page(antenna.at).y - 9.0},
               antenna.name,
-              kTextSize,
+              kMapTextSize,
               kReceiverInk,
               TextAnchor::kMiddle};
     name.bold = true;
@@ -126,18 +123,19 @@ Drawing draw_room_map(const RoomMap& map) {
   const Bounds all{map.scene->bounds_min(), map.scene->bounds_max()};
   Projection page = plan_projection();
   const Vec3d size = all.size();
-  page.scale = std::min(
-      {kWidest / std::max(size.x, 1e-3), kHighest / std::max(size.y, 1e-3), kMostPixelsPerMetre});
-  page.origin = {kMargin + kRulerMargin - page.scale * all.lower.x,
-                 kMargin + kTitleHeight + page.scale * all.upper.y};
+  page.scale = std::min({kMapMaxWidth / std::max(size.x, 1e-3),
+                         kMapMaxHeight / std::max(size.y, 1e-3),
+                         kMapMaxPixelsPerMetre});
+  page.origin = {kMapMargin + kMapRulerMargin - page.scale * all.lower.x,
+                 kMapMargin + kMapTitleHeight + page.scale * all.upper.y};
   Drawing drawing;
-  Text title{{kMargin, kMargin + 8.0}, map.title, 12.0, kInk};
+  Text title{{kMapMargin, kMapMargin + 8.0}, map.title, 12.0, kInk};
   title.bold = true;
   drawing.shapes.emplace_back(std::move(title));
   Labels labels;
   const std::vector<Shape> plan = draw_plan(*map.scene, scene_parts(*map.scene), page);
-  append(plan, drawing.shapes);
-  append(draw_ruler(all, page, labels), drawing.shapes);
+  append_shapes(plan, drawing.shapes);
+  append_shapes(draw_ruler(all, page, labels), drawing.shapes);
   if (!map.cells.empty()) {  // what stands in the room is seen over them as lines
     draw_cells(map, page, drawing.shapes);
     std::copy_if(plan.begin(), plan.end(), std::back_inserter(drawing.shapes), [](const Shape& s) {
@@ -145,15 +143,16 @@ Drawing draw_room_map(const RoomMap& map) {
     });
   }
   draw_values(map, page, drawing.shapes);
-  const PagePoint corner{page(all.upper).x + 24.0, kMargin + kTitleHeight};
+  const PagePoint corner{page(all.upper).x + 24.0, kMapMargin + kMapTitleHeight};
   if (map.names.empty()) {
     draw_colour_bar(map, corner, drawing.shapes);
   } else {
-    draw_names(map, corner, drawing.shapes);
+    draw_value_names(map, corner, drawing.shapes);
   }
   drawing.width = corner.x + kBarWidth;
   constexpr double kBarHeight = 180.0;
-  drawing.height = corner.y + std::max(page.scale * size.y + kRulerMargin, kBarHeight) + kMargin;
+  drawing.height =
+      corner.y + std::max(page.scale * size.y + kMapRulerMargin, kBarHeight) + kMapMargin;
   return drawing;
 }
 

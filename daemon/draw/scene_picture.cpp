@@ -15,12 +15,12 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr double kMargin = 20.0;
-constexpr double kRulerMargin = 48.0;  // left of and below a plan: numbers and names of walls
-constexpr double kTitleHeight = 56.0;
-constexpr double kWidest = 1'100.0;  // of the room on the page
-constexpr double kHighest = 760.0;
-constexpr double kMostPixelsPerMetre = 200.0;
+constexpr double kSceneMargin = 20.0;
+constexpr double kSceneRulerMargin = 48.0;  // left of and below a plan: numbers and names of walls
+constexpr double kSceneTitleHeight = 56.0;
+constexpr double kSceneMaxWidth = 1'100.0;  // of the room on the page
+constexpr double kSceneMaxHeight = 760.0;
+constexpr double kSceneMaxPixelsPerMetre = 200.0;
 
 // The page's extent of the scene at one pixel a metre.
 struct Extent {
@@ -71,17 +71,14 @@ Page fit(const Bounds& bounds, View view) {
   const Extent extent = extent_of(bounds, page.projection);
   const double across = std::max(extent.upper.x - extent.lower.x, 1e-3);
   const double down = std::max(extent.upper.y - extent.lower.y, 1e-3);
-  const double scale = std::min({kWidest / across, kHighest / down, kMostPixelsPerMetre});
+  const double scale =
+      std::min({kSceneMaxWidth / across, kSceneMaxHeight / down, kSceneMaxPixelsPerMetre});
   page.projection.scale = scale;
-  page.projection.origin = {kMargin + kRulerMargin - scale * extent.lower.x,
-                            kTitleHeight + kMargin - scale * extent.lower.y};
+  page.projection.origin = {kSceneMargin + kSceneRulerMargin - scale * extent.lower.x,
+                            kSceneTitleHeight + kSceneMargin - scale * extent.lower.y};
   page.width = scale * across;
   page.height = scale * down;
   return page;
-}
-
-void append(std::vector<Shape> more, std::vector<Shape>& shapes) {
-  std::move(more.begin(), more.end(), std::back_inserter(shapes));
 }
 
 void draw_paths(const ScenePicture& picture, const Projection& page, std::vector<Shape>& shapes) {
@@ -145,7 +142,7 @@ void draw_marks(const ScenePicture& picture,
       shapes.emplace_back(Line{{page(mark.antennas.front()), page(below)}, {kFaintInk, 0.8, true}});
     }
     for (const Vec3d& antenna : mark.antennas) {
-      append(draw_antenna(page(antenna), mark.kind), shapes);
+      append_shapes(draw_antenna(page(antenna), mark.kind), shapes);
     }
     Extent extent;
     for (const Vec3d& antenna : mark.antennas) {
@@ -192,10 +189,10 @@ void draw_zones(const ScenePicture& picture,
 }
 
 void draw_title(const ScenePicture& picture, std::vector<Shape>& shapes) {
-  Text title{{kMargin, kMargin + 10.0}, picture.title, 15.0, kInk};
+  Text title{{kSceneMargin, kSceneMargin + 10.0}, picture.title, 15.0, kInk};
   title.bold = true;
   shapes.emplace_back(std::move(title));
-  shapes.emplace_back(Text{{kMargin, kMargin + 28.0}, picture.caption, 10.5, kFaintInk});
+  shapes.emplace_back(Text{{kSceneMargin, kSceneMargin + 28.0}, picture.caption, 10.5, kFaintInk});
 }
 
 }  // namespace
@@ -210,11 +207,13 @@ Drawing draw_scene(const ScenePicture& picture, View view) {
   Labels labels;
   draw_title(picture, drawing.shapes);
   if (view == View::kPlan) {
-    append(draw_plan(scene, parts, page.projection), drawing.shapes);
-    append(draw_ruler(all, page.projection, labels), drawing.shapes);
+    append_shapes(draw_plan(scene, parts, page.projection), drawing.shapes);
+    append_shapes(draw_ruler(all, page.projection, labels), drawing.shapes);
   } else {
-    append(draw_isometric(scene, parts, page.projection), drawing.shapes);
-    append(draw_axes({kMargin + 32.0, kTitleHeight + kMargin + page.height - 8.0}), drawing.shapes);
+    append_shapes(draw_isometric(scene, parts, page.projection), drawing.shapes);
+    append_shapes(
+        draw_axes({kSceneMargin + 32.0, kSceneTitleHeight + kSceneMargin + page.height - 8.0}),
+        drawing.shapes);
   }
   draw_zones(picture, page.projection, labels, drawing.shapes);
   draw_paths(picture, page.projection, drawing.shapes);
@@ -228,13 +227,14 @@ Drawing draw_scene(const ScenePicture& picture, View view) {
     drawing.shapes.emplace_back(text);
   }
   const double shortened = view == View::kPlan ? 1.0 : kIsometric;
-  const PagePoint corner{2.0 * kMargin + 2.0 * kRulerMargin + page.width - 14.0,
-                         kTitleHeight + kMargin};
+  const PagePoint corner{2.0 * kSceneMargin + 2.0 * kSceneRulerMargin + page.width - 14.0,
+                         kSceneTitleHeight + kSceneMargin};
   Legend legend = draw_legend(picture, view, shortened * page.projection.scale, corner);
-  append(std::move(legend.shapes), drawing.shapes);
+  append_shapes(std::move(legend.shapes), drawing.shapes);
   drawing.width = corner.x + kLegendWidth;
-  const double below = view == View::kPlan ? kRulerMargin : 0.0;
-  drawing.height = kTitleHeight + kMargin + std::max(page.height + below, legend.height) + kMargin;
+  const double below = view == View::kPlan ? kSceneRulerMargin : 0.0;
+  drawing.height = kSceneTitleHeight + kSceneMargin + std::max(page.height + below, legend.height) +
+                   kSceneMargin;
   return drawing;
 }
 

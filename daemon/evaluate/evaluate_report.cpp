@@ -11,7 +11,7 @@ namespace rayloc::cli {
 namespace {
 
 // What misses made infinite has no number; other words than "inf", which is none.
-std::string number(double value) {
+std::string figure_text(double value) {
   return std::isfinite(value) ? fmt::format("{:.3f}", value) : "missed";
 }
 
@@ -19,7 +19,8 @@ std::string interval(const ErrorStatistics& statistics, const std::string& name)
   const auto found = statistics.ci95.find(name);
   return found == statistics.ci95.end()
              ? ""
-             : fmt::format("   [{}, {}]", number(found->second[0]), number(found->second[1]));
+             : fmt::format(
+                   "   [{}, {}]", figure_text(found->second[0]), figure_text(found->second[1]));
 }
 
 }  // namespace
@@ -33,7 +34,7 @@ std::string statistics_table(const ErrorStatistics& s) {
         if (value) {
           table += fmt::format("{:<20} {:>9} {:<2}{}\n",
                                label,
-                               number(*value),
+                               figure_text(*value),
                                std::isfinite(*value) ? unit : "",
                                interval(s, name));
         }

@@ -9,7 +9,7 @@ namespace rayloc {
 namespace {
 
 constexpr Duration kAfterSpot = std::chrono::milliseconds(100);
-constexpr Duration kAroundInstant = std::chrono::milliseconds(60);
+constexpr Duration kMaxTruthDistance = std::chrono::milliseconds(60);
 
 using Iterator = std::vector<const LocationEstimate*>::const_iterator;
 
@@ -33,7 +33,7 @@ const LocationEstimate* nearest(Iterator first, Iterator last, Timestamp time) {
   if (after != last && (best == last || distance(after) < distance(best))) {
     best = after;
   }
-  return best == last || distance(best) > kAroundInstant ? nullptr : *best;
+  return best == last || distance(best) > kMaxTruthDistance ? nullptr : *best;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::array kNames = std::to_array<ControlName>({
+constexpr std::array kControlNames = std::to_array<ControlName>({
     {"centre", "the middle of the room"},
     {"nearest", "the surveyed point that sounds most alike"},
     {"level", "levels alone, as SpotFi has them"},
@@ -143,7 +143,7 @@ Expected<Locate> oracle(std::shared_ptr<const RoomModel> room,
 
 }  // namespace
 
-std::span<const ControlName> control_names() { return kNames; }
+std::span<const ControlName> control_names() { return kControlNames; }
 
 Expected<Locate> make_control(std::string_view name,
                               std::shared_ptr<const RoomModel> room,

@@ -29,12 +29,12 @@ std::string label_of(const Study& study, const Condition& condition, const std::
   return label.empty() ? study.name : label;
 }
 
-using Value = double ErrorStatistics::*;
+using StatisticsValue = double ErrorStatistics::*;
 
 draw::Drawing draw_over(const StudyResult& result,
                         const char* title,
                         const char* name,
-                        Value value) {
+                        StatisticsValue value) {
   const Study& study = *result.study;
   std::vector<std::string> labels;  // in order of the study
   std::map<std::string, std::vector<const ConditionResult*>> curves;

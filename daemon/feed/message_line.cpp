@@ -22,7 +22,7 @@ std::string time_of_day(const google::protobuf::Timestamp& time) {
 }
 
 // "FIX_MODE_NO_FIX" -> "no_fix": the name without the prefix that all values of its enum share.
-std::string short_name(const std::string& name, std::size_t prefix) {
+std::string enum_word(const std::string& name, std::size_t prefix) {
   std::string text;
   for (const char c : name.substr(std::min(prefix, name.size()))) {
     text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -86,7 +86,7 @@ std::string describe(const v1::Heartbeat& heartbeat) {
 std::string describe(const v1::SourceState& source) {
   return fmt::format("source     {} {}: {} datagrams received{}{}",
                      source.access_point(),
-                     short_name(v1::SourceStatus_Name(source.status()), 14),
+                     enum_word(v1::SourceStatus_Name(source.status()), 14),
                      source.counters().received(),
                      source.detail().empty() ? "" : ": ",
                      source.detail());
@@ -95,7 +95,7 @@ std::string describe(const v1::SourceState& source) {
 std::string describe(const v1::ZoneEvent& event) {
   std::string text = fmt::format("zone       {} {} {}",
                                  name_of(event.target()),
-                                 short_name(v1::ZoneEventKind_Name(event.kind()), 16),
+                                 enum_word(v1::ZoneEventKind_Name(event.kind()), 16),
                                  event.zone());
   if (event.has_dwell()) {
     text += fmt::format(" after {:.1f} s", to_seconds(from_proto(event.dwell())));
@@ -111,7 +111,7 @@ std::string describe(const v1::Envelope& envelope) {
     case v1::Envelope::kTrack:
       return fmt::format("track      {} {}: {}",
                          name_of(envelope.track().target()),
-                         short_name(v1::TrackState_Name(envelope.track().state()), 12),
+                         enum_word(v1::TrackState_Name(envelope.track().state()), 12),
                          envelope.track().reason());
     case v1::Envelope::kZone:
       return describe(envelope.zone());

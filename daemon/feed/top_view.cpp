@@ -19,7 +19,7 @@ using Now = TopModel::Clock::time_point;
 
 constexpr auto kSilentAfter = std::chrono::seconds(3);
 
-std::string short_name(const std::string& name, std::string_view prefix) {
+std::string without_enum_prefix(const std::string& name, std::string_view prefix) {
   std::string text;
   for (const char c : name.substr(std::min(prefix.size(), name.size()))) {
     text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -119,20 +119,21 @@ void add_targets(const TopModel& model, Now now, std::size_t width, Lines& lines
       return location.has_position() ? fmt::format("{:.2f}", value) : "-";
     };
     const bool is_fix = location.mode() != v1::FIX_MODE_NO_FIX;
-    table.add({component,
-               location.target().name(),
-               short_name(v1::LocationKind_Name(location.kind()), "LOCATION_KIND_"),
-               short_name(v1::FixMode_Name(location.mode()), "FIX_MODE_"),
-               coordinate(location.position().x()),
-               coordinate(location.position().y()),
-               coordinate(location.position().z()),
-               accuracy_text(location),
-               age_text(to_seconds(model.daemon_time(now) - stream.sent)),
-               fmt::format("{:.1f}", TopModel::rate(stream, now)),
-               location.track_state() == v1::TRACK_STATE_UNSPECIFIED
-                   ? "-"
-                   : short_name(v1::TrackState_Name(location.track_state()), "TRACK_STATE_"),
-               is_fix ? zones_text(model, component) : location.quality().no_fix_reason()});
+    table.add(
+        {component,
+         location.target().name(),
+         without_enum_prefix(v1::LocationKind_Name(location.kind()), "LOCATION_KIND_"),
+         without_enum_prefix(v1::FixMode_Name(location.mode()), "FIX_MODE_"),
+         coordinate(location.position().x()),
+         coordinate(location.position().y()),
+         coordinate(location.position().z()),
+         accuracy_text(location),
+         age_text(to_seconds(model.daemon_time(now) - stream.sent)),
+         fmt::format("{:.1f}", TopModel::rate(stream, now)),
+         location.track_state() == v1::TRACK_STATE_UNSPECIFIED
+             ? "-"
+             : without_enum_prefix(v1::TrackState_Name(location.track_state()), "TRACK_STATE_"),
+         is_fix ? zones_text(model, component) : location.quality().no_fix_reason()});
   }
   append(table, width, lines);
 }
@@ -152,7 +153,8 @@ void add_reasons(const TopModel& model, Lines& lines) {
     }
   }
   for (const auto& [access_point, source] : model.sources()) {
-    const std::string status = short_name(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_");
+    const std::string status =
+        without_enum_prefix(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_");
     if (!source.detail().empty()) {
       reasons.push_back(fmt::format("{} {}: {}", access_point, status, source.detail()));
     }
@@ -202,7 +204,7 @@ void add_sources(const TopModel& model, std::size_t width, Lines& lines) {
     }
     const auto rate = model.datagram_rate(source.access_point());
     table.add({source.access_point(),
-               short_name(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_"),
+               without_enum_prefix(v1::SourceStatus_Name(source.status()), "SOURCE_STATUS_"),
                std::to_string(counters.received()),
                rate ? fmt::format("{:.0f}", *rate) : "-",
                std::to_string(counters.frames_complete() + counters.frames_partial()),

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-v1::ChainKnowledge to_proto(ChainKnowledge knowledge) {
+v1::ChainKnowledge knowledge_proto(ChainKnowledge knowledge) {
   switch (knowledge) {
     case ChainKnowledge::kLearning:
       return v1::CHAIN_KNOWLEDGE_LEARNING;
@@ -27,7 +27,7 @@ v1::ChainReport chain_report(const ChainState& state, const RoomModel& room) {
   const RoomAccessPoint& ap = room.access_points[state.access_point];
   v1::ChainReport report;
   report.set_access_point(ap.id);
-  report.set_knowledge(to_proto(state.knowledge));
+  report.set_knowledge(knowledge_proto(state.knowledge));
   if (state.since != Timestamp()) {
     *report.mutable_since() = to_proto(state.since);
   }

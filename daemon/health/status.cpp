@@ -191,7 +191,7 @@ void fill_shared(const StatusSources& sources, v1::Heartbeat& heartbeat) {
   }
 }
 
-v1::Georeference to_proto(const Georeference& georeference) {
+v1::Georeference georeference_proto(const Georeference& georeference) {
   v1::Georeference message;
   message.set_latitude_deg(georeference.latitude);
   message.set_longitude_deg(georeference.longitude);
@@ -202,15 +202,15 @@ v1::Georeference to_proto(const Georeference& georeference) {
 
 // Which site it is, and by what.
 void fill_who(const StatusSources& sources, Timestamp now, v1::Heartbeat& heartbeat) {
-  *heartbeat.mutable_time() = rayloc::to_proto(now);
-  *heartbeat.mutable_started() = rayloc::to_proto(sources.started);
+  *heartbeat.mutable_time() = to_proto(now);
+  *heartbeat.mutable_started() = to_proto(sources.started);
   heartbeat.set_epoch(sources.epoch);
   heartbeat.set_message_version("v1");
   heartbeat.set_software_version(RAYLOC_VERSION);
   heartbeat.set_scene_hash(sources.scene_hash);
   heartbeat.set_calibration_id(sources.calibration_id);
   if (sources.georeference) {
-    *heartbeat.mutable_georeference() = to_proto(*sources.georeference);
+    *heartbeat.mutable_georeference() = georeference_proto(*sources.georeference);
   }
   if (sources.reloads) {
     *heartbeat.mutable_reloads() = *sources.reloads;

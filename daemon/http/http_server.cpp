@@ -32,7 +32,10 @@ constexpr std::string_view kEndOfHead = "\r\n\r\n";
 // After which it is tried again to accept what could not be for want of descriptors or memory.
 constexpr std::chrono::milliseconds kRest{100};
 
-struct Connection {
+}  // namespace
+
+// In no unnamed namespace: a member of HttpServer::Impl.
+struct HttpConnection {
   FileDescriptor socket;
   Clock::time_point since;  // it is connected
   Clock::time_point deadline;
@@ -50,6 +53,8 @@ struct Connection {
 
   bool writing() const { return !answer.empty() && !finished; }
 };
+
+namespace {
 
 Expected<int> listen_at(const HttpServer::Options& options) {
   const std::string where = options.host + ":" + std::to_string(options.port);
@@ -121,13 +126,13 @@ class HttpServer::Impl {
   bool somebody_waits() const;
   bool make_room(bool heard);
   // False when the connection is over.
-  bool advance(Connection& connection, PollEvents events);
-  bool read_request(Connection& connection);
-  void hear_head(Connection& connection);
-  bool hear_viewer(Connection& connection);
-  bool write_answer(Connection& connection);
-  void set_answer(Connection& connection, HttpAnswer answer);
-  void make_viewer(Connection& connection, HttpAnswer answer);
+  bool advance(HttpConnection& connection, PollEvents events);
+  bool read_request(HttpConnection& connection);
+  void hear_head(HttpConnection& connection);
+  bool hear_viewer(HttpConnection& connection);
+  bool write_answer(HttpConnection& connection);
+  void set_answer(HttpConnection& connection, HttpAnswer answer);
+  void make_viewer(HttpConnection& connection, HttpAnswer answer);
   void show_viewers(Clock::time_point now);
   std::size_t viewers() const;
   void close_late(Clock::time_point now);
@@ -143,7 +148,7 @@ class HttpServer::Impl {
   RequestHandler handler_;
   const std::function<void()> on_round_;
   std::uint16_t port_ = 0;
-  std::list<Connection> connections_;  // oldest first; of the thread
+  std::list<HttpConnection> connections_;  // oldest first; of the thread
   mutable std::mutex mutex_;
   HttpCounters counters_;            // guarded by mutex_
   Clock::time_point accepts_again_;  // until then nobody is accepted; of the thread
@@ -159,7 +164,7 @@ void HttpServer::Impl::run() {
     const bool rests = Clock::now() < accepts_again_;
     std::vector<pollfd> waiting{{wake_.get(), POLLIN, 0},
                                 {rests ? -1 : listener_.get(), POLLIN, 0}};
-    for (const Connection& connection : connections_) {
+    for (const HttpConnection& connection : connections_) {
       const int reading = connection.events || !connection.writing() ? POLLIN : 0;
       const int writing = connection.writing() ? POLLOUT : 0;
       waiting.push_back({connection.socket.get(), static_cast<PollEvents>(reading | writing), 0});
@@ -234,10 +239,10 @@ bool HttpServer::Impl::make_room(bool heard) {
   const auto first = [this](auto that) {
     return std::find_if(connections_.begin(), connections_.end(), that);
   };
-  auto victim = first([](const Connection& one) { return one.finished; });
+  auto victim = first([](const HttpConnection& one) { return one.finished; });
   if (victim == connections_.end() && heard) {
     const Clock::time_point begun = Clock::now() - limits_.chance;
-    victim = first([&](const Connection& one) { return !one.events && one.since <= begun; });
+    victim = first([&](const HttpConnection& one) { return !one.events && one.since <= begun; });
   }
   if (victim == connections_.end()) {
     return false;
@@ -247,7 +252,7 @@ bool HttpServer::Impl::make_room(bool heard) {
   return true;
 }
 
-bool HttpServer::Impl::advance(Connection& connection, PollEvents events) {
+bool HttpServer::Impl::advance(HttpConnection& connection, PollEvents events) {
   if (connection.events && (events & ~POLLOUT) != 0 && !hear_viewer(connection)) {
     return false;
   }
@@ -258,13 +263,13 @@ bool HttpServer::Impl::advance(Connection& connection, PollEvents events) {
 }
 
 // A viewer has nothing more to say; what matters is that it is still there.
-bool HttpServer::Impl::hear_viewer(Connection& connection) {
+bool HttpServer::Impl::hear_viewer(HttpConnection& connection) {
   std::array<char, 4096> buffer;
   const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
   return got > 0 || (got < 0 && (errno == EAGAIN || errno == EINTR));
 }
 
-bool HttpServer::Impl::read_request(Connection& connection) {
+bool HttpServer::Impl::read_request(HttpConnection& connection) {
   std::array<char, 16384> buffer;
   const ssize_t got = recv(connection.socket.get(), buffer.data(), buffer.size(), 0);
   if (got <= 0) {
@@ -289,7 +294,7 @@ bool HttpServer::Impl::read_request(Connection& connection) {
 }
 
 // Answers it where it is all there; else it awaits a body, or the rest of the head.
-void HttpServer::Impl::hear_head(Connection& connection) {
+void HttpServer::Impl::hear_head(HttpConnection& connection) {
   const std::size_t end = connection.head.find(kEndOfHead);
   if (end == std::string::npos && connection.head.size() <= limits_.head_bytes) {
     return;
@@ -313,7 +318,7 @@ void HttpServer::Impl::hear_head(Connection& connection) {
   set_answer(connection, std::move(answer));
 }
 
-void HttpServer::Impl::set_answer(Connection& connection, HttpAnswer answer) {
+void HttpServer::Impl::set_answer(HttpConnection& connection, HttpAnswer answer) {
   count([&](HttpCounters& counters) { ++counters.requests[answer.status]; });
   if (answer.events) {
     return make_viewer(connection, std::move(answer));
@@ -322,7 +327,7 @@ void HttpServer::Impl::set_answer(Connection& connection, HttpAnswer answer) {
   connection.deadline = Clock::now() + limits_.time;
 }
 
-void HttpServer::Impl::make_viewer(Connection& connection, HttpAnswer answer) {
+void HttpServer::Impl::make_viewer(HttpConnection& connection, HttpAnswer answer) {
   connection.answer = std::move(answer.bytes);
   connection.events = std::move(answer.events);
   connection.cursor.last_event_id = std::move(answer.last_event_id);
@@ -367,11 +372,13 @@ void HttpServer::Impl::show_viewers(Clock::time_point now) {
 }
 
 std::size_t HttpServer::Impl::viewers() const {
-  return static_cast<std::size_t>(std::count_if(
-      connections_.begin(), connections_.end(), [](const Connection& one) { return one.events; }));
+  return static_cast<std::size_t>(
+      std::count_if(connections_.begin(), connections_.end(), [](const HttpConnection& one) {
+        return one.events;
+      }));
 }
 
-bool HttpServer::Impl::write_answer(Connection& connection) {
+bool HttpServer::Impl::write_answer(HttpConnection& connection) {
   const ssize_t sent = send(connection.socket.get(),
                             connection.answer.data() + connection.sent,
                             connection.answer.size() - connection.sent,

@@ -43,7 +43,7 @@ Mesh quad(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
   return {{a, b, c, d}, {{0, 1, 2}, {0, 2, 3}}};
 }
 
-Mesh upright(const WallLine& line, double low, double high) {
+Mesh upright_wall(const WallLine& line, double low, double high) {
   return quad({line.from[0], line.from[1], low},
               {line.to[0], line.to[1], low},
               {line.to[0], line.to[1], high},
@@ -191,7 +191,7 @@ class PlanMaker {
       add_wall(wall, 0.0, height_);
     }
     for (const WallLine& window : windows) {
-      model_.parts.push_back({window.layer, "window", upright(window, kSill, kHead)});
+      model_.parts.push_back({window.layer, "window", upright_wall(window, kSill, kHead)});
       add_wall({window.from, window.to, walls_.front().layer, 0.0}, 0.0, kSill);
       add_wall({window.from, window.to, walls_.front().layer, 0.0}, kHead, height_);
     }
@@ -225,7 +225,7 @@ class PlanMaker {
   }
 
   void add_wall(const WallLine& wall, double low, double high) {
-    ModelPart part{wall.layer, "", upright(wall, low, high)};
+    ModelPart part{wall.layer, "", upright_wall(wall, low, high)};
     part.thickness = std::round(wall.thickness / kCentimetre) * kCentimetre;
     model_.parts.push_back(std::move(part));
     paired_ += wall.thickness > 0.0 ? 1 : 0;

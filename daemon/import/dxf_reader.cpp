@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <fstream>
 #include <map>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -14,17 +13,17 @@
 #include <spdlog/fmt/fmt.h>
 
 #include "daemon/import/placing.h"
+#include "engine/base/constants.h"
 
 namespace rayloc {
 namespace {
 
-constexpr int kDeepest = 16;  // blocks within blocks, chosen
+constexpr int kMaxBlockDepth = 16;  // blocks within blocks, chosen
 constexpr const char* kArc = "arcs of polylines, of which the chords were taken";
 constexpr double kMostFlags = 65536.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // $INSUNITS, by number; 0: not stated here.
-constexpr std::array<double, 8> kUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
+constexpr std::array<double, 8> kDxfUnits = {0.0, 0.0254, 0.3048, 0.0, 0.001, 0.01, 1.0, 1000.0};
 
 // A line with a number, and the one behind it, which is what the number says.
 struct Group {
@@ -119,9 +118,9 @@ struct Block {
   std::map<std::string, std::size_t> left_out;  // how many of each kind
 };
 
-class Reader {
+class DxfReader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file.string()), groups_(file) {}
+  explicit DxfReader(const std::filesystem::path& file) : file_(file.string()), groups_(file) {}
 
   Expected<Drawing> read() {
     while (!groups_.has_ended() && !groups_.is(0, "EOF")) {
@@ -163,8 +162,8 @@ class Reader {
       if (groups_.is(9, "$INSUNITS")) {
         groups_.next();
         const double unit = groups_.number();
-        if (unit >= 0.0 && unit < static_cast<double>(kUnits.size())) {
-          drawing_.metres = kUnits[static_cast<std::size_t>(unit)];
+        if (unit >= 0.0 && unit < static_cast<double>(kDxfUnits.size())) {
+          drawing_.metres = kDxfUnits[static_cast<std::size_t>(unit)];
         }
       }
       groups_.next();
@@ -364,7 +363,7 @@ class Reader {
         return;
       }
       const auto found = blocks_.find(insert.block);
-      if (found == blocks_.end() || depth == kDeepest) {
+      if (found == blocks_.end() || depth == kMaxBlockDepth) {
         ++left_out_["INSERT of a block that is not there"];
         continue;
       }
@@ -405,7 +404,7 @@ class Reader {
 }  // namespace
 
 Expected<Drawing> read_dxf(const std::filesystem::path& file) {
-  auto drawing = Reader(file).read();
+  auto drawing = DxfReader(file).read();
   if (drawing && drawing->lines.empty()) {
     return bad_input(
         file.string() +

@@ -38,7 +38,7 @@ constexpr std::array<std::string_view, 8> kNoShape = {"identifier",
                                                       "confidence"};
 
 // y of the scan points up.
-Vec3d upright(double x, double y, double z) { return {x, -z, y}; }
+Vec3d upright_point(double x, double y, double z) { return {x, -z, y}; }
 
 std::string text_of(const Json& json, const char* key) {
   const auto found = json.find(key);
@@ -70,9 +70,9 @@ bool is_low(const Json& item) {
          (*confidence == "low" || (confidence->is_object() && confidence->contains("low")));
 }
 
-class Reader {
+class RoomScanReader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file.string()) {}
+  explicit RoomScanReader(const std::filesystem::path& file) : file_(file.string()) {}
 
   Expected<Model> read(const Json& json) {
     if (!json.is_object() || !json.contains("walls")) {
@@ -191,7 +191,7 @@ class Reader {
       return refuse(place + ": its 'transform' is no list of 16 numbers");
     }
     const auto column = [&](std::size_t i) {
-      return upright((*m)[4 * i], (*m)[4 * i + 1], (*m)[4 * i + 2]);
+      return upright_point((*m)[4 * i], (*m)[4 * i + 1], (*m)[4 * i + 2]);
     };
     ScannedBox box{category_of(item),
                    text_of(item, "identifier"),
@@ -271,7 +271,7 @@ Expected<Model> read_room_scan(const std::filesystem::path& file) {
   if (json.is_discarded()) {
     return bad_input(file.string() + ": is cut off, or no JSON; export it again");
   }
-  return Reader(file).read(json);
+  return RoomScanReader(file).read(json);
 }
 
 }  // namespace rayloc

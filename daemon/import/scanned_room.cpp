@@ -15,9 +15,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kInWall = 0.3;    // [m], chosen: of an opening from the wall that it is in
-constexpr double kUpright = 0.98;  // a cosine, chosen: 11 degrees
-constexpr double kLeast = 0.01;    // [m], chosen: less of a wall or an opening is none
+constexpr double kInWall = 0.3;  // [m], chosen: of an opening from the wall that it is in
+constexpr double kMinUprightCosine = 0.98;  // a cosine, chosen: 11 degrees
+constexpr double kLeast = 0.01;             // [m], chosen: less of a wall or an opening is none
 
 // What a turn about the vertical axis and a move make of a point.
 class Turn {
@@ -85,7 +85,7 @@ SheetFrame frame_of(const ScannedBox& wall) {
 }
 
 // Of the opening's middle: along the wall, up it, and out of it.
-Vec3d place_on(const ScannedBox& wall, const ScannedBox& opening) {
+Vec3d place_on_wall(const ScannedBox& wall, const ScannedBox& opening) {
   const Vec3d from = opening.centre - frame_of(wall).origin;
   return {dot(from, wall.x), dot(from, wall.y), dot(from, wall.z)};
 }
@@ -99,9 +99,10 @@ std::size_t wall_of(const ScannedRoom& room, const ScannedBox& opening) {
     if (!opening.parent.empty() && opening.parent == wall.id) {
       return i;
     }
-    const Vec3d at = place_on(wall, opening);
+    const Vec3d at = place_on_wall(wall, opening);
     const bool is_beside = at.x > 0.0 && at.x < wall.size.x && at.y > 0.0 && at.y < wall.size.y;
-    if (is_beside && std::abs(at.z) < nearest && std::abs(dot(wall.z, opening.z)) > kUpright) {
+    if (is_beside && std::abs(at.z) < nearest &&
+        std::abs(dot(wall.z, opening.z)) > kMinUprightCosine) {
       nearest = std::abs(at.z);
       found = i;
     }
@@ -155,7 +156,7 @@ class RoomMaker {
       return;
     }
     const ScannedBox& wall = room_.walls[i];
-    const Vec3d at = place_on(wall, opening);
+    const Vec3d at = place_on_wall(wall, opening);
     PlanHole hole;
     hole.lower = {std::clamp(at.x - 0.5 * opening.size.x, 0.0, wall.size.x),
                   std::clamp(at.y - 0.5 * opening.size.y, 0.0, wall.size.y)};
@@ -191,7 +192,7 @@ class RoomMaker {
   }
 
   void add_object(const ScannedBox& object) {
-    if (std::abs(object.y.z) < kUpright) {
+    if (std::abs(object.y.z) < kMinUprightCosine) {
       ++leaning_;
       return;
     }

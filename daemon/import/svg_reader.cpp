@@ -23,7 +23,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kDeepest = 64;            // groups within groups, chosen
+constexpr int kMaxGroupDepth = 64;      // groups within groups, chosen
 constexpr int kCorners = 16;            // of a circle, chosen
 constexpr double kLeastRoom = 1.5;      // [m], chosen: the longer side of a plan of rooms
 constexpr double kPixel = 0.0254 / 96;  // [m] on paper; CSS 2.1, 4.3.2
@@ -65,9 +65,9 @@ std::string joined(const std::string& layer, const std::string& name) {
   return layer.empty() || name.empty() ? layer + name : layer + "/" + name;
 }
 
-class Reader {
+class SvgReader {
  public:
-  Reader(std::string_view text, const std::filesystem::path& file, const ModelUnits& units)
+  SvgReader(std::string_view text, const std::filesystem::path& file, const ModelUnits& units)
       : xml_(text, file.string()), units_(units) {}
 
   Expected<Drawing> read() {
@@ -105,8 +105,8 @@ class Reader {
 
   // Every element that <use> may name, and whether Inkscape wrote layers.
   void collect(const pugi::xml_node& root) {
-    struct Collector final : pugi::xml_tree_walker {
-      explicit Collector(Reader& reader) : reader_(reader) {}
+    struct ShapeCollector final : pugi::xml_tree_walker {
+      explicit ShapeCollector(SvgReader& reader) : reader_(reader) {}
       bool for_each(pugi::xml_node& node) override {
         if (const pugi::xml_attribute id = node.attribute("id")) {
           reader_.by_id_.try_emplace(id.value(), node);
@@ -114,9 +114,9 @@ class Reader {
         reader_.has_layers_ = reader_.has_layers_ || is_inkscape_layer(node);
         return true;
       }
-      Reader& reader_;
+      SvgReader& reader_;
     };
-    Collector collector(*this);
+    ShapeCollector collector(*this);
     pugi::xml_node(root).traverse(collector);
   }
 
@@ -157,7 +157,7 @@ class Reader {
       ++left_out_["hidden"];
       return;
     }
-    if (depth == kDeepest || ++points_ > kMostDrawnPoints) {
+    if (depth == kMaxGroupDepth || ++points_ > kMostDrawnPoints) {
       ++left_out_["in groups that are too deep"];
       return;
     }
@@ -404,7 +404,7 @@ Expected<Drawing> read_svg(const std::filesystem::path& file, const ModelUnits& 
   if (!text) {
     return tl::make_unexpected(text.error());
   }
-  return Reader(*text, file, units).read();
+  return SvgReader(*text, file, units).read();
 }
 
 }  // namespace rayloc

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kParallel = 0.02;   // a sine, chosen: one degree
-constexpr double kSideBySide = 0.1;  // [m], chosen: shorter is where two walls meet
+constexpr double kMaxParallelSine = 0.02;  // a sine, chosen: one degree
+constexpr double kSideBySide = 0.1;        // [m], chosen: shorter is where two walls meet
 
 struct Interval {
   double begin = 0.0;  // [m] along a line
@@ -22,7 +22,7 @@ FloorPoint along(const WallLine& line, double at) {
 }
 
 // Of a point: how far along a line, and how far to its left [m].
-std::pair<double, double> place_on(const WallLine& line, const FloorPoint& p) {
+std::pair<double, double> place_on_line(const WallLine& line, const FloorPoint& p) {
   const double length = length_of(line);
   const double ux = (line.to[0] - line.from[0]) / length;
   const double uy = (line.to[1] - line.from[1]) / length;
@@ -34,13 +34,13 @@ std::pair<double, double> place_on(const WallLine& line, const FloorPoint& p) {
 bool is_parallel(const WallLine& a, const WallLine& b) {
   const double cross =
       (a.to[0] - a.from[0]) * (b.to[1] - b.from[1]) - (a.to[1] - a.from[1]) * (b.to[0] - b.from[0]);
-  return std::abs(cross) < kParallel * length_of(a) * length_of(b);
+  return std::abs(cross) < kMaxParallelSine * length_of(a) * length_of(b);
 }
 
 // Where `other` runs beside `line`, along `line`.
 Interval beside(const WallLine& line, const WallLine& other) {
-  const double from = place_on(line, other.from).first;
-  const double to = place_on(line, other.to).first;
+  const double from = place_on_line(line, other.from).first;
+  const double to = place_on_line(line, other.to).first;
   return {std::max(0.0, std::min(from, to)), std::min(length_of(line), std::max(from, to))};
 }
 
@@ -77,8 +77,8 @@ std::vector<Pair> pairs_of(const std::vector<WallLine>& lines) {
         continue;
       }
       const Interval common = beside(lines[i], lines[j]);
-      const double apart =
-          0.5 * (place_on(lines[i], lines[j].from).second + place_on(lines[i], lines[j].to).second);
+      const double apart = 0.5 * (place_on_line(lines[i], lines[j].from).second +
+                                  place_on_line(lines[i], lines[j].to).second);
       if (std::abs(apart) >= kThinnest && std::abs(apart) <= kThickest &&
           common.end - common.begin > kSideBySide) {
         pairs.push_back({i, j, apart});
@@ -149,7 +149,7 @@ std::vector<WallLine> cut_at(const std::vector<WallLine>& walls, const WallLine&
   left.reserve(walls.size());
   for (const WallLine& wall : walls) {
     const double apart =
-        0.5 * (place_on(wall, opening.from).second + place_on(wall, opening.to).second);
+        0.5 * (place_on_line(wall, opening.from).second + place_on_line(wall, opening.to).second);
     const Interval taken = beside(wall, opening);
     if (!is_parallel(wall, opening) || std::abs(apart) > kThickest || taken.begin >= taken.end) {
       left.push_back(wall);

@@ -25,7 +25,7 @@ constexpr std::size_t kMostFaces = 20'000;
 
 Json flat(const Vec3d& point) { return {to_millimetre(point.x), to_millimetre(point.y)}; }
 
-Json exact(const Vec3d& point) { return {point.x, point.y, point.z}; }
+Json exact_point(const Vec3d& point) { return {point.x, point.y, point.z}; }
 
 Json flat(const std::vector<Vec3d>& points) {
   Json list = Json::array();
@@ -116,11 +116,11 @@ Json access_points_json(const RoomModel& room) {
     const Vec3d facing = rotation(access_point.array.pose.orientation) * Vec3d{1.0, 0.0, 0.0};
     Json antennas = Json::array();
     for (std::size_t i = 0; i < access_point.array.element_offset.size(); ++i) {
-      antennas.push_back(exact(element_position(access_point.array, i)));
+      antennas.push_back(exact_point(element_position(access_point.array, i)));
     }
     list.push_back({{"id", access_point.id},
-                    {"position", exact(access_point.array.pose.position)},
-                    {"facing", exact(facing)},
+                    {"position", exact_point(access_point.array.pose.position)},
+                    {"facing", exact_point(facing)},
                     {"antennas", std::move(antennas)},
                     {"cores", access_point.cores}});
   }
@@ -133,7 +133,7 @@ Json fixed_transmitters_json(const Site& site, bool addresses) {
     if (one.role == TransmitterRole::kFixed && one.position) {
       list.push_back({{"mac", addresses ? to_string(one.mac) : ""},
                       {"name", one.name},
-                      {"position", exact(*one.position)}});
+                      {"position", exact_point(*one.position)}});
     }
   }
   return list;
@@ -180,15 +180,16 @@ Json calibration_json(const Site& site, const RoomModel& room) {
 }  // namespace
 
 std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses) {
-  Json map = {{"site", site.name},
-              {"crs", "local"},
-              {"scene_hash", room.scene_hash},
-              {"calibration_id", room.calibration_id},
-              {"bounds", {{"min", exact(room.bounds_min)}, {"max", exact(room.bounds_max)}}},
-              {"plan", plan_json(*room.scene)},
-              {"access_points", access_points_json(room)},
-              {"fixed_transmitters", fixed_transmitters_json(site, addresses)},
-              {"zones", zones_json(site)}};
+  Json map = {
+      {"site", site.name},
+      {"crs", "local"},
+      {"scene_hash", room.scene_hash},
+      {"calibration_id", room.calibration_id},
+      {"bounds", {{"min", exact_point(room.bounds_min)}, {"max", exact_point(room.bounds_max)}}},
+      {"plan", plan_json(*room.scene)},
+      {"access_points", access_points_json(room)},
+      {"fixed_transmitters", fixed_transmitters_json(site, addresses)},
+      {"zones", zones_json(site)}};
   if (site.georeference) {
     map["georeference"] = {
         {"latitude", site.georeference->latitude},

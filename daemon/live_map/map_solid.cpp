@@ -21,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFacesOfOne = 200;
 
-Json exact(const Vec3d& point) {
+Json rounded_point(const Vec3d& point) {
   return {to_millimetre(point.x), to_millimetre(point.y), to_millimetre(point.z)};
 }
 
@@ -70,7 +70,7 @@ Json face_json(const draw::Face& face) {
   Json corners = Json::array();
   Json edges = Json::array();
   for (std::size_t i = 0; i < face.corners.size(); ++i) {
-    corners.push_back(exact(face.corners[i]));
+    corners.push_back(rounded_point(face.corners[i]));
     if (face.outlined[i]) {
       edges.push_back(i);
     }
@@ -100,7 +100,7 @@ std::string map_solid_json(const Scene& scene) {
     if (part.kind == draw::PartKind::kFurniture) {
       Vec3d top = 0.5 * (part.bounds.lower + part.bounds.upper);
       top.z = part.bounds.upper.z;
-      names.push_back({{"name", part.name}, {"at", exact(top)}});
+      names.push_back({{"name", part.name}, {"at", rounded_point(top)}});
     }
   }
   const Json solid = {

@@ -28,6 +28,8 @@ struct LogEvent {
   std::vector<LogField> fields = {};
 };
 void log_event(const LogEvent& event);
+// A line without figures.
+inline void log_line(LogLevel level, const std::string& text) { log_event({level, text}); }
 
 // What nobody will read, because it was not taken in time.
 std::uint64_t log_entries_dropped();

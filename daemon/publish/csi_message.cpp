@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-v1::PhyFormat to_proto(PhyFormat phy) {
+v1::PhyFormat phy_proto(PhyFormat phy) {
   switch (phy) {
     case PhyFormat::kLegacy:
       return v1::PHY_FORMAT_LEGACY;
@@ -45,7 +45,7 @@ v1::CsiFrame csi_message(const CsiFrame& frame,
   message.set_ap(access_point);
   message.set_transmitter(transmitter);
   message.set_format(std::string(frame.format));
-  message.set_phy(to_proto(frame.phy));
+  message.set_phy(phy_proto(frame.phy));
   message.set_bandwidth_mhz(static_cast<std::uint32_t>(frame.bandwidth_mhz));
   message.set_channel_bandwidth_mhz(static_cast<std::uint32_t>(frame.channel_bandwidth_mhz));
   message.set_tone_spacing_hz(frame.tone_spacing_hz);

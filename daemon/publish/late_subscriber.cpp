@@ -7,20 +7,16 @@
 
 #include "daemon/publish/socket/curve_client.h"
 #include "daemon/publish/socket/endpoint.h"
+#include "daemon/publish/topic.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "rayloc/v1/snapshot.pb.h"
 
 namespace rayloc {
 namespace {
 
-const char* const kHeartbeats = "v1/heartbeat/";
 constexpr int kHighWaterMark = 100'000;
 // How often a wait looks at whether the snapshot has come.
-constexpr std::chrono::milliseconds kLook{50};
-
-bool begins_with(const std::string& text, const std::string& prefix) {
-  return text.compare(0, prefix.size(), prefix) == 0;
-}
+constexpr std::chrono::milliseconds kLookInterval{50};
 
 }  // namespace
 
@@ -34,7 +30,7 @@ class LateSubscriber::Question {
       request.add_prefixes(prefix);
     }
     // Heartbeats tell when all that the snapshot told has passed.
-    request.add_prefixes(kHeartbeats);
+    request.add_prefixes(kHeartbeatTopics);
     request_ = request.SerializeAsString();
     socket_.set(zmq::sockopt::linger, 0);
     socket_.set(zmq::sockopt::ipv6, true);
@@ -75,7 +71,7 @@ Expected<LateSubscriber> LateSubscriber::join(const std::string& endpoint,
                                               std::chrono::milliseconds patience,
                                               const std::optional<CurveClientKeys>& curve) {
   std::vector<std::string> subscriptions = prefixes;
-  subscriptions.emplace_back(kHeartbeats);
+  subscriptions.emplace_back(kHeartbeatTopics);
   Expected<Subscriber> subscriber =
       Subscriber::connect(endpoint, subscriptions, kHighWaterMark, curve);
   if (!subscriber) {
@@ -108,7 +104,7 @@ Expected<void> LateSubscriber::wait_for_snapshot(const std::string& endpoint,
                         asked_ ? "no snapshot from " + snapshot + "; is raylocd running there?"
                                : "no heartbeat of a raylocd at " + endpoint);
     }
-    step(Clock::now() + kLook);
+    step(Clock::now() + kLookInterval);
   }
   return {};
 }
@@ -134,7 +130,7 @@ std::optional<PublishedMessage> LateSubscriber::receive(std::chrono::millisecond
 bool LateSubscriber::step(Clock::time_point deadline) {
   const auto left = std::max(std::chrono::milliseconds(0),
                              std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()));
-  const auto wait = joining_ ? std::min(left, kLook) : left;
+  const auto wait = joining_ ? std::min(left, kLookInterval) : left;
   const auto until = Clock::now() + wait;
   std::optional<PublishedMessage> message = subscriber_.receive(wait);
   const bool interrupted = !message && Clock::now() + std::chrono::milliseconds(1) < until;
@@ -165,7 +161,7 @@ void LateSubscriber::take(PublishedMessage message) {
     accept(std::move(message), envelope.sequence());
     return;
   }
-  const bool is_heartbeat = begins_with(message.topic, kHeartbeats);
+  const bool is_heartbeat = message.topic.starts_with(kHeartbeatTopics);
   early_.push_back({std::move(message), envelope.sequence()});
   if (is_heartbeat) {
     question_->ask();
@@ -211,7 +207,7 @@ void LateSubscriber::accept(PublishedMessage message, std::uint64_t sequence) {
     if (sequence <= told->second) {
       return;
     }
-    if (begins_with(message.topic, kHeartbeats)) {
+    if (message.topic.starts_with(kHeartbeatTopics)) {
       told_.clear();  // sent after the snapshot was made, as is all that follows
     }
   }
@@ -222,7 +218,7 @@ void LateSubscriber::accept(PublishedMessage message, std::uint64_t sequence) {
 
 bool LateSubscriber::wanted(const std::string& topic) const {
   return std::any_of(prefixes_.begin(), prefixes_.end(), [&](const std::string& prefix) {
-    return begins_with(topic, prefix);
+    return topic.starts_with(prefix);
   });
 }
 

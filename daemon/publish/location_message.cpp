@@ -71,7 +71,7 @@ void set_quality(const LocationEstimate& estimate, v1::Quality* quality) {
   }
 }
 
-v1::TrackState to_proto(TrackState state) {
+v1::TrackState track_state_proto(TrackState state) {
   switch (state) {
     case TrackState::kTentative:
       return v1::TRACK_STATE_TENTATIVE;
@@ -90,7 +90,7 @@ void set_tracked(const Location& location, v1::Location* message) {
   if (tracked.is_predicted && location.estimate.position) {
     message->set_mode(v1::FIX_MODE_PREDICTED);
   }
-  message->set_track_state(to_proto(tracked.state));
+  message->set_track_state(track_state_proto(tracked.state));
   if (tracked.velocity) {
     message->mutable_velocity()->set_x(tracked.velocity->x);
     message->mutable_velocity()->set_y(tracked.velocity->y);
@@ -182,9 +182,9 @@ v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead) {
   const TrackTransition& transition = event.transition;
   v1::TrackEvent message;
   if (transition.before) {
-    message.set_previous_state(to_proto(*transition.before));
+    message.set_previous_state(track_state_proto(*transition.before));
   }
-  message.set_state(to_proto(transition.after));
+  message.set_state(track_state_proto(transition.after));
   // Numbers of tracks are those of one run, and would differ in a replay that begins later.
   message.set_event_id(id_of(event.target, transition.time) + "-track-" +
                        std::to_string(message.previous_state()) + "-" +

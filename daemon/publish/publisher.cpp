@@ -13,6 +13,7 @@
 #include "daemon/publish/sequence_book.h"
 #include "daemon/publish/socket/bound_socket.h"
 #include "daemon/publish/socket/connection_guard.h"
+#include "daemon/publish/socket/connection_heartbeat.h"
 #include "daemon/publish/topic.h"
 #include "engine/base/check.h"
 #include "rayloc/v1/envelope.pb.h"
@@ -20,10 +21,6 @@
 namespace rayloc {
 namespace {
 
-// A connection that answers nothing for this long is closed, so that the queue of a machine that
-// was switched off does not stay for ever.
-constexpr int kHeartbeatIntervalMs = 10'000;
-constexpr int kHeartbeatTimeoutMs = 60'000;
 // What a subscriber may send is a prefix of a topic.
 constexpr std::int64_t kMaxSubscriptionBytes = 4096;
 

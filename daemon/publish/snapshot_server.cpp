@@ -11,6 +11,7 @@
 #include "daemon/publish/last_messages.h"
 #include "daemon/publish/socket/bound_socket.h"
 #include "daemon/publish/socket/connection_guard.h"
+#include "daemon/publish/socket/connection_heartbeat.h"
 #include "rayloc/v1/snapshot.pb.h"
 
 namespace rayloc {
@@ -22,9 +23,6 @@ constexpr int kWaitingReplies = 16;  // per client; past that they are dropped
 // Replies that waited for a client when the daemon ends.
 constexpr int kLingerMs = 100;
 constexpr int kPollMs = 100;
-// As the publisher's: the connection of a machine that was switched off goes.
-constexpr int kHeartbeatIntervalMs = 10'000;
-constexpr int kHeartbeatTimeoutMs = 60'000;
 
 using Frames = std::vector<zmq::message_t>;
 

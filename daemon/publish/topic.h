@@ -16,6 +16,9 @@ namespace rayloc {
 
 struct Target;
 
+// What topics of heartbeats begin with.
+inline constexpr const char* kHeartbeatTopics = "v1/heartbeat/";
+
 // "v1/CLASS/SITE/" or "v1/CLASS/SITE/LEAF/". REQUIRES: site is not empty.
 std::string make_topic(std::string_view topic_class, std::string_view site);
 std::string make_topic(std::string_view topic_class, std::string_view site, std::string_view leaf);

@@ -15,7 +15,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kShortestWall = 1e-3;  // [m]; shorter is a slip of the pen
-constexpr double kLeastArea = 1e-2;     // [m^2], as much
+constexpr double kMinRoomArea = 1e-2;   // [m^2], as much
 // Walls of two rooms that are nowhere further apart than this are one [m]: corners are written to
 // the millimetre.
 constexpr double kSameWall = 1e-3;
@@ -195,7 +195,7 @@ std::optional<std::string> outline_mistake(std::span<const FloorPoint> outline) 
            corner_text(outline[(edge + 1) % n]) +
            " meets an earlier one; list the corners in the order of the outline";
   }
-  if (std::abs(signed_area(outline)) < kLeastArea) {
+  if (std::abs(signed_area(outline)) < kMinRoomArea) {
     return "encloses no area; write the corners in metres";
   }
   return std::nullopt;

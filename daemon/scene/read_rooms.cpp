@@ -13,8 +13,6 @@ namespace {
 
 constexpr NumberRange kHeight{0.1, 1e3, "m"};
 constexpr double kLeastLength = 1e-3;  // [m]; shorter is a slip of the pen
-// Walls may touch others: sums of decimal numbers round.
-constexpr double kTouching = 1e-6;  // [m]
 // A plane that is steeper is a wall [m a metre].
 constexpr double kSteepest = 20.0;
 constexpr std::string_view kOutlineExample = "outline = [[0, 0], [6, 0], [6, 4], [0, 4]]";
@@ -280,7 +278,7 @@ void RoomReader::read_slope(const TomlTable& table) {
 bool RoomReader::check_ceilings() {
   for (const Stated& stated : stated_) {
     for (const FloorPoint& corner : stated.room.outline) {
-      if (stated.room.ceiling_at(corner) < stated.room.level - kTouching) {
+      if (stated.room.ceiling_at(corner) < stated.room.level - kTouchingDistance) {
         root_.error_at("slope",
                        "the ceiling comes down below the floor at the corner " +
                            to_text(corner[0]) + ", " + to_text(corner[1]) +
@@ -331,8 +329,9 @@ void RoomReader::read_partitions(const std::vector<PlanRoom>& rooms) {
       continue;
     }
     const auto inside = [&](const PlanRoom& room) {
-      return is_within(room.outline, *from, kTouching) && is_within(room.outline, *to, kTouching) &&
-             is_within(room.outline, between(*from, *to, 0.5), kTouching);
+      return is_within(room.outline, *from, kTouchingDistance) &&
+             is_within(room.outline, *to, kTouchingDistance) &&
+             is_within(room.outline, between(*from, *to, 0.5), kTouchingDistance);
     };
     const auto room = std::find_if(rooms.begin(), rooms.end(), inside);
     if (rooms.empty()) {

@@ -14,6 +14,9 @@
 
 namespace rayloc {
 
+// Walls, furniture and openings may touch others: sums of decimal numbers round.
+inline constexpr double kTouchingDistance = 1e-6;  // [m]
+
 // A name of an object: of a mesh file, and no second time.
 std::string read_object_name(const TomlTable& table, std::set<std::string>& names);
 

@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kLeastSize = 1e-3;       // [m]; smaller is a slip of the pen
 constexpr double kLargestRoom = 1'000.0;  // [m]
-// Furniture and openings may touch a wall: sums of decimal numbers round.
-constexpr double kTouching = 1e-6;  // [m]
 constexpr std::array<std::string_view, 4> kWalls = {"west", "east", "south", "north"};
 
 // To the millimetre.
@@ -191,7 +189,7 @@ class PlanReader {
       return;
     }
     const double ceiling = lowest_between(wall.top, opening.lower[0], opening.upper[0]);
-    if (opening.upper[1] > ceiling + kTouching) {
+    if (opening.upper[1] > ceiling + kTouchingDistance) {
       table.error_at("centre",
                      "the opening reaches up to " + metres(opening.upper[1]) +
                          " m, its wall there to " + metres(ceiling) +
@@ -227,8 +225,8 @@ class PlanReader {
       }
       opening.lower.at(i) = centre.at(i) - 0.5 * size.at(i);
       opening.upper.at(i) = centre.at(i) + 0.5 * size.at(i);
-      if (opening.lower.at(i) < face.low.at(i) - kTouching ||
-          opening.upper.at(i) > face.high.at(i) + kTouching) {
+      if (opening.lower.at(i) < face.low.at(i) - kTouchingDistance ||
+          opening.upper.at(i) > face.high.at(i) + kTouchingDistance) {
         table.error_at("centre",
                        "the opening is at " + span_text(opening.lower.at(i), opening.upper.at(i)) +
                            " m " + std::string(i == 0 ? face.axis : "in height") +
@@ -247,7 +245,7 @@ class PlanReader {
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::min(opening.upper.at(i), other.upper.at(i)) -
               std::max(opening.lower.at(i), other.lower.at(i)) <=
-          kTouching) {
+          kTouchingDistance) {
         return false;
       }
     }
@@ -309,7 +307,7 @@ class PlanReader {
     const std::array<double, kRoomSides.size()> beyond{
         below.z, above.z, below.x, above.x, below.y, above.y};  // in the order of RoomSide
     for (std::size_t i = 0; i < beyond.size(); ++i) {
-      if (beyond.at(i) > kTouching) {
+      if (beyond.at(i) > kTouchingDistance) {
         table.error_at("centre",
                        "the box reaches " + metres(beyond.at(i)) + " m beyond the " +
                            std::string(kRoomSides.at(i)) + "; correct 'centre' or 'size'");
@@ -330,7 +328,7 @@ class PlanReader {
     for (const PlanRoom& room : plan_.rooms) {
       const bool corners_inside =
           std::all_of(footprint.begin(), footprint.end(), [&](const FloorPoint& corner) {
-            return is_within(room.outline, corner, kTouching);
+            return is_within(room.outline, corner, kTouchingDistance);
           });
       // A corner of the room that is within the box: the room goes round it.
       const bool goes_round =
@@ -346,7 +344,7 @@ class PlanReader {
       }
       const double above = box.centre.z + 0.5 * box.size.z - ceiling;
       const double below = room.level - (box.centre.z - 0.5 * box.size.z);
-      if (above <= kTouching && below <= kTouching) {
+      if (above <= kTouchingDistance && below <= kTouchingDistance) {
         return true;
       }
       table.error_at("centre",
@@ -362,7 +360,7 @@ class PlanReader {
   static bool is_on_edge(const std::vector<FloorPoint>& outline, const FloorPoint& p) {
     for (std::size_t i = 0; i < outline.size(); ++i) {
       if (distance_from_edge(outline[i], outline[(i + 1) % outline.size()], p).across <=
-          kTouching) {
+          kTouchingDistance) {
         return true;
       }
     }

@@ -13,8 +13,6 @@
 namespace rayloc {
 namespace {
 
-constexpr double kSameBounds = 1e-6;  // [m]
-
 Bounds bounds_of(const Scene& scene) { return {scene.bounds_min(), scene.bounds_max()}; }
 
 std::vector<ObjectReport> report_objects(const Scene& scene) {

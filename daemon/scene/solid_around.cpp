@@ -8,8 +8,6 @@
 namespace rayloc {
 namespace {
 
-constexpr double kSameBounds = 1e-6;  // [m]
-
 // As large as the whole scene.
 bool is_shell(const Scene& scene, const Bounds& bounds) {
   return norm(bounds.lower - scene.bounds_min()) < kSameBounds &&

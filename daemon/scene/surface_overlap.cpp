@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastArea = 1e-6;         // [m^2]
+constexpr double kMinOverlapArea = 1e-6;    // [m^2]
 constexpr double kSamePlane = 2e-5;         // [m]: two surfaces, each known to kCoplanarTolerance
 constexpr double kParallel = 1.0 - 5e-7;    // cos(angle), as surface.cpp groups triangles
 constexpr double kSomethingBeyond = 0.001;  // [m]
@@ -147,7 +147,7 @@ std::vector<SurfaceOverlap> find_overlaps(const Scene& scene) {
           common += common_area(s, t);
         }
       }
-      if (common > kLeastArea) {
+      if (common > kMinOverlapArea) {
         overlaps.push_back({std::min(a.surface, b.surface),
                             std::max(a.surface, b.surface),
                             common,

@@ -16,7 +16,7 @@
 namespace rayloc {
 namespace {
 
-constexpr int kUnavailable = 503;
+constexpr int kServiceUnavailable = 503;
 const char* const kPlain = "text/plain; charset=utf-8";
 
 HttpReply json_of(const google::protobuf::Message& message) {
@@ -54,7 +54,7 @@ HttpReply healthz(const std::vector<std::string>& stuck_stages) {
   for (const std::string& stage : stuck_stages) {
     names += "no progress: " + stage + "\n";
   }
-  return {kUnavailable, kPlain, names};
+  return {kServiceUnavailable, kPlain, names};
 }
 
 HttpReply sources(const StatusMessages& status) {
@@ -77,7 +77,7 @@ HttpReply targets(const LastMessages& last, const std::string& site) {
 }
 
 HttpReply readyz(const Readiness& now) {
-  return {now.ready() ? 200 : kUnavailable, "application/json", to_json(now)};
+  return {now.ready() ? 200 : kServiceUnavailable, "application/json", to_json(now)};
 }
 
 HttpReply json_text(std::string text) { return {200, "application/json", std::move(text)}; }
@@ -160,7 +160,7 @@ void add_absent(const DaemonApi& daemon,
   }
   const nlohmann::json error = {{"error", why}};
   const HttpReply reply{
-      kUnavailable,
+      kServiceUnavailable,
       "application/json",
       error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
   for (const char* const asked : kPathsOfSites) {

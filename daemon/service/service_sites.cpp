@@ -24,8 +24,6 @@ constexpr std::size_t kSubjectsShown = 2048;  // on the map of a site
 constexpr auto kDrain = std::chrono::milliseconds(500);
 constexpr auto kLeave = std::chrono::milliseconds(3000);
 
-void say(LogLevel level, const std::string& text) { log_event({level, text}); }
-
 // Where devices are called by a hash for some time, where they were is forgotten with it.
 Duration presence_kept(const PrivacyConfig& privacy) {
   const Duration day = std::chrono::hours(24);
@@ -150,7 +148,7 @@ void Service::end_sites(const std::vector<SiteSet::Site>& sites) {
   }
   const std::vector<std::string> hung = shutdown.hung();
   for (const std::string& stage : hung) {
-    say(LogLevel::kError, stage + " does not come back, and is left behind");
+    log_line(LogLevel::kError, stage + " does not come back, and is left behind");
   }
   for (const SiteSet::Site& site : sites) {
     const bool has_ended = std::none_of(hung.begin(), hung.end(), [&](const std::string& stage) {
@@ -204,7 +202,8 @@ void Service::note_trouble(const std::string& name, const std::string& trouble, 
   constexpr std::array kWords = {"is left as it was",
                                  "has ended and does not begin, reload again",
                                  "does not begin, reload again"};
-  say(LogLevel::kError,
+  log_line(
+      LogLevel::kError,
       "reload: site '" + name + "' " + kWords.at(static_cast<std::size_t>(state)) + ": " + trouble);
 }
 
@@ -242,7 +241,7 @@ void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::st
     reloads_.erase(site->name());
     sites_.remove(site->name());
     stages_changed_ = true;
-    say(LogLevel::kInfo, "site '" + site->name() + "' has ended");
+    log_line(LogLevel::kInfo, "site '" + site->name() + "' has ended");
   }
   std::vector<SiteSetup> begin;
   for (SiteSetup& setup : setups) {
@@ -260,7 +259,7 @@ void Service::reload_sites(std::vector<SiteSetup> setups, const std::set<std::st
   if (!begin.empty()) {
     preparation_ = std::make_unique<SitePreparation>(
         std::move(begin),
-        surroundings([](const std::string& line) { say(LogLevel::kInfo, printable(line)); }));
+        surroundings([](const std::string& line) { log_line(LogLevel::kInfo, printable(line)); }));
   }
 }
 
@@ -321,10 +320,10 @@ void Service::exchange_sites(std::vector<SitePreparation::Prepared> prepared) {
     publisher_->add(site->output);
     site->runtime->start();
     for (const std::string& line : site->runtime->source_descriptions()) {
-      say(LogLevel::kInfo, "listening: " + line);
+      log_line(LogLevel::kInfo, "listening: " + line);
     }
-    say(LogLevel::kInfo,
-        "site '" + site->name() + "' runs, prepared anew" + cost(reloads_[site->name()]));
+    log_line(LogLevel::kInfo,
+             "site '" + site->name() + "' runs, prepared anew" + cost(reloads_[site->name()]));
   }
 }
 

@@ -18,8 +18,6 @@ constexpr seconds kLook{1};
 constexpr seconds kTryAgain{60};
 constexpr seconds kNotYet{5};  // chosen: the same, of one whose owner has said nothing yet
 
-void say(LogLevel level, const std::string& text) { log_event({level, text}); }
-
 StandbyAudit::Counters sum(StandbyAudit::Counters one, const StandbyAudit::Counters& other) {
   one.windows += other.windows;
   one.results += other.results;
@@ -83,12 +81,14 @@ void Service::stand_by(const std::string& name) {
     claims_->withdraw(name);
     along_not_before_[name] = std::chrono::steady_clock::now() + kTryAgain;
     to_prepare_.push_back(std::move(setup));
-    say(LogLevel::kError, "site '" + name + "' cannot be computed along: " + site.error().message);
+    log_line(LogLevel::kError,
+             "site '" + name + "' cannot be computed along: " + site.error().message);
     return;
   }
   along_[name] = *std::move(site);
   sites_.put_absent(name, "another worker owns it; this one computes along, and is next");
-  say(LogLevel::kInfo,
+  log_line(
+      LogLevel::kInfo,
       "site '" + name + "' is computed along with its owner" +
           (is_late ? ", from a later start than the owner's: positions are not compared" : ""));
 }
@@ -124,9 +124,9 @@ Expected<void> Service::promote(const std::string& name, std::uint64_t generatio
   const std::lock_guard lock(audit_mutex_);
   Audit& audit = audits_[name];
   audit = {sum(audit.before, audit.now), {}, false};
-  say(LogLevel::kInfo,
-      "site '" + name + "' is owned, generation " + std::to_string(generation) +
-          ", and goes on at once: it was computed along");
+  log_line(LogLevel::kInfo,
+           "site '" + name + "' is owned, generation " + std::to_string(generation) +
+               ", and goes on at once: it was computed along");
   return {};
 }
 
@@ -147,7 +147,7 @@ void Service::stand_by_no_more(const std::string& name, const std::string& why) 
     Audit& audit = audits_[name];
     audit = {sum(audit.before, audit.now), {}, false};
   }
-  say(LogLevel::kInfo, "site '" + name + "' is not computed along any more: " + why);
+  log_line(LogLevel::kInfo, "site '" + name + "' is not computed along any more: " + why);
 }
 
 // Of the first window that differs people are told once.
@@ -160,9 +160,10 @@ void Service::note_audit(const RunningSite& site) {
   Audit& audit = audits_[site.name()];
   audit.now = standby->counters;
   if (!standby->first_difference.empty() && !std::exchange(audit.is_told, true)) {
-    say(LogLevel::kError,
-        "site '" + site.name() + "': what its owner published is not what this worker computes: " +
-            standby->first_difference + "; `rayloc replay --stream` tells whose it is");
+    log_line(LogLevel::kError,
+             "site '" + site.name() +
+                 "': what its owner published is not what this worker computes: " +
+                 standby->first_difference + "; `rayloc replay --stream` tells whose it is");
   }
 }
 

@@ -16,8 +16,6 @@ constexpr std::chrono::milliseconds kTendWorker{50};
 constexpr std::chrono::milliseconds kTend{1000};
 constexpr double kPermille = 1e-3;
 
-void say(LogLevel level, const std::string& text) { log_event({level, text}); }
-
 }  // namespace
 
 std::chrono::milliseconds Service::tend_period() const { return claims_ ? kTendWorker : kTend; }
@@ -46,7 +44,7 @@ void Service::keep_ready(SitePreparation::Prepared prepared) {
   stages_changed_ = true;
   if (!prepared.runtime) {
     sites_.put_absent(name, prepared.trouble);
-    say(LogLevel::kError, "site '" + name + "' cannot be prepared: " + prepared.trouble);
+    log_line(LogLevel::kError, "site '" + name + "' cannot be prepared: " + prepared.trouble);
     return;
   }
   if (along_.count(name) != 0) {
@@ -65,8 +63,8 @@ void Service::keep_ready(SitePreparation::Prepared prepared) {
 void Service::tend_claims() {
   if (std::string trouble = claims_->trouble(); trouble != claim_trouble_) {
     claim_trouble_ = std::move(trouble);
-    say(claim_trouble_.empty() ? LogLevel::kInfo : LogLevel::kError,
-        claim_trouble_.empty() ? "sites are claimed again" : claim_trouble_);
+    log_line(claim_trouble_.empty() ? LogLevel::kInfo : LogLevel::kError,
+             claim_trouble_.empty() ? "sites are claimed again" : claim_trouble_);
   }
   for (const ClaimKeeper::Change& change : claims_->take_changes()) {
     if (change.generation > 0) {
@@ -91,7 +89,7 @@ void Service::tend_claims() {
   if (!preparation_ && !to_prepare_.empty()) {
     preparation_ = std::make_unique<SitePreparation>(
         std::exchange(to_prepare_, {}),
-        surroundings([](const std::string& line) { say(LogLevel::kInfo, line); }));
+        surroundings([](const std::string& line) { log_line(LogLevel::kInfo, line); }));
   }
 }
 
@@ -133,7 +131,8 @@ void Service::own(const ClaimKeeper::Change& change) {
     claims_->give_back(change.site, change.generation);
     sites_.put_absent(change.site, begun.error().message);
     to_prepare_.push_back(std::move(setup));
-    say(LogLevel::kError, "site '" + change.site + "' is given back: " + begun.error().message);
+    log_line(LogLevel::kError,
+             "site '" + change.site + "' is given back: " + begun.error().message);
   }
 }
 
@@ -147,8 +146,8 @@ Expected<void> Service::begin_owned(SitePreparation::Prepared prepared, std::uin
   }
   show(std::move(*begun));
   sites_.find(prepared.name)->runtime->start();
-  say(LogLevel::kInfo,
-      "site '" + prepared.name + "' is owned, generation " + std::to_string(generation));
+  log_line(LogLevel::kInfo,
+           "site '" + prepared.name + "' is owned, generation " + std::to_string(generation));
   return {};
 }
 
@@ -176,7 +175,7 @@ void Service::lose(const SiteSet::Site& site, const std::string& why) {
   if (!claims_->is_leaving()) {
     to_prepare_.push_back(site->runtime->setup());
   }
-  say(LogLevel::kWarning, "site '" + name + "' is not owned any more: " + why);
+  log_line(LogLevel::kWarning, "site '" + name + "' is not owned any more: " + why);
 }
 
 // A worker gives its site back before the pipeline ends: the next one need not wait for that, and
@@ -234,7 +233,7 @@ void Service::reload_worker(std::vector<SiteSetup> setups, const std::set<std::s
                                     : ready != standby_.end() ? &ready->second.files
                                                               : nullptr;
     if (!setup.trouble.empty()) {
-      say(LogLevel::kError, "reload: site '" + name + "' is left as it was: " + setup.trouble);
+      log_line(LogLevel::kError, "reload: site '" + name + "' is left as it was: " + setup.trouble);
     } else if (files == nullptr || changed.count(name) != 0 ||
                !files->changes_to(InputFiles::of(setup)).empty()) {
       let_go_of(name, "its configuration is another");

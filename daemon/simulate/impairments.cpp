@@ -14,9 +14,9 @@ using I = Impairments;
 constexpr NumberRange kShare = {0.0, 1.0, {}};
 constexpr NumberRange kDelay = {0.0, 3'000.0, "ns"};  // a tone spacing of 312.5 kHz is 3.2 us
 constexpr NumberRange kDecibels = {0.0, 60.0, "dB"};
-constexpr NumberRange kDegrees = {0.0, 180.0, "degrees"};
+constexpr NumberRange kPhaseDegrees = {0.0, 180.0, "degrees"};
 
-constexpr std::array kKeys = std::to_array<ImpairmentKey>({
+constexpr std::array kImpairmentKeys = std::to_array<ImpairmentKey>({
     {"random_phase", &I::random_phase, {}, 1, 0, "a common phase, new in every frame"},
     {"delay_min_ns", &I::delay_min_ns, kDelay, 60, 0, "timing offset of a frame, from this"},
     {"delay_max_ns", &I::delay_max_ns, kDelay, 350, 0, "to this"},
@@ -24,7 +24,7 @@ constexpr std::array kKeys = std::to_array<ImpairmentKey>({
     {"delay_outlier_ns", &I::delay_outlier_ns, kDelay, 200, 0, "by this"},
     {"gain_step_db", &I::gain_step_db, kDecibels, 3, 0, "gain control of all cores, in steps"},
     {"power_error_db", &I::power_error_db, kDecibels, 1, 0, "of a power byte, at most"},
-    {"phase_jitter_deg", &I::phase_jitter_deg, kDegrees, 2, 0, "between two cores, deviation"},
+    {"phase_jitter_deg", &I::phase_jitter_deg, kPhaseDegrees, 2, 0, "between two cores, deviation"},
     {"snr_db", &I::snr_db, kDecibels, 31, 0, "at 4 m of free space, half-wave dipoles"},
     {"transmit_snr_db", &I::transmit_snr_db, kDecibels, 38, 0, "error of the transmitter below it"},
     {"dc_garbage", &I::dc_garbage, {}, 1, 0, "a bin at DC as large as data"},
@@ -36,9 +36,9 @@ constexpr std::array kKeys = std::to_array<ImpairmentKey>({
      "chains as the site's calibration has "
      "them, where it has; else drawn:"},
     {"chain_gain_db", &I::chain_gain_db, kDecibels, 1, 0, "of a chain, deviation"},
-    {"chain_phase_deg", &I::chain_phase_deg, kDegrees, 180, 0, "of a chain, at most"},
+    {"chain_phase_deg", &I::chain_phase_deg, kPhaseDegrees, 180, 0, "of a chain, at most"},
     {"ripple_db", &I::ripple_db, kDecibels, 0.3, 0, "of a chain over the band, amplitude"},
-    {"ripple_deg", &I::ripple_deg, kDegrees, 2, 0, "of a chain over the band, amplitude"},
+    {"ripple_deg", &I::ripple_deg, kPhaseDegrees, 2, 0, "of a chain over the band, amplitude"},
     {"coupling_db", &I::coupling_db, kDecibels, 28, 0, "of an antenna below its own signal"},
     {"image_rejection_db", &I::image_rejection_db, kDecibels, 33, 0, "of the mirrored tone"},
     {"retry_share", &I::retry_share, kShare, 0.08, 0, "of frames: the last one's 802.11 number"},
@@ -53,7 +53,7 @@ constexpr std::array kKeys = std::to_array<ImpairmentKey>({
 
 Impairments impairments_from(double ImpairmentKey::*column) {
   Impairments values;
-  for (const ImpairmentKey& key : kKeys) {
+  for (const ImpairmentKey& key : kImpairmentKeys) {
     if (const auto* flag = std::get_if<bool Impairments::*>(&key.member)) {
       values.** flag = key.*column != 0.0;
     } else {
@@ -63,13 +63,13 @@ Impairments impairments_from(double ImpairmentKey::*column) {
   return values;
 }
 
-Expected<Impairments> read(TomlDocument& document) {
+Expected<Impairments> read_impairment_keys(TomlDocument& document) {
   static constexpr std::array<std::string_view, 2> kBases = {"default", "none"};
   const TomlTable root = document.root();
   Impairments values = root.choice("base", kBases).value_or("default") == "none"
                            ? no_impairments()
                            : default_impairments();
-  for (const ImpairmentKey& key : kKeys) {
+  for (const ImpairmentKey& key : kImpairmentKeys) {
     if (const auto* flag = std::get_if<bool Impairments::*>(&key.member)) {
       values.** flag = root.boolean(key.key).value_or(values.**flag);
     } else {
@@ -90,19 +90,21 @@ Expected<Impairments> read(TomlDocument& document) {
 
 }  // namespace
 
-std::span<const ImpairmentKey> impairment_keys() { return kKeys; }
+std::span<const ImpairmentKey> impairment_keys() { return kImpairmentKeys; }
 
 Impairments default_impairments() { return impairments_from(&ImpairmentKey::preset); }
 Impairments no_impairments() { return impairments_from(&ImpairmentKey::none); }
 
 Expected<Impairments> load_impairments(const std::filesystem::path& file) {
   auto document = TomlDocument::read(file);
-  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+  return document ? read_impairment_keys(**document)
+                  : tl::make_unexpected(std::move(document.error()));
 }
 
 Expected<Impairments> parse_impairments(std::string_view text, const std::filesystem::path& file) {
   auto document = TomlDocument::parse(text, file);
-  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+  return document ? read_impairment_keys(**document)
+                  : tl::make_unexpected(std::move(document.error()));
 }
 
 std::string impairment_text(const Impairments& impairments, const ImpairmentKey& key) {
@@ -115,7 +117,7 @@ std::string impairment_text(const Impairments& impairments, const ImpairmentKey&
 std::string impairments_help() {
   constexpr std::size_t kWidth = 28;  // of "delay_outlier_share = 0.02"
   std::string text;
-  for (const ImpairmentKey& key : kKeys) {
+  for (const ImpairmentKey& key : kImpairmentKeys) {
     std::string line = std::string(key.key) + " = " + impairment_text(default_impairments(), key);
     line.resize(std::max(line.size(), kWidth), ' ');
     text += line + "# " + std::string(key.meaning) + "\n";

@@ -13,14 +13,14 @@ namespace {
 
 using D = SecondDay;
 
-constexpr NumberRange kDegrees = {0.0, 180.0, "degrees"};
+constexpr NumberRange kTurnDegrees = {0.0, 180.0, "degrees"};
 constexpr NumberRange kMetres = {0.0, 20.0, "m"};
 
-constexpr std::array kKeys = std::to_array<SecondDayKey>({
+constexpr std::array kSecondDayKeys = std::to_array<SecondDayKey>({
     {"day", &D::day, {2, 1'000'000, {}}, true, 2, 2, "another number, other draws"},
     {"chain_phase_deg",
      &D::chain_phase_deg,
-     kDegrees,
+     kTurnDegrees,
      false,
      180,
      0,
@@ -50,7 +50,7 @@ constexpr std::array kKeys = std::to_array<SecondDayKey>({
      "every access point, in any direction"},
     {"access_point_turned_deg",
      &D::access_point_turned_deg,
-     kDegrees,
+     kTurnDegrees,
      false,
      0.3,
      0,
@@ -59,18 +59,18 @@ constexpr std::array kKeys = std::to_array<SecondDayKey>({
 
 SecondDay day_from(double SecondDayKey::*column) {
   SecondDay day;
-  for (const SecondDayKey& key : kKeys) {
+  for (const SecondDayKey& key : kSecondDayKeys) {
     day.*key.member = key.*column;
   }
   return day;
 }
 
-Expected<SecondDay> read(TomlDocument& document) {
+Expected<SecondDay> read_second_day_keys(TomlDocument& document) {
   static constexpr std::array<std::string_view, 2> kBases = {"default", "none"};
   const TomlTable root = document.root();
   SecondDay day = root.choice("base", kBases).value_or("default") == "none" ? unchanged_day()
                                                                             : default_second_day();
-  for (const SecondDayKey& key : kKeys) {
+  for (const SecondDayKey& key : kSecondDayKeys) {
     double& number = day.*key.member;
     number = root.number(key.key, key.range).value_or(number);
     if (key.is_whole && number != std::trunc(number)) {
@@ -90,26 +90,28 @@ Expected<SecondDay> read(TomlDocument& document) {
 
 }  // namespace
 
-std::span<const SecondDayKey> second_day_keys() { return kKeys; }
+std::span<const SecondDayKey> second_day_keys() { return kSecondDayKeys; }
 
 SecondDay default_second_day() { return day_from(&SecondDayKey::preset); }
 SecondDay unchanged_day() { return day_from(&SecondDayKey::none); }
 
 Expected<SecondDay> load_second_day(const std::filesystem::path& file) {
   auto document = TomlDocument::read(file);
-  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+  return document ? read_second_day_keys(**document)
+                  : tl::make_unexpected(std::move(document.error()));
 }
 
 Expected<SecondDay> parse_second_day(std::string_view text, const std::filesystem::path& file) {
   auto document = TomlDocument::parse(text, file);
-  return document ? read(**document) : tl::make_unexpected(std::move(document.error()));
+  return document ? read_second_day_keys(**document)
+                  : tl::make_unexpected(std::move(document.error()));
 }
 
 std::string second_day_help() {
   constexpr std::size_t kWidth = 32;  // of "access_point_moved_m = 0.002"
   const SecondDay usual = default_second_day();
   std::string text;
-  for (const SecondDayKey& key : kKeys) {
+  for (const SecondDayKey& key : kSecondDayKeys) {
     std::string line = std::string(key.key) + " = " + to_text(usual.*key.member);
     line.resize(std::max(line.size(), kWidth), ' ');
     text += line + "# " + std::string(key.meaning) + "\n";

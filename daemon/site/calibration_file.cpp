@@ -7,15 +7,11 @@
 namespace rayloc {
 namespace {
 
-constexpr std::int64_t kFormat = 2;
+constexpr std::int64_t kCalibrationFormat = 2;
 
 std::string value_text(const Fitted<double>& value, const char* unit) {
   return "{ value = " + to_text(value.value) + ", unit = \"" + unit +
          "\", prior = " + to_text(value.prior) + ", sigma = " + to_text(value.sigma) + " }";
-}
-
-std::string pair_text(std::complex<double> value) {
-  return "[" + to_text(value.real()) + ", " + to_text(value.imag()) + "]";
 }
 
 // [[-58, -2], [2, 58]]: first and last of each run of neighbouring tones.
@@ -145,7 +141,7 @@ void read_levels(const TomlTable& table, CalibratedAccessPoint& ap) {
   }
 }
 
-CalibratedAccessPoint read_access_point(const TomlTable& table) {
+CalibratedAccessPoint read_calibrated_access_point(const TomlTable& table) {
   table.require({{"id", "id = \"ap1\""},
                  {"centre_hz", "centre_hz = 5190000000"},
                  {"tone_spacing_hz", "tone_spacing_hz = 312500"},
@@ -214,14 +210,14 @@ std::string parameter_text(const RoomParameter& parameter) {
          "\nsigma = " + to_text(parameter.sigma) + "\n";
 }
 
-Expected<CalibrationFile> read(TomlDocument& document) {
+Expected<CalibrationFile> read_calibration_document(TomlDocument& document) {
   CalibrationFile calibration;
   const TomlTable root = document.root();
   root.require({{"format", "format = 1"}, {"id", "id = \"...\""}, {"scene", "scene = \"...\""}});
-  if (const auto format = root.integer("format", {}); format && *format != kFormat) {
+  if (const auto format = root.integer("format", {}); format && *format != kCalibrationFormat) {
     root.error_at("format",
                   "format " + std::to_string(*format) + " is not known; this program reads " +
-                      std::to_string(kFormat) + ": calibrate again");
+                      std::to_string(kCalibrationFormat) + ": calibrate again");
   }
   calibration.id = root.string("id").value_or("");
   calibration.scene_hash = root.string("scene").value_or("");
@@ -236,7 +232,7 @@ Expected<CalibrationFile> read(TomlDocument& document) {
       static_cast<int>(root.integer("ray_depth", {0.0, 16.0, ""}).value_or(kRayDepth));
   calibration.transmission = root.boolean("transmission").value_or(false);
   for (const TomlTable& table : root.tables("access_point")) {
-    calibration.access_points.push_back(read_access_point(table));
+    calibration.access_points.push_back(read_calibrated_access_point(table));
   }
   for (const TomlTable& table : root.tables("surface")) {
     calibration.surfaces.push_back(read_surface(table));
@@ -276,8 +272,8 @@ std::string to_toml(const CalibrationFile& calibration) {
       "# Written by `rayloc calibrate`; it belongs to the scene beside it. Do not edit: calibrate\n"
       "# again instead. sigma 0: the data did not bound the value.\n"
       "format = " +
-      std::to_string(kFormat) + "\nid = \"" + calibration.id + "\"  # of all inputs\nscene = \"" +
-      calibration.scene_hash +
+      std::to_string(kCalibrationFormat) + "\nid = \"" + calibration.id +
+      "\"  # of all inputs\nscene = \"" + calibration.scene_hash +
       (calibration.points_hash.empty() ? "" : "\"\npoints = \"" + calibration.points_hash) +
       "\"\nmethod = \"" + calibration.method +
       "\"\nray_depth = " + std::to_string(calibration.ray_depth) +
@@ -314,7 +310,7 @@ Expected<CalibrationFile> load_calibration_file(const std::filesystem::path& fil
   if (!document) {
     return tl::make_unexpected(std::move(document.error()));
   }
-  return read(**document);
+  return read_calibration_document(**document);
 }
 
 Expected<CalibrationFile> parse_calibration_file(std::string_view text,
@@ -323,7 +319,7 @@ Expected<CalibrationFile> parse_calibration_file(std::string_view text,
   if (!document) {
     return tl::make_unexpected(std::move(document.error()));
   }
-  return read(**document);
+  return read_calibration_document(**document);
 }
 
 }  // namespace rayloc

@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMagic = "RLPATHGR";
-constexpr std::size_t kHeader = 24;
+constexpr std::string_view kPathGridMagic = "RLPATHGR";
+constexpr std::size_t kPathGridHeader = 24;
 constexpr std::string_view kExtension = ".pathgrid";
 constexpr std::string_view kUnfinished = ".unfinished";
 // A program that was ended while it wrote leaves its file behind.
@@ -42,14 +42,14 @@ std::uint64_t number_at(std::string_view text, std::size_t offset) {
 std::string header_of(std::string_view bytes) {
   ContentHash hash;
   hash.add(bytes);
-  std::string header(kMagic);
+  std::string header(kPathGridMagic);
   add_number(header, bytes.size());
   add_number(header, hash.value());
   return header;
 }
 
 // The whole file; nothing when it cannot be read.
-std::optional<std::string> read(const fs::path& file) {
+std::optional<std::string> read_whole(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
   const std::streamoff size = stream ? static_cast<std::streamoff>(stream.tellg()) : -1;
   if (size < 0) {
@@ -65,13 +65,14 @@ std::optional<std::string> read(const fs::path& file) {
 
 // Empty: it is whole.
 std::string fault_of(std::string_view text) {
-  if (text.size() < kHeader || text.substr(0, kMagic.size()) != kMagic) {
+  if (text.size() < kPathGridHeader || text.substr(0, kPathGridMagic.size()) != kPathGridMagic) {
     return "is no path grid";
   }
-  if (number_at(text, 8) != text.size() - kHeader) {
+  if (number_at(text, 8) != text.size() - kPathGridHeader) {
     return "is cut off";
   }
-  return text.substr(0, kHeader) == header_of(text.substr(kHeader)) ? "" : "is damaged";
+  return text.substr(0, kPathGridHeader) == header_of(text.substr(kPathGridHeader)) ? ""
+                                                                                    : "is damaged";
 }
 
 struct Kept {
@@ -98,14 +99,14 @@ std::optional<std::string> PathGridFiles::load(const std::string& key) {
   if (!fs::exists(file, failed)) {
     return std::nullopt;
   }
-  std::optional<std::string> text = read(file);
+  std::optional<std::string> text = read_whole(file);
   const std::string fault = text ? fault_of(*text) : "cannot be read";
   if (!fault.empty()) {
     tell(file, fault + "; made anew");
     return std::nullopt;
   }
   fs::last_write_time(file, fs::file_time_type::clock::now(), failed);  // what is used stays
-  text->erase(0, kHeader);
+  text->erase(0, kPathGridHeader);
   return text;
 }
 
@@ -122,7 +123,7 @@ bool PathGridFiles::write(const fs::path& file, std::string_view bytes) const {
 }
 
 void PathGridFiles::save(const std::string& key, std::string_view bytes) {
-  if (bytes.size() + kHeader > options_.most_bytes) {
+  if (bytes.size() + kPathGridHeader > options_.most_bytes) {
     tell(file_of(key), "not kept: larger than all path grids together may be");
     return;
   }

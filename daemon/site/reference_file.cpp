@@ -8,11 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::int64_t kFormat = 1;
-
-std::string pair_text(const std::complex<double>& value) {
-  return "[" + to_text(value.real()) + ", " + to_text(value.imag()) + "]";
-}
+constexpr std::int64_t kReferenceFormat = 1;
 
 std::string link_text(const PersonLink& link, const RoomModel& room) {
   const RoomAccessPoint& ap = room.access_points[link.access_point];
@@ -154,15 +150,16 @@ std::optional<PersonReference> read_transmitter(const TomlTable& table,
   return reference;
 }
 
-Expected<std::vector<PersonReference>> read(TomlDocument& document,
-                                            const Site& site,
-                                            const RoomModel& room) {
+Expected<std::vector<PersonReference>> read_references(TomlDocument& document,
+                                                       const Site& site,
+                                                       const RoomModel& room) {
   const TomlTable root = document.root();
   root.require({{"format", "format = 1"}, {"id", "id = \"...\""}, {"calibration", "\"...\""}});
-  if (const auto format = root.integer("format", {}); format && *format != kFormat) {
+  if (const auto format = root.integer("format", {}); format && *format != kReferenceFormat) {
     root.error_at("format",
                   "format " + std::to_string(*format) + " is not known; this program reads " +
-                      std::to_string(kFormat) + ": record the empty room again (rayloc reference)");
+                      std::to_string(kReferenceFormat) +
+                      ": record the empty room again (rayloc reference)");
   }
   const std::string id = root.string("id").value_or("");
   const std::string calibration = root.string("calibration").value_or("");
@@ -220,7 +217,7 @@ std::string reference_toml(const std::vector<PersonReference>& references,
       "# Written by `rayloc reference`; it belongs to the calibration beside it. Do not edit:\n"
       "# record the empty room again instead.\n"
       "format = " +
-      std::to_string(kFormat) + "\nid = \"" + references.front().id +
+      std::to_string(kReferenceFormat) + "\nid = \"" + references.front().id +
       "\"  # of all inputs\ncalibration = \"" + room.calibration_id + "\"\n";
   text += person_text(references.front().person, spots);
   for (const PersonReference& reference : references) {
@@ -242,7 +239,7 @@ Expected<std::vector<PersonReference>> load_references(const Site& site, const R
   if (!document) {
     return tl::make_unexpected(std::move(document.error()));
   }
-  return read(**document, site, room);
+  return read_references(**document, site, room);
 }
 
 }  // namespace rayloc

@@ -25,7 +25,7 @@ constexpr double kLargestPlace = 100;   // [m]
 constexpr double kOutsideSlack = 1.0;  // [m]
 // [bounds] may reach this far out of the scene: to the middle of a wall.
 constexpr double kBoundsSlack = 0.5;  // [m]
-constexpr int kMostSides = 4;         // of [bounds] on faces: no doubt which room is meant
+constexpr int kMinSureSides = 4;      // of [bounds] on faces: no doubt which room is meant
 
 Bounds box_of(const Scene& scene) { return {scene.bounds_min(), scene.bounds_max()}; }
 
@@ -220,7 +220,7 @@ class RoomMatch {
       findings_.push_back(frame_finding(scene_, *room_, *frame));
       return;
     }
-    sure_ = covered_sides(scene_, {}, *room_) >= kMostSides;
+    sure_ = covered_sides(scene_, {}, *room_) >= kMinSureSides;
     if (!sure_) {
       judge_size();
     }

@@ -19,10 +19,10 @@ constexpr double kMostShare = 0.3;     // but not more
 constexpr double kSmallestRoom = 1.2;  // [m]; less is like too much else
 constexpr double kSameOrigin = 0.1;    // [m]
 constexpr int kAllSides = 6;
-constexpr int kMostSides = 5;    // the sixth may be open
-constexpr int kClearlyMore = 2;  // sides than the scene as it is
+constexpr int kMinFrameSides = 5;  // the sixth may be open
+constexpr int kClearlyMore = 2;    // sides than the scene as it is
 
-std::array<double, 3> as_array(const Vec3d& v) { return {v.x, v.y, v.z}; }
+std::array<double, 3> coordinates(const Vec3d& v) { return {v.x, v.y, v.z}; }
 Vec3d as_vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 
 Bounds to_room(const SceneFrame& frame, const Bounds& scene) {
@@ -39,8 +39,8 @@ bool contains(const Bounds& outer, const Bounds& inner, double slack) {
 }
 
 bool is_as_large(const Vec3d& scene, const Vec3d& room) {
-  const auto s = as_array(scene);
-  const auto r = as_array(room);
+  const auto s = coordinates(scene);
+  const auto r = coordinates(room);
   for (std::size_t i = 0; i < 3; ++i) {
     const double slack = std::min(kSizeSlack + kSizeShare * r.at(i), kMostShare * r.at(i));
     if (std::abs(s.at(i) - r.at(i)) > slack) {
@@ -121,8 +121,8 @@ std::vector<Candidate> candidates(const Bounds& scene, const Bounds& room) {
 bool is_covered(
     const Scene& scene, const SceneFrame& frame, const Bounds& room, std::size_t axis, bool upper) {
   constexpr int kSamples = 9;  // each way: an odd number, so that no seam down the middle hides all
-  const auto low = as_array(room.lower);
-  const auto size = as_array(room.size());
+  const auto low = coordinates(room.lower);
+  const auto size = coordinates(room.size());
   const double reach = std::min(kReach, kReachShare * size.at(axis));
   const std::size_t u = (axis + 1) % 3;
   const std::size_t v = (axis + 2) % 3;
@@ -157,7 +157,7 @@ bool SceneFrame::is_turned() const {
 }
 
 Vec3d SceneFrame::to_room(const Vec3d& p) const {
-  const auto from = as_array(p);
+  const auto from = coordinates(p);
   std::array<double, 3> to{};
   for (std::size_t i = 0; i < 3; ++i) {
     to.at(i) = scale * axes.at(i).sign * from.at(axes.at(i).of_scene);
@@ -166,7 +166,7 @@ Vec3d SceneFrame::to_room(const Vec3d& p) const {
 }
 
 Vec3d SceneFrame::to_scene(const Vec3d& p) const {
-  const auto from = as_array(p - shift);
+  const auto from = coordinates(p - shift);
   std::array<double, 3> to{};
   for (std::size_t i = 0; i < 3; ++i) {
     to.at(axes.at(i).of_scene) = axes.at(i).sign * from.at(i) / scale;
@@ -190,7 +190,7 @@ std::optional<SceneFrame> find_frame(const Scene& scene, const Bounds& room) {
     return std::nullopt;
   }
   const int as_it_is = covered_sides(scene, {}, room);
-  const int needed = std::max(kMostSides, as_it_is + kClearlyMore);
+  const int needed = std::max(kMinFrameSides, as_it_is + kClearlyMore);
   std::optional<SceneFrame> best;
   int most = needed - 1;
   for (const Candidate& candidate : candidates({scene.bounds_min(), scene.bounds_max()}, room)) {

@@ -34,8 +34,6 @@ bool has_control_character(std::string_view text) {
   });
 }
 
-std::string in_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
-
 std::string range_text(const NumberRange& range) {
   const std::string unit = range.unit.empty() ? "" : " " + std::string(range.unit);
   if (std::isinf(range.max)) {
@@ -48,6 +46,8 @@ std::string range_text(const NumberRange& range) {
 }
 
 }  // namespace
+
+std::string in_single_quotes(std::string_view text) { return "'" + std::string(text) + "'"; }
 
 std::string to_text(double value) {
   std::array<char, 32> buffer{};
@@ -98,7 +98,7 @@ std::string TomlTable::child_name(std::string_view key, bool array) const {
 void TomlTable::require(std::initializer_list<RequiredKey> keys) const {
   for (const RequiredKey& required : keys) {
     if (ask(required.key) == nullptr) {
-      error((name_.empty() ? "the file" : name_) + " lacks " + in_quotes(required.key) +
+      error((name_.empty() ? "the file" : name_) + " lacks " + in_single_quotes(required.key) +
             "; add, for example: " + std::string(required.example));
     }
   }
@@ -115,9 +115,9 @@ void TomlTable::error(std::string message) const {
 void TomlTable::wrong_type(const toml::node& node,
                            std::string_view key,
                            std::string_view wanted) const {
-  document_->error(
-      begin_of(node),
-      in_quotes(key) + " is " + std::string(type_name(node)) + "; write " + std::string(wanted));
+  document_->error(begin_of(node),
+                   in_single_quotes(key) + " is " + std::string(type_name(node)) + "; write " +
+                       std::string(wanted));
 }
 
 std::optional<bool> TomlTable::boolean(std::string_view key) const {
@@ -145,7 +145,8 @@ std::optional<std::int64_t> TomlTable::integer(std::string_view key,
   const std::int64_t value = node->as_integer()->get();
   if (static_cast<double>(value) < range.min || static_cast<double>(value) > range.max) {
     error_at(key,
-             in_quotes(key) + " is " + std::to_string(value) + "; it must be " + range_text(range));
+             in_single_quotes(key) + " is " + std::to_string(value) + "; it must be " +
+                 range_text(range));
     return std::nullopt;
   }
   return value;
@@ -162,7 +163,8 @@ std::optional<double> TomlTable::number(std::string_view key, const NumberRange&
   }
   const double value = *node->value<double>();
   if (!std::isfinite(value) || value < range.min || value > range.max) {
-    error_at(key, in_quotes(key) + " is " + to_text(value) + "; it must be " + range_text(range));
+    error_at(key,
+             in_single_quotes(key) + " is " + to_text(value) + "; it must be " + range_text(range));
     return std::nullopt;
   }
   return value;
@@ -179,12 +181,13 @@ std::optional<std::string> TomlTable::string(std::string_view key) const {
   }
   const std::string& value = node->as_string()->get();
   if (value.empty()) {
-    error_at(key, in_quotes(key) + " is empty; write a text or leave the key out");
+    error_at(key, in_single_quotes(key) + " is empty; write a text or leave the key out");
     return std::nullopt;
   }
   if (has_control_character(value)) {
     error_at(key,
-             in_quotes(key) + " contains a control character; write it on one line, without tabs");
+             in_single_quotes(key) +
+                 " contains a control character; write it on one line, without tabs");
     return std::nullopt;
   }
   return value;
@@ -195,7 +198,8 @@ std::optional<std::string> TomlTable::choice(std::string_view key,
   std::optional<std::string> value = string(key);
   if (value && std::find(names.begin(), names.end(), *value) == names.end()) {
     error_at(key,
-             in_quotes(*value) + " is no value of " + in_quotes(key) + suggestion(*value, names));
+             in_single_quotes(*value) + " is no value of " + in_single_quotes(key) +
+                 suggestion(*value, names));
     return std::nullopt;
   }
   return value;
@@ -224,23 +228,23 @@ bool TomlTable::read_numbers(const toml::node& node,
     return false;
   }
   if (array->size() != values.size()) {
-    document_->error(
-        begin_of(node),
-        in_quotes(key) + " has " + std::to_string(array->size()) + " entries; write " + wanted);
+    document_->error(begin_of(node),
+                     in_single_quotes(key) + " has " + std::to_string(array->size()) +
+                         " entries; write " + wanted);
     return false;
   }
   for (std::size_t i = 0; i < values.size(); ++i) {
     const toml::node& entry = *array->get(i);
     if (!entry.is_number()) {
       document_->error(begin_of(entry),
-                       "an entry of " + in_quotes(key) + " is " + std::string(type_name(entry)) +
-                           "; write " + wanted);
+                       "an entry of " + in_single_quotes(key) + " is " +
+                           std::string(type_name(entry)) + "; write " + wanted);
       return false;
     }
     values[i] = *entry.value<double>();
     if (!std::isfinite(values[i])) {
       document_->error(begin_of(entry),
-                       "an entry of " + in_quotes(key) + " is " + to_text(values[i]) +
+                       "an entry of " + in_single_quotes(key) + " is " + to_text(values[i]) +
                            "; write a finite number");
       return false;
     }
@@ -284,7 +288,7 @@ std::vector<const toml::node*> TomlTable::one_or_more(std::string_view key) cons
     return {node};
   }
   if (array->empty()) {
-    error_at(key, in_quotes(key) + " is an empty array; write a value or leave the key out");
+    error_at(key, in_single_quotes(key) + " is an empty array; write a value or leave the key out");
   }
   std::vector<const toml::node*> entries;
   for (const toml::node& entry : *array) {
@@ -316,7 +320,7 @@ std::vector<double> TomlTable::numbers(std::string_view key, const NumberRange& 
     if (!std::isfinite(value) || value < range.min || value > range.max) {
       document_->error(
           begin_of(*entry),
-          in_quotes(key) + " is " + to_text(value) + "; it must be " + range_text(range));
+          in_single_quotes(key) + " is " + to_text(value) + "; it must be " + range_text(range));
       return {};
     }
     values.push_back(value);
@@ -334,7 +338,7 @@ std::vector<std::string> TomlTable::strings(std::string_view key) const {
     const std::string& value = entry->as_string()->get();
     if (value.empty() || has_control_character(value)) {
       document_->error(begin_of(*entry),
-                       in_quotes(key) + " is empty or contains a control character");
+                       in_single_quotes(key) + " is empty or contains a control character");
       return {};
     }
     values.push_back(value);
@@ -399,6 +403,10 @@ std::vector<std::pair<std::string, TomlTable>> TomlTable::named_tables(std::stri
     }
   }
   return result;
+}
+
+std::string pair_text(const std::complex<double>& value) {
+  return "[" + to_text(value.real()) + ", " + to_text(value.imag()) + "]";
 }
 
 }  // namespace rayloc

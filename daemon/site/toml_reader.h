@@ -14,6 +14,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -188,5 +189,10 @@ class TomlDocument {
 
 // The shortest text that reads back as the number: "0.2", "5190000000".
 std::string to_text(double value);
+// "[1.5, -2]".
+std::string pair_text(const std::complex<double>& value);
+
+// A key or a value in an error: "'name'".
+std::string in_single_quotes(std::string_view text);
 
 }  // namespace rayloc

@@ -14,7 +14,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kTrainingFormat = 1;
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -72,7 +72,7 @@ std::string network_text(const PlaceNetwork& network, const std::string& method)
   return text + "z = " + list_text(places, [](const Vec3d& place) { return place.z; }) + "\n";
 }
 
-AccessPointTraining read_access_point(const TomlTable& table, bool is_of_network) {
+AccessPointTraining read_access_point_training(const TomlTable& table, bool is_of_network) {
   table.require({{"id", "id = \"ap1\""}});
   if (!is_of_network) {
     table.require({{"sigma_psi", "sigma_psi = 0.4"}, {"outliers", "outliers = 0.1"}});
@@ -177,17 +177,18 @@ void check_radio(const TomlTable& root, const Site& site, const Training& traini
   }
 }
 
-Expected<std::shared_ptr<const Training>> read(TomlDocument& document,
-                                               const Site& site,
-                                               const std::string& method,
-                                               const RoomModel& room,
-                                               std::span<const BaselineSetting> settings) {
+Expected<std::shared_ptr<const Training>> read_training_table(
+    TomlDocument& document,
+    const Site& site,
+    const std::string& method,
+    const RoomModel& room,
+    std::span<const BaselineSetting> settings) {
   const TomlTable root = document.root();
   root.require({{"format", "format = 1"}, {"method", "method = \"...\""}, {"calibration", "..."}});
-  if (const auto format = root.integer("format", {}); format && *format != kFormat) {
+  if (const auto format = root.integer("format", {}); format && *format != kTrainingFormat) {
     root.error_at("format",
                   "format " + std::to_string(*format) + " is not known; this program reads " +
-                      std::to_string(kFormat) + ": train again (rayloc train)");
+                      std::to_string(kTrainingFormat) + ": train again (rayloc train)");
   }
   root.ask_for("content");
   auto training = std::make_shared<Training>();
@@ -206,7 +207,8 @@ Expected<std::shared_ptr<const Training>> read(TomlDocument& document,
     training->network = read_network(*network);
   }
   for (const TomlTable& table : root.tables("access_point")) {
-    training->access_points.push_back(read_access_point(table, training->network.has_value()));
+    training->access_points.push_back(
+        read_access_point_training(table, training->network.has_value()));
   }
   if (const auto sender = root.string("transmitter")) {
     if (const auto mac = parse_mac_address(*sender)) {
@@ -239,8 +241,9 @@ std::string training_toml(const Training& training, const Site& site, const std:
   std::string text =
       "# Written by `rayloc train`; it belongs to the calibration of the site. Do not edit: train\n"
       "# again instead.\nformat = " +
-      std::to_string(kFormat) + "\nmethod = \"" + training.method + "\"\ncontent = \"" + content +
-      "\"  # of the recordings and the points\ncalibration = \"" + training.calibration_id +
+      std::to_string(kTrainingFormat) + "\nmethod = \"" + training.method + "\"\ncontent = \"" +
+      content + "\"  # of the recordings and the points\ncalibration = \"" +
+      training.calibration_id +
       "\"\nbandwidth_mhz = " + std::to_string(site.carrier.bandwidth_mhz) +
       "\ncentre_hz = " + to_text(site.carrier.grid.centre_hz) + "\n";
   if (!training.constant_power.empty()) {
@@ -283,7 +286,7 @@ Expected<std::shared_ptr<const Training>> load_training(const Site& site,
   if (!document) {
     return tl::make_unexpected(document.error());
   }
-  return read(**document, site, method, room, settings);
+  return read_training_table(**document, site, method, room, settings);
 }
 
 }  // namespace rayloc

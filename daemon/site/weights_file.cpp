@@ -10,10 +10,10 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMagic = "RLNW";
-constexpr std::uint32_t kFormat = 1;
+constexpr std::string_view kWeightsMagic = "RLNW";
+constexpr std::uint32_t kWeightsFormat = 1;
 constexpr std::size_t kWord = 4;  // bytes
-constexpr std::size_t kHeader = 3 * kWord;
+constexpr std::size_t kWeightsHeader = 3 * kWord;
 
 void append_word(std::string& bytes, std::uint32_t word) {
   for (unsigned shift = 0; shift < 32; shift += 8) {
@@ -32,8 +32,8 @@ std::uint32_t word_at(std::string_view bytes, std::size_t at) {
 }  // namespace
 
 std::string weights_bytes(std::span<const float> weights) {
-  std::string bytes(kMagic);
-  append_word(bytes, kFormat);
+  std::string bytes(kWeightsMagic);
+  append_word(bytes, kWeightsFormat);
   append_word(bytes, static_cast<std::uint32_t>(weights.size()));
   for (const float weight : weights) {
     append_word(bytes, std::bit_cast<std::uint32_t>(weight));
@@ -53,21 +53,21 @@ Expected<std::vector<float>> parse_weights(std::string_view bytes,
     return make_error(ErrorKind::kConfiguration,
                       file.string() + ": " + why + ": train again (rayloc train)");
   };
-  if (bytes.size() < kHeader || bytes.substr(0, kMagic.size()) != kMagic) {
+  if (bytes.size() < kWeightsHeader || bytes.substr(0, kWeightsMagic.size()) != kWeightsMagic) {
     return refuse("no file of weights");
   }
-  if (const std::uint32_t format = word_at(bytes, kWord); format != kFormat) {
+  if (const std::uint32_t format = word_at(bytes, kWord); format != kWeightsFormat) {
     return refuse("format " + std::to_string(format) + " is not known; this program reads " +
-                  std::to_string(kFormat));
+                  std::to_string(kWeightsFormat));
   }
   const std::size_t count = word_at(bytes, 2 * kWord);
-  if (bytes.size() - kHeader != count * kWord) {
+  if (bytes.size() - kWeightsHeader != count * kWord) {
     return refuse("states " + std::to_string(count) + " weights and has bytes for " +
-                  std::to_string((bytes.size() - kHeader) / kWord));
+                  std::to_string((bytes.size() - kWeightsHeader) / kWord));
   }
   std::vector<float> weights(count);
   for (std::size_t i = 0; i < count; ++i) {
-    weights[i] = std::bit_cast<float>(word_at(bytes, kHeader + i * kWord));
+    weights[i] = std::bit_cast<float>(word_at(bytes, kWeightsHeader + i * kWord));
   }
   if (!std::all_of(weights.begin(), weights.end(), [](float w) { return std::isfinite(w); })) {
     return refuse("a weight is not finite");

@@ -38,7 +38,7 @@ std::optional<double> number_at(const pugi::xml_node& node, const char* key, dou
                                                                           : std::nullopt;
 }
 
-std::optional<Vec3d> vector_of(const pugi::xml_node& node, double missing) {
+std::optional<Vec3d> node_vector(const pugi::xml_node& node, double missing) {
   const auto x = number_at(node, "x", missing);
   const auto y = number_at(node, "y", missing);
   const auto z = number_at(node, "z", missing);
@@ -54,7 +54,7 @@ struct Steps {
 };
 
 std::optional<double> angle_about(const pugi::xml_node& rotate, const char* axis) {
-  const auto v = vector_of(rotate, 0.0);
+  const auto v = node_vector(rotate, 0.0);
   const Vec3d wanted{*axis == 'x' ? 1.0 : 0.0, 0.0, *axis == 'z' ? 1.0 : 0.0};
   return v && norm(*v - wanted) == 0.0 ? number_at(rotate, "angle", 0.0) : std::nullopt;
 }
@@ -83,8 +83,8 @@ std::optional<Steps> steps_of(const pugi::xml_node& shape, bool wall) {
   }
   take("rotate", steps.turn);
   take("translate", steps.shift);
-  const bool whole = at == all.end() && steps.scale && steps.shift && vector_of(steps.scale, 1.0) &&
-                     vector_of(steps.shift, 0.0) &&
+  const bool whole = at == all.end() && steps.scale && steps.shift &&
+                     node_vector(steps.scale, 1.0) && node_vector(steps.shift, 0.0) &&
                      (!wall || (angle_about(steps.lift, "x") == 90.0 && steps.turn)) &&
                      (!steps.turn || angle_about(steps.turn, "z"));
   return whole ? std::optional(steps) : std::nullopt;
@@ -101,8 +101,8 @@ DraftObject read_shape(const pugi::xml_node& shape) {
   if (!steps) {
     return one;
   }
-  const Vec3d half = *vector_of(steps->scale, 1.0);
-  const Vec3d middle = *vector_of(steps->shift, 0.0);
+  const Vec3d half = *node_vector(steps->scale, 1.0);
+  const Vec3d middle = *node_vector(steps->shift, 0.0);
   const double yaw = steps->turn ? *angle_about(steps->turn, "z") : 0.0;
   if (!wall) {
     one.form = DraftForm::kBox;
@@ -365,8 +365,8 @@ class SceneEditing {
     }
     const pugi::xml_node transform = transform_of(shape);
     const pugi::xml_node last = transform.last_child();
-    const auto shift =
-        std::strcmp(last.name(), "translate") == 0 ? vector_of(last, 0.0) : std::optional<Vec3d>();
+    const auto shift = std::strcmp(last.name(), "translate") == 0 ? node_vector(last, 0.0)
+                                                                  : std::optional<Vec3d>();
     const Vec3d sum = shift.value_or(Vec3d{}) + Vec3d{by[0], by[1], 0.0};
     const std::string text = xyz("translate", sum);
     if (shift) {

@@ -45,7 +45,7 @@ Json json_of(const DraftObject& one) {
 }
 
 // Of the page; what is missing or of another type throws, which parse_draft() catches.
-Vec3d vector_of(const Json& json) {
+Vec3d json_vector(const Json& json) {
   const auto v = json.get<std::array<double, 3>>();
   return {v[0], v[1], v[2]};
 }
@@ -55,10 +55,10 @@ DraftAccessPoint access_point_of(const Json& json) {
   one.was = json.at("was");
   one.id = json.at("id");
   one.model = json.value("model", "");
-  one.position = vector_of(json.at("position"));
+  one.position = json_vector(json.at("position"));
   one.degrees = json.at("degrees");
   for (const Json& antenna : json.at("antennas")) {
-    one.antennas.push_back({antenna.at("core"), vector_of(antenna.at("offset"))});
+    one.antennas.push_back({antenna.at("core"), json_vector(antenna.at("offset"))});
   }
   return one;
 }
@@ -72,8 +72,8 @@ DraftObject object_of(const Json& json) {
   const auto form = json.at("form").get<std::string>();
   if (form == "box") {
     one.form = DraftForm::kBox;
-    one.centre = vector_of(json.at("centre"));
-    one.size = vector_of(json.at("size"));
+    one.centre = json_vector(json.at("centre"));
+    one.size = json_vector(json.at("size"));
     one.yaw_deg = json.at("yaw_deg");
   } else if (form == "wall") {
     one.form = DraftForm::kWall;

@@ -18,7 +18,6 @@
 namespace rayloc {
 namespace {
 
-constexpr int kRequestMs = 2000;
 constexpr std::int64_t kMaxPayload = 1 << 20;  // bytes: a server's, unless it says another
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 constexpr std::int64_t kRememberIds = 60 * kNanosecondsPerSecond;

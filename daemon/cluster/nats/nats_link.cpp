@@ -8,7 +8,6 @@ namespace {
 constexpr int kPingMs = 1000;  // a server that does not answer two of them is away
 constexpr int kReconnectMs = 250;
 constexpr int kConnectMs = 1000;
-constexpr int kRequestMs = 2000;
 // A server that takes nothing for so long is away: what is written waits for nobody longer.
 constexpr int kWriteMs = 1000;
 constexpr int kDeliveryThreads = 2;  // of this process, for all subscriptions

@@ -23,6 +23,8 @@
 
 namespace rayloc {
 
+inline constexpr int kRequestMs = 2000;  // until an answer
+
 // What a subscription is to whoever listens: outlives its connections; its handler does not.
 class NatsSlot {
  public:

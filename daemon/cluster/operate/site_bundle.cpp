@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 constexpr std::size_t kPiece = std::size_t{512} << 10U;  // bytes: half of what a server takes
-constexpr std::size_t kMost = std::size_t{256} << 20U;   // bytes of a bundle
-constexpr std::string_view kCurrent = "_current";        // no hash
+constexpr std::size_t kMaxBundleBytes = std::size_t{256} << 20U;  // bytes of a bundle
+constexpr std::string_view kCurrent = "_current";                 // no hash
 // What calibration needs and raylocd does not.
 constexpr std::array<std::string_view, 6> kLeftOut = {
     ".pcap", ".pcapng", ".gz", ".csv", ".html", ".svg"};
@@ -183,7 +183,7 @@ Expected<SiteBundle> read_bundle(const fs::path& folder) {
       return tl::make_unexpected(content.error());
     }
     bytes += content->size();
-    if (bytes > kMost) {
+    if (bytes > kMaxBundleBytes) {
       return refuse(folder.string() +
                     ": more than 256 MiB; a site is its plan and what was learned");
     }

@@ -19,7 +19,7 @@ constexpr int kSaidInALease = 4;  // that it is alive: three may be lost
 constexpr int kLooksInALease = 2 * kSaidInALease;
 constexpr int kHotLooks = 50;  // chosen: in a lease, 40 ms of the preset; they ask nobody
 // How often what is known of a claim is asked for again: a message that told it may be lost.
-constexpr std::chrono::seconds kLookAgain{5};
+constexpr std::chrono::seconds kClaimLookInterval{5};
 std::uint32_t milliseconds_of(Duration lease) {
   return static_cast<std::uint32_t>(
       std::chrono::duration_cast<std::chrono::milliseconds>(lease).count());
@@ -289,7 +289,7 @@ void ClaimKeeper::see_to_sites(Time now) {
         continue;
       }
       Claim& known = claims_[site];
-      if (known.asked == Time{} || now - known.asked > kLookAgain) {
+      if (known.asked == Time{} || now - known.asked > kClaimLookInterval) {
         look_at.push_back(site);
       }
     }

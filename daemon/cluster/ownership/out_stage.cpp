@@ -15,7 +15,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kTryAgain{100};  // what the broker has not taken
 // How long the end waits for the broker.
-constexpr std::chrono::seconds kFinishPatience{2};
+constexpr std::chrono::seconds kOutFinishTimeout{2};
 // States that one that stands by keeps, about one a second, before it looks which are still needed.
 constexpr std::size_t kStatesKept = 32;
 constexpr std::size_t kMostStates =
@@ -284,7 +284,7 @@ void OutStage::finish() {
   {
     const std::lock_guard lock(mutex_);
     closed_ = finishing_ = true;
-    finish_until_ = std::chrono::steady_clock::now() + kFinishPatience;
+    finish_until_ = std::chrono::steady_clock::now() + kOutFinishTimeout;
   }
   wake_.notify_all();
   if (thread_.joinable()) {

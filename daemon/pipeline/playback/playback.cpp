@@ -7,8 +7,8 @@ namespace rayloc {
 namespace {
 
 // Real time by which sources may be late before the clock waits for them.
-constexpr double kLateness = 0.5;        // [s]
-constexpr double kLongestWait = 3600.0;  // [s], at once; a gap may be one of years
+constexpr double kLateness = 0.5;            // [s]
+constexpr double kMaxPlaybackWait = 3600.0;  // [s], at once; a gap may be one of years
 
 Duration times(double seconds, double speed) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds * speed));
@@ -50,7 +50,7 @@ std::optional<Playback::Clock::time_point> Playback::when(Timestamp time) const 
     return std::nullopt;
   }
   const Duration played = time_.played(time) - time_.played(anchor_);
-  const double seconds = std::min(to_seconds(played) / *speed_, kLongestWait);
+  const double seconds = std::min(to_seconds(played) / *speed_, kMaxPlaybackWait);
   return anchored_ + std::chrono::ceil<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 

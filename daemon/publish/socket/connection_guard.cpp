@@ -13,6 +13,7 @@
 
 #include <zmq.hpp>
 
+#include "daemon/publish/socket/curve_keys.h"
 #include "daemon/publish/socket/inbound_watch.h"
 
 namespace rayloc {
@@ -23,7 +24,6 @@ constexpr const char* kZapEndpoint = "inproc://zeromq.zap.01";
 constexpr const char* kZapVersion = "1.0";
 constexpr const char* kZapDomain = "raylocd";
 constexpr std::size_t kZapFrames = 7;  // version, id, domain, address, identity, mechanism, key
-constexpr std::size_t kKeyBytes = 32;
 constexpr const char* kStopEndpoint = "inproc://stop-guard";
 
 // A connection that has not shown who it is by then is closed.
@@ -190,7 +190,7 @@ class ConnectionGuard::Impl {
       return;
     }
     const bool known = request.size() == kZapFrames && request[0].to_string() == kZapVersion &&
-                       request[5].to_string() == "CURVE" && request[6].size() == kKeyBytes;
+                       request[5].to_string() == "CURVE" && request[6].size() == kCurveKeyBytes;
     const std::string key = known ? z85(request[6]) : std::string();
     const bool admitted = known && is_allowed(key);
     ++(admitted ? admitted_ : denied_);

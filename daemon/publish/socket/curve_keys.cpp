@@ -12,10 +12,9 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kKeyCharacters = 40;
-constexpr std::size_t kKeyBytes = 32;
-constexpr const char* kAdvice = "make one with: rayloc keygen FILE";
-constexpr KeyKind kSecretKey = {"secret key", kAdvice};
-constexpr KeyKind kPublicKey = {"public key", kAdvice};
+constexpr const char* kKeyAdvice = "make one with: rayloc keygen FILE";
+constexpr KeyKind kSecretKey = {"secret key", kKeyAdvice};
+constexpr KeyKind kPublicKey = {"public key", kKeyAdvice};
 
 Expected<std::string> checked_key(const std::filesystem::path& file,
                                   const KeyKind& kind,
@@ -23,7 +22,7 @@ Expected<std::string> checked_key(const std::filesystem::path& file,
   if (!is_curve_key(line)) {
     return make_error(ErrorKind::kConfiguration,
                       file.string() + ": its first line is no " + kind.name +
-                          ", which is 40 characters (Z85); " + kAdvice);
+                          ", which is 40 characters (Z85); " + kKeyAdvice);
   }
   return line;
 }
@@ -40,7 +39,7 @@ CurveKeyPair make_curve_keys() {
 }
 
 bool is_curve_key(std::string_view text) {
-  std::array<std::uint8_t, kKeyBytes> bytes{};
+  std::array<std::uint8_t, kCurveKeyBytes> bytes{};
   return text.size() == kKeyCharacters &&
          zmq_z85_decode(bytes.data(), std::string(text).c_str()) != nullptr;
 }

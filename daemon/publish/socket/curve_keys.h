@@ -5,6 +5,7 @@
 // that shells take for their own: keys are passed by file, not on a command line.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -12,6 +13,8 @@
 #include "engine/base/expected.h"
 
 namespace rayloc {
+
+inline constexpr std::size_t kCurveKeyBytes = 32;
 
 struct CurveKeyPair {
   std::string public_key;

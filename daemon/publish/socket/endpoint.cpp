@@ -13,21 +13,17 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kTcp = "tcp://";
+constexpr std::string_view kTcpScheme = "tcp://";
 constexpr std::string_view kIpc = "ipc://";
-constexpr const char* kAdvice = "write tcp://ADDRESS:PORT or ipc://PATH";
-
-bool begins_with(const std::string& text, std::string_view prefix) {
-  return text.compare(0, prefix.size(), prefix) == 0;
-}
+constexpr const char* kEndpointAdvice = "write tcp://ADDRESS:PORT or ipc://PATH";
 
 }  // namespace
 
 Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind) {
   const auto refuse = [&](const std::string& why) {
-    return make_error(kind, "endpoint \"" + endpoint + "\": " + why + "; " + kAdvice);
+    return make_error(kind, "endpoint \"" + endpoint + "\": " + why + "; " + kEndpointAdvice);
   };
-  if (begins_with(endpoint, kIpc)) {
+  if (endpoint.starts_with(kIpc)) {
     const std::size_t length = endpoint.size() - kIpc.size();
     if (length == 0) {
       return refuse("no path");
@@ -39,20 +35,20 @@ Expected<void> check_endpoint(const std::string& endpoint, ErrorKind kind) {
     }
     return {};
   }
-  if (!begins_with(endpoint, kTcp)) {
+  if (!endpoint.starts_with(kTcpScheme)) {
     return refuse("unknown kind of address");
   }
   const std::size_t colon = endpoint.rfind(':');
-  if (colon < kTcp.size() || colon == kTcp.size() || colon + 1 == endpoint.size()) {
+  if (colon < kTcpScheme.size() || colon == kTcpScheme.size() || colon + 1 == endpoint.size()) {
     return refuse("an address and a port are needed");
   }
   return {};
 }
 
-bool is_tcp(const std::string& endpoint) { return begins_with(endpoint, kTcp); }
+bool is_tcp(const std::string& endpoint) { return endpoint.starts_with(kTcpScheme); }
 
 bool ipc_in_use(const std::string& endpoint) {
-  if (!begins_with(endpoint, kIpc)) {
+  if (!endpoint.starts_with(kIpc)) {
     return false;
   }
   sockaddr_un address{};
@@ -84,7 +80,7 @@ Error endpoint_error(const std::string& endpoint, const std::string& verb, int n
       message += "; no interface of this machine has that address";
       break;
     case EINVAL:
-      return {ErrorKind::kConfiguration, message + "; " + kAdvice};
+      return {ErrorKind::kConfiguration, message + "; " + kEndpointAdvice};
     default:
       break;
   }

@@ -18,8 +18,6 @@ std::string list_of_numbers(std::span<const int> numbers) {
   return text;
 }
 
-std::string in_quotes(std::string_view key) { return "'" + std::string(key) + "'"; }
-
 }  // namespace
 
 const SiteKey& site_key(std::string_view table, std::string_view key) {
@@ -50,11 +48,12 @@ SiteTable::SiteTable(TomlTable table, std::string name)
       require(row.key);
     }
     if (!row.with.empty() && has(row.key) != has(row.with)) {
-      table_.error(table_.name() + " states one of " + in_quotes(row.with) + " and " +
-                   in_quotes(row.key) + "; write both or none");
+      table_.error(table_.name() + " states one of " + in_single_quotes(row.with) + " and " +
+                   in_single_quotes(row.key) + "; write both or none");
     }
     if (!row.without.empty() && has(row.key) && has(row.without)) {
-      table_.error_at(row.key, in_quotes(row.without) + " is stated as well; keep one of the two");
+      table_.error_at(row.key,
+                      in_single_quotes(row.without) + " is stated as well; keep one of the two");
     }
   }
 }
@@ -85,7 +84,7 @@ std::optional<std::int64_t> SiteTable::integer(std::string_view key) const {
   const auto value = table_.integer(key, {.unit = row.range.unit});
   if (value && std::find(row.numbers.begin(), row.numbers.end(), *value) == row.numbers.end()) {
     table_.error_at(key,
-                    in_quotes(key) + " is " + std::to_string(*value) + "; write " +
+                    in_single_quotes(key) + " is " + std::to_string(*value) + "; write " +
                         list_of_numbers(row.numbers));
     return std::nullopt;
   }
@@ -109,7 +108,7 @@ std::optional<fs::path> SiteTable::file(std::string_view key) const {
   std::error_code status;
   if (file && !fs::is_regular_file(*file, status)) {
     table_.error_at(key,
-                    in_quotes(key) + ": no file " + file->string() +
+                    in_single_quotes(key) + ": no file " + file->string() +
                         "; paths are relative to the folder of " +
                         table_.file().filename().string());
     return std::nullopt;
