@@ -18,7 +18,7 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-Vec3d vector_of(const Triple& v, const char* what) {
+Vec3d vector_from(const Triple& v, const char* what) {
   for (const double x : v) {
     if (!std::isfinite(x)) {
       refuse(std::string(what) + ": three finite numbers are needed");
@@ -49,12 +49,12 @@ Device device_of(const Triple& position,
                  const std::string& pattern,
                  const std::string& polarization,
                  const Triple& lever) {
-  const Vec3d turn = vector_of(orientation, "orientation");
-  return Device{{vector_of(position, "position"),
+  const Vec3d turn = vector_from(orientation, "orientation");
+  return Device{{vector_from(position, "position"),
                  {turn.x, turn.y, turn.z},
                  pattern_of(pattern),
                  polarization_of(polarization),
-                 vector_of(lever, "lever")}};
+                 vector_from(lever, "lever")}};
 }
 
 Triple triple_of(const Vec3d& v) { return {v.x, v.y, v.z}; }
@@ -117,7 +117,7 @@ Errors: rayloc.Error for a number that is not finite and for an unknown name.
 Source: engine/trace/radio_device.h, engine/em/antenna_pattern.h.)";
 }
 
-OfdmGrid grid_of(double centre, double spacing, std::vector<std::int16_t> tones) {
+OfdmGrid make_ofdm_grid(double centre, double spacing, std::vector<std::int16_t> tones) {
   if (!(std::isfinite(centre) && std::isfinite(spacing) && spacing > 0.0)) {
     refuse("OfdmGrid: centre and spacing are finite, in Hz, and the spacing is above 0");
   }
@@ -138,7 +138,7 @@ OfdmGrid grid_of_count(double centre, double spacing, int count) {
   for (int j = 0; j < count; ++j) {
     tones.push_back(static_cast<std::int16_t>(j - count / 2));
   }
-  return grid_of(centre, spacing, std::move(tones));
+  return make_ofdm_grid(centre, spacing, std::move(tones));
 }
 
 void bind_grid(py::module_& module) {
@@ -154,7 +154,7 @@ Args:
 Shapes: `frequencies` is (tones,). Units: hertz. Frame: none.
 Errors: rayloc.Error where a number is not finite or the tones do not ascend.
 Source: engine/channel/ofdm_grid.h.)")
-      .def(py::init(&grid_of), py::arg("centre"), py::arg("spacing"), py::arg("tone_index"))
+      .def(py::init(&make_ofdm_grid), py::arg("centre"), py::arg("spacing"), py::arg("tone_index"))
       .def_static("of",
                   grid_of_count,
                   py::arg("centre"),

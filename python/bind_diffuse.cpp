@@ -13,7 +13,7 @@ namespace py = pybind11;
 namespace rayloc::python {
 namespace {
 
-constexpr const char* kDoc = R"(What the rough surfaces of a scene scatter over a link, once.
+constexpr const char* kDensityDoc = R"(What the rough surfaces of a scene scatter over a link, once.
 
 Made by `Paths.diffuse`. An echo stands for a part of a surface. Its power is the mean of |h|^2 over
 all phases that the part may have, so there is no amplitude: echoes have no place in `cfr`. `tau`,
@@ -28,7 +28,7 @@ Source: engine/trace/diffuse/diffuse_density.h.)";
 
 // Of one member of every echo, where it lies.
 template <typename T>
-py::array_t<T> member(const py::object& self, const T DiffuseEcho::*which) {
+py::array_t<T> echo_member(const py::object& self, const T DiffuseEcho::*which) {
   const auto& echoes = self.cast<const DiffuseDensity&>().echoes();
   return view_of<T>(echoes.empty() ? nullptr : &(echoes.front().*which),
                     {size_of(echoes.size())},
@@ -56,14 +56,14 @@ py::array_t<double> profile(const DiffuseDensity& density, double first, double 
 }  // namespace
 
 void bind_diffuse(py::module_& module) {
-  py::class_<DiffuseDensity, std::shared_ptr<DiffuseDensity>>(module, "DiffuseDensity", kDoc)
+  py::class_<DiffuseDensity, std::shared_ptr<DiffuseDensity>>(module, "DiffuseDensity", kDensityDoc)
       .def_property_readonly(
           "tau",
-          [](const py::object& self) { return member(self, &DiffuseEcho::tau); },
+          [](const py::object& self) { return echo_member(self, &DiffuseEcho::tau); },
           "Delays [s].")
       .def_property_readonly(
           "power",
-          [](const py::object& self) { return member(self, &DiffuseEcho::power); },
+          [](const py::object& self) { return echo_member(self, &DiffuseEcho::power); },
           "Mean of |h|^2 of each echo.")
       .def_property_readonly(
           "departure",

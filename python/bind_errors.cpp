@@ -46,7 +46,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-constexpr const char* kDoc =
+constexpr const char* kErrorDoc =
     R"(What input caused, with the text that the command line would print.
 
 Attributes:
@@ -59,7 +59,7 @@ Source: engine/base/expected.h; daemon/INTERFACE.md section 1 has the kinds.)";
 }  // namespace
 
 void bind_errors(py::module_& module) {
-  PyObject* made = PyErr_NewExceptionWithDoc("rayloc.Error", kDoc, PyExc_ValueError, nullptr);
+  PyObject* made = PyErr_NewExceptionWithDoc("rayloc.Error", kErrorDoc, PyExc_ValueError, nullptr);
   if (made == nullptr) {
     throw py::error_already_set();
   }

@@ -53,7 +53,7 @@ py::array_t<double> errors_of(const std::vector<PointResult>& results,
 }
 
 // What was compared, one row a point of the truth.
-py::dict arrays_of(const Comparison& comparison) {
+py::dict comparison_arrays(const Comparison& comparison) {
   constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<double> time;
   std::vector<double> truth;
@@ -109,7 +109,8 @@ py::tuple evaluate(const py::dict& given) {
       check(write_comparison_plots(plots, *comparison));
     }
   }
-  return py::make_tuple(statistics, calibration, BootstrapOptions{}.seed, arrays_of(*comparison));
+  return py::make_tuple(
+      statistics, calibration, BootstrapOptions{}.seed, comparison_arrays(*comparison));
 }
 
 }  // namespace

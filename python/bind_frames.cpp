@@ -89,7 +89,7 @@ SharedTable read(const std::vector<std::string>& captures,
 }
 
 template <typename T>
-py::array_t<T> array_of(std::vector<T>&& values, const std::vector<std::size_t>& shape) {
+py::array_t<T> sized_array(std::vector<T>&& values, const std::vector<std::size_t>& shape) {
   return python::array_of(std::move(values), Shape(shape.begin(), shape.end()));
 }
 
@@ -104,7 +104,7 @@ py::array seen_as(std::vector<T>&& values, const py::dtype& type, const Shape& s
   return py::array(type, shape, first, owner);
 }
 
-py::dict arrays_of(const FrameTable& table, std::size_t stream) {
+py::dict stream_arrays(const FrameTable& table, std::size_t stream) {
   FrameArrays arrays;
   {
     const py::gil_scoped_release unlocked;
@@ -115,12 +115,12 @@ py::dict arrays_of(const FrameTable& table, std::size_t stream) {
   const auto header =
       py::dtype::from_args(py::module_::import("ast").attr("literal_eval")(kFrameHeaderDescr));
   py::dict result;
-  result["csi"] = array_of(std::move(arrays.csi), shape);
+  result["csi"] = sized_array(std::move(arrays.csi), shape);
   result["mask"] = seen_as(std::move(arrays.mask), py::dtype("bool"), whole);
   result["headers"] = seen_as(std::move(arrays.headers), header, {whole[0]});
-  result["power_dbm"] = array_of(std::move(arrays.power_dbm), {shape[0], shape[1]});
-  result["cores"] = array_of(std::move(arrays.cores), {shape[1]});
-  result["tone_index"] = array_of(std::move(arrays.tone_index), {shape[2]});
+  result["power_dbm"] = sized_array(std::move(arrays.power_dbm), {shape[0], shape[1]});
+  result["cores"] = sized_array(std::move(arrays.cores), {shape[1]});
+  result["tone_index"] = sized_array(std::move(arrays.tone_index), {shape[2]});
   return result;
 }
 
@@ -144,7 +144,7 @@ SharedTable taken(const FrameTable& table, const std::vector<std::size_t>& numbe
 void bind_frames(py::module_& module) {
   py::class_<FrameTable, SharedTable>(
       module, "FrameTable", "Frames as the engine has them; rayloc.Frames holds one.")
-      .def("arrays", arrays_of, py::arg("stream"), "By name, as rayloc.Frames has them.")
+      .def("arrays", stream_arrays, py::arg("stream"), "By name, as rayloc.Frames has them.")
       .def("taken", taken, py::arg("numbers"), "The frames of these numbers.")
       .def_readonly("access_points", &FrameTable::access_points, "Names that headers count.")
       .def_readonly("notes", &FrameTable::notes, "What people should know of the recordings.")

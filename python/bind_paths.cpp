@@ -46,7 +46,7 @@ std::uint8_t number_of(InteractionKind kind) {
 
 // Of one member of every path, where it lies.
 template <typename T>
-py::array_t<T> member(const py::object& self, const T* first, const Shape& inner) {
+py::array_t<T> path_member(const py::object& self, const T* first, const Shape& inner) {
   const auto& link = self.cast<const LinkPaths&>();
   Shape shape{size_of(link.paths.size())};
   Shape strides{sizeof(Path)};
@@ -63,18 +63,18 @@ py::array_t<std::complex<double>> a_of(const py::object& self) {
   // Both are a real part and then an imaginary one ([complex.numbers.general]).
   const auto* first =
       paths.empty() ? nullptr : reinterpret_cast<const std::complex<double>*>(&paths[0].a);
-  return member(self, first, {});
+  return path_member(self, first, {});
 }
 
 py::array_t<double> tau_of(const py::object& self) {
   const Paths& paths = self.cast<const LinkPaths&>().paths;
-  return member(self, paths.empty() ? nullptr : &paths[0].tau, {});
+  return path_member(self, paths.empty() ? nullptr : &paths[0].tau, {});
 }
 
 template <Vec3d Path::*kMember>
-py::array_t<double> vector_of(const py::object& self) {
+py::array_t<double> path_vectors(const py::object& self) {
   const Paths& paths = self.cast<const LinkPaths&>().paths;
-  return member(self, paths.empty() ? nullptr : &(paths[0].*kMember).x, {3});
+  return path_member(self, paths.empty() ? nullptr : &(paths[0].*kMember).x, {3});
 }
 
 template <double (Path::*kAngle)() const>
@@ -109,7 +109,7 @@ py::array_t<T> of_interactions(const LinkPaths& link, T none, const Get& get) {
   return array_of(std::move(values), {size_of(depth), size_of(count)});
 }
 
-py::array_t<double> vertices_of(const LinkPaths& link) {
+py::array_t<double> link_vertices(const LinkPaths& link) {
   const std::size_t depth = depth_of(link);
   const std::size_t count = link.paths.size();
   std::vector<double> values(3 * depth * count, std::numeric_limits<double>::quiet_NaN());
@@ -242,10 +242,10 @@ void bind_link_paths(py::module_& module) {
       .def_property_readonly("a", a_of, "Coefficients without the phase of the way, complex128.")
       .def_property_readonly("tau", tau_of, "Delays [s].")
       .def_property_readonly("departure",
-                             vector_of<&Path::departure>,
+                             path_vectors<&Path::departure>,
                              "Unit vectors, world: the way the wave leaves the transmitter.")
       .def_property_readonly("arrival",
-                             vector_of<&Path::arrival>,
+                             path_vectors<&Path::arrival>,
                              "Unit vectors, world: from the receiver to where the wave comes from.")
       .def_property_readonly("theta_t", angle_of<&Path::theta_t>, "Zenith of departure [rad].")
       .def_property_readonly("phi_t", angle_of<&Path::phi_t>, "Azimuth of departure [rad].")
@@ -266,7 +266,7 @@ void bind_link_paths(py::module_& module) {
           },
           "Places in Scene.objects, (depth, paths), uint32; 2**32 - 1 behind the last.")
       .def_property_readonly(
-          "vertices", vertices_of, "Where they meet objects [m], (depth, paths, 3); else NaN.")
+          "vertices", link_vertices, "Where they meet objects [m], (depth, paths, 3); else NaN.")
       .def("cfr",
            cfr_of,
            py::arg("grid"),

@@ -26,10 +26,10 @@ using Corner = std::array<double, 2>;
 constexpr double kUsualHeight = 1.2;  // [m], of a device above the lowest point: `rayloc scene map`
 constexpr double kMostCells = 4e6;    // a count, chosen: as of `rayloc scene map`
 
-RadioMapGrid grid_of(const Scene& scene,
-                     double cell_size,
-                     std::optional<double> height,
-                     const std::optional<std::pair<Corner, Corner>>& bounds) {
+RadioMapGrid map_grid(const Scene& scene,
+                      double cell_size,
+                      std::optional<double> height,
+                      const std::optional<std::pair<Corner, Corner>>& bounds) {
   Vec3d lower = scene.bounds_min();
   Vec3d upper = scene.bounds_max();
   const double z = height.value_or(lower.z + kUsualHeight);
@@ -94,7 +94,7 @@ py::tuple maps_of(const TracerHandle& handle,
   if (antennas.empty()) {
     refuse("radio_map: at least one transmitter is needed");
   }
-  const RadioMapGrid grid = grid_of(*handle.scene.scene, cell_size, height, bounds);
+  const RadioMapGrid grid = map_grid(*handle.scene.scene, cell_size, height, bounds);
   std::vector<RadioMap> maps;
   std::vector<std::int64_t> strongest;
   {

@@ -61,7 +61,7 @@ py::array_t<double> bounds_of(const SceneHandle& handle) {
 }
 
 // Vertices are Vec3d, three doubles each, so that a row is a vertex.
-py::array_t<double> vertices_of(const py::object& self, const std::string& object) {
+py::array_t<double> object_vertices(const py::object& self, const std::string& object) {
   const auto& handle = self.cast<const SceneHandle&>();
   for (const SceneObject& each : handle.scene->objects()) {
     if (each.name == object) {
@@ -115,7 +115,7 @@ Source: engine/scene/scene.h.)")
           [](const SceneHandle& handle) { return handle.scene->surfaces().size(); },
           "How many planar surfaces there are.")
       .def("vertices",
-           vertices_of,
+           object_vertices,
            py::arg("object"),
            "Corners of an object [m], world, (vertices, 3); a view, nothing is copied.")
       .def("__repr__", text_of);

@@ -14,12 +14,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const char* const kHeartbeats = "v1/heartbeat/";
-constexpr int kHighWaterMark = 100'000;
-
-bool begins_with(const std::string& text, const std::string& prefix) {
-  return text.compare(0, prefix.size(), prefix) == 0;
-}
+constexpr int kClientHighWaterMark = 100'000;
 
 [[noreturn]] void raise(const Error& error) {
   if (error.kind == ErrorKind::kUsage) {
@@ -71,10 +66,11 @@ class Subscriber::Impl {
   explicit Impl(Options options) : options_(std::move(options)) {
     // Heartbeats are heard in any case: they tell losses on silent topics, and that it lives.
     std::vector<std::string> topics = options_.topics;
-    topics.emplace_back(kHeartbeats);
+    topics.emplace_back(kHeartbeatTopics);
     const std::optional<CurveClientKeys> curve = keys_of(options_.curve);
     if (options_.snapshot.empty()) {
-      auto plain = rayloc::Subscriber::connect(options_.endpoint, topics, kHighWaterMark, curve);
+      auto plain =
+          rayloc::Subscriber::connect(options_.endpoint, topics, kClientHighWaterMark, curve);
       if (!plain) {
         raise(plain.error());
       }
@@ -134,7 +130,7 @@ class Subscriber::Impl {
   bool wanted(const Message& message) const {
     const bool of_topic =
         std::any_of(options_.topics.begin(), options_.topics.end(), [&](const std::string& prefix) {
-          return begins_with(message.topic, prefix);
+          return message.topic.starts_with(prefix);
         });
     const std::string target = message.target();
     return of_topic && (options_.targets.empty() || target.empty() ||
