@@ -5,10 +5,7 @@
 option(RAYLOC_PRECOMPILE "Precompile the headers that most sources include" OFF)
 
 # What ccache needs in order to keep what was compiled with them (ccache(1), Precompiled headers).
-if(RAYLOC_PRECOMPILE AND CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache$")
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CMAKE_COMMAND}" -E env
-      CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
-      "${CMAKE_CXX_COMPILER_LAUNCHER}")
+if(RAYLOC_PRECOMPILE AND RAYLOC_CCACHE)
   set(RAYLOC_PRECOMPILE_OPTIONS "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>"
       "$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()

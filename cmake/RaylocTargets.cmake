@@ -1,4 +1,4 @@
-# Compiler settings, and the three functions that declare every target of this project.
+# Compiler settings, and the functions that declare the libraries and programs of this project.
 
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -10,7 +10,7 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 
 find_program(RAYLOC_CCACHE ccache)
 if(RAYLOC_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${RAYLOC_CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${PROJECT_SOURCE_DIR}/cmake/compiler_cache")
 endif()
 
 # Debug information is a third of the build time and most of the link time; -g1 keeps the line
@@ -103,96 +103,4 @@ function(rayloc_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
   rayloc_compile(${name})
-endfunction()
-
-# Builds every test of the tree; `all` builds the programs as well.
-add_custom_target(rayloc_tests)
-
-# Tests of several trees meet in one summary (tests/run): those of a sanitizer's tree carry its name.
-set(RAYLOC_TEST_PREFIX "")
-if(RAYLOC_SANITIZE MATCHES "thread")
-  set(RAYLOC_TEST_PREFIX "tsan.")
-elseif(RAYLOC_SANITIZE)
-  set(RAYLOC_TEST_PREFIX "asan.")
-endif()
-
-# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE]): a
-# GoogleTest program. The tests find the folder tests/data by RAYLOC_TEST_DATA, and the programs by
-# RAYLOC_BIN. Labels: `threads` (the only tests built under ThreadSanitizer), `slow` and `e2e` (real
-# processes, one at a time beside other tests unless FILES_ONLY says that nothing in them happens in
-# real time; neither is built under a sanitizer), `replay`; `unit` when none is given. WHOLE: one
-# entry of ctest, for a program whose tests share what takes them most of their time.
-function(rayloc_test name)
-  cmake_parse_arguments(ARG "FILES_ONLY;WHOLE" "" "SOURCES;DEPENDS;LABELS" ${ARGN})
-  if(NOT ARG_LABELS)
-    set(ARG_LABELS unit)
-  endif()
-  add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE rayloc_warnings ${ARG_DEPENDS} GTest::gmock_main)
-  target_compile_definitions(${name} PRIVATE
-    RAYLOC_TEST_DATA="${PROJECT_SOURCE_DIR}/tests/data"
-    RAYLOC_BIN="${CMAKE_BINARY_DIR}/bin")
-  rayloc_compile(${name} TEST)
-  # A test that does not belong into this tree is a target that nothing builds, so that what a
-  # folder says about it in addition holds everywhere.
-  if(RAYLOC_SANITIZE AND ("e2e" IN_LIST ARG_LABELS OR "slow" IN_LIST ARG_LABELS))
-    return()
-  endif()
-  if(RAYLOC_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST ARG_LABELS)
-    return()
-  endif()
-  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL FALSE)
-  add_dependencies(rayloc_tests ${name})
-  # ctest begins with what costs most: those in real time run one after the other, and all others
-  # fit beside them, so no run is shorter than they are.
-  set(lock "")
-  set(cost 0)
-  if("slow" IN_LIST ARG_LABELS OR RAYLOC_SANITIZE)
-    set(cost 10)
-  endif()
-  if("e2e" IN_LIST ARG_LABELS)
-    if(NOT ARG_FILES_ONLY)
-      set(lock RESOURCE_LOCK real_time)
-      set(cost 20)
-    endif()
-    add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
-  endif()
-  if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
-    add_test(NAME "${RAYLOC_TEST_PREFIX}${name}" COMMAND ${name} --gtest_brief=1)
-    set_tests_properties("${RAYLOC_TEST_PREFIX}${name}" PROPERTIES LABELS "${ARG_LABELS}"
-      COST ${cost} TIMEOUT 1200 ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
-    return()
-  endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-                       PROPERTIES TIMEOUT 300 COST ${cost} ${lock}
-                       ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
-  # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
-  set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")
-  file(WRITE "${labels_file}"
-       "set_tests_properties(\${${name}_TESTS} PROPERTIES LABELS \"${ARG_LABELS}\")\n")
-  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${labels_file}")
-endfunction()
-
-# rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ, in every
-# other build a plain one; ctest replays tests/fuzz/corpus/NAME in both.
-function(rayloc_fuzzer name)
-  cmake_parse_arguments(ARG "" "SOURCE" "DEPENDS" ${ARGN})
-  if(RAYLOC_SANITIZE MATCHES "thread")
-    return()
-  endif()
-  add_executable(fuzz_${name} ${ARG_SOURCE})
-  target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
-  set(replay -runs=0)  # libFuzzer: every input of the corpus once, no new ones
-  if(RAYLOC_FUZZ)
-    target_compile_options(fuzz_${name} PRIVATE -fsanitize=fuzzer-no-link)
-    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
-  else()
-    target_sources(fuzz_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
-    set(replay)
-  endif()
-  add_dependencies(rayloc_tests fuzz_${name})
-  set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
-  add_test(NAME ${test}
-           COMMAND fuzz_${name} ${replay} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
-  set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
 endfunction()

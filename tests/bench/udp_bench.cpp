@@ -25,6 +25,7 @@
 #include "capture/source/pcap_source.h"
 #include "capture/source/udp_source.h"
 #include "tests/bench/udp_sender.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::bench {
 namespace {
@@ -237,5 +238,5 @@ int run_all(const std::string& recording) {
 
 int main(int argc, char** argv) {
   return rayloc::bench::run_all(
-      argc > 1 ? argv[1] : RAYLOC_TEST_DATA "/sites/meeting_room/calibration-ap1.pcap.gz");
+      argc > 1 ? argv[1] : test::data_path("/sites/meeting_room/calibration-ap1.pcap.gz"));
 }

@@ -20,6 +20,7 @@
 #include "capture/assemble/csi_receiver.h"
 #include "capture/decode/intel5300_decoder.h"
 #include "capture/source/recorded_source.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -341,7 +342,7 @@ class RealIntel5300 : public ::testing::Test {
  protected:
   void SetUp() override {
     const char* stated = std::getenv("RAYLOC_REAL_DATA");
-    folder_ = stated != nullptr ? stated : RAYLOC_TEST_DATA "/../../../shared/realdata";
+    folder_ = stated != nullptr ? stated : test::source_path("/../shared/realdata");
     if (!std::filesystem::is_directory(folder_)) {
       GTEST_SKIP() << "no recordings of other people here: set RAYLOC_REAL_DATA";
     }

@@ -20,6 +20,7 @@
 #include "daemon/publish/socket/secret_file.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::cluster {
 namespace {
@@ -48,7 +49,7 @@ class Secured : public ::testing::Test {
   void SetUp() override {
     RAYLOC_NEEDS_NATS_SERVER();
     ASSERT_EQ(make_certificates(), 0);
-    const fs::path deploy = fs::path(RAYLOC_TEST_DATA) / "../../deploy/cluster";
+    const fs::path deploy = test::source_path("/deploy/cluster");
     std::string permissions = e2e::read_text(deploy / "permissions.conf");
     for (const std::string& user : kUsers) {
       const std::string seed = make_nkey_seed();
@@ -303,7 +304,7 @@ TEST(WithoutTheModule, ARoleIsRefusedInWords) {
   const TemporaryFolder folder;
   fs::create_directories(folder.path() / "bin");
   const fs::path program = folder.path() / "bin" / "rayloc";
-  fs::copy_file(fs::path(RAYLOC_BIN) / "rayloc", program);
+  fs::copy_file(test::program_path("rayloc"), program);
   const std::string said = (folder.path() / "said").string();
   const std::string command = program.string() + " cluster status 2>" + said;
   EXPECT_NE(std::system(command.c_str()), 0);  // NOLINT(concurrency-mt-unsafe): one thread

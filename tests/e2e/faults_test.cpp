@@ -17,6 +17,7 @@
 #include "tests/e2e/load_tally.h"
 #include "tests/e2e/shifted_clock.h"
 #include "tests/e2e/stated.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::e2e {
 namespace {
@@ -183,9 +184,10 @@ TEST(Faults, AnInterfaceThatWentAwayIsCapturedAgainWhenItComesBack) {
   ASSERT_TRUE(becomes("SOURCE_STATUS_WAITING")) << daemon.errors();
   EXPECT_TRUE(logs("no longer: source ap2 cannot be read"));
   EXPECT_EQ(number(state().at("counters").at("failures")), 1U);
-  EXPECT_EQ(inside(RAYLOC_BIN "/rayloc send '" + bundled_recording("calibration", "ap2") +
-                   "' --to 10.9.8.2:5500 --rate 1000 --duration 1 >/dev/null 2>&1"),
-            0);
+  EXPECT_EQ(
+      inside(test::program_path("rayloc") + " send '" + bundled_recording("calibration", "ap2") +
+             "' --to 10.9.8.2:5500 --rate 1000 --duration 1 >/dev/null 2>&1"),
+      0);
   EXPECT_TRUE(becomes("SOURCE_STATUS_RECEIVING")) << state().dump() << daemon.errors();
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.wait(kPatience), 0) << daemon.errors();

@@ -11,6 +11,8 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc::e2e {
 namespace {
 
@@ -191,7 +193,7 @@ std::uint64_t number(const nlohmann::json& value) {
 }
 
 std::filesystem::path bundled(const std::string& name) {
-  return std::filesystem::path(RAYLOC_TEST_DATA) / "sites/meeting_room" / name;
+  return std::filesystem::path(test::data_path()) / "sites/meeting_room" / name;
 }
 
 std::string bundled_recording(const std::string& name, const std::string& access_point) {

@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc::e2e {
 
 namespace {
@@ -70,7 +72,7 @@ Process::Process(const std::filesystem::path& folder,
                  const std::vector<std::string>& arguments,
                  const ProcessSetting& setting)
     : out_(folder / (name + ".out")), err_(folder / (name + ".err")) {
-  const std::string file = std::string(RAYLOC_BIN) + "/" + program;
+  const std::string file = test::program_path(program);
   std::vector<std::string> words = command_line(file, arguments, setting);
   std::vector<std::string> environment = environment_of(setting);
 

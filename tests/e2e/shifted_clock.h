@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc::e2e {
 
 class ShiftedClock {
@@ -34,7 +36,7 @@ class ShiftedClock {
   ShiftedClock& operator=(const ShiftedClock&) = delete;
 
   std::vector<std::string> environment() const {
-    return {"LD_PRELOAD=" + std::string(RAYLOC_CLOCK_SHIM_LIBRARY),
+    return {"LD_PRELOAD=" + test::program_path("clock_shim.so"),
             "RAYLOC_CLOCK_SHIM=" + file_.string()};
   }
   void set(std::chrono::nanoseconds offset) { *shared_ = offset.count(); }

@@ -6,10 +6,12 @@
 
 #include <zlib.h>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc::test {
 
 nlohmann::json golden(const std::string& name) {
-  const std::string path = std::string(RAYLOC_TEST_DATA) + "/goldens/" + name + ".json.gz";
+  const std::string path = data_path("/goldens/") + name + ".json.gz";
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
   if (file == nullptr) {
     throw std::runtime_error("cannot read " + path);

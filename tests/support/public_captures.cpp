@@ -9,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc::test {
 namespace {
 
@@ -25,7 +27,7 @@ std::string sha256_of(const std::string& path) {
 
 // What the README states in the row of `name`: | `NAME` | HASH | ….
 std::string stated_sha256(const std::string& name) {
-  std::ifstream readme(RAYLOC_TEST_DATA "/captures/README.md");
+  std::ifstream readme(data_path("/captures/README.md"));
   const std::string row = "| `" + name + "` | ";
   for (std::string line; std::getline(readme, line);) {
     if (line.rfind(row, 0) == 0) {
@@ -39,7 +41,7 @@ std::string stated_sha256(const std::string& name) {
 
 std::optional<std::string> public_captures() {
   const char* stated = std::getenv("RAYLOC_PUBLIC_CAPTURES");
-  std::string folder = stated != nullptr ? stated : RAYLOC_TEST_DATA "/../../../shared/captures";
+  std::string folder = stated != nullptr ? stated : source_path("/../shared/captures");
   return std::filesystem::is_directory(folder) ? std::optional(std::move(folder)) : std::nullopt;
 }
 

@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/test_paths.h"
+
 namespace rayloc {
 
 struct Finished {
@@ -23,7 +25,7 @@ struct Finished {
 class RaylocProcess {
  public:
   explicit RaylocProcess(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), RAYLOC_BIN "/rayloc");
+    arguments.insert(arguments.begin(), test::program_path("rayloc"));
     EXPECT_EQ(::pipe(out_.data()), 0);
     EXPECT_EQ(::pipe(err_.data()), 0);
     std::vector<char*> argv;

@@ -9,6 +9,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "engine/trace/interactions/interaction.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::test {
 namespace {
@@ -63,8 +64,7 @@ Scene::Input room_of(const std::string& name) {
     return input;
   }
   const std::string file = name == "corridor" ? "/scenes/corridor" : "/sites/meeting_room";
-  const auto scene =
-      load_scene(std::string(RAYLOC_TEST_DATA) + file + "/scene.xml", {kCarrier, {}});
+  const auto scene = load_scene(data_path() + file + "/scene.xml", {kCarrier, {}});
   return scene ? input_of(*scene) : (give_up(scene.error().message), Scene::Input{});
 }
 

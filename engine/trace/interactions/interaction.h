@@ -2,7 +2,7 @@
 //
 // Whoever asks what an interaction does, asks here: a kind that a visitor does not take or that
 // lacks an answer does not compile, and neither does one that the switch does not name
-// (tests/engine/trace/interactions/new_kind).
+// (-Werror=switch).
 #pragma once
 
 #include "engine/base/check.h"

@@ -21,13 +21,14 @@
 #include "engine/scene/moved_surfaces.h"
 #include "tests/support/edited_text.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 // [m] along the normals of the faces that look into the room.
 const std::map<std::string, double>& moved_walls() {

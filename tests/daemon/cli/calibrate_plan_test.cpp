@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/survey/planned_points.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::cli {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 class CalibratePlan : public ::testing::Test {
  protected:

@@ -12,13 +12,14 @@
 
 #include "tests/support/edited_text.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 std::string read_text(const fs::path& file) {
   std::ifstream in(file);

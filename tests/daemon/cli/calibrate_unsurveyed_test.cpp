@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 class UnsurveyedVerb : public ::testing::Test {
  protected:

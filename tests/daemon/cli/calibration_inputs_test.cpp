@@ -12,12 +12,13 @@
 #include <gtest/gtest.h>
 
 #include "capture/record/pcap_recorder.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc::cli {
 namespace {
 
-const std::string kFolder = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kFolder = test::data_path("/sites/meeting_room");
 
 Site bundled_site() {
   auto site = load_site(kFolder);

@@ -11,6 +11,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/test_paths.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -23,7 +25,7 @@ struct Outcome {
 };
 
 Outcome rayloc(const std::string& arguments) {
-  const std::string command = std::string(RAYLOC_BIN) + "/rayloc " + arguments + " 2>&1";
+  const std::string command = rayloc::test::program_path("rayloc") + " " + arguments + " 2>&1";
   std::FILE* pipe = popen(command.c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer{};
@@ -35,7 +37,7 @@ Outcome rayloc(const std::string& arguments) {
   return outcome;
 }
 
-const fs::path kSite = fs::path(RAYLOC_TEST_DATA) / "sites" / "meeting_room";
+const fs::path kSite = fs::path(rayloc::test::data_path()) / "sites" / "meeting_room";
 
 // A folder of its own for each test: they run side by side.
 class CheckConfig : public ::testing::Test {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -51,18 +52,17 @@ class EvaluatedFiles {
 class Evaluate : public testing::Test, protected EvaluatedFiles {};
 
 TEST_F(Evaluate, PrintsTheKeysOfTheContract) {
-  const Finished finished =
-      RaylocProcess({"evaluate",
-                     "--estimates",
-                     estimates(),
-                     "--truth",
-                     truth(),
-                     "--time-offset",
-                     "100",
-                     "--json",
-                     "--site",
-                     std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room")})
-          .wait();
+  const Finished finished = RaylocProcess({"evaluate",
+                                           "--estimates",
+                                           estimates(),
+                                           "--truth",
+                                           truth(),
+                                           "--time-offset",
+                                           "100",
+                                           "--json",
+                                           "--site",
+                                           test::data_path("/sites/meeting_room")})
+                                .wait();
   ASSERT_EQ(finished.status, 0) << finished.err;
   const auto json = nlohmann::json::parse(finished.out);
   for (const char* key : {"n",
@@ -119,7 +119,7 @@ TEST(Field, EvaluateNeverPrintsInf) {
     std::vector<std::string> arguments = {
         "evaluate", "--estimates", name, "--truth", files.truth()};
     arguments.insert(arguments.end(), {"--time-offset", offset, "--site"});
-    arguments.push_back(std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room"));
+    arguments.push_back(test::data_path("/sites/meeting_room"));
     const Finished finished = RaylocProcess(arguments).wait();
     EXPECT_EQ(finished.status, 0) << finished.err;
     EXPECT_EQ((finished.out + finished.err).find("inf"), std::string::npos) << finished.out;
@@ -152,7 +152,7 @@ TEST_F(Evaluate, DoesNotTakeSilenceAboutUncertaintyForNoCoverage) {
 
 // The survey's own recording as the target's: the most similar point is the right one.
 TEST_F(Evaluate, ComparesWithTheMostSimilarSurveyedPoint) {
-  const std::string site = std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room");
+  const std::string site = test::data_path("/sites/meeting_room");
   std::vector<std::string> arguments = {"evaluate", "--site", site, "--json"};
   const auto add = [&](const std::string& option, const std::string& value) {
     arguments.push_back(option);
@@ -193,7 +193,7 @@ TEST_F(Evaluate, DrawsPlots) {
                                         "--time-offset",
                                         "100",
                                         "--site",
-                                        std::string(RAYLOC_TEST_DATA).append("/sites/meeting_room"),
+                                        test::data_path("/sites/meeting_room"),
                                         "--plot",
                                         folder_ / "plots"};
   const Finished finished = RaylocProcess(arguments).wait();

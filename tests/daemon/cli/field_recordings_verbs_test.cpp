@@ -16,13 +16,14 @@
 
 #include "tests/support/pcap_files.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 using ::testing::HasSubstr;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 constexpr std::size_t kHeader = 24;
 constexpr std::size_t kRecords = 300;
 

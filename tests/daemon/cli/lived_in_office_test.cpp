@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/test_paths.h"
 #include "tests/support/verb_folder.h"
 
 namespace rayloc {
@@ -81,8 +82,7 @@ TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
   if (std::getenv("RAYLOC_LIVED_IN") == nullptr) {
     GTEST_SKIP() << "takes minutes of CPU: tests/soak/run lived_in 1";
   }
-  const std::string plan =
-      std::string(RAYLOC_TEST_DATA) + "/../../deploy/experiments/rooms/lived_in_office.toml";
+  const std::string plan = test::source_path("/deploy/experiments/rooms/lived_in_office.toml");
   run({"scene", "room", plan, "--out", path("office"), "--quiet"});
   write("survey.csv", office_points(4, 3, 0.0, 1000));
   write("known.csv",

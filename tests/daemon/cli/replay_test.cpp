@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/verb_folder.h"
 
 namespace rayloc {
 namespace {
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 const std::string kRecording = kSite + "/device_los-ap1.pcap.gz";
 
 Finished replay(std::vector<std::string> arguments) {

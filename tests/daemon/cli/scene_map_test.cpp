@@ -10,6 +10,7 @@
 #include <pugixml.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -18,8 +19,8 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
-const std::string kCorridor = RAYLOC_TEST_DATA "/scenes/corridor/scene.xml";
+const std::string kSite = test::data_path("/sites/meeting_room");
+const std::string kCorridor = test::data_path("/scenes/corridor/scene.xml");
 
 class SceneMap : public testing::Test {
  protected:

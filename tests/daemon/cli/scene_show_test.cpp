@@ -12,14 +12,15 @@
 #include <pugixml.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
-const std::string kCorridor = RAYLOC_TEST_DATA "/scenes/corridor/scene.xml";
+const std::string kSite = test::data_path("/sites/meeting_room");
+const std::string kCorridor = test::data_path("/scenes/corridor/scene.xml");
 
 class SceneShow : public testing::Test {
  protected:

@@ -19,6 +19,7 @@
 #include "capture/source/unix_source.h"
 #include "tests/support/eventually.h"
 #include "tests/support/pcap_files.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -31,7 +32,7 @@ struct Outcome {
 };
 
 Outcome rayloc(const std::string& arguments) {
-  const std::string command = std::string(RAYLOC_BIN) + "/rayloc " + arguments;
+  const std::string command = test::program_path("rayloc") + " " + arguments;
   std::FILE* pipe = popen(command.c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer{};

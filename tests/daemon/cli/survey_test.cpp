@@ -19,6 +19,7 @@
 
 #include "capture/source/udp_source.h"
 #include "daemon/survey/points_csv.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/wire_writer.h"
 
 namespace rayloc {
@@ -28,7 +29,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 // One that was free a moment ago.
 std::uint16_t free_port() { return (*UdpSource::open({.address = "127.0.0.1:0"}))->port(); }
@@ -109,7 +110,7 @@ class SurveyVerb : public ::testing::Test {
   // Its exit status; what it says is in "err", what it prints in "out".
   int survey(const std::string& answers, const std::string& arguments) const {
     std::ofstream(path("answers")) << answers;
-    const std::string command = std::string(RAYLOC_BIN) + "/rayloc survey " + kSite + " --out " +
+    const std::string command = test::program_path("rayloc") + " survey " + kSite + " --out " +
                                 path("points.csv") + " " + arguments + " < " + path("answers") +
                                 " > " + path("out") + " 2> " + path("err");
     const int status = std::system(command.c_str());
@@ -134,7 +135,7 @@ TEST_F(SurveyVerb, WritesARowWhoseTimeHoldsTheFramesThatWereCounted) {
   EXPECT_LE((*points)[0].t_end, (*points)[1].t_start);
 
   // The recording, read by another verb, has those frames in those times.
-  ASSERT_EQ(std::system((std::string(RAYLOC_BIN) + "/rayloc frames ap1=" + path("ap1.pcap") +
+  ASSERT_EQ(std::system((test::program_path("rayloc") + " frames ap1=" + path("ap1.pcap") +
                          " --json > " + path("frames"))
                             .c_str()),
             0);
@@ -273,11 +274,11 @@ TEST_F(SurveyVerb, AnInterruptLeavesTheRowsBefore) {
   const std::uint16_t port = free_port();
   const HeardDevice device(port);
   std::ofstream(path("points.csv")) << "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n";
-  const std::string command =
-      "(echo 0.5,0.2,1.2; sleep 2) | timeout --preserve-status -s INT 1 " RAYLOC_BIN
-      "/rayloc survey " +
-      kSite + " --frames 100000 --listen ap1=127.0.0.1:" + std::to_string(port) + " --out " +
-      path("points.csv") + " > " + path("out") + " 2> " + path("err");
+  const std::string command = "(echo 0.5,0.2,1.2; sleep 2) | timeout --preserve-status -s INT 1 " +
+                              test::program_path("rayloc") + " survey " + kSite +
+                              " --frames 100000 --listen ap1=127.0.0.1:" + std::to_string(port) +
+                              " --out " + path("points.csv") + " > " + path("out") + " 2> " +
+                              path("err");
   ASSERT_EQ(std::system(command.c_str()), 0);
   EXPECT_THAT(read("err"), HasSubstr("interrupted, not written"));
   EXPECT_THAT(read("out"), HasSubstr("\"points\":0"));

@@ -22,6 +22,7 @@
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -95,7 +96,7 @@ class TopOnTerminal {
     pid_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
     if (pid_ == 0) {
       ::setenv("TERM", "xterm", 1);
-      ::execl(RAYLOC_BIN "/rayloc",
+      ::execl(test::program_path("rayloc").c_str(),
               "rayloc",
               "top",
               "--interval",

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -21,7 +22,7 @@ json paths_of(const char* processor) {
     ::setenv("GLIBC_TUNABLES", processor, 1);
   }
   const Finished finished = RaylocProcess({"trace",
-                                           RAYLOC_TEST_DATA "/sites/meeting_room",
+                                           test::data_path("/sites/meeting_room"),
                                            "--tx",
                                            "0.412,1.037,1.519",
                                            "--rx=-1.45,1.13,2.25",

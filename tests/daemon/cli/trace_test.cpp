@@ -18,14 +18,15 @@
 
 #include "tests/support/golden.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 using nlohmann::json;
 
-const std::string kRoom = RAYLOC_TEST_DATA "/sites/meeting_room/scene.xml";
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kRoom = test::data_path("/sites/meeting_room/scene.xml");
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 std::string point(const json& v) {
   return fmt::format("{},{},{}", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());

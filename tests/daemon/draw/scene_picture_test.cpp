@@ -17,13 +17,13 @@
 #include "daemon/draw/svg.h"
 #include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::draw {
 namespace {
 
 std::shared_ptr<const Scene> meeting_room() {
-  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                          {test::kCarrier, {}});
+  auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   EXPECT_TRUE(scene);
   return std::make_shared<const Scene>(*std::move(scene));
 }

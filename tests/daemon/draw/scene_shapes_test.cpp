@@ -12,6 +12,7 @@
 #include "daemon/scene/build_room.h"
 #include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::draw {
 namespace {
@@ -113,8 +114,8 @@ TEST(MeshSection, CutThroughCornersIsStillClosed) {
 }
 
 TEST(SceneParts, TellFloorsWallsAndFurnitureApart) {
-  const auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                                {test::kCarrier, {}});
+  const auto scene =
+      load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   ASSERT_TRUE(scene) << scene.error().message;
   std::map<std::string, PartKind> kinds;
   for (const ScenePart& part : scene_parts(*scene)) {

@@ -5,6 +5,7 @@
 
 #include "daemon/scene/room_plan.h"
 #include "daemon/simulate/second_day.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -107,7 +108,7 @@ TEST(ExperimentFile, RefusesMoreConditionsThanAnybodyWaitsFor) {
 
 // Running them takes minutes, reading them must always work.
 TEST(ExperimentFile, TheShippedExperimentsAndTheirRoomsCanBeRead) {
-  const std::filesystem::path folder = RAYLOC_TEST_DATA "/../../deploy/experiments";
+  const std::filesystem::path folder = test::source_path("/deploy/experiments");
   for (const char* name :
        {"paper.toml", "ablation.toml", "ablation_people.toml", "lived_in.toml"}) {
     const auto experiment = load_experiment(folder / name);

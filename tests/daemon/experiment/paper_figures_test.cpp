@@ -14,6 +14,7 @@
 
 #include "tests/daemon/experiment/small_room.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -25,11 +26,12 @@ std::string content(const std::filesystem::path& file) {
 
 // One room, two spots, twelve points, one epoch, hardly any descent.
 std::string short_form() {
-  std::string text = content(RAYLOC_EXPERIMENTS "/paper_figures.toml");
+  std::string text = content(test::source_path("/deploy/experiments/paper_figures.toml"));
   const auto replace = [&](const char* pattern, const std::string& by) {
     text = std::regex_replace(text, std::regex(pattern, std::regex::multiline), by);
   };
-  replace("^room = .*$", "room = \"" RAYLOC_EXPERIMENTS "/rooms/meeting_room.toml\"");
+  replace("^room = .*$",
+          "room = \"" + test::source_path("/deploy/experiments/rooms/meeting_room.toml") + "\"");
   replace("^spots = .*$", "spots = 2");
   replace("^survey_points = .*$", "survey_points = 12\nepochs = 1");
   replace("^depth = .*$", "depth = 1\nmodel_depth = 1\npaper.iterations = 2\npaper.positions = 2");

@@ -20,6 +20,7 @@
 #include "daemon/import/import_scene.h"
 #include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -116,7 +117,7 @@ std::shared_ptr<const Scene> meeting_room() {
                                                    {"wood", 0.02}}) {
     options.materials[name].thickness = thickness;
   }
-  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml", options);
+  auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), options);
   if (!scene) {
     ADD_FAILURE() << scene.error().message;
     return nullptr;

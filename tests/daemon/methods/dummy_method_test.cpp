@@ -2,6 +2,7 @@
 // registry is all that the programs know. The programs are linked of the product's own objects.
 #include <array>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 
 #include <gmock/gmock.h>
@@ -12,6 +13,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -19,7 +21,11 @@ namespace {
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
-const std::string kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+// Every program that a test of this file starts is linked with the dummy method.
+[[maybe_unused]] const int kPrograms =
+    ::setenv("RAYLOC_BIN", test::program_path("with_dummy").c_str(), 1);
+
+const std::string kSite = test::data_path("/sites/meeting_room");
 const std::string kRecording = "ap1=" + kSite + "/device_los-ap1.pcap.gz";
 
 Finished rayloc(std::vector<std::string> arguments) {
@@ -28,7 +34,7 @@ Finished rayloc(std::vector<std::string> arguments) {
 
 // RaylocProcess reads a pipe that is full at 64 KiB.
 std::string long_output(const std::string& arguments) {
-  std::FILE* pipe = ::popen((RAYLOC_BIN "/rayloc " + arguments).c_str(), "r");
+  std::FILE* pipe = ::popen((test::program_path("rayloc") + " " + arguments).c_str(), "r");
   std::string text;
   std::array<char, 4096> buffer{};
   for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) {

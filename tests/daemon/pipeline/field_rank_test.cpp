@@ -4,12 +4,13 @@
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/zones/zone_estimator.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 TEST(Field, DeviceEstimatorRanksTheTransmittersOfTheSiteFirst) {
-  const Expected<Site> site = load_site(RAYLOC_TEST_DATA "/sites/meeting_room");
+  const Expected<Site> site = load_site(test::data_path("/sites/meeting_room"));
   ASSERT_TRUE(site) << site.error().message;
   const auto devices = DeviceEstimator::create(*site, {});
   ASSERT_TRUE(devices) << devices.error().message;

@@ -13,11 +13,12 @@
 #include "daemon/pipeline/ordered_sink.h"
 #include "daemon/pipeline/playback/paced_source.h"
 #include "daemon/publish/location_message.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
-constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room/";
+const std::string kSite = test::data_path("/sites/meeting_room/");
 
 // Says of each burst which frames it had: any change of order or content changes the text.
 class DescribingEstimator : public Estimator {

@@ -11,6 +11,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/publish/proto_time.h"
 #include "tests/support/eventually.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -21,7 +22,7 @@ using std::chrono::seconds;
 constexpr seconds kPatience{60};
 
 std::string file_of(int index) {
-  return RAYLOC_TEST_DATA "/sites/meeting_room/device_los-ap" + std::to_string(index + 1) +
+  return test::data_path("/sites/meeting_room/device_los-ap") + std::to_string(index + 1) +
          ".pcap.gz";
 }
 

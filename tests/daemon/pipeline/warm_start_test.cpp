@@ -14,13 +14,14 @@
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/playback/later_source.h"
 #include "daemon/publish/location_message.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 using std::chrono::milliseconds;
 
-constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room/";
+const std::string kSite = test::data_path("/sites/meeting_room/");
 constexpr Timestamp kStart{std::chrono::seconds(1'718'000'000)};
 
 // Says of each burst all that it is made of, at its beginning and at its end.

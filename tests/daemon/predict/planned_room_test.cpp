@@ -1,4 +1,5 @@
 #include "daemon/predict/planned_room.h"
+#include "tests/support/test_paths.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-Site meeting_room() { return *load_site(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room"); }
+Site meeting_room() { return *load_site(test::data_path("/sites/meeting_room")); }
 
 TEST(PlannedRoom, HasChainsWithoutGainsAndWhatACalibrationLeaves) {
   const auto room = planned_room(meeting_room(), {});

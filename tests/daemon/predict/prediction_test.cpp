@@ -12,6 +12,7 @@
 #include "daemon/predict/prediction_report.h"
 #include "daemon/predict/proposals.h"
 #include "daemon/scene/solid_around.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -20,7 +21,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 std::shared_ptr<const RoomModel> room_with(const std::vector<std::string>& access_points) {
-  const auto site = load_site(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room");
+  const auto site = load_site(test::data_path("/sites/meeting_room"));
   return std::make_shared<const RoomModel>(*planned_room(*site, {.access_points = access_points}));
 }
 

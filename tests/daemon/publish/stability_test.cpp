@@ -16,13 +16,14 @@
 #include "rayloc/v1/cluster.pb.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "rayloc/v1/snapshot.pb.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 namespace pb = google::protobuf;
 
-const std::filesystem::path kRecorded = RAYLOC_TEST_DATA "/proto";
+const std::filesystem::path kRecorded = test::data_path("/proto");
 
 std::string contents(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

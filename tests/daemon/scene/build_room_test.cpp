@@ -19,6 +19,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/daemon/scene/room_text.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -254,8 +255,7 @@ TEST(RoomSite, AKnownModelIsWrittenReady) {
   for (const std::string& model : preset_models()) {
     const std::string text = room_site(*plan, model);
     EXPECT_NE(text.find("[[access_point]]  # " + model + ", three antennas"), std::string::npos);
-    const auto site =
-        parse_site(text, std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/site.toml");
+    const auto site = parse_site(text, test::data_path("/sites/meeting_room/site.toml"));
     ASSERT_TRUE(site) << site.error().message;
     ASSERT_EQ(site->access_points.size(), 1U);
     const SiteAccessPoint& ap = site->access_points[0];
@@ -281,8 +281,7 @@ TEST(RoomSite, AccessPointsAndCarrierComeBackAsStated) {
   const auto plan = parse_room_plan(room_text() + stated, kRoomFile);
   ASSERT_TRUE(plan) << plan.error().message;
   // scene.xml of the meeting room stands for the one that would be beside it.
-  const auto site =
-      parse_site(room_site(*plan), std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/site.toml");
+  const auto site = parse_site(room_site(*plan), test::data_path("/sites/meeting_room/site.toml"));
   ASSERT_TRUE(site) << site.error().message;
   EXPECT_EQ(site->name, "office");
   EXPECT_EQ(site->bounds_min, plan->lower);

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/config/config.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -18,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr const char* kSite = RAYLOC_TEST_DATA "/sites/meeting_room";
+const std::string kSite = test::data_path("/sites/meeting_room");
 
 std::string site_table(const std::string& name, const std::string& more = "") {
   return "[[site]]\nname = \"" + name + "\"\ndirectory = \"" + kSite + "\"\n" + more;

@@ -16,6 +16,7 @@
 #include "daemon/config/source_url.h"
 #include "daemon/methods/method_registry.h"
 #include "tests/daemon/service/config_text.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -238,7 +239,7 @@ std::string example_with_every_key() {
 }
 
 TEST(ConfigExample, IsTheFileInDeploy) {
-  std::ifstream in(fs::path(RAYLOC_TEST_DATA) / "../../deploy/raylocd.toml");
+  std::ifstream in(test::source_path("/deploy/raylocd.toml"));
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_EQ(text, config_example()) << "run: rayloc config default > deploy/raylocd.toml";
 }

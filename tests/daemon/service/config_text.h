@@ -8,12 +8,13 @@
 
 #include "daemon/config/config.h"
 #include "tests/support/edited_text.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::testing {
 
 // Beside the bundled sites, so that `directory = "meeting_room"` is one.
 inline const std::filesystem::path kConfigFile =
-    std::filesystem::path(RAYLOC_TEST_DATA) / "sites" / "raylocd.toml";
+    std::filesystem::path(test::data_path()) / "sites" / "raylocd.toml";
 
 inline constexpr std::string_view kConfigText = R"(schema = 1
 include = ["conf.d/*.toml"]

@@ -10,6 +10,7 @@
 
 #include "daemon/live_map/map_solid.h"
 #include "daemon/site/room_model.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -20,7 +21,7 @@ using ::testing::HasSubstr;
 class MapGeometryTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    auto site = load_site(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room");
+    auto site = load_site(test::data_path("/sites/meeting_room"));
     ASSERT_TRUE(site) << site.error().message;
     site_ = std::move(*site);
     auto room = load_room_model(site_);

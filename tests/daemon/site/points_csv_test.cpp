@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/survey/csv_table.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -54,7 +55,7 @@ TEST(DecimalSeconds, RefuseWhatIsNotADecimalNumber) {
 }
 
 TEST(PointsCsv, ReadsTheSurveyOfTheBundledSite) {
-  const auto points = load_points_csv(RAYLOC_TEST_DATA "/sites/meeting_room/device_los.csv");
+  const auto points = load_points_csv(test::data_path("/sites/meeting_room/device_los.csv"));
   ASSERT_TRUE(points) << points.error().message;
   ASSERT_GT(points->size(), 1U);
   EXPECT_EQ(points->front().t_start.time_since_epoch(), 1718000958s + 533200us);

@@ -14,6 +14,7 @@
 
 #include "daemon/site/room_model.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -97,7 +98,7 @@ TEST(Field, RoomThatIsAsStatedIsSilent) {
     return Vec3d{0.6 * p.x - 0.8 * p.y, 0.8 * p.x + 0.6 * p.y, p.z};
   });
   EXPECT_EQ(found(*askew, nullptr), "");
-  const auto site = load_site(RAYLOC_TEST_DATA "/sites/meeting_room");
+  const auto site = load_site(test::data_path("/sites/meeting_room"));
   ASSERT_TRUE(site);
   const auto room = load_room_model(*site);
   ASSERT_TRUE(room) << room.error().message;
@@ -301,7 +302,7 @@ TEST(Field, NamesOfFloorAndCeilingTellWhichWayIsUp) {
 }
 
 TEST(Field, RoomThatIsNotTheStatedOneIsNotLoaded) {
-  auto site = load_site(RAYLOC_TEST_DATA "/sites/meeting_room");
+  auto site = load_site(test::data_path("/sites/meeting_room"));
   ASSERT_TRUE(site);
   site->bounds_min = 100.0 * site->bounds_min;
   site->bounds_max = 100.0 * site->bounds_max;

@@ -8,13 +8,14 @@
 #include "daemon/site/calibration_file.h"
 #include "daemon/site/site_copy.h"
 #include "engine/scene/scene.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kSite = fs::path(RAYLOC_TEST_DATA) / "sites" / "meeting_room";
+const fs::path kSite = fs::path(test::data_path()) / "sites" / "meeting_room";
 
 // A folder of its own for each test, removed afterwards.
 class RoomModelTest : public testing::Test {

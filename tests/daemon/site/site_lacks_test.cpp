@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "daemon/site/room_model.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -27,7 +28,7 @@ class LackingSite {
     ap.gains.gain.assign(ap.cores.size() * room.grid.size(), 1.0);
   }
 
-  Site site = load_site(std::filesystem::path(RAYLOC_TEST_DATA) / "sites/meeting_room").value();
+  Site site = load_site(std::filesystem::path(test::data_path()) / "sites/meeting_room").value();
   RoomModel room = load_room_model(site).value();
 };
 

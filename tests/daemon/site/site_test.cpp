@@ -9,6 +9,7 @@
 
 #include "daemon/site/keys/site_keys.h"
 #include "tests/daemon/site/site_text.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -212,7 +213,7 @@ TEST(Site, CalibrationFileIsBesideSiteToml) {
 TEST(Site, IsReadFromADirectoryOrAFile) {
   EXPECT_TRUE(load_site(kSiteFile.parent_path()));
   EXPECT_TRUE(load_site(kSiteFile));
-  const Expected<Site> nothing = load_site(fs::path(RAYLOC_TEST_DATA) / "sites");
+  const Expected<Site> nothing = load_site(fs::path(test::data_path()) / "sites");
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().kind, ErrorKind::kConfiguration);
   EXPECT_THAT(nothing.error().message, HasSubstr("sites/site.toml: there is no such file"));

@@ -7,12 +7,13 @@
 
 #include "daemon/site/site.h"
 #include "tests/support/edited_text.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc::testing {
 
 // The site of tests/data/sites/meeting_room with one access point; scene.xml is there.
 inline const std::filesystem::path kSiteFile =
-    std::filesystem::path(RAYLOC_TEST_DATA) / "sites" / "meeting_room" / "site.toml";
+    std::filesystem::path(test::data_path()) / "sites" / "meeting_room" / "site.toml";
 
 inline constexpr std::string_view kSiteText = R"(name = "meeting_room"
 scene = "scene.xml"

@@ -14,6 +14,7 @@
 
 #include "daemon/studio/walked_survey.h"
 #include "daemon/survey/points_csv.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -30,7 +31,7 @@ class SiteEditorTest : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::remove_all(folder_);
-    fs::copy(fs::path(RAYLOC_TEST_DATA) / "sites" / "meeting_room",
+    fs::copy(fs::path(test::data_path()) / "sites" / "meeting_room",
              folder_,
              fs::copy_options::recursive);
   }

@@ -12,6 +12,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "engine/scene/read/visual_names.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -384,7 +385,7 @@ TEST(Field, SceneXmlWarnsOfAxesThatAreNoUnitVectors) {
 // What is left out knowingly is documented, name by name.
 TEST(Field, ScenePageListsWhatIsLeftOut) {
   std::ostringstream text;
-  text << std::ifstream(std::string(RAYLOC_TEST_DATA) + "/../../engine/scene/FILES.md").rdbuf();
+  text << std::ifstream(test::source_path("/engine/scene/FILES.md")).rdbuf();
   const std::string readme = text.str();
   for (const auto names : {visual_tags(),
                            visual_bsdf_tags(),

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -44,8 +45,7 @@ std::string error_of(const Expected<Scene>& scene) {
 }
 
 TEST(LoadScene, MeetingRoomIsReadWhole) {
-  const auto scene =
-      load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml", options());
+  const auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), options());
   ASSERT_TRUE(scene) << error_of(scene);
   EXPECT_EQ(scene->objects().size(), 19U);
   EXPECT_EQ(scene->surfaces().size(), 114U);

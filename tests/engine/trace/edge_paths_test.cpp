@@ -24,6 +24,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/plain_edge_search.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -331,8 +332,7 @@ TEST(EdgePaths, NoneIsMissedAndNoneInventedInTheSites) {
   for (const auto& [site, from, to] :
        {std::tuple("/sites/meeting_room", Vec3d{0.4, 1.0, 1.5}, Vec3d{-1.4, 0.55, 1.2}),
         std::tuple("/scenes/corridor", Vec3d{3.1, 0.7, 2.2}, Vec3d{5.4, -0.6, 1.0})}) {
-    auto scene =
-        load_scene(std::string(RAYLOC_TEST_DATA) + site + "/scene.xml", {test::kCarrier, {}});
+    auto scene = load_scene(test::data_path() + site + "/scene.xml", {test::kCarrier, {}});
     ASSERT_TRUE(scene) << scene.error().message;
     const auto count = expect_all_found(std::make_shared<const Scene>(std::move(*scene)), from, to);
     EXPECT_GT(count, 0U) << site;

@@ -18,6 +18,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/golden.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -243,7 +244,7 @@ void expect_furnished_room(const std::string& name,
   const double carrier = doc.at("frequency");
   SceneOptions options;
   options.carrier_hz = carrier;
-  auto loaded = load_scene(std::string(RAYLOC_TEST_DATA) + scene_file, options);
+  auto loaded = load_scene(test::data_path() + scene_file, options);
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
   const PathTracer tracer(scene, trace_options);

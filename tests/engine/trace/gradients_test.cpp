@@ -21,6 +21,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/golden.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 #include "tests/support/traced_link.h"
 
 namespace rayloc {
@@ -308,8 +309,8 @@ TEST(GradientsOfTheReference, HoldInTheMeetingRoom) {
   for (const json& position : transmitter.at("elements")) {
     elements.push_back({{vec3(position), {turn.at(0), turn.at(1), turn.at(2)}}});
   }
-  const auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                                {doc.at("frequency"), {}});
+  const auto scene =
+      load_scene(test::data_path("/sites/meeting_room/scene.xml"), {doc.at("frequency"), {}});
   ASSERT_TRUE(scene) << scene.error().message;
   const Scene::Input input{scene->objects(), scene->materials(), scene->carrier_hz()};
   for (const json& c : doc.at("cases")) {

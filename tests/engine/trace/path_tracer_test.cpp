@@ -11,6 +11,7 @@
 #include "engine/base/constants.h"
 #include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -24,8 +25,7 @@ Receiver receiver_at(const Vec3d& position) { return Receiver{{position, {}}}; }
 std::complex<double> value(const Complex<double>& z) { return {z.re, z.im}; }
 
 std::shared_ptr<const Scene> meeting_room() {
-  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                          {test::kCarrier, {}});
+  auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   EXPECT_TRUE(scene);
   return std::make_shared<const Scene>(std::move(*scene));
 }

@@ -15,6 +15,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -79,8 +80,7 @@ std::shared_ptr<const Scene> nothing() {
 }
 
 std::shared_ptr<const Scene> meeting_room() {
-  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                          {test::kCarrier, {}});
+  auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   EXPECT_TRUE(scene);
   return std::make_shared<const Scene>(std::move(*scene));
 }

@@ -17,6 +17,7 @@
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -141,8 +142,7 @@ std::vector<Vec3d> free_places(const Scene& scene,
 }
 
 std::vector<Place> places() {
-  auto room = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                         {test::kCarrier, {}});
+  auto room = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   EXPECT_TRUE(room);
   const auto meeting_room = std::make_shared<const Scene>(std::move(*room));
   const auto office = test::office_floor(1000);

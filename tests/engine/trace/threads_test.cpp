@@ -17,6 +17,7 @@
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -56,8 +57,7 @@ void expect_the_same_on_all_threads(std::size_t least, const Work& work) {
 }
 
 std::shared_ptr<const Scene> meeting_room() {
-  auto scene = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                          {test::kCarrier, {}});
+  auto scene = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   return std::make_shared<const Scene>(std::move(scene).value());
 }
 

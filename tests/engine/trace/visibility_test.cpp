@@ -13,6 +13,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
+#include "tests/support/test_paths.h"
 
 namespace rayloc {
 namespace {
@@ -77,8 +78,7 @@ TEST(Visibility, SoftChannelIsContinuousWhereAReflectionSlidesOffItsMirror) {
 
 // A walk past furniture, over its edges and along walls, with everything that comes and goes.
 TEST(Visibility, SoftChannelIsContinuousThroughAFurnishedRoom) {
-  auto loaded = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                           {test::kCarrier, {}});
+  auto loaded = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
   const Vec3d from{-1.3, -1.1, 1.1};
@@ -96,8 +96,7 @@ TEST(Visibility, SoftChannelIsContinuousThroughAFurnishedRoom) {
 }
 
 TEST(Visibility, HardVisibilityIsTheLimitOfSoft) {
-  auto loaded = load_scene(std::string(RAYLOC_TEST_DATA) + "/sites/meeting_room/scene.xml",
-                           {test::kCarrier, {}});
+  auto loaded = load_scene(test::data_path("/sites/meeting_room/scene.xml"), {test::kCarrier, {}});
   ASSERT_TRUE(loaded) << loaded.error().message;
   const auto scene = std::make_shared<const Scene>(std::move(*loaded));
   const Transmitter device{{{0.412, 1.037, 1.519}, {}}};

@@ -1,0 +1,145 @@
+# Declares tests, and with each its tier (tests/README.md): the gate runs what is not labelled `nightly`.
+#
+# Labels of a test:
+#   unit, threads, fuzz, lint, package, e2e   its kind; ThreadSanitizer runs `threads` alone
+#   FOLDER                                    the folder of tests/ that declares it, for tests/run --fast
+#   slow      takes long under a sanitizer, and is not built there
+#   realtime  its result depends on the pace of real processes: runs alone, and is repeated once when it fails
+#   contract  a real-time test of what users rely on: in the gate
+#   nightly   only in tests/run --all
+#   daily     also in tests/run --fast
+
+# Builds every test of the tree; `all` builds the programs as well.
+add_custom_target(rayloc_tests)
+
+# Factor of every deadline of a test; tests/run measures the machine and sets it.
+set(RAYLOC_PATIENCE 1 CACHE STRING "Factor of the deadlines of tests, 1 or more")
+
+# Tests of several trees meet in one summary (tests/run): those of a sanitizer's tree carry its name.
+set(RAYLOC_TEST_PREFIX "")
+if(RAYLOC_SANITIZE MATCHES "thread")
+  set(RAYLOC_TEST_PREFIX "tsan.")
+elseif(RAYLOC_SANITIZE)
+  set(RAYLOC_TEST_PREFIX "asan.")
+endif()
+
+# rayloc_test_labels(OUT label...): the labels, with those that follow from them and from the current folder.
+function(rayloc_test_labels out)
+  file(RELATIVE_PATH folder "${PROJECT_SOURCE_DIR}/tests" "${CMAKE_CURRENT_SOURCE_DIR}")
+  set(labels ${ARGN} ${folder})
+  if("contract" IN_LIST labels OR "daily" IN_LIST labels)
+    list(APPEND labels realtime)
+  endif()
+  list(REMOVE_DUPLICATES labels)
+  set(${out} "${labels}" PARENT_SCOPE)
+endfunction()
+
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE]
+#             [CONTRACT regex] [DAILY regex]): a GoogleTest program. The tests find tests/data and the programs
+# with tests/support/test_paths.h.
+#   LABELS      `unit` when none is given; `e2e` (real processes; not built under a sanitizer) is also `realtime`
+#   FILES_ONLY  an e2e program that reads and writes files, and in which nothing happens in real time
+#   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
+#   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
+#   DAILY       the real-time tests that tests/run --fast runs as well
+function(rayloc_test name)
+  cmake_parse_arguments(ARG "FILES_ONLY;WHOLE" "CONTRACT;DAILY" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  if(NOT ARG_LABELS)
+    set(ARG_LABELS unit)
+  endif()
+  if("e2e" IN_LIST ARG_LABELS AND NOT ARG_FILES_ONLY)
+    list(APPEND ARG_LABELS realtime)
+  endif()
+  rayloc_test_labels(labels ${ARG_LABELS})
+  add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE rayloc_warnings rayloc_test_paths ${ARG_DEPENDS} GTest::gmock_main)
+  rayloc_compile(${name} TEST)
+  # A test that does not belong into this tree is a target that nothing builds, so that what a
+  # folder says about it in addition holds everywhere.
+  if(RAYLOC_SANITIZE AND ("e2e" IN_LIST labels OR "slow" IN_LIST labels))
+    return()
+  endif()
+  if(RAYLOC_SANITIZE MATCHES "thread" AND NOT "threads" IN_LIST labels)
+    return()
+  endif()
+  set_target_properties(${name} PROPERTIES EXCLUDE_FROM_ALL FALSE)
+  add_dependencies(rayloc_tests ${name})
+  if("e2e" IN_LIST labels)
+    add_dependencies(${name} rayloc raylocd)  # real processes, of this very build
+  endif()
+  set(cost 0)
+  if("slow" IN_LIST labels OR RAYLOC_SANITIZE)
+    set(cost 10)  # ctest begins with what takes longest
+  endif()
+  if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
+    math(EXPR timeout "1200 * ${RAYLOC_PATIENCE}")
+    add_test(NAME "${RAYLOC_TEST_PREFIX}${name}" COMMAND ${name} --gtest_brief=1)
+    set_tests_properties("${RAYLOC_TEST_PREFIX}${name}" PROPERTIES LABELS "${labels}" COST ${cost}
+      TIMEOUT ${timeout} ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+    return()
+  endif()
+  math(EXPR timeout "300 * ${RAYLOC_PATIENCE}")
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+                       PROPERTIES TIMEOUT ${timeout} COST ${cost}
+                       ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+  # gtest_discover_tests flattens lists, so several labels are set in a file that ctest reads next.
+  set(labels_file "${CMAKE_CURRENT_BINARY_DIR}/${name}_labels.cmake")
+  file(CONFIGURE OUTPUT "${labels_file}" @ONLY CONTENT [[
+foreach(test IN LISTS @name@_TESTS)
+  set(labels "@labels@")
+  if(NOT "@ARG_CONTRACT@" STREQUAL "")
+    if(test MATCHES "@ARG_CONTRACT@")
+      list(APPEND labels contract)
+    else()
+      list(APPEND labels nightly)
+    endif()
+  endif()
+  if(NOT "@ARG_DAILY@" STREQUAL "" AND test MATCHES "@ARG_DAILY@")
+    list(APPEND labels daily)
+  endif()
+  set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
+endforeach()
+]])
+  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${labels_file}")
+endfunction()
+
+# rayloc_script_test(NAME LABELS label... [TIMEOUT seconds] [ENVIRONMENT VAR=value...] COMMAND word...): a script
+# or a program as one entry of ctest, in the tree without sanitizers. Exit status 77 skips it.
+function(rayloc_script_test name)
+  cmake_parse_arguments(ARG "" "TIMEOUT" "LABELS;ENVIRONMENT;COMMAND" ${ARGN})
+  if(RAYLOC_SANITIZE)
+    return()
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  math(EXPR timeout "${ARG_TIMEOUT} * ${RAYLOC_PATIENCE}")
+  rayloc_test_labels(labels ${ARG_LABELS})
+  add_test(NAME ${name} COMMAND ${ARG_COMMAND})
+  set_tests_properties(${name} PROPERTIES LABELS "${labels}" TIMEOUT ${timeout} SKIP_RETURN_CODE 77
+    ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache;PYTHONDONTWRITEBYTECODE=1;${ARG_ENVIRONMENT}")
+endfunction()
+
+# rayloc_fuzzer(NAME SOURCE file DEPENDS target...): a libFuzzer program under RAYLOC_FUZZ, in every
+# other build a plain one; ctest replays tests/fuzz/corpus/NAME in both.
+function(rayloc_fuzzer name)
+  cmake_parse_arguments(ARG "" "SOURCE" "DEPENDS" ${ARGN})
+  if(RAYLOC_SANITIZE MATCHES "thread")
+    return()
+  endif()
+  add_executable(fuzz_${name} ${ARG_SOURCE})
+  target_link_libraries(fuzz_${name} PRIVATE rayloc_warnings ${ARG_DEPENDS})
+  set(replay -runs=0)  # libFuzzer: every input of the corpus once, no new ones
+  if(RAYLOC_FUZZ)
+    target_compile_options(fuzz_${name} PRIVATE -fsanitize=fuzzer-no-link)
+    target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+  else()
+    target_sources(fuzz_${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests/fuzz/replay_corpus.cpp")
+    set(replay)
+  endif()
+  add_dependencies(rayloc_tests fuzz_${name})
+  set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
+  add_test(NAME ${test}
+           COMMAND fuzz_${name} ${replay} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
+  set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
+endfunction()
