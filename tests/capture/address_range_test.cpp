@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::address_range_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -55,4 +55,4 @@ TEST(AddressRange, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::address_range_test

@@ -8,7 +8,7 @@
 #include "capture/decode/decoder_registry.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::axcsi_decoder_test {
 namespace {
 
 // A good datagram whose two bytes at `offset` are replaced.
@@ -55,4 +55,4 @@ TEST(AxcsiDecoder, AnyTruncationIsRefused) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::axcsi_decoder_test

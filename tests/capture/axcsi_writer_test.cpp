@@ -14,7 +14,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::axcsi_writer_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -173,4 +173,4 @@ INSTANTIATE_TEST_SUITE_P(Formats,
                          [](const auto& layout) { return std::string(layout.param.name); });
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::axcsi_writer_test

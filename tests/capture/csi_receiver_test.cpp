@@ -15,7 +15,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::csi_receiver_test {
 namespace {
 
 using test::Recording;
@@ -406,4 +406,4 @@ TEST(CsiReceiver, AFixedFormatRefusesTheOthers) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::csi_receiver_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::event_clock_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -92,4 +92,4 @@ TEST(EventClock, TakesReadingJitterForNoStep) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::event_clock_test

@@ -9,7 +9,7 @@
 
 #include "capture/source/record_times.h"
 
-namespace rayloc {
+namespace rayloc::field_little_damage_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -105,4 +105,4 @@ TEST(Field, AClockThatWasSetBackBetweenSalvosLosesNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_little_damage_test

@@ -12,7 +12,7 @@
 #include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
 
-namespace rayloc {
+namespace rayloc::field_recordings_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -490,4 +490,4 @@ TEST(Field, AStampAheadOfTheLiveClockGovernsNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_recordings_test

@@ -14,7 +14,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::frame_decoder_test {
 namespace {
 
 using test::Recording;
@@ -165,4 +165,4 @@ TEST(DecoderRegistry, EveryRowIsNamedAsItsDecoder) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::frame_decoder_test

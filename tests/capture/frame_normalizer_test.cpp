@@ -15,7 +15,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::frame_normalizer_test {
 namespace {
 
 using test::Recording;
@@ -273,4 +273,4 @@ TEST(FrameNormalizer, OnlyZerosGiveTheWholeChannel) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::frame_normalizer_test

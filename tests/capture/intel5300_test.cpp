@@ -22,7 +22,7 @@
 #include "capture/source/recorded_source.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::intel5300_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -388,4 +388,4 @@ TEST_F(RealIntel5300, ReadsTheExtendedHeaderToTheTornEnd) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::intel5300_test

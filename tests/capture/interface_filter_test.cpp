@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::interface_filter_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -67,4 +67,4 @@ TEST_F(Interfaces, AFloodElsewhereCostsOneLookUpASecond) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::interface_filter_test

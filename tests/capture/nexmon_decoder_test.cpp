@@ -6,7 +6,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::nexmon_decoder_test {
 namespace {
 
 using test::Recording;
@@ -82,4 +82,4 @@ TEST(NexmonDecoder, NamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::nexmon_decoder_test

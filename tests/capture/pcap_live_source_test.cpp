@@ -10,7 +10,7 @@
 
 #include "capture/source/udp_source.h"
 
-namespace rayloc {
+namespace rayloc::pcap_live_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,4 +100,4 @@ TEST_F(PcapLiveSourceTest, RefusesAnInterfaceThatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::pcap_live_source_test

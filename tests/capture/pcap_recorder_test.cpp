@@ -17,7 +17,7 @@
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::pcap_recorder_test {
 namespace {
 
 using test::ByteString;
@@ -276,4 +276,4 @@ TEST(PcapRecorder, LeavesWholeRecordsWhenKilled) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::pcap_recorder_test

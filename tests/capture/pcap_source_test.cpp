@@ -11,7 +11,7 @@
 
 #include "tests/support/pcap_files.h"
 
-namespace rayloc {
+namespace rayloc::pcap_source_test {
 namespace {
 
 using test::ByteString;
@@ -386,4 +386,4 @@ TEST(PcapFileSource, DeliversFromAPipeAsPacketsArrive) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::pcap_source_test

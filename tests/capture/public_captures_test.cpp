@@ -14,7 +14,7 @@
 #include "engine/base/constants.h"
 #include "tests/support/public_captures.h"
 
-namespace rayloc {
+namespace rayloc::public_captures_test {
 namespace {
 
 using test::PublicCaptures;
@@ -212,4 +212,4 @@ TEST_F(PublicCaptures, NexmonOccupancyIsFoundByEnergy) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::public_captures_test

@@ -15,7 +15,7 @@
 #include "tests/support/mat_file.h"
 #include "tests/support/public_captures.h"
 
-namespace rayloc {
+namespace rayloc::public_converters_test {
 namespace {
 
 using test::PublicCaptures;
@@ -202,4 +202,4 @@ TEST_F(PublicCaptures, UbilocateIsReadAsTheFirmwareWritesIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::public_converters_test

@@ -9,7 +9,7 @@
 
 #include "capture/decode/decoder_registry.h"
 
-namespace rayloc {
+namespace rayloc::radio_channel_test {
 namespace {
 
 TEST(Field, AChanspecNamesTheCentreAndTheWidthOfItsChannel) {
@@ -42,4 +42,4 @@ TEST(Field, EachBroadcomFormatTellsItsChannel) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::radio_channel_test

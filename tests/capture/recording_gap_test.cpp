@@ -8,7 +8,7 @@
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::recording_gap_test {
 namespace {
 
 Timestamp at(std::int64_t microseconds) {
@@ -73,4 +73,4 @@ TEST(RecordingGap, TheReaderCountsItAndGivesTheRest) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::recording_gap_test

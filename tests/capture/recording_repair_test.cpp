@@ -14,7 +14,7 @@
 #include "tests/support/pcap_files.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::recording_repair_test {
 namespace {
 
 using test::ByteString;
@@ -121,4 +121,4 @@ TEST_F(RecordingRepairTest, LeavesAloneWhatSomebodyWrites) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::recording_repair_test

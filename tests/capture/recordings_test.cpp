@@ -11,7 +11,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::recordings_test {
 namespace {
 
 using test::NexmonChip;
@@ -154,4 +154,4 @@ TEST(Recordings, NexmonOfEveryChipAndVersion) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::recordings_test

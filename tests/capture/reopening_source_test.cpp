@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::reopening_source_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -153,4 +153,4 @@ TEST_F(ReopeningSourceTest, TimeGoesOnMeanwhileAndNeverBack) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::reopening_source_test

@@ -16,7 +16,7 @@
 #include "capture/source/transport_schemes.h"
 #include "capture/transport/sink_queue.h"
 
-namespace rayloc {
+namespace rayloc::transport_scheme_test {
 namespace {
 
 using testing::ElementsAre;
@@ -214,4 +214,4 @@ TEST(TransportScheme, WhatCannotBeSentIsSaid) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::transport_scheme_test

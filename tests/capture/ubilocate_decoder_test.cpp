@@ -8,7 +8,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::ubilocate_decoder_test {
 namespace {
 
 std::vector<std::byte> good() { return test::write_ubilocate({}, Timestamp())[1].payload; }
@@ -80,4 +80,4 @@ TEST(DecoderRegistry, KnowsItsNames) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::ubilocate_decoder_test

@@ -16,7 +16,7 @@
 
 #include "capture/transport/udp_address.h"
 
-namespace rayloc {
+namespace rayloc::udp_source_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -330,4 +330,4 @@ TEST(UdpAddress, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::udp_source_test

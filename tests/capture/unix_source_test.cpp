@@ -16,7 +16,7 @@
 
 #include "capture/transport/relay_sender.h"
 
-namespace rayloc {
+namespace rayloc::unix_source_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -257,4 +257,4 @@ TEST_F(UnixSourceTest, TakesASocketThatSystemdPasses) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::unix_source_test

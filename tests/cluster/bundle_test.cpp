@@ -14,7 +14,7 @@
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::bundle_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -166,4 +166,4 @@ TEST(SiteBundle, WritesNothingOutsideOfItsFolder) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::bundle_test

@@ -17,7 +17,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/numbered_sender.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::capture_node_test {
 namespace {
 
 using e2e::LiveDaemon;
@@ -154,4 +154,4 @@ TEST(CaptureNode, ARoleWithoutServersIsRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::capture_node_test

@@ -22,7 +22,7 @@
 #include "tests/cluster/nats_server.h"
 #include "tests/cluster/one_site.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::fault_test {
 namespace {
 
 constexpr std::chrono::seconds kFrozen{3};  // longer than a lease
@@ -247,4 +247,4 @@ TEST_F(Faults, OfTheOnlyWorkerAreOverWhenItIsBegunAgain) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::fault_test

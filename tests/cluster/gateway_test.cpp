@@ -15,7 +15,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::gateway_test {
 namespace {
 
 using e2e::LiveDaemon;
@@ -184,4 +184,4 @@ TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::gateway_test

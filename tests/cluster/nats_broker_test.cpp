@@ -26,7 +26,7 @@
 #include "tests/daemon/cluster/some_batch.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::nats_broker_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -437,4 +437,4 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::nats_broker_test

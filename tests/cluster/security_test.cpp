@@ -22,7 +22,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::security_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -312,4 +312,4 @@ TEST(WithoutTheModule, ARoleIsRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::security_test

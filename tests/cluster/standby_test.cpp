@@ -24,7 +24,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::standby_test {
 namespace {
 
 using e2e::LiveDaemon;
@@ -224,4 +224,4 @@ TEST_F(HotStandby, TellsOfAnOwnerThatSaysSomethingElse) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::standby_test

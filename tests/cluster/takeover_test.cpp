@@ -17,7 +17,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::takeover_test {
 namespace {
 
 using e2e::LiveDaemon;
@@ -276,4 +276,4 @@ TEST_F(TakeOver, OfAWorkerThatIsAskedToLeave) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::takeover_test

@@ -22,7 +22,7 @@
 #include "tests/cluster/nats_servers.h"
 #include "tests/cluster/one_site.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::three_servers_test {
 namespace {
 
 // Longer than servers wait until they choose another leader, which is 4 to 9 s.
@@ -169,4 +169,4 @@ TEST_F(ThreeServers, LoseNothingThatTheyHaveAcknowledged) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::three_servers_test

@@ -16,7 +16,7 @@
 #include "tests/e2e/listener.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::cluster {
+namespace rayloc::cluster::worker_test {
 namespace {
 
 using e2e::Listener;
@@ -145,4 +145,4 @@ TEST(Worker, HasNoSourcesOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace rayloc::cluster
+}  // namespace rayloc::cluster::worker_test

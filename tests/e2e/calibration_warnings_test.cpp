@@ -11,7 +11,7 @@
 
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::calibration_warnings_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -113,4 +113,4 @@ TEST_F(CalibrationWarnings, OfANewPowerCycleReachJournalHeartbeatAndLocations) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::calibration_warnings_test

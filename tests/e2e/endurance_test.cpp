@@ -13,7 +13,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::endurance_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -158,4 +158,4 @@ TEST(Endurance, LateSubscribersGetEverySequenceOnce) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::endurance_test

@@ -19,7 +19,7 @@
 #include "tests/e2e/stated.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::faults_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -388,4 +388,4 @@ TEST(Faults, AFloodOfSubscribersIsCountedAndCostsNobodyAMessage) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::faults_test

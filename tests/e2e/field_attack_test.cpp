@@ -16,7 +16,7 @@
 #include "tests/support/endless_message.h"
 #include "tests/support/hostile_client.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::field_attack_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -186,4 +186,4 @@ TEST(Field, RaylocdNamesTheLimitOfDescriptorsThatIsTooLow) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::field_attack_test

@@ -11,7 +11,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/support/hostile_client.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::handshake_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -108,4 +108,4 @@ TEST(Handshakes, NorDoTheyWhereKeysAreAskedFor) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::handshake_test

@@ -11,7 +11,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::http_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -364,4 +364,4 @@ TEST(Http, ATokenThatSystemdPassesIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::http_test

@@ -12,7 +12,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::journal_test {
 namespace {
 
 using ::testing::IsSupersetOf;
@@ -74,4 +74,4 @@ TEST(Journal, IsNotWrittenToWhenStandardErrorIsAnotherFile) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::journal_test

@@ -21,7 +21,7 @@
 #include "tests/e2e/notify_socket.h"
 #include "tests/e2e/unit_filters.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::lifecycle_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -344,4 +344,4 @@ TEST(LifeCycle, TakesPassedSocketsAndNeedsNoNetworkOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::lifecycle_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::listening_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -122,4 +122,4 @@ TEST(Listening, NothingListensBeyondLoopbackUnlessTheConfigurationSaysSo) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::listening_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/shifted_clock.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::live_test {
 namespace {
 
 constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
@@ -213,4 +213,4 @@ TEST(Live, ReplayOfWhatItRecordedGivesTheSameMessages) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::live_test

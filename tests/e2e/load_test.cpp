@@ -12,7 +12,7 @@
 #include "tests/e2e/numbered_sender.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::load_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{120};
@@ -110,4 +110,4 @@ TEST(Load, CountsEveryLossOfAnOverload) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::load_test

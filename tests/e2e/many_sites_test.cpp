@@ -18,7 +18,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::many_sites_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -412,4 +412,4 @@ TEST(ManySites, AreLocatedAsEachWouldBeAlone) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::many_sites_test

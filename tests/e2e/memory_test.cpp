@@ -22,7 +22,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::memory_test {
 namespace {
 
 using ::testing::StartsWith;
@@ -381,4 +381,4 @@ TEST(Endurance, MemoryOfABacklogGoesBack) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::memory_test

@@ -15,7 +15,7 @@
 
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::people_test {
 namespace {
 
 constexpr std::array kAccessPoints = {"ap1", "ap2", "ap3"};
@@ -168,4 +168,4 @@ TEST_F(People, AreFoundByTheDaemonAndPublished) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::people_test

@@ -12,7 +12,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::privacy_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -190,4 +190,4 @@ TEST(Privacy, AReplayWithTheKeyGivesTheVeryHashes) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::privacy_test

@@ -17,7 +17,7 @@
 #include "tests/e2e/raw_figures.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::publish_load_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -178,4 +178,4 @@ TEST(PublishLoad, OneStoppedSubscriberCostsTheOtherFourNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::publish_load_test

@@ -24,7 +24,7 @@
 #include "tests/e2e/numbered_sender.h"
 #include "tests/e2e/stated.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::recorder_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -357,4 +357,4 @@ TEST(Recorder, WritesWhatCameLatelyWhenAsked) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::recorder_test

@@ -16,7 +16,7 @@
 #include "tests/e2e/notify_socket.h"
 #include "tests/e2e/unit_filters.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::sandbox_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST(Sandbox, TheFiltersOfTheTestsRefuseWhatTheUnitDoes) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::sandbox_test

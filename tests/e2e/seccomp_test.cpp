@@ -10,7 +10,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/unit_filters.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::seccomp_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -89,4 +89,4 @@ TEST_F(Seccomp, ACallThatIsMissingShows) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::seccomp_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::second_daemon_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -176,4 +176,4 @@ TEST_F(SecondDaemon, OnAPathSaysSoAndTheFirstKeepsIt) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::second_daemon_test

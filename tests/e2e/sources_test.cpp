@@ -27,7 +27,7 @@
 #include "tests/e2e/stated.h"
 #include "tests/e2e/unit_filters.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::sources_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -271,4 +271,4 @@ TEST_F(Sources, File) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::sources_test

@@ -13,7 +13,7 @@
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/notify_socket.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::stalled_log_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -59,4 +59,4 @@ TEST(StalledLog, StopsNeitherTheWatchdogNorAnybodyElse) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::stalled_log_test

@@ -11,7 +11,7 @@
 
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::stuck_stop_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -83,4 +83,4 @@ TEST(StuckStop, TheOthersFinishAndTheGuiltyOneIsNamed) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::stuck_stop_test

@@ -9,7 +9,7 @@
 
 #include "tests/e2e/live_daemon.h"
 
-namespace rayloc::e2e {
+namespace rayloc::e2e::zones_test {
 namespace {
 
 using nlohmann::json;
@@ -189,4 +189,4 @@ TEST(Zones, ArePublishedAndToldToThoseWhoComeLate) {
 }
 
 }  // namespace
-}  // namespace rayloc::e2e
+}  // namespace rayloc::e2e::zones_test

@@ -9,7 +9,7 @@
 
 #include "tests/daemon/calibrate/sample_report.h"
 
-namespace rayloc {
+namespace rayloc::calibration_report_test {
 namespace {
 
 std::string without_doctype(const std::string& html) { return html.substr(html.find("<html")); }
@@ -228,4 +228,4 @@ TEST(CalibrationReport, SaysThatItWasInterrupted) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibration_report_test

@@ -9,7 +9,7 @@
 #include "daemon/calibrate/report/expectation.h"
 #include "tests/daemon/calibrate/sample_report.h"
 
-namespace rayloc {
+namespace rayloc::calibration_verdict_test {
 namespace {
 
 // Twelve points held out at the first access point, three of them located.
@@ -164,4 +164,4 @@ TEST(Expectation, AdvisesToMeasureThePointsWhereTheirPlacesLimitIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibration_verdict_test

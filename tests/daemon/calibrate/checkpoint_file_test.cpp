@@ -8,7 +8,7 @@
 #include "daemon/site/site_copy.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::checkpoint_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST_F(CheckpointFile, SaysWhenThereIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::checkpoint_file_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::held_out_fixes_test {
 namespace {
 
 constexpr int kSpots = 16;
@@ -121,4 +121,4 @@ TEST(HeldOutFixes, FewSpotsTellNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::held_out_fixes_test

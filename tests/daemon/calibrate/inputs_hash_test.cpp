@@ -9,7 +9,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::inputs_hash_test {
 namespace {
 
 // What a calibration may start from.
@@ -60,4 +60,4 @@ TEST(InputsHash, ChangesWithEverythingThatACalibrationStartsFrom) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::inputs_hash_test

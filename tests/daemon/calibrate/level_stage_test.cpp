@@ -11,7 +11,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::level_stage_test {
 namespace {
 
 const MacAddress kDevice = *parse_mac_address("02:52:4c:00:00:01");
@@ -112,4 +112,4 @@ TEST_F(LevelStage, CountsNeitherFramesOfOthersNorThoseWithoutALevel) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::level_stage_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::parameter_change_test {
 namespace {
 
 constexpr double kWavelength = 0.058;  // [m]: a uniform error over half of it has 8.4 mm
@@ -52,4 +52,4 @@ TEST(ParameterChanges, WarnOfWhatLiesFarFromThePrior) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::parameter_change_test

@@ -12,7 +12,7 @@
 #include "engine/scene/scene.h"
 #include "tests/daemon/calibrate/sample_report.h"
 
-namespace rayloc {
+namespace rayloc::report_figures_test {
 namespace {
 
 using draw::Drawing;
@@ -99,4 +99,4 @@ TEST(FitDistribution, HasACurveForThePlanAndEachMethod) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::report_figures_test

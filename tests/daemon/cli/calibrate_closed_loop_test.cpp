@@ -23,7 +23,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::calibrate_closed_loop_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -254,4 +254,4 @@ TEST_F(CalibrateClosedLoop, BothMethodsStandSideBySide) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibrate_closed_loop_test

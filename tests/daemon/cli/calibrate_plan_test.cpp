@@ -12,7 +12,7 @@
 #include "daemon/survey/planned_points.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::cli {
+namespace rayloc::cli::calibrate_plan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ TEST_F(CalibratePlan, SaysWhatSoManyPointsWereWorth) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::calibrate_plan_test

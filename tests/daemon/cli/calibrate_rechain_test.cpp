@@ -17,7 +17,7 @@
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::calibrate_rechain_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -289,4 +289,4 @@ TEST_F(RechainVerb, RefusesWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibrate_rechain_test

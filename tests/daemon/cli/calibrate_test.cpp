@@ -14,7 +14,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::calibrate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -448,4 +448,4 @@ TEST_F(Field, CalibrateSaysThatASurveyInDisorderIsNoSuccess) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibrate_test

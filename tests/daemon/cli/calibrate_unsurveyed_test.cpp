@@ -15,7 +15,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::calibrate_unsurveyed_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST_F(UnsurveyedVerb, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibrate_unsurveyed_test

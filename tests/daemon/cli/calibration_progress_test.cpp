@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::cli {
+namespace rayloc::cli::calibration_progress_test {
 namespace {
 
 CalibrationProgress fitting() { return {{"fit", 12, 0.31214, 0.8713}, 0.5, 57}; }
@@ -43,4 +43,4 @@ TEST(CalibrationProgressText, GuessesWhatIsLeftFromWhatThisRunDid) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::calibration_progress_test

@@ -13,6 +13,7 @@
 
 #include "tests/support/test_paths.h"
 
+namespace rayloc::check_config_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -171,3 +172,4 @@ TEST_F(CheckConfig, ConfigNeedsToKnowWhat) {
 }
 
 }  // namespace
+}  // namespace rayloc::check_config_test

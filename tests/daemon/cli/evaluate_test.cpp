@@ -10,7 +10,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::evaluate_test {
 namespace {
 
 class EvaluatedFiles {
@@ -240,4 +240,4 @@ TEST_F(Evaluate, ExitsWith65AtBadDataAnd64AtBadUsage) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::evaluate_test

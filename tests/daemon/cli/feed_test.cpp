@@ -6,7 +6,7 @@
 #include "daemon/feed/feed_writer.h"
 #include "daemon/feed/message_filter.h"
 
-namespace rayloc::cli {
+namespace rayloc::cli::feed_test {
 namespace {
 
 v1::Envelope parsed(const std::string& text) {
@@ -154,4 +154,4 @@ TEST(FeedWriter, CsvBeginsWithItsHeader) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::feed_test

@@ -18,7 +18,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::field_recordings_verbs_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -194,4 +194,4 @@ TEST(Field, VerbsSayWhatACaptureInMonitorModeIs) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_recordings_verbs_test

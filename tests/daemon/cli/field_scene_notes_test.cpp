@@ -11,7 +11,7 @@
 
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::field_scene_notes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -101,4 +101,4 @@ TEST_F(FieldSceneNotes, MistakesOfASceneAreALineEach) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_scene_notes_test

@@ -11,7 +11,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::frames_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -120,4 +120,4 @@ TEST(Frames, SaysWhatIsWrongByExitStatus) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::frames_test

@@ -10,7 +10,7 @@
 #include "tests/support/test_paths.h"
 #include "tests/support/verb_folder.h"
 
-namespace rayloc {
+namespace rayloc::lived_in_office_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -111,4 +111,4 @@ TEST_F(LivedInOffice, IsLocatedOnTheSecondDayOnceItsChainsAreRenewed) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::lived_in_office_test

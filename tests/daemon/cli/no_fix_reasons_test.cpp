@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::cli {
+namespace rayloc::cli::no_fix_reasons_test {
 namespace {
 
 Location without_fix(const std::string& reason) {
@@ -40,4 +40,4 @@ TEST(Field, ReasonsWithoutAFixThatNobodyWouldReadAreCountedTogether) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::no_fix_reasons_test

@@ -19,7 +19,7 @@
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::reference_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -381,4 +381,4 @@ TEST_F(ReferenceVerb, RefusesAReferenceOfAnotherCalibration) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::reference_test

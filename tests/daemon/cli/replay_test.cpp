@@ -10,7 +10,7 @@
 #include "tests/support/test_paths.h"
 #include "tests/support/verb_folder.h"
 
-namespace rayloc {
+namespace rayloc::replay_test {
 namespace {
 
 const std::string kSite = test::data_path("/sites/meeting_room");
@@ -135,4 +135,4 @@ TEST_F(CutReplay, IsGoneOnWith) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::replay_test

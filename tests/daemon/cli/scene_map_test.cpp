@@ -12,7 +12,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::scene_map_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST_F(SceneMap, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scene_map_test

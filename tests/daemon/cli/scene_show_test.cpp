@@ -14,7 +14,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::scene_show_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -139,4 +139,4 @@ TEST_F(SceneShow, HelpHasAnExample) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scene_show_test

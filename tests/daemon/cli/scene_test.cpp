@@ -11,7 +11,7 @@
 
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -379,4 +379,4 @@ TEST_F(SceneVerb, HelpHasAnExample) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scene_test

@@ -21,7 +21,7 @@
 #include "tests/support/pcap_files.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::send_record_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -341,4 +341,4 @@ TEST(Record, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::send_record_test

@@ -18,7 +18,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/verb_folder.h"
 
-namespace rayloc {
+namespace rayloc::simulate_lived_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -245,4 +245,4 @@ TEST_F(SimulateLived, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::simulate_lived_test

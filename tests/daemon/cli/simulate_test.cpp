@@ -18,7 +18,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/verb_folder.h"
 
-namespace rayloc {
+namespace rayloc::simulate_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -262,4 +262,4 @@ TEST_F(SimulateVerb, WhatIsSimulatedIsCalibratedAndLocatedToCentimetres) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::simulate_test

@@ -14,7 +14,7 @@
 #include "rayloc/v1/heartbeat.pb.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::sub_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -206,4 +206,4 @@ TEST(Sub, AnEndpointThatCannotBeUnderstoodIsAUsageError) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::sub_test

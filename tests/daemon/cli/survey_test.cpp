@@ -22,7 +22,7 @@
 #include "tests/support/test_paths.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::survey_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -301,4 +301,4 @@ TEST_F(SurveyVerb, IsToldWhereToListen) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::survey_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::cli {
+namespace rayloc::cli::top_snapshot_test {
 namespace {
 
 TEST(UsualSnapshot, IsBesideTheUsualPortAlone) {
@@ -17,4 +17,4 @@ TEST(UsualSnapshot, IsBesideTheUsualPortAlone) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::top_snapshot_test

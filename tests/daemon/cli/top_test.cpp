@@ -24,7 +24,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::top_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -307,4 +307,4 @@ TEST(Top, SaysThatNobodyIsThere) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::top_test

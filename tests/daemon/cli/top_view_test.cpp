@@ -11,7 +11,7 @@
 #include "daemon/feed/top_view.h"
 #include "daemon/terminal/text_table.h"
 
-namespace rayloc::cli {
+namespace rayloc::cli::top_view_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -309,4 +309,4 @@ TEST(Field, AgesAreForPeople) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::top_view_test

@@ -9,7 +9,7 @@
 #include "daemon/arguments/number_list.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc::cli {
+namespace rayloc::cli::trace_arguments_test {
 namespace {
 
 TEST(NumberList, ReadsPoints) {
@@ -114,4 +114,4 @@ TEST(GradientArgument, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace rayloc::cli
+}  // namespace rayloc::cli::trace_arguments_test

@@ -10,7 +10,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::trace_processors_test {
 namespace {
 
 using nlohmann::json;
@@ -50,4 +50,4 @@ TEST(TraceVerb, GivesTheSamePathsWithoutWideVectors) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::trace_processors_test

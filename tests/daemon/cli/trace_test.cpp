@@ -20,7 +20,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::trace_test {
 namespace {
 
 using nlohmann::json;
@@ -301,4 +301,4 @@ TEST(TraceVerb, UnusableScenesAreRefusedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::trace_test

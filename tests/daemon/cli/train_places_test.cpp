@@ -18,7 +18,7 @@
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::train_places_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,4 +362,4 @@ TEST_F(TrainPlaces, MethodsOfWalkersRefuseInWords) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::train_places_test

@@ -14,7 +14,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::train_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -325,4 +325,4 @@ TEST_F(TrainVerb, IsKeptByACopyOfTheSameCalibration) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::train_test

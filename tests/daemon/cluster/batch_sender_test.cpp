@@ -14,7 +14,7 @@
 #include "tests/daemon/cluster/some_batch.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::batch_sender_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -237,4 +237,4 @@ TEST_F(CaptureNode, MakesTheStreamAgainWhenTheBrokerHasForgottenIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::batch_sender_test

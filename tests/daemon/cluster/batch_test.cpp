@@ -11,7 +11,7 @@
 #include "rayloc/v1/cluster.pb.h"
 #include "tests/daemon/cluster/some_batch.h"
 
-namespace rayloc {
+namespace rayloc::batch_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -137,4 +137,4 @@ TEST(Batch, RefusesTimesThatCannotBeTold) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::batch_test

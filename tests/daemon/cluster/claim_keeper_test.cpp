@@ -15,7 +15,7 @@
 #include "tests/daemon/cluster/fake_broker.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::claim_keeper_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -305,4 +305,4 @@ TEST(ClaimKeeper, NobodyLosesASiteBecauseTheBrokerIsAway) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::claim_keeper_test

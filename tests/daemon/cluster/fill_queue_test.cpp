@@ -4,7 +4,7 @@
 
 #include "tests/daemon/cluster/some_batch.h"
 
-namespace rayloc {
+namespace rayloc::fill_queue_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -49,4 +49,4 @@ TEST(FillQueue, KeepsTheNewestWhereThereIsNoRoom) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::fill_queue_test

@@ -10,7 +10,7 @@
 
 #include "tests/daemon/cluster/some_batch.h"
 
-namespace rayloc {
+namespace rayloc::numbered_ring_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -240,4 +240,4 @@ TEST(NumberedRing, TheLawHoldsAfterEveryStep) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::numbered_ring_test

@@ -14,7 +14,7 @@
 #include "tests/daemon/cluster/fake_broker.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::out_stage_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -296,4 +296,4 @@ TEST(OutStage, ASuccessorListensFromWhereTheOneBeforeWouldHave) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::out_stage_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::overload_rule_test {
 namespace {
 
 using std::chrono::seconds;
@@ -64,4 +64,4 @@ TEST(OverloadRule, ASiteThatHasJustComeStays) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::overload_rule_test

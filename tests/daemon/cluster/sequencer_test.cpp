@@ -12,7 +12,7 @@
 #include "daemon/cluster/numbered_ring.h"
 #include "tests/daemon/cluster/some_batch.h"
 
-namespace rayloc {
+namespace rayloc::sequencer_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -204,4 +204,4 @@ TEST(Sequencer, IsAFunctionOfTheRecords) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::sequencer_test

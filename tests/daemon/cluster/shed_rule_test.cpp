@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::shed_rule_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -47,4 +47,4 @@ TEST(ShedRule, KnowsNothingBeforeTheFirstInstant) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::shed_rule_test

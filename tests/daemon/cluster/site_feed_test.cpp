@@ -15,7 +15,7 @@
 #include "tests/daemon/cluster/some_batch.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::site_feed_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -213,4 +213,4 @@ TEST_F(Feed, AnAbsentBrokerIsTheTroubleOfEverySource) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_feed_test

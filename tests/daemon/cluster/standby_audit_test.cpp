@@ -16,7 +16,7 @@
 #include "tests/daemon/cluster/fake_broker.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::standby_audit_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -294,4 +294,4 @@ TEST(StandsBy, BeginsLateWhereTheStreamHasForgotten) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::standby_audit_test

@@ -9,7 +9,7 @@
 
 #include "tests/daemon/cluster/fake_broker.h"
 
-namespace rayloc {
+namespace rayloc::stream_reader_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -187,4 +187,4 @@ TEST_F(Stream, OneThatIsNotThereIsNamed) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::stream_reader_test

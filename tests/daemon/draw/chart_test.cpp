@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc::draw {
+namespace rayloc::draw::chart_test {
 namespace {
 
 constexpr Colour kBlue{0, 0, 255, 1.0};
@@ -124,4 +124,4 @@ TEST(Chart, NamesItsAxesAndCurves) {
 }
 
 }  // namespace
-}  // namespace rayloc::draw
+}  // namespace rayloc::draw::chart_test

@@ -12,7 +12,7 @@
 #include "daemon/draw/projection.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc::draw {
+namespace rayloc::draw::painter_order_test {
 namespace {
 
 const Vec3d kViewer = isometric_projection().towards_viewer;
@@ -152,4 +152,4 @@ TEST(PainterOrder, ManyFacesAreSortedByDistance) {
 }
 
 }  // namespace
-}  // namespace rayloc::draw
+}  // namespace rayloc::draw::painter_order_test

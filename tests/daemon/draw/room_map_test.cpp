@@ -10,7 +10,7 @@
 #include "daemon/draw/palette.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc::draw {
+namespace rayloc::draw::room_map_test {
 namespace {
 
 RoomMap map_of(const Scene& scene) {
@@ -116,4 +116,4 @@ TEST_F(RoomMapTest, KeepsEverythingOnThePage) {
 }
 
 }  // namespace
-}  // namespace rayloc::draw
+}  // namespace rayloc::draw::room_map_test

@@ -19,7 +19,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::draw {
+namespace rayloc::draw::scene_picture_test {
 namespace {
 
 std::shared_ptr<const Scene> meeting_room() {
@@ -314,4 +314,4 @@ TEST(Palette, StrongerIsDarker) {
 }
 
 }  // namespace
-}  // namespace rayloc::draw
+}  // namespace rayloc::draw::scene_picture_test

@@ -14,7 +14,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc::draw {
+namespace rayloc::draw::scene_shapes_test {
 namespace {
 
 double area_of(const std::vector<Vec3d>& corners) {
@@ -159,4 +159,4 @@ TEST(Labels, KnowThatAnUprightTextIsTall) {
 }
 
 }  // namespace
-}  // namespace rayloc::draw
+}  // namespace rayloc::draw::scene_shapes_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::error_statistics_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -214,4 +214,4 @@ TEST(ErrorStatistics, IntervalsHoldTheFigureAndRepeat) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::error_statistics_test

@@ -7,7 +7,7 @@
 #include "daemon/publish/proto_time.h"
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::estimates_file_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -127,4 +127,4 @@ TEST(EstimatesFile, SaysWhenTheFileCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::estimates_file_test

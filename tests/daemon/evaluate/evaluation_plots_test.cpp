@@ -7,7 +7,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::evaluation_plots_test {
 namespace {
 
 bool says(const draw::Drawing& drawing, const std::string& text) {
@@ -75,4 +75,4 @@ TEST(EvaluationPlots, ReliabilityCountsItsOutcomes) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::evaluation_plots_test

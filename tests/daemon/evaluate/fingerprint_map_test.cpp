@@ -4,7 +4,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::fingerprint_map_test {
 namespace {
 
 using test::frames_at;
@@ -66,4 +66,4 @@ TEST_F(FingerprintMapTest, SaysNothingWithoutFramesOrPoints) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::fingerprint_map_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::hypothesis_reliability_test {
 namespace {
 
 constexpr double kSigma = 0.1;  // [m]
@@ -82,4 +82,4 @@ TEST(HypothesisReliability, BinsByStatedProbability) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::hypothesis_reliability_test

@@ -4,7 +4,7 @@
 
 #include "daemon/survey/csv_table.h"
 
-namespace rayloc {
+namespace rayloc::truth_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -103,4 +103,4 @@ TEST(Truth, WithoutEstimatesNothingMatches) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::truth_test

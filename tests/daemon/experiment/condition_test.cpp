@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::condition_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -53,4 +53,4 @@ TEST(Condition, HelpNamesEveryKey) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::condition_test

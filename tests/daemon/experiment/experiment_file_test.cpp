@@ -7,7 +7,7 @@
 #include "daemon/simulate/second_day.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::experiment_file_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -128,4 +128,4 @@ TEST(ExperimentFile, TheShippedExperimentsAndTheirRoomsCanBeRead) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::experiment_file_test

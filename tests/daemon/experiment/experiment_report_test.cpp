@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-namespace rayloc {
+namespace rayloc::experiment_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST_F(ExperimentReport, ChartsHaveACurveForEachOtherAxis) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::experiment_report_test

@@ -7,7 +7,7 @@
 #include "tests/daemon/experiment/small_room.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::experiment_verb_test {
 namespace {
 
 constexpr const char* kExperiment = R"(name = "short"
@@ -62,4 +62,4 @@ TEST(ExperimentVerb, HelpListsTheKeys) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::experiment_verb_test

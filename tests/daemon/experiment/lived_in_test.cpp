@@ -12,7 +12,7 @@
 #include "daemon/experiment/study_world.h"
 #include "tests/daemon/experiment/small_room.h"
 
-namespace rayloc {
+namespace rayloc::lived_in_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -174,4 +174,4 @@ TEST_F(LivedInStudy, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::lived_in_test

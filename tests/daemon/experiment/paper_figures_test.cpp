@@ -16,7 +16,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::paper_figures_test {
 namespace {
 
 std::string content(const std::filesystem::path& file) {
@@ -101,4 +101,4 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_figures_test

@@ -5,7 +5,7 @@
 #include "daemon/experiment/experiment_report.h"
 #include "tests/daemon/experiment/small_room.h"
 
-namespace rayloc {
+namespace rayloc::run_experiment_test {
 namespace {
 
 constexpr const char* kStudies = R"(name = "short"
@@ -118,4 +118,4 @@ TEST_F(RunExperiment, NamesThePlanThatIsMissing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::run_experiment_test

@@ -9,7 +9,7 @@
 #include "engine/scene/scene.h"
 #include "tests/daemon/experiment/small_room.h"
 
-namespace rayloc {
+namespace rayloc::study_room_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -167,4 +167,4 @@ TEST_F(SimulateWorld, HearsAFixedTransmitterPastPeopleAndPastNobody) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::study_room_test

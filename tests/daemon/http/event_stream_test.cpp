@@ -9,7 +9,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::event_stream_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -183,4 +183,4 @@ TEST_F(EventStream, ABrowserGivesTheTokenAsAPassword) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::event_stream_test

@@ -6,7 +6,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::field_front_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -184,4 +184,4 @@ TEST(Field, HttpOriginsArePagesWithoutAPath) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_front_test

@@ -8,7 +8,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::field_silent_viewers_test {
 namespace {
 
 using testing::http_get;
@@ -70,4 +70,4 @@ TEST(Field, HttpConnectionsThatSayNothingMakeRoomWhenTheyHaveHadTheirChance) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_silent_viewers_test

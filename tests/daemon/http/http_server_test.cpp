@@ -14,7 +14,7 @@
 #include "tests/daemon/http/http_client.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::http_server_test {
 namespace {
 
 using ::testing::EndsWith;
@@ -358,4 +358,4 @@ TEST_F(HttpServerTest, ATakenPortIsAnError) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::http_server_test

@@ -7,7 +7,7 @@
 
 #include "rayloc/v1/heartbeat.pb.h"
 
-namespace rayloc {
+namespace rayloc::metrics_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -101,4 +101,4 @@ TEST(Metrics, HoldWhatIsAdded) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::metrics_test

@@ -15,7 +15,7 @@
 #include "daemon/import/wall_lines.h"
 #include "tests/daemon/import/import_files.h"
 
-namespace rayloc {
+namespace rayloc::dxf_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST(WallLines, AWindowCutsTheWallThatItStandsIn) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::dxf_test

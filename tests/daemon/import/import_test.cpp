@@ -15,7 +15,7 @@
 #include "daemon/import/recognise.h"
 #include "tests/daemon/import/import_files.h"
 
-namespace rayloc {
+namespace rayloc::import_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -202,4 +202,4 @@ TEST(MaterialTable, TheNameOfTheMaterialCountsBeforeThatOfTheObject) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::import_test

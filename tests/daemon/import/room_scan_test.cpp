@@ -13,7 +13,7 @@
 #include "engine/base/constants.h"
 #include "tests/daemon/import/import_files.h"
 
-namespace rayloc {
+namespace rayloc::room_scan_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -229,4 +229,4 @@ TEST_F(RoomScan, WhatIsNoScanIsNamedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_scan_test

@@ -22,7 +22,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::scan_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -221,4 +221,4 @@ TEST_F(Scanned, WithoutNamesFloorWallsAndCeilingAreFound) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scan_test

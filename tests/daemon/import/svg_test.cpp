@@ -13,7 +13,7 @@
 #include "daemon/import/svg_text.h"
 #include "tests/daemon/import/import_files.h"
 
-namespace rayloc {
+namespace rayloc::svg_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -319,4 +319,4 @@ TEST(SvgText, LengthsKnowTheirUnit) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::svg_test

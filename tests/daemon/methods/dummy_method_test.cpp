@@ -15,7 +15,7 @@
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::dummy_method_test {
 namespace {
 
 using ::testing::ContainsRegex;
@@ -181,4 +181,4 @@ TEST_F(Dummy, LocatesLive) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::dummy_method_test

@@ -7,7 +7,7 @@
 
 #include "engine/paper/paper_settings.h"
 
-namespace rayloc {
+namespace rayloc::method_registry_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -50,4 +50,4 @@ TEST(MethodRegistry, PaperHasAllThatItsSettingsTell) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::method_registry_test

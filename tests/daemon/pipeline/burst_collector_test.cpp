@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::burst_collector_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -185,4 +185,4 @@ TEST_F(BurstCollectorTest, ABurstOfWhichNothingCameIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::burst_collector_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::burst_queue_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -190,4 +190,4 @@ TEST(Field, BurstQueueHoldsABoundedNumberOfFrames) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::burst_queue_test

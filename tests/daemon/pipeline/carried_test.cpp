@@ -6,7 +6,7 @@
 #include "daemon/pipeline/output/carried_message.h"
 #include "daemon/publish/json.h"
 
-namespace rayloc {
+namespace rayloc::carried_test {
 namespace {
 
 constexpr Timestamp kStart{std::chrono::seconds(1'718'000'000)};
@@ -151,4 +151,4 @@ TEST(CarriedMessage, OfASmallSiteIsSmall) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::carried_test

@@ -13,7 +13,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::datagram_ring_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -161,4 +161,4 @@ TEST_F(RingSnapshotsTest, DisturbsNoReceiver) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::datagram_ring_test

@@ -11,7 +11,7 @@
 #include "daemon/pipeline/pipeline.h"
 #include "tests/support/wire_writer.h"
 
-namespace rayloc {
+namespace rayloc::field_crowd_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -187,4 +187,4 @@ TEST(Field, PipelineReplaysACrowdWithoutDroppingAnybody) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_crowd_test

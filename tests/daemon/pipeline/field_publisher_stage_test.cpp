@@ -11,7 +11,7 @@
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::field_publisher_stage_test {
 namespace {
 
 TEST(Field, PublisherStageAsksForNoStatusOnceItHasHalted) {
@@ -127,4 +127,4 @@ TEST(LastMessagesOfSites, OneThatHasManyTopicsDisplacesNoneOfAnother) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_publisher_stage_test

@@ -6,7 +6,7 @@
 #include "daemon/pipeline/zones/zone_estimator.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::field_rank_test {
 namespace {
 
 TEST(Field, DeviceEstimatorRanksTheTransmittersOfTheSiteFirst) {
@@ -25,4 +25,4 @@ TEST(Field, DeviceEstimatorRanksTheTransmittersOfTheSiteFirst) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_rank_test

@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace rayloc {
+namespace rayloc::frame_mailbox_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -168,4 +168,4 @@ TEST(FrameMailbox, ManyFramesOfOneInstantDoNotBlockAReplay) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::frame_mailbox_test

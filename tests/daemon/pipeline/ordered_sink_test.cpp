@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::ordered_sink_test {
 namespace {
 
 Timestamp at(int ms) { return Timestamp(std::chrono::milliseconds(ms)); }
@@ -63,4 +63,4 @@ TEST(OrderedSink, WritesASnapshotBeforeTheTrackersEstimate) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::ordered_sink_test

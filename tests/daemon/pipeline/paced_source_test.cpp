@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::paced_source_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -84,4 +84,4 @@ TEST(Field, APaceDoesNotWaitForAGap) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paced_source_test

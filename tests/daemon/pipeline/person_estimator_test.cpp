@@ -23,7 +23,7 @@
 #include "tests/support/closet_plan.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::person_estimator_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -328,4 +328,4 @@ TEST_F(PeopleOfTwoTransmitters, AreLocatedByThePapersMethodToo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_estimator_test

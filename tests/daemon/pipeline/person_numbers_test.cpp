@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace rayloc {
+namespace rayloc::person_numbers_test {
 namespace {
 
 using testing::ElementsAre;
@@ -39,4 +39,4 @@ TEST(PersonNumbers, OfTheTrackGoToWhoIsSeen) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_numbers_test

@@ -15,7 +15,7 @@
 #include "daemon/publish/location_message.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::pipeline_test {
 namespace {
 
 const std::string kSite = test::data_path("/sites/meeting_room/");
@@ -231,4 +231,4 @@ TEST(Pipeline, StopsWhileARecordingIsPlayed) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::pipeline_test

@@ -13,7 +13,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::playback_source_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -192,4 +192,4 @@ TEST_F(PlayedRecordings, StopWhileTheyArePaused) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::playback_source_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::playback_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -145,4 +145,4 @@ TEST(Field, APlayTimeLeavesOutTheLongestGaps) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::playback_test

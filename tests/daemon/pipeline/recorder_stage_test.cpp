@@ -9,7 +9,7 @@
 #include "capture/source/pcap_source.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::recorder_stage_test {
 namespace {
 
 class RecorderStageTest : public ::testing::Test {
@@ -78,4 +78,4 @@ TEST_F(RecorderStageTest, DropsTheNewestCountsAndMarksIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::recorder_stage_test

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <set>
 
-namespace rayloc {
+namespace rayloc::recording_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -106,4 +106,4 @@ TEST_F(RecordingFolderTest, RemovesTheOldestUntilTheRestFits) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::recording_folder_test

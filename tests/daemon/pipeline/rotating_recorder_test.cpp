@@ -16,7 +16,7 @@
 #include "daemon/pipeline/record/recording_folder.h"
 #include "tests/support/read_to_end.h"
 
-namespace rayloc {
+namespace rayloc::rotating_recorder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -338,4 +338,4 @@ TEST(Field, ARecorderMakesItsFolderAgainForTheNextFile) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::rotating_recorder_test

@@ -19,7 +19,7 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/rayloc_process.h"
 
-namespace rayloc {
+namespace rayloc::turned_chains_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -177,4 +177,4 @@ TEST_F(TurnedChains, AreNotBelievedUntilTheyAreLearnedAndThenKept) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::turned_chains_test

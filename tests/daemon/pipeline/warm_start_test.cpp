@@ -16,7 +16,7 @@
 #include "daemon/publish/location_message.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::warm_start_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -192,4 +192,4 @@ TEST(WarmStart, RefusesAMomentBeforeTheRecords) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::warm_start_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::zone_watch_test {
 namespace {
 
 constexpr Timestamp kStart{std::chrono::seconds(1'718'000'000)};
@@ -264,4 +264,4 @@ TEST(ZoneWatch, ASuccessorGoesOnWithTheStays) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::zone_watch_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::planned_room_test {
 namespace {
 
 Site meeting_room() { return *load_site(test::data_path("/sites/meeting_room")); }
@@ -75,4 +75,4 @@ TEST(PlannedRoom, MovesTheAntennasOfARowAboutItsMiddle) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::planned_room_test

@@ -14,7 +14,7 @@
 #include "daemon/scene/solid_around.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::prediction_test {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -92,4 +92,4 @@ TEST(LookAlikes, AreCountedWhereTheyAreTakenForTheSame) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::prediction_test

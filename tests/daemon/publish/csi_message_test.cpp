@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::csi_message_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -62,4 +62,4 @@ TEST(CsiMessage, StatesPowerOnlyWhenAllOfItIsKnown) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::csi_message_test

@@ -22,7 +22,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/hostile_client.h"
 
-namespace rayloc {
+namespace rayloc::curve_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -224,4 +224,4 @@ TEST_F(CurveKeyFile, IsRefusedWhenEveryoneMayReadItOrItIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::curve_test

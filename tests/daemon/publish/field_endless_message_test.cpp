@@ -18,7 +18,7 @@
 #include "tests/support/endless_message.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::field_endless_message_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -248,4 +248,4 @@ TEST(Field, InboundWatchCountsWhatHasNoEnd) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_endless_message_test

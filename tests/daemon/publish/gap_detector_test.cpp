@@ -4,7 +4,7 @@
 
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::gap_detector_test {
 namespace {
 
 v1::Envelope numbered(std::uint64_t epoch, std::uint64_t sequence) {
@@ -88,4 +88,4 @@ TEST(GapDetector, ForgetsTheTopicHeardLongestAgo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::gap_detector_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::geodetic_test {
 namespace {
 
 v1::Georeference site_at(double latitude, double longitude, double altitude, double rotation) {
@@ -62,4 +62,4 @@ TEST(Geodetic, KnowsThePolesAndTheDateLine) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::geodetic_test

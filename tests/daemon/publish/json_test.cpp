@@ -6,7 +6,7 @@
 #include "daemon/publish/proto_time.h"
 #include "rayloc/v1/location.pb.h"
 
-namespace rayloc {
+namespace rayloc::json_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -75,4 +75,4 @@ TEST(ProtoTime, BoundsWhatOthersSend) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::json_test

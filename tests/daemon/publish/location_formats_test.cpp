@@ -8,7 +8,7 @@
 
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::location_formats_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -139,4 +139,4 @@ TEST(LocationFormats, NamesThatAreNoTextBreakNoLine) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::location_formats_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::location_message_test {
 namespace {
 
 LocationEstimate fix() {
@@ -228,4 +228,4 @@ TEST(EventMessage, StatesWhoIsInAZone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::location_message_test

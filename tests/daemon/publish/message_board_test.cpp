@@ -8,7 +8,7 @@
 #include "daemon/publish/proto_time.h"
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::message_board_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -156,4 +156,4 @@ TEST_F(PresenceTest, TakesBoundedMemory) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::message_board_test

@@ -13,7 +13,7 @@
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::publisher_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -310,4 +310,4 @@ TEST(Publisher, EpochsDifferFromStartToStart) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::publisher_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::sequence_book_test {
 namespace {
 
 TEST(SequenceBook, CountsPerTopicAndPerClass) {
@@ -42,4 +42,4 @@ TEST(SequenceBook, StaysBoundedWhateverTheNumberOfTopics) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::sequence_book_test

@@ -13,7 +13,7 @@
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::snapshot_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -184,4 +184,4 @@ TEST(LastMessages, ForgetsTheTopicThatWasSilentLongest) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::snapshot_test

@@ -18,7 +18,7 @@
 #include "rayloc/v1/snapshot.pb.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::stability_test {
 namespace {
 
 namespace pb = google::protobuf;
@@ -213,4 +213,4 @@ TEST(Stability, RecordedBytesDecodeAndPrintAsBefore) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::stability_test

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::target_names_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -72,4 +72,4 @@ TEST(TargetNames, AKeyIsLongAndOfItsOwnerAlone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::target_names_test

@@ -21,7 +21,7 @@
 #include "capture/transport/file_descriptor.h"
 #include "daemon/publish/publisher.h"
 
-namespace rayloc {
+namespace rayloc::tcp_listener_test {
 namespace {
 
 // As RestrictAddressFamilies= does without AF_NETLINK. Holds for the rest of the process.
@@ -84,4 +84,4 @@ TEST(TcpListenerDeathTest, NothingIsAskedOfTheKernelByNetlink) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::tcp_listener_test

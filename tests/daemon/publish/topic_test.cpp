@@ -5,7 +5,7 @@
 #include "daemon/publish/location.h"
 #include "rayloc/v1/target.pb.h"
 
-namespace rayloc {
+namespace rayloc::topic_test {
 namespace {
 
 TEST(Topic, EndsInASlash) {
@@ -46,4 +46,4 @@ TEST(Topic, NamesATargetAsItsMessage) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::topic_test

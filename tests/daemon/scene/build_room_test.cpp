@@ -21,7 +21,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::build_room_test {
 namespace {
 
 using testing::kRoomFile;
@@ -301,4 +301,4 @@ TEST(RoomSite, AccessPointsAndCarrierComeBackAsStated) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::build_room_test

@@ -16,7 +16,7 @@
 #include "tests/daemon/scene/room_text.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::room_outline_test {
 namespace {
 
 using testing::edited_text;
@@ -265,4 +265,4 @@ TEST(RoomOutline, TheSiteProposesAnAccessPointWithinTheRoom) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_outline_test

@@ -8,7 +8,7 @@
 
 #include "tests/daemon/scene/room_text.h"
 
-namespace rayloc {
+namespace rayloc::room_plan_test {
 namespace {
 
 using testing::kRoomFile;
@@ -147,4 +147,4 @@ TEST(RoomPlan, FurnitureMayStandAtTheWall) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_plan_test

@@ -12,7 +12,7 @@
 #include "daemon/scene/surface_overlap.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::scene_report_test {
 namespace {
 
 using test::box_mesh;
@@ -180,4 +180,4 @@ TEST(SurfaceOverlap, IsFoundInATiltedPlaneAsWell) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scene_report_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::background_log_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -122,4 +122,4 @@ TEST(BackgroundLog, GoesOnAfterAWriterThatThrows) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::background_log_test

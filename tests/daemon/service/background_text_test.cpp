@@ -8,7 +8,7 @@
 
 #include "tests/support/eventually.h"
 
-namespace rayloc {
+namespace rayloc::background_text_test {
 namespace {
 
 constexpr std::chrono::seconds kPatience{60};
@@ -40,4 +40,4 @@ TEST(BackgroundText, IsThereAtOnceAndRenewedForWhoAsksNext) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::background_text_test

@@ -6,7 +6,7 @@
 
 #include "tests/daemon/service/config_text.h"
 
-namespace rayloc {
+namespace rayloc::config_errors_test {
 namespace {
 
 using testing::config_text;
@@ -304,4 +304,4 @@ TEST(ConfigErrors, AccessPointHasOneSource) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::config_errors_test

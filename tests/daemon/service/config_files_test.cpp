@@ -11,7 +11,7 @@
 #include "daemon/config/config_reader.h"
 #include "daemon/config/config_schema.h"
 
-namespace rayloc {
+namespace rayloc::config_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST(ConfigManual, DescribesEveryKeyAndIsSoundRoff) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::config_files_test

@@ -11,7 +11,7 @@
 #include "daemon/config/config.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::config_sites_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -165,4 +165,4 @@ TEST_F(SitesOfAConfig, AReloadKeepsWhatNeedsARestart) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::config_sites_test

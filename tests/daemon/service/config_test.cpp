@@ -18,7 +18,7 @@
 #include "tests/daemon/service/config_text.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::config_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -423,4 +423,4 @@ TEST(EffectiveConfig, ReadsBackAsTheSameAndMarksDefaults) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::config_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::endpoint_test {
 namespace {
 
 TEST(ParseListen, TakesNumericAddresses) {
@@ -86,4 +86,4 @@ TEST(EndpointReach, RefusesOtherTransports) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::endpoint_test

@@ -27,7 +27,7 @@
 #include "tests/support/closet_plan.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::field_channel_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -213,4 +213,4 @@ TEST(Field, NoChannelIsShownOfAnotherTime) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_channel_test

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::field_start_resources_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -63,4 +63,4 @@ TEST(Field, StartResourcesLastWordsNameWhatIsLacking) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_start_resources_test

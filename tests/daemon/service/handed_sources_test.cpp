@@ -9,7 +9,7 @@
 #include "capture/source/udp_source.h"
 #include "capture/transport/udp_sender.h"
 
-namespace rayloc {
+namespace rayloc::handed_sources_test {
 namespace {
 
 // The source of an access point at a free port.
@@ -82,4 +82,4 @@ TEST(HandedSources, WhatNobodyGoesOnWithIsCounted) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::handed_sources_test

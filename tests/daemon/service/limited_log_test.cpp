@@ -5,7 +5,7 @@
 
 #include "daemon/health/loss_watch.h"
 
-namespace rayloc {
+namespace rayloc::limited_log_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,4 +131,4 @@ TEST(LossWatch, OfASiteSaysNothingOfWhatIsShared) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::limited_log_test

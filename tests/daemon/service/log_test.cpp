@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <spdlog/spdlog.h>
 
-namespace rayloc {
+namespace rayloc::log_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -30,4 +30,4 @@ TEST(Field, LogHasNoControlCharactersAndNoEntriesOfOthers) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::log_test

@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::machine_check_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -109,4 +109,4 @@ TEST(MachineCheck, AKeyOfWhichNothingIsSeenIsNotTakenForThere) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::machine_check_test

@@ -8,7 +8,7 @@
 
 #include "rayloc/v1/envelope.pb.h"
 
-namespace rayloc {
+namespace rayloc::map_events_test {
 namespace {
 
 using nlohmann::json;
@@ -107,4 +107,4 @@ TEST_F(MapEventsTest, GiveALotInPieces) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::map_events_test

@@ -12,7 +12,7 @@
 #include "daemon/site/room_model.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::map_geometry_test {
 namespace {
 
 using nlohmann::json;
@@ -168,4 +168,4 @@ TEST_F(MapGeometryTest, TellsTheCalibrationOnlyWhenTheReportIsOfTheOneInUse) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::map_geometry_test

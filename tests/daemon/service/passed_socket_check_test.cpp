@@ -15,7 +15,7 @@
 
 #include "capture/transport/file_descriptor.h"
 
-namespace rayloc {
+namespace rayloc::passed_socket_check_test {
 namespace {
 
 using ::testing::AllOf;
@@ -99,4 +99,4 @@ TEST(PassedSocketCheck, SaysWhatASocketIsThatCannotBeUsed) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::passed_socket_check_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::playback_control_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -56,4 +56,4 @@ TEST(PlaybackControl, SaysWhatToWriteInstead) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::playback_control_test

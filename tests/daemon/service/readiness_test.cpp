@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::readiness_test {
 namespace {
 
 TEST(Readiness, TheClockIsWhatTheKernelSaysElseWhatTimesyncdMarked) {
@@ -57,4 +57,4 @@ TEST(Field, EverybodyIsToldWhyLessIsLocatedOrRecorded) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::readiness_test

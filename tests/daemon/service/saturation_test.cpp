@@ -9,7 +9,7 @@
 #include "daemon/health/loss_watch.h"
 #include "daemon/health/readiness.h"
 
-namespace rayloc {
+namespace rayloc::saturation_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -124,4 +124,4 @@ TEST(Field, BurstsThatGaveWayAreInTheLogAtOnceAndThenNowAndThen) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::saturation_test

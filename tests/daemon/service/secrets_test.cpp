@@ -11,7 +11,7 @@
 #include "daemon/config/config.h"
 #include "daemon/publish/socket/curve_keys.h"
 
-namespace rayloc {
+namespace rayloc::secrets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -130,4 +130,4 @@ TEST_F(Secrets, AShortTokenIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::secrets_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::shutdown_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -64,4 +64,4 @@ TEST(Shutdown, WhatAStepThrowsIsThrown) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::shutdown_test

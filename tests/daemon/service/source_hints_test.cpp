@@ -5,7 +5,7 @@
 
 #include "daemon/pipeline/frame_census.h"
 
-namespace rayloc {
+namespace rayloc::source_hints_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -163,4 +163,4 @@ TEST(FrameCensus, TellsTheDeafChainFromTheFaded) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::source_hints_test

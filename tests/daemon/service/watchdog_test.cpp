@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::watchdog_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -47,4 +47,4 @@ TEST(Watchdog, AStageThatRestsForLongIsFreshWhenItGoesOn) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::watchdog_test

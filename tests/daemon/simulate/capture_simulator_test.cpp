@@ -13,7 +13,7 @@
 #include "tests/support/recording.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::capture_simulator_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -214,4 +214,4 @@ TEST(CaptureSimulator, CountsNoPathFromOutsideOfTheRoom) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::capture_simulator_test

@@ -14,7 +14,7 @@
 #include "engine/posterior/credible_region.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::channel_draw_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -228,4 +228,4 @@ TEST(ChannelDraw, IsWhatALocalizerTakesItToBe) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::channel_draw_test

@@ -14,7 +14,7 @@
 #include "tests/support/box_scene.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::handling_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -193,4 +193,4 @@ TEST(Handling, ReachesTheChannel) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::handling_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::impairments_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -76,4 +76,4 @@ TEST(Impairments, TheHelpNamesEveryKeyAndDefault) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::impairments_test

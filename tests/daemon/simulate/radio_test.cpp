@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::radio_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -356,4 +356,4 @@ TEST(SimulatedRadio, TheSameSeedGivesTheSameFrames) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::radio_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::rotations_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -40,4 +40,4 @@ TEST(Rotations, YawPitchAndRollGiveTheRotationBack) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::rotations_test

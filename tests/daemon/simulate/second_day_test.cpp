@@ -22,7 +22,7 @@
 #include "tests/support/box_scene.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::second_day_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -289,4 +289,4 @@ TEST(SecondDayFile, HelpNamesEveryKey) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::second_day_test

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::transmissions_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -99,4 +99,4 @@ TEST(Transmissions, RefusesRowsThatOverlapOrAreTooShort) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::transmissions_test

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <string>
 
-namespace rayloc {
+namespace rayloc::calibration_file_test {
 namespace {
 
 CalibrationFile example() {
@@ -220,4 +220,4 @@ TEST(CalibrationFile, RefusesGainsThatAreNotOneATone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibration_file_test

@@ -8,7 +8,7 @@
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
 
-namespace rayloc {
+namespace rayloc::field_scene_copy_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -89,4 +89,4 @@ TEST_F(FieldSceneCopy, OfANameThatCannotBeChangedIsRefused) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_scene_copy_test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::path_grid_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ TEST(CacheDirectory, IsTheServicesThenTheUsers) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::path_grid_files_test

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::planned_points_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -51,4 +51,4 @@ TEST_F(PlannedPoints, RefuseAFileWithoutPoints) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::planned_points_test

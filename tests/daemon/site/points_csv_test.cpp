@@ -12,7 +12,7 @@
 #include "daemon/survey/csv_table.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::points_csv_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -168,4 +168,4 @@ TEST(PointsCsv, SaysWhenTheFileCannotBeReadOrIsEmpty) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::points_csv_test

@@ -16,7 +16,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::room_match_test {
 namespace {
 
 using test::box_mesh;
@@ -315,4 +315,4 @@ TEST(Field, RoomThatIsNotTheStatedOneIsNotLoaded) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_match_test

@@ -10,7 +10,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::room_model_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -204,4 +204,4 @@ TEST_F(RoomModelTest, OutputFolderMustBeEmptyUnlessForced) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_model_test

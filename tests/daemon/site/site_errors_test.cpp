@@ -6,7 +6,7 @@
 
 #include "tests/daemon/site/site_text.h"
 
-namespace rayloc {
+namespace rayloc::site_errors_test {
 namespace {
 
 using testing::errors_of;
@@ -262,4 +262,4 @@ TEST(SiteErrors, EmptyFileLacksEverythingItNeeds) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_errors_test

@@ -9,7 +9,7 @@
 #include "daemon/site/room_model.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::site_lacks_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -78,4 +78,4 @@ TEST(Field, AFixedTransmitterWithoutAReferenceIsSaid) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_lacks_test

@@ -10,7 +10,7 @@
 #include "daemon/site/site_copy.h"
 #include "tests/daemon/site/site_text.h"
 
-namespace rayloc {
+namespace rayloc::site_pattern_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -109,4 +109,4 @@ TEST_F(SitePattern, ACopyOfTheSiteHasItsTables) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_pattern_test

@@ -11,7 +11,7 @@
 #include "tests/daemon/site/site_text.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::site_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -231,4 +231,4 @@ TEST(Site, FindsWhatItHas) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::toml_reader_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST(ToText, IsTheShortestThatReadsBack) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::toml_reader_test

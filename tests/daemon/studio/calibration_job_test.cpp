@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace rayloc {
+namespace rayloc::calibration_job_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ TEST_F(CalibrationJobTest, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibration_job_test

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::scene_text_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -130,4 +130,4 @@ TEST_F(SceneTextTest, RefusesWhatWouldBreakTheFile) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scene_text_test

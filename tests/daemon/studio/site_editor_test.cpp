@@ -16,7 +16,7 @@
 #include "daemon/survey/points_csv.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::site_editor_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,4 +144,4 @@ TEST_F(SiteEditorTest, WalkedPointsAreThoseThatCalibrateReads) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_editor_test

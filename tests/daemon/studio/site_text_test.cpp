@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::site_text_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -165,4 +165,4 @@ TEST_F(SiteTextTest, RefusesADraftThatIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::site_text_test

@@ -7,7 +7,7 @@
 
 #include "engine/base/printable.h"
 
-namespace rayloc {
+namespace rayloc::csv_reader_test {
 namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
@@ -107,4 +107,4 @@ TEST(Field, PrintableTextHasNoControlCharacters) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::csv_reader_test

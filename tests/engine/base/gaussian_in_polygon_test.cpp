@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::gaussian_in_polygon_test {
 namespace {
 
 using Point = std::array<double, 2>;
@@ -129,4 +129,4 @@ TEST(GaussianInPolygon, AddsUpOverAPartition) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::gaussian_in_polygon_test

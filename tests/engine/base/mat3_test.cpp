@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::mat3_test {
 namespace {
 
 constexpr double kQuarterTurn = 1.5707963267948966;
@@ -30,4 +30,4 @@ TEST(Rotation, TransposeInverts) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::mat3_test

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::spare_capacity_test {
 namespace {
 
 TEST(ClearWithoutSpare, KeepsWhatTheNextTimeNeeds) {
@@ -34,4 +34,4 @@ TEST(ClearWithoutSpare, KeepsWhatIsSmall) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::spare_capacity_test

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::suggestion_test {
 namespace {
 
 TEST(ClosestName, FindsTypingErrorsAndAbbreviations) {
@@ -36,4 +36,4 @@ TEST(Suggestion, ListsAllWhenNothingIsNear) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::suggestion_test

@@ -18,7 +18,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::m3_test {
 namespace {
 
 using ::testing::Contains;
@@ -271,4 +271,4 @@ TEST(M3, RefusesWithoutWallsFramesAndAntennas) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::m3_test

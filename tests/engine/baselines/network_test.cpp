@@ -12,7 +12,7 @@
 
 #include "engine/baselines/network/train_network.h"
 
-namespace rayloc {
+namespace rayloc::network_test {
 namespace {
 
 const NetworkShape kSmallLeNet = {NetworkKind::kLeNet, {2, 5, 21}, 3};
@@ -201,4 +201,4 @@ TEST(Network, OneImageDoesNotDependOnOthers) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::network_test

@@ -23,7 +23,7 @@
 #include "engine/channel/tone_plan.h"
 #include "tests/engine/baselines/two_paths.h"
 
-namespace rayloc {
+namespace rayloc::paths_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -312,4 +312,4 @@ TEST(Bearing, NeedsALineOfEqualSteps) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paths_test

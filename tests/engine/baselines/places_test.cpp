@@ -18,7 +18,7 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::places_test {
 namespace {
 
 using ::testing::Contains;
@@ -351,4 +351,4 @@ TEST(Places, LiveWithHostileBursts) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::places_test

@@ -17,7 +17,7 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::spotfi_test {
 namespace {
 
 using ::testing::Contains;
@@ -275,4 +275,4 @@ TEST(BaselineSettings, AreReadAndRefusedByName) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::spotfi_test

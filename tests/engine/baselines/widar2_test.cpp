@@ -23,7 +23,7 @@
 #include "engine/baselines/widar2/path_link.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::widar2_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -351,4 +351,4 @@ TEST(Widar2, BeginsAnewAfterAGap) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::widar2_test

@@ -17,7 +17,7 @@
 #include "engine/baselines/witraj/plan_step.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::witraj_test {
 namespace {
 
 using ::testing::Contains;
@@ -245,4 +245,4 @@ TEST(Witraj, RefusesInWords) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::witraj_test

@@ -11,7 +11,7 @@
 #include "engine/observe/alignment.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::access_point_fit_test {
 namespace {
 
 // What access point 0 hears of a device on a grid of `per_axis` squared points.
@@ -188,4 +188,4 @@ TEST(AccessPointCalibrator, RefusesTooFewPoints) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::access_point_fit_test

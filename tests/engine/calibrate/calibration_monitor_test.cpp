@@ -16,7 +16,7 @@
 #include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::calibration_monitor_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -204,4 +204,4 @@ TEST(CalibrationMonitor, WarnsWhenTheRoomExplainsLessThanItDid) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::calibration_monitor_test

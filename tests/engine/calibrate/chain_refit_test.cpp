@@ -12,7 +12,7 @@
 #include "engine/observe/chain_gains.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::chain_refit_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -187,4 +187,4 @@ TEST(RefitChains, RefusesAPlaceThatNoRayReaches) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::chain_refit_test

@@ -18,7 +18,7 @@
 #include "engine/observe/burst.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::input_check_test {
 namespace {
 
 constexpr int kPerAxis = 6;
@@ -372,4 +372,4 @@ TEST(MisfittingPoints, AreNotFoundAmongIdenticalFits) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::input_check_test

@@ -17,7 +17,7 @@
 #include "engine/calibrate/joint/stated_parameter.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::joint_calibration_test {
 namespace {
 
 JointCalibrationOptions options_of(const test::SurveyedRoom& room) {
@@ -357,4 +357,4 @@ TEST(JointCalibration, RefusesASurveyThatNobodyHeard) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::joint_calibration_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::judged_exponent_test {
 namespace {
 
 constexpr std::size_t kSpots = 140;
@@ -131,4 +131,4 @@ TEST(BestExponent, IsNoneThatTheScoreTellsToBeWorse) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::judged_exponent_test

@@ -10,7 +10,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::level_fit_test {
 namespace {
 
 constexpr std::size_t kHeardBy = 1;
@@ -100,4 +100,4 @@ TEST(LevelFit, CountsOnlyPointsThatARayLeadsTo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::level_fit_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace rayloc {
+namespace rayloc::model_error_fit_test {
 namespace {
 
 double octaves(double value, double from) { return std::log2(value / from); }
@@ -55,4 +55,4 @@ TEST(ModelErrorFit, EndsAboveItsFloors) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::model_error_fit_test

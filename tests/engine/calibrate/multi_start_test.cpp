@@ -7,7 +7,7 @@
 
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::multi_start_test {
 namespace {
 
 const test::SurveyedRoom& survey() {
@@ -107,4 +107,4 @@ TEST(MultiStart, AnInterruptionLeavesTheBestSoFar) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::multi_start_test

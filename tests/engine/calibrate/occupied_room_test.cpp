@@ -9,7 +9,7 @@
 #include "engine/room/hear_burst.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::occupied_room_test {
 namespace {
 
 TEST(OccupiedRoom, IsHeardThroughWhoWalksInIt) {
@@ -50,4 +50,4 @@ TEST(OccupiedRoom, NeedsFrames) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::occupied_room_test

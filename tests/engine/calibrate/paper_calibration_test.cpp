@@ -13,7 +13,7 @@
 #include "engine/paper/paper_parameters.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::paper_calibration_test {
 namespace {
 
 constexpr double kEastOffset = -0.004;  // [m]
@@ -256,4 +256,4 @@ TEST(PaperCalibration, RefusesOptionsThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_calibration_test

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-namespace rayloc {
+namespace rayloc::paper_loss_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -183,4 +183,4 @@ TEST(PaperLoss, OfSilenceIsTheLargest) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_loss_test

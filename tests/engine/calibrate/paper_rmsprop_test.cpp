@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::paper_rmsprop_test {
 namespace {
 
 TEST(Rmsprop, StepsAreAsLongAsTheirRatesWhateverTheGradient) {
@@ -49,4 +49,4 @@ TEST(Rmsprop, FindsTheLowestPlaceOfAValley) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_rmsprop_test

@@ -7,7 +7,7 @@
 #include "engine/room/hear_burst.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::person_fit_test {
 namespace {
 
 constexpr double kRadius = 0.178;  // of who stood there; 0.165 is expected
@@ -69,4 +69,4 @@ TEST(PersonFit, NeedsEnoughPlaces) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_fit_test

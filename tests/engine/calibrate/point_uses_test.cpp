@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::point_uses_test {
 namespace {
 
 // Points that one access point heard; every fifth is held out.
@@ -73,4 +73,4 @@ TEST(PointUses, DrawEveryPointSoonerOrLater) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::point_uses_test

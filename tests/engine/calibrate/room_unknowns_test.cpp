@@ -10,7 +10,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::room_unknowns_test {
 namespace {
 
 // The plan of a room with three access points, and what may change of it.
@@ -227,4 +227,4 @@ TEST(RoomUnknowns, AreWhereTheirPlaceIsSaid) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::room_unknowns_test

@@ -15,7 +15,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::sample_model_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -293,4 +293,4 @@ TEST(SampleModel, AFactorAndADelayOfTheBurstChangeNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::sample_model_test

@@ -14,7 +14,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::survey_plan_test {
 namespace {
 
 using Pair = std::pair<std::uint32_t, std::size_t>;   // surface, access point
@@ -186,4 +186,4 @@ TEST(SurveyPlan, NoStretchOfTheWalkIsShorterTheOtherWayRound) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::survey_plan_test

@@ -13,7 +13,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::traced_sample_test {
 namespace {
 
 using Kind = Unknown::Kind;
@@ -210,4 +210,4 @@ TEST(TracedSample, SaysWhoseItIs) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::traced_sample_test

@@ -13,7 +13,7 @@
 #include "engine/room/hear_burst.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::two_days_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -210,4 +210,4 @@ TEST_F(TwoDaysTest, AnAccessPointIsNeededOnBothDays) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::two_days_test

@@ -10,7 +10,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/surveyed_room.h"
 
-namespace rayloc {
+namespace rayloc::wave_cycles_test {
 namespace {
 
 class WaveCyclesTest : public ::testing::Test {
@@ -137,4 +137,4 @@ TEST_F(WaveCyclesTest, StopsWhenItIsTold) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::wave_cycles_test

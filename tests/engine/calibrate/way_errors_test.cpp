@@ -9,7 +9,7 @@
 #include "engine/person/triangle.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::way_errors_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -83,4 +83,4 @@ TEST(WayErrors, AFrontTakesThePhaseOfWhatComesBack) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::way_errors_test

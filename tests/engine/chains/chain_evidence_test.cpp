@@ -11,7 +11,7 @@
 #include "engine/localize/localizer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::chain_evidence_test {
 namespace {
 
 std::shared_ptr<const Localizer> localizer() {
@@ -89,4 +89,4 @@ TEST(CellBelief, AnAccessPointThatMayBeWrongRulesNothingOut) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::chain_evidence_test

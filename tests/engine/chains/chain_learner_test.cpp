@@ -11,7 +11,7 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::chain_learner_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -223,4 +223,4 @@ TEST(ChainLearner, BecomesBetterWithBurstsThatComeAfterwards) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::chain_learner_test

@@ -13,7 +13,7 @@
 #include "tests/support/faulty_frames.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::coarse_fix_test {
 namespace {
 
 std::shared_ptr<const Localizer> localizer() {
@@ -84,4 +84,4 @@ TEST(CoarseFix, SaysWhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::coarse_fix_test

@@ -10,7 +10,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::turned_likelihood_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -133,4 +133,4 @@ TEST(TurnGrid, StatesAreTurnsOfAllChainsButTheFirst) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::turned_likelihood_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::mac_address_test {
 namespace {
 
 TEST(MacAddress, PrintsWhatItParsed) {
@@ -27,4 +27,4 @@ TEST(MacAddress, RefusesWhatIsNotOne) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::mac_address_test

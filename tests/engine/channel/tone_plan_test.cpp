@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::tone_plan_test {
 namespace {
 
 constexpr PhyFormat kAll[] = {PhyFormat::kLegacy, PhyFormat::kHt, PhyFormat::kVht, PhyFormat::kHe};
@@ -86,4 +86,4 @@ TEST(TonePlan, RotatesAsTheStandardDoes) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::tone_plan_test

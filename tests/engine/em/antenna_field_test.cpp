@@ -12,7 +12,7 @@
 
 #include "tests/support/gradient_check.h"
 
-namespace rayloc {
+namespace rayloc::antenna_field_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -191,4 +191,4 @@ TEST(SphericalAngles, FollowTheConventions) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::antenna_field_test

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::antenna_gain_table_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -211,4 +211,4 @@ INSTANTIATE_TEST_SUITE_P(All,
                          [](const auto& each) { return std::string(each.param.name); });
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::antenna_gain_table_test

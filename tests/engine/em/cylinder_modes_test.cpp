@@ -12,7 +12,7 @@
 #include "engine/em/radio_material.h"
 #include "tests/support/golden.h"
 
-namespace rayloc {
+namespace rayloc::cylinder_modes_test {
 namespace {
 
 using nlohmann::json;
@@ -92,4 +92,4 @@ TEST(CylinderModes, VanishWithTheRadius) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::cylinder_modes_test

@@ -18,7 +18,7 @@
 #include "engine/em/radio_material.h"
 #include "tests/support/golden.h"
 
-namespace rayloc {
+namespace rayloc::cylinder_scatterer_test {
 namespace {
 
 using nlohmann::json;
@@ -351,4 +351,4 @@ TEST(CylinderScatterer, RefusesBodiesThatCannotBe) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::cylinder_scatterer_test

@@ -18,7 +18,7 @@
 #include "engine/em/radio_material.h"
 #include "tests/support/golden.h"
 
-namespace rayloc {
+namespace rayloc::cylinder_section_test {
 namespace {
 
 using nlohmann::json;
@@ -240,4 +240,4 @@ TEST(CylinderSection, ThinBodyDoesNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::cylinder_section_test

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace rayloc {
+namespace rayloc::cylinder_window_test {
 namespace {
 
 TEST(KnifeEdge, MatchesTabulatedFresnelIntegrals) {
@@ -38,4 +38,4 @@ TEST(KnifeEdge, SlopeMatchesCentralDifferences) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::cylinder_window_test

@@ -13,7 +13,7 @@
 #include "engine/em/slab.h"
 #include "tests/support/golden.h"
 
-namespace rayloc {
+namespace rayloc::radio_material_test {
 namespace {
 
 using nlohmann::json;
@@ -122,4 +122,4 @@ TEST(RadioMaterial, UnphysicalValuesAreRefused) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::radio_material_test

@@ -7,7 +7,7 @@
 #include "engine/em/scattering_lobe.h"
 #include "engine/em/slab.h"
 
-namespace rayloc {
+namespace rayloc::scattering_lobe_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -121,4 +121,4 @@ TEST(ScatteringLobe, KernelHasThePublishedNorm) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scattering_lobe_test

@@ -9,7 +9,7 @@
 
 #include "engine/em/slab.h"
 
-namespace rayloc {
+namespace rayloc::slab_table_test {
 namespace {
 
 constexpr double kWavelength = 0.0579;  // [m], 5.18 GHz
@@ -82,4 +82,4 @@ TEST(SlabTable, LeavesGrazingIncidenceToTheFormulas) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::slab_table_test

@@ -16,7 +16,7 @@
 #include "tests/support/exact_wedge.h"
 #include "tests/support/gradient_check.h"
 
-namespace rayloc {
+namespace rayloc::wedge_diffraction_test {
 namespace {
 
 using test::ExactWedge;
@@ -261,4 +261,4 @@ TEST(WedgeTransition, AtABoundaryIsHalfOfAWave) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::wedge_diffraction_test

@@ -11,7 +11,7 @@
 #include "engine/em/slab.h"
 #include "tests/support/gradient_check.h"
 
-namespace rayloc {
+namespace rayloc::wedge_dyad_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -244,4 +244,4 @@ TEST(WedgeDyad, DerivativesMatchCentralDifferences) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::wedge_dyad_test

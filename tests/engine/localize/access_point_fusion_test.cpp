@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::access_point_fusion_test {
 namespace {
 
 constexpr double kTemper = 0.8;
@@ -134,4 +134,4 @@ TEST(AccessPointFusion, CellsThatWereNotLookedAtHaveNoMass) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::access_point_fusion_test

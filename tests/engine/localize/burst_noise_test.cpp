@@ -12,7 +12,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::burst_noise_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -161,4 +161,4 @@ TEST_F(BurstNoise, OfAStrongDeviceIsNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::burst_noise_test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::credible_region_test {
 namespace {
 
 std::array<double, 9> covariance(double xx, double xy, double yy) {
@@ -106,4 +106,4 @@ TEST(CredibleRegion, NothingIsStatedWithoutAPositionOrACovariance) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::credible_region_test

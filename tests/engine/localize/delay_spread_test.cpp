@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace rayloc {
+namespace rayloc::delay_spread_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -116,4 +116,4 @@ TEST(DelaySpread, AdjointMatchesDifferences) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::delay_spread_test

@@ -17,7 +17,7 @@
 #include "tests/support/surveyed_room.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::fault_test {
 namespace {
 
 using Frames = std::vector<CsiFrame>;
@@ -304,4 +304,4 @@ TEST(Fault, DeviceOutsideOfTheArea) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::fault_test

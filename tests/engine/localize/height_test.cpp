@@ -11,7 +11,7 @@
 #include "engine/room/raised_ray.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::height_test {
 namespace {
 
 constexpr double kSigma = 0.3;
@@ -227,4 +227,4 @@ TEST(UnknownHeight, IsNotClaimedWhereItIsAssumed) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::height_test

@@ -9,7 +9,7 @@
 
 #include <Eigen/Dense>
 
-namespace rayloc {
+namespace rayloc::lane_kernel_test {
 namespace {
 
 using Single = std::complex<float>;
@@ -129,4 +129,4 @@ TEST(LaneKernel, AddsWhatIsTurned) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::lane_kernel_test

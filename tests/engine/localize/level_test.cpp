@@ -6,7 +6,7 @@
 #include <complex>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::level_test {
 namespace {
 
 const MacAddress kKnown = *parse_mac_address("02:52:4c:00:00:01");
@@ -70,4 +70,4 @@ TEST(Level, SaysNothingWhereTheBurstStatesNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::level_test

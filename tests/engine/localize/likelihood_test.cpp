@@ -15,7 +15,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::likelihood_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -453,4 +453,4 @@ TEST_P(Nearby, LatticeIsNearTheExactLengths) { expect_exact_lattice(*nearby_); }
 TEST_P(NearbyCovered, LatticeIsNearTheExactLengths) { expect_exact_lattice(*nearby_); }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::likelihood_test

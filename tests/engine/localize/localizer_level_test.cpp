@@ -15,7 +15,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::localizer_level_test {
 namespace {
 
 const MacAddress kDevice = *parse_mac_address("02:52:4c:00:00:01");
@@ -196,4 +196,4 @@ TEST(LocalizerLevel, SaysNothingOfTheRoomAsAWhole) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::localizer_level_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::localizer_test {
 namespace {
 
 std::shared_ptr<const RoomModel> shared(RoomModel room) {
@@ -203,4 +203,4 @@ TEST(Localizer, RefusesARoomThatCannotBeModelled) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::localizer_test

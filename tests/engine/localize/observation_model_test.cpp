@@ -11,7 +11,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::observation_model_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -151,4 +151,4 @@ TEST(ObservationModel, OfAPlaceWithoutRaysIsNotReachable) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::observation_model_test

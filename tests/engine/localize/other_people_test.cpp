@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
 
-namespace rayloc {
+namespace rayloc::other_people_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -103,4 +103,4 @@ INSTANTIATE_TEST_SUITE_P(Columns,
                          testing::Values(0U, 1U, 3U, OtherPeople::kMostColumns));
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::other_people_test

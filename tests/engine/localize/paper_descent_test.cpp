@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::paper_descent_test {
 namespace {
 
 const PlanBounds kBounds = {{-3.0, -2.0, 0.0}, {3.0, 2.0, 2.5}};
@@ -152,4 +152,4 @@ TEST(PaperDescent, RefusesNumbersThatMakeNoSense) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_descent_test

@@ -10,7 +10,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::paper_localizer_test {
 namespace {
 
 constexpr double kHeight = 1.2;  // of the device, in the synthetic room
@@ -248,4 +248,4 @@ TEST(PaperLocalizer, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_localizer_test

@@ -10,7 +10,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::paper_person_localizer_test {
 namespace {
 
 // The expected person: the loss knows what is to be seen.
@@ -176,4 +176,4 @@ TEST_F(PaperPersonLocalizerTest, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_person_localizer_test

@@ -11,7 +11,7 @@
 #include "engine/paper/paper_localizer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::paper_proof_test {
 namespace {
 
 constexpr double kNoiseless = 200.0;  // [dB]
@@ -95,4 +95,4 @@ TEST_F(PaperProof, HasManyHollowsAndTheDeepestIsTheDevice) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_proof_test

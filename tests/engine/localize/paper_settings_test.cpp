@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::paper_settings_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -100,4 +100,4 @@ TEST(PaperSettings, HelpNamesEveryKeyWithItsDefault) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paper_settings_test

@@ -10,7 +10,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::path_grid_test {
 namespace {
 
 class MemoryStore : public PathGridStore {
@@ -182,4 +182,4 @@ TEST(PathGrid, LocalizerIsTheSameToTheBitWithAStoreAndWithout) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::path_grid_test

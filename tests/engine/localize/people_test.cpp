@@ -11,7 +11,7 @@
 
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::people_test {
 namespace {
 
 double distance(const LocationEstimate& estimate, const TargetPosition& truth) {
@@ -128,4 +128,4 @@ TEST_F(PeopleTest, ASecondStandsClearOfTheFirst) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::people_test

@@ -12,7 +12,7 @@
 #include "engine/person/person_localizer.h"
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::person_failure_test {
 namespace {
 
 using Channels = std::vector<std::vector<std::complex<double>>>;
@@ -187,4 +187,4 @@ TEST_P(PersonFailureTest, TheTransmitterIsAbsent) {
 INSTANTIATE_TEST_SUITE_P(AccessPoints, PersonFailureTest, testing::Values(1U, 3U));
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_failure_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::person_localizer_test {
 namespace {
 
 // Places of the synthetic room at least 0.3 m from walls and devices.
@@ -193,4 +193,4 @@ TEST(PersonLocalizer, RefusesAReferenceThatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_localizer_test

@@ -6,7 +6,7 @@
 
 #include "engine/posterior/smallest_half_mass_disc.h"
 
-namespace rayloc {
+namespace rayloc::posterior_test {
 namespace {
 
 RoomGrid grid() { return {{-2.0, -1.5, 0.0}, {2.0, 1.5, 2.5}, 1.2, 0.05}; }
@@ -227,4 +227,4 @@ TEST(RoomGrid, CoversTheRoomEvenly) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::posterior_test

@@ -11,7 +11,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::ray_field_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -148,4 +148,4 @@ TEST_F(RayFields, AreExactInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::ray_field_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::two_component_split_test {
 namespace {
 
 struct Hill {
@@ -66,4 +66,4 @@ TEST(TwoComponentSplit, AddUpToTheHill) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::two_component_split_test

@@ -11,7 +11,7 @@
 #include "engine/scene/scene.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::watched_area_test {
 namespace {
 
 // The room, of which only the half with x < 0.2 m is the area, heard by one access point.
@@ -86,4 +86,4 @@ TEST(WatchedArea, OfADeviceBesideItThereIsNoPosition) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::watched_area_test

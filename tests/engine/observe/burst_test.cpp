@@ -9,7 +9,7 @@
 
 #include "engine/observe/alignment.h"
 
-namespace rayloc {
+namespace rayloc::burst_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -258,4 +258,4 @@ TEST(Burst, IsOfTheTransmitterOfItsFrames) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::burst_test

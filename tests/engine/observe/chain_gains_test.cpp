@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace rayloc {
+namespace rayloc::chain_gains_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -86,4 +86,4 @@ TEST(ChainGains, ACouplingIsUndoneBehindTheGains) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::chain_gains_test

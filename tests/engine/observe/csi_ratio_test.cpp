@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace rayloc {
+namespace rayloc::csi_ratio_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -157,4 +157,4 @@ TEST(RatioAmplitude, OfSilenceIsZeroAndHasNoSlope) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::csi_ratio_test

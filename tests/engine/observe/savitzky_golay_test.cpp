@@ -7,7 +7,7 @@
 
 #include "tests/support/golden.h"
 
-namespace rayloc {
+namespace rayloc::savitzky_golay_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -107,4 +107,4 @@ TEST(SavitzkyGolay, RefusesWindowsThatThereAreNot) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::savitzky_golay_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::parameter_id_test {
 namespace {
 
 TEST(ParameterIds, AreReadFromTheNameThatTheyWrite) {
@@ -26,4 +26,4 @@ TEST(ParameterIds, KeepNamesThatTheyDoNotKnow) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::parameter_id_test

@@ -9,7 +9,7 @@
 #include "engine/base/constants.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::radio_map_test {
 namespace {
 
 AntennaArray antenna_at(const Vec3d& position) {
@@ -100,4 +100,4 @@ TEST_F(RadioMapTest, TheNearestIsTheLoudestOverAFlatFloor) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::radio_map_test

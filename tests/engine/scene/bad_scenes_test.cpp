@@ -13,7 +13,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::bad_scenes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -154,4 +154,4 @@ TEST_F(BadSceneFiles, EmptyMeshIsNoPly) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::bad_scenes_test

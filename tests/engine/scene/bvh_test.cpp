@@ -8,7 +8,7 @@
 #include "engine/base/mat3.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::bvh_test {
 namespace {
 
 // The rule of bvh.h written down again, over every surface.
@@ -177,4 +177,4 @@ TEST(Bvh, VeryFarDevicesAreDecidedInDoubleToo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::bvh_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace rayloc {
+namespace rayloc::field_embree_error_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -18,4 +18,4 @@ TEST(Field, ATreeWithoutMemoryNamesTheLimit) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_embree_error_test

@@ -15,7 +15,7 @@
 #include "engine/scene/surface.h"
 #include "tests/support/turned_walls.h"
 
-namespace rayloc {
+namespace rayloc::field_faces_test {
 namespace {
 
 using Ring = std::vector<Vec3d>;  // the corners of one face
@@ -343,4 +343,4 @@ TEST(Field, ObjFileThatIsNotUnderstoodIsNamedWithItsLine) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_faces_test

@@ -7,7 +7,7 @@
 #include "engine/scene/read/load_scene.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::field_material_test {
 namespace {
 
 Expected<Scene> parse(const std::string& content,
@@ -317,4 +317,4 @@ TEST(Field, MaterialIdsThatSionnaRefusesAreClearErrors) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_material_test

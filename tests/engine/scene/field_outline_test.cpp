@@ -12,7 +12,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"
 
-namespace rayloc {
+namespace rayloc::field_outline_test {
 namespace {
 
 double nearest(const std::vector<Vec3d>& corners, const Vec3d& point) {
@@ -99,4 +99,4 @@ TEST(Field, OrientationIsDecidedWithoutRounding) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_outline_test

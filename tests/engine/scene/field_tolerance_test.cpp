@@ -17,7 +17,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"
 
-namespace rayloc {
+namespace rayloc::field_tolerance_test {
 namespace {
 
 double nearest(const std::vector<Vec3d>& corners, const Vec3d& point) {
@@ -291,4 +291,4 @@ TEST(Field, RoundNumbersOfATextFileAreExact) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_tolerance_test

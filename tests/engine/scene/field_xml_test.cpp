@@ -14,7 +14,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::field_xml_test {
 namespace {
 
 constexpr const char* kFloor =
@@ -400,4 +400,4 @@ TEST(Field, ScenePageListsWhatIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_xml_test

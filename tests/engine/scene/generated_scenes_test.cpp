@@ -5,7 +5,7 @@
 #include "tests/support/laboratory.h"
 #include "tests/support/office_floor.h"
 
-namespace rayloc {
+namespace rayloc::generated_scenes_test {
 namespace {
 
 TEST(Laboratory, IsARoomOf23Boxes) {
@@ -47,4 +47,4 @@ TEST(OfficeFloor, HasTheTrianglesThatItWasAskedFor) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::generated_scenes_test

@@ -12,7 +12,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::load_scene_test {
 namespace {
 
 const std::string kTriangle =
@@ -256,4 +256,4 @@ TEST(Scene, RefusesWhatNoLoaderWouldLetThrough) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::load_scene_test

@@ -9,7 +9,7 @@
 #include "engine/base/mat3.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::moved_surfaces_test {
 namespace {
 
 // Every face ends where it was told to, and the box stays closed.
@@ -48,4 +48,4 @@ TEST(MovedSurfaces, NoOffsetChangesNothing) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::moved_surfaces_test

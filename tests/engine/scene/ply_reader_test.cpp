@@ -8,7 +8,7 @@
 
 #include "engine/scene/read/mesh_reader.h"
 
-namespace rayloc {
+namespace rayloc::ply_reader_test {
 namespace {
 
 std::string header(const std::string& format, const std::string& scalar = "float") {
@@ -106,4 +106,4 @@ TEST(PlyReader, EachMistakeHasItsMessage) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::ply_reader_test

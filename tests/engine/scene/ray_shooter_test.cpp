@@ -11,7 +11,7 @@
 #include "engine/base/mat3.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::ray_shooter_test {
 namespace {
 
 struct Met {
@@ -186,4 +186,4 @@ TEST(RayShooter, MissesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::ray_shooter_test

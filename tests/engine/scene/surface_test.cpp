@@ -8,7 +8,7 @@
 #include "engine/scene/solid.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::surface_test {
 namespace {
 
 // A 3 x 3 m square without its middle square metre.
@@ -122,4 +122,4 @@ TEST(Solid, OneTriangleTurnedRoundOpensIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::surface_test

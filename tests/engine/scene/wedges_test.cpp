@@ -17,7 +17,7 @@
 #include "tests/support/laboratory.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::wedges_test {
 namespace {
 
 using test::box_mesh;
@@ -224,4 +224,4 @@ TEST(Wedges, LaboratoryHasThoseOfItsFilledQuarters) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::wedges_test

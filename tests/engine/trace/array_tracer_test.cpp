@@ -9,7 +9,7 @@
 #include "engine/base/constants.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::array_tracer_test {
 namespace {
 
 AntennaArray row() {
@@ -131,4 +131,4 @@ TEST(ArrayTracer, RefusesDerivativesOfPlaneWavesAndOfWhatHasNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::array_tracer_test

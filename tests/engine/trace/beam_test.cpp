@@ -8,7 +8,7 @@
 
 #include "engine/trace/images/beam_shadow.h"
 
-namespace rayloc {
+namespace rayloc::beam_test {
 namespace {
 
 constexpr double kMargin = 1e-6;
@@ -131,4 +131,4 @@ TEST(BeamShadow, OfAMirrorBeginsAtTheMirror) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::beam_test

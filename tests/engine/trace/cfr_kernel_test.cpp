@@ -14,7 +14,7 @@
 
 #include "tests/support/path_columns.h"
 
-namespace rayloc {
+namespace rayloc::cfr_kernel_test {
 namespace {
 
 using Complex64 = std::complex<double>;
@@ -252,4 +252,4 @@ TEST_F(CfrKernelTargets, AgreeWithin1e12) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::cfr_kernel_test

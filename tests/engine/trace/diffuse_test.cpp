@@ -21,7 +21,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::diffuse_test {
 namespace {
 
 using Kind = Parameter::Kind;
@@ -474,4 +474,4 @@ TEST(DiffuseField, FieldChangesSmoothlyAndFades) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::diffuse_test

@@ -21,7 +21,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/strip_moments.h"
 
-namespace rayloc {
+namespace rayloc::edge_pairs_test {
 namespace {
 
 using Cd = std::complex<double>;
@@ -335,4 +335,4 @@ TEST(EdgePairs, AreThereOnlyWhereTheyAreWanted) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::edge_pairs_test

@@ -26,7 +26,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::edge_paths_test {
 namespace {
 
 using Cd = std::complex<double>;
@@ -405,4 +405,4 @@ TEST(EdgePaths, OffIsAsIfThereWereNone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::edge_paths_test

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::fibonacci_lattice_test {
 namespace {
 
 std::vector<Vec3d> all_directions(const FibonacciLattice& lattice) {
@@ -50,4 +50,4 @@ TEST(FibonacciLattice, SuccessiveDirectionsAreNeighbours) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::fibonacci_lattice_test

@@ -15,7 +15,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"
 
-namespace rayloc {
+namespace rayloc::field_coplanar_test {
 namespace {
 
 constexpr double kGap = 5e-6;  // [m], 0.03 degrees of the carrier
@@ -142,4 +142,4 @@ TEST(Field, CoplanarFacesAreKnownFarFromTheOrigin) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_coplanar_test

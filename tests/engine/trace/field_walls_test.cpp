@@ -15,7 +15,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"
 
-namespace rayloc {
+namespace rayloc::field_walls_test {
 namespace {
 
 using Scenery = std::vector<test::NamedMesh>;
@@ -218,4 +218,4 @@ TEST(Field, CornerOfASheetTurnedByARotateElementReflects) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::field_walls_test

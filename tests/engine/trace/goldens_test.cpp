@@ -20,7 +20,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::goldens_test {
 namespace {
 
 using nlohmann::json;
@@ -297,4 +297,4 @@ TEST(Goldens, MeetingRoomWithTransmissionMissesAndInventsNoPath) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::goldens_test

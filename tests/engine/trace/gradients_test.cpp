@@ -24,7 +24,7 @@
 #include "tests/support/test_paths.h"
 #include "tests/support/traced_link.h"
 
-namespace rayloc {
+namespace rayloc::gradients_test {
 namespace {
 
 using nlohmann::json;
@@ -377,4 +377,4 @@ TEST(GradientsAtTheEdge, AreFinite) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::gradients_test

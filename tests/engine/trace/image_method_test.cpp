@@ -10,7 +10,7 @@
 #include "engine/trace/interactions/reflection.h"
 #include "tests/support/gradient_check.h"
 
-namespace rayloc {
+namespace rayloc::image_method_test {
 namespace {
 
 // Two planes at right angles and two ends; with S and T in front of both.
@@ -143,4 +143,4 @@ TEST(FieldCalculator, LosslessMirrorKeepsTheField) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::image_method_test

@@ -19,7 +19,7 @@
 #include "engine/trace/trace_context.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::image_tree_test {
 namespace {
 
 constexpr double kOnPlane = 1e-9;  // [m], as image_tree.cpp
@@ -433,4 +433,4 @@ TEST(ImageTree, FindsTheSameFarFromTheOriginAndOutsideTheScene) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::image_tree_test

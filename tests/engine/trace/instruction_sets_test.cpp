@@ -36,7 +36,7 @@ RTCDevice rtcNewDevice(const char*) {
   return kEmbrees(configuration());
 }
 
-namespace rayloc {
+namespace rayloc::instruction_sets_test {
 namespace {
 
 // Rays that Embree traces at once with each: how a device tells what it has.
@@ -151,4 +151,4 @@ TEST(InstructionSets, GiveTheSamePathsWithinAPartition) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::instruction_sets_test

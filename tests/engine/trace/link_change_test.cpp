@@ -13,7 +13,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/traced_link.h"
 
-namespace rayloc {
+namespace rayloc::link_change_test {
 namespace {
 
 using test::TracedLink;
@@ -77,4 +77,4 @@ TEST(LinkChange, RefusesWhatIsNoChangeOfThisScene) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::link_change_test

@@ -8,7 +8,7 @@
 #include "engine/trace/path_tracer.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::no_path_test {
 namespace {
 
 const RadioMaterial kMetal{"metal", 1.0, 1e7, 0.1};
@@ -65,4 +65,4 @@ TEST(NoPath, SoftEdgesDoNotOpenAClosedRoom) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::no_path_test

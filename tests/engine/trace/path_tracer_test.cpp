@@ -13,7 +13,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::path_tracer_test {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -273,4 +273,4 @@ TEST(ArrayElements, StandWhereTheArrayIs) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::path_tracer_test

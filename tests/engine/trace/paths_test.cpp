@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-namespace rayloc {
+namespace rayloc::paths_test {
 namespace {
 
 using ComplexL = std::complex<long double>;
@@ -54,4 +54,4 @@ TEST(Paths, NoPathIsSilence) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::paths_test

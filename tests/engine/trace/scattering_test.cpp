@@ -17,7 +17,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::scattering_test {
 namespace {
 
 using Value = std::complex<double>;
@@ -387,4 +387,4 @@ TEST(Scattering, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::scattering_test

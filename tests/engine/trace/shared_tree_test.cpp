@@ -10,7 +10,7 @@
 #include "engine/trace/images/image_tree.h"
 #include "tests/support/laboratory.h"
 
-namespace rayloc {
+namespace rayloc::shared_tree_test {
 namespace {
 
 TEST(SharedTree, AnswersManyThreadsAlike) {
@@ -54,4 +54,4 @@ TEST(SharedTree, AnswersManyThreadsAlike) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::shared_tree_test

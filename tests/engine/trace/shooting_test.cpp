@@ -19,7 +19,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::shooting_test {
 namespace {
 
 using Sequence = std::vector<std::uint32_t>;
@@ -256,4 +256,4 @@ TEST(CandidateChoice, IsExhaustiveInARoomAndShootingWhereThatIsTooMuch) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::shooting_test

@@ -21,7 +21,7 @@
 #include "engine/trace/scattering/scattering.h"
 #include "tests/support/traced_link.h"
 
-namespace rayloc {
+namespace rayloc::target_gradients_test {
 namespace {
 
 using test::TracedLink;
@@ -170,4 +170,4 @@ INSTANTIATE_TEST_SUITE_P(PastABody,
                          });
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::target_gradients_test

@@ -19,7 +19,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::threads_test {
 namespace {
 
 // The numbers of all paths of all places, in order.
@@ -159,4 +159,4 @@ TEST(TraceThreadsAround, ScenesLeaveTheOtherThreadsAlone) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::threads_test

@@ -15,7 +15,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/test_paths.h"
 
-namespace rayloc {
+namespace rayloc::visibility_test {
 namespace {
 
 // Largest change of the carrier's channel, and of the channel's largest value, in `steps` steps.
@@ -162,4 +162,4 @@ TEST(Visibility, MiddleOfAMirrorReflectsAllOfIt) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::visibility_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::device_tracker_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -497,4 +497,4 @@ TEST(DeviceTracker, IsTheSameOnOneThreadAndOnTwo) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::device_tracker_test

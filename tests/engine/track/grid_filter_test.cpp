@@ -9,7 +9,7 @@
 #include "tests/support/box_scene.h"
 #include "tests/support/scenes.h"
 
-namespace rayloc {
+namespace rayloc::grid_filter_test {
 namespace {
 
 constexpr double kHeight = 1.0;  // [m]
@@ -229,4 +229,4 @@ TEST(GridFilter, OneWrongBurstIsForgiven) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::grid_filter_test

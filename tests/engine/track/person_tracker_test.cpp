@@ -7,7 +7,7 @@
 
 #include "tests/support/person_in_room.h"
 
-namespace rayloc {
+namespace rayloc::person_tracker_test {
 namespace {
 
 // Three frames of each access point from this time on.
@@ -328,4 +328,4 @@ TEST_F(PersonTracking, BelievesOneSideOfABodyLess) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::person_tracker_test

@@ -16,7 +16,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/synthetic_room.h"
 
-namespace rayloc {
+namespace rayloc::pruned_answer_test {
 namespace {
 
 constexpr int kShort = 40;           // moments of a case
@@ -180,4 +180,4 @@ TEST(PrunedAnswer, NamesThePlaceThatTheWholeRoomRanksFirst) {
 }
 
 }  // namespace
-}  // namespace rayloc
+}  // namespace rayloc::pruned_answer_test
