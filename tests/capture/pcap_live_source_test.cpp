@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "capture/source/udp_source.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::pcap_live_source_test {
 namespace {
@@ -64,8 +65,8 @@ TEST_F(PcapLiveSourceTest, DeliversEachDatagramOnceWithTheTimeOfTheSocket) {
   std::vector<Timestamp> times;
   DatagramBatch batch;
   while (payloads.size() < 3) {
-    ASSERT_TRUE(source_->read(batch, std::chrono::seconds(10)));
-    ASSERT_FALSE(batch.datagrams.empty()) << "nothing came in ten seconds";
+    ASSERT_TRUE(source_->read(batch, test::patient(std::chrono::seconds(10))));
+    ASSERT_FALSE(batch.datagrams.empty()) << "nothing came";
     for (const Datagram& d : batch.datagrams) {
       payloads.emplace_back(reinterpret_cast<const char*>(d.payload.data()), d.payload.size());
       times.push_back(d.time);

@@ -15,13 +15,14 @@
 #include <thread>
 
 #include "capture/transport/udp_address.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::udp_source_test {
 namespace {
 
 using ::testing::HasSubstr;
 constexpr Duration kNoWait{0};
-constexpr Duration kLong = std::chrono::seconds(10);
+const Duration kLong = test::patient(std::chrono::seconds(10));
 
 // Sends to 127.0.0.1:`port`, from an address of lo.
 class Sender {

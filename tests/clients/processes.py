@@ -8,9 +8,14 @@ import re
 import signal
 import socket
 import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Callable, Optional
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "support"))
+
+from patience import PATIENCE, patient  # noqa: E402, F401
 
 BIN = Path(os.environ["RAYLOC_BIN"])
 ROOT = Path(__file__).resolve().parents[2]
@@ -18,14 +23,13 @@ SITE = ROOT / "tests/data/sites/meeting_room"
 CALIBRATED = Path(os.environ["RAYLOC_SITE"])  # by make_site.py
 PROGRAMS = {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}"}  # an environment with ours
 ACCESS_POINTS = ("ap2",)
-PATIENCE = 60.0
 
 
 def eventually(condition: Callable[[], bool], patience: float = PATIENCE) -> bool:
     deadline = time.monotonic() + patience
     while not condition():
         if time.monotonic() > deadline:
-            return False
+            return condition()
         time.sleep(0.02)
     return True
 

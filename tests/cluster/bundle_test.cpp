@@ -13,6 +13,7 @@
 #include "daemon/cluster/operate/site_bundle.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::cluster::bundle_test {
 namespace {
@@ -118,7 +119,7 @@ TEST_F(Bundles, ReachWorkersOnceTheyCheckAndGoWhenTheyAreRemoved) {
   EXPECT_EQ(refused.status, 78) << refused.text;
   EXPECT_THAT(refused.text, HasSubstr("not applied, what workers have goes on: "));
   const auto broker = *open_broker({{server_.url()}, "test"});
-  ASSERT_TRUE(wait_for_broker(*broker, kPatience));
+  ASSERT_TRUE(wait_for_broker(*broker, test::patient(kPatience)));
   const auto bad = read_bundle(plan_);
   ASSERT_TRUE(bad);
   ASSERT_TRUE(store_bundle(*broker, "hall", *bad, 1));

@@ -14,6 +14,7 @@
 #include "tests/cluster/nats_server.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::cluster::gateway_test {
 namespace {
@@ -79,7 +80,7 @@ TEST(Gateway, SaysWhatOwnersSayOnceAndNothingOfThoseThatWereReplaced) {
   NatsServer server(folder.path());
   ASSERT_TRUE(server.start());
   const auto broker = *open_broker({{server.url()}, "test"});
-  ASSERT_TRUE(wait_for_broker(*broker, kPatience));
+  ASSERT_TRUE(wait_for_broker(*broker, test::patient(kPatience)));
   auto first = begun(broker, "hall", 1);
   auto other = begun(broker, "attic", 4);
   // 1,700,000,000 is the 20th second of its minute.
@@ -159,7 +160,7 @@ TEST(Gateway, SaysWhatOwnersSayAfterTheBrokerHasLostItsStore) {
   NatsServer server(folder.path());
   ASSERT_TRUE(server.start());
   const auto broker = *open_broker({{server.url()}, "test"});
-  ASSERT_TRUE(wait_for_broker(*broker, kPatience));
+  ASSERT_TRUE(wait_for_broker(*broker, test::patient(kPatience)));
   LiveDaemon daemon(folder.path(), gateway(server));
   ASSERT_TRUE(daemon.ready()) << daemon.errors() << daemon.log();
   std::uint64_t before = 0;

@@ -338,30 +338,38 @@ TEST_F(RealBroker, EveryDatagramIsInABatchOrInAMark) {
   DatagramTap& tap = sender->tap("ap1");
   ASSERT_TRUE(sender->start());
   std::uint64_t round = 0;
-  const auto hear_for = [&](milliseconds time) {
-    for (const auto end = std::chrono::steady_clock::now() + time;
-         std::chrono::steady_clock::now() < end;) {
-      const Batch some = some_batch(++round, {{"ap1", 10}});
-      tap.tap(some.parts[0].datagrams.datagrams());
-      tap.advance(some.parts[0].watermark);
-      std::this_thread::sleep_for(milliseconds(10));
+  const auto hear = [&] {
+    const Batch some = some_batch(++round, {{"ap1", 10}});
+    tap.tap(some.parts[0].datagrams.datagrams());
+    tap.advance(some.parts[0].watermark);
+    std::this_thread::sleep_for(milliseconds(10));  // their pace
+  };
+  const auto hear_until = [&](const auto& condition) {
+    return eventually(kPatience, [&] {
+      hear();
+      return condition(sender->counters().ring);
+    });
+  };
+  const auto hear_some = [&](int rounds) {
+    for (int i = 0; i < rounds; ++i) {
+      hear();
     }
   };
-  hear_for(milliseconds(2500));  // longer than it waits for a broker
-  EXPECT_GT(sender->counters().ring.marked_batches, 0U);
+  EXPECT_TRUE(hear_until([](const auto& ring) { return ring.marked_batches > 0; }))
+      << "it waits for a broker for ever";
   ASSERT_TRUE(server_->start());
   ASSERT_TRUE(connected(*broker));
-  hear_for(milliseconds(500));
-  ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.live["ap1"] > 0; }));
+  ASSERT_TRUE(hear_until([](auto ring) { return ring.live["ap1"] > 0; }));
   server_->freeze();
-  hear_for(milliseconds(500));
+  hear_some(50);
   server_->thaw();
-  hear_for(milliseconds(500));
+  const std::uint64_t live = sender->counters().ring.live["ap1"];
+  ASSERT_TRUE(hear_until([&](auto ring) { return ring.live["ap1"] > live; }));
   server_->kill();
-  hear_for(milliseconds(300));
+  hear_some(30);
   ASSERT_TRUE(server_->start());
   ASSERT_TRUE(connected(*broker));
-  hear_for(milliseconds(300));
+  hear_some(30);
   ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.waiting["ap1"] == 0; }));
   BatchSender::Counters counters = sender->counters();
   EXPECT_EQ(counters.captured["ap1"], 10 * round);
@@ -410,18 +418,25 @@ TEST_F(RealBroker, EveryDatagramThatIsCapturedIsReadOnceOrMarked) {
   ASSERT_TRUE(sender->start());
   first.begin();
   second.begin();
-  std::this_thread::sleep_for(milliseconds(500));
+  ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.live["ap1"] > 100; }));
   Reading reading(connect(), "office", "node1");
-  std::this_thread::sleep_for(milliseconds(500));
+  // Read beyond what has been heard by now.
+  const auto is_read_on = [&] {
+    const std::uint64_t heard = first.heard();
+    return eventually(kPatience, [&] { return reading.all("ap1") > heard; });
+  };
+  ASSERT_TRUE(is_read_on());
   server_->freeze();
-  std::this_thread::sleep_for(milliseconds(300));
+  ASSERT_TRUE(eventually(kPatience, [&, heard = first.heard()] {
+    return first.heard() > heard + 200;  // which nobody stores meanwhile
+  }));
   server_->thaw();
-  std::this_thread::sleep_for(milliseconds(300));
+  ASSERT_TRUE(is_read_on());
   server_->kill();
   ASSERT_TRUE(eventually(kPatience, [&] { return sender->counters().ring.marked_batches > 5; }));
   ASSERT_TRUE(server_->start());
   ASSERT_TRUE(connected(*of_node));
-  std::this_thread::sleep_for(milliseconds(1000));
+  ASSERT_TRUE(is_read_on());
   first.end();
   second.end();
   ASSERT_TRUE(eventually(

@@ -16,6 +16,8 @@
 #include <httplib.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/patience.h"
+
 namespace rayloc::cluster {
 namespace {
 
@@ -208,8 +210,8 @@ std::vector<std::string> NatsServers::urls() const {
 
 std::string NatsServers::monitor(std::size_t server, const std::string& path) const {
   httplib::Client client(client_host(server), kMonitorPort);
-  client.set_connection_timeout(kPatience);
-  client.set_read_timeout(kPatience);
+  client.set_connection_timeout(test::patient(kPatience));
+  client.set_read_timeout(test::patient(kPatience));
   const auto answer = client.Get(path);
   return answer && answer->status == 200 ? answer->body : "";
 }

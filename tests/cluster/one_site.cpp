@@ -14,6 +14,7 @@
 #include "daemon/cluster/sealed_message.h"
 #include "daemon/pipeline/record/system_now.h"
 #include "tests/daemon/http/http_client.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::cluster {
 namespace {
@@ -69,7 +70,7 @@ void Machine::begin() {
 void OneSite::begin_machines(const Servers& servers) {
   servers_ = servers;
   broker_ = *open_broker({servers_.urls, "test"});
-  ASSERT_TRUE(wait_for_broker(*broker_, kPatience));
+  ASSERT_TRUE(wait_for_broker(*broker_, test::patient(kPatience)));
   site_ = e2e::calibrated_site(folder_.path());
   const std::map<std::string, std::string> roles = {{"node", "capture"},
                                                     {"gateway", "gateway"},

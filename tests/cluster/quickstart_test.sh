@@ -55,5 +55,6 @@ done
 kill -KILL "$quickstart"
 wait "$quickstart" || true
 quickstart=
-for _ in $(seq 100); do left >"$work/left" || break; sleep 0.1; done
+patience=${RAYLOC_PATIENCE:-1}
+for _ in $(seq $((100 * ${patience%.*}))); do left >"$work/left" || break; sleep 0.1; done
 [ ! -s "$work/left" ] || fail "these are left: $(cat "$work/left")"

@@ -20,6 +20,7 @@
 #include "daemon/publish/socket/secret_file.h"
 #include "tests/cluster/nats_server.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 #include "tests/support/test_paths.h"
 
 namespace rayloc::cluster::security_test {
@@ -78,7 +79,7 @@ class Secured : public ::testing::Test {
   }
   std::shared_ptr<Broker> connected(const std::string& user) const {
     const auto broker = *open_broker(options_of(user));
-    EXPECT_TRUE(wait_for_broker(*broker, kPatience)) << broker->refusal();
+    EXPECT_TRUE(wait_for_broker(*broker, test::patient(kPatience))) << broker->refusal();
     return broker;
   }
   static void expect_refused(Broker& broker, const std::string& subject) {

@@ -23,6 +23,7 @@
 #include "tests/cluster/nats_server.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::cluster::standby_test {
 namespace {
@@ -59,7 +60,7 @@ class HotStandby : public ::testing::Test {
     RAYLOC_NEEDS_NATS_SERVER();
     ASSERT_TRUE(server_.start());
     broker_ = *open_broker({{server_.url()}, "test"});
-    ASSERT_TRUE(wait_for_broker(*broker_, kPatience));
+    ASSERT_TRUE(wait_for_broker(*broker_, test::patient(kPatience)));
     states_ = *broker_->subscribe(std::string(kWorkerSubjects), [this](BrokerMessage&& message) {
       v1::WorkerState state;
       if (unseal(message.data, state)) {

@@ -14,10 +14,14 @@ import os
 import select
 import struct
 import subprocess
+import sys
 import time
 import zlib
 
-PATIENCE = 60.0
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "../support"))
+
+from patience import PATIENCE, patient  # noqa: E402
+
 FLAGS = [
     "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-dev-shm-usage",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
@@ -54,7 +58,7 @@ class Browser:
         except (OSError, RuntimeError):
             pass
         try:
-            self.process.wait(10)
+            self.process.wait(patient(10))
         except subprocess.TimeoutExpired:
             self.process.kill()
             self.process.wait()

@@ -10,6 +10,7 @@
 #include "rayloc/v1/snapshot.pb.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::e2e::curve_test {
 namespace {
@@ -127,7 +128,9 @@ TEST(Curve, OnlyListedClientsGetASnapshot) {
     EXPECT_EQ(topics_for(daemon, std::nullopt, kSilence), std::nullopt) << scheme;
     EXPECT_EQ(topics_for(daemon, client_keys(folder.path(), "stranger"), kSilence), std::nullopt)
         << scheme;
-    EXPECT_GE(topics_for(daemon, client_keys(folder.path(), "listed"), kPatience).value_or(0), 2)
+    EXPECT_GE(topics_for(daemon, client_keys(folder.path(), "listed"), test::patient(kPatience))
+                  .value_or(0),
+              2)
         << scheme;
     EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
     const nlohmann::json heartbeat = daemon.bodies("heartbeat").back();

@@ -8,7 +8,8 @@ import struct
 import subprocess
 import zlib
 
-PATIENCE = 60.0
+from browser import PATIENCE
+
 SECONDS_PER_CLICK = 2.0  # of a person who knows where to click
 
 

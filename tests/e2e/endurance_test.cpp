@@ -12,6 +12,7 @@
 #include "tests/e2e/device_recording.h"
 #include "tests/e2e/live_daemon.h"
 #include "tests/e2e/stated.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::e2e::endurance_test {
 namespace {
@@ -45,13 +46,14 @@ struct JoinTally {
 // One that comes late: the snapshot tells of every topic that had been published before, and then
 // each topic's numbers follow one another, from that of the snapshot on.
 void join(const LiveDaemon& daemon, JoinTally& tally) {
-  auto late = LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, kPatience);
+  auto late =
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, test::patient(kPatience));
   ASSERT_TRUE(late) << late.error().message;
   std::map<std::string, std::uint64_t> last;
   std::set<std::string> missing = tally.topics;
   GapDetector gaps;
   for (int read = 0; read < kRead;) {
-    const auto message = late->receive(kPatience);
+    const auto message = late->receive(test::patient(kPatience));
     ASSERT_TRUE(message) << "nothing after " << read;
     v1::Envelope envelope;
     ASSERT_TRUE(envelope.ParseFromString(message->payload)) << message->topic;

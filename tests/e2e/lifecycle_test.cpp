@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
-#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -132,8 +131,11 @@ TEST(LifeCycle, NamesTheStageThatIsStuckAndStarvesTheWatchdog) {
   ASSERT_TRUE(eventually(kPatience, [&] {
     return read_datagrams(folder.path() / "rec", "ap2-snapshot-") > 0;
   })) << daemon.errors();
+  // The daemon goes on for several times the interval at which the watchdog would be fed.
   const int fed = manager.count("WATCHDOG=1");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  const std::size_t heartbeats = daemon.bodies("heartbeat").size();
+  EXPECT_TRUE(
+      eventually(kPatience, [&] { return daemon.bodies("heartbeat").size() >= heartbeats + 3; }));
   EXPECT_EQ(manager.count("WATCHDOG=1"), fed) << "fed although a stage is stuck";
 
   ASSERT_EQ(kill(append, SIGCONT), 0);
@@ -153,7 +155,6 @@ TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
     const pid_t append = append_process_of(daemon.pid());
     ASSERT_EQ(kill(append, SIGSTOP), 0);
     EXPECT_EQ(send_for_a_second(folder.path(), daemon), 0);
-    const auto begin = std::chrono::steady_clock::now();
     daemon.signal(SIGTERM);
     ASSERT_TRUE(manager.wait_for("STOPPING=1", kPatience)) << daemon.errors();
     if (twice) {
@@ -163,15 +164,14 @@ TEST(LifeCycle, ASecondSignalEndsItAtOnceAndNoneWaitsForADeadDisk) {
         return !daemon.running();
       });
     }
+    // The disk answers only after that: nobody has waited for it.
     const std::optional<int> status = daemon.wait(kPatience);
-    const auto took = std::chrono::steady_clock::now() - begin;
     kill(append, SIGCONT);
     if (twice) {
       EXPECT_EQ(status, 128 + SIGTERM);
-      EXPECT_LT(took, std::chrono::seconds(3));
+      EXPECT_THAT(daemon.log(), Not(HasSubstr("what waits for the disk is lost")));
     } else {
       EXPECT_EQ(status, 70) << daemon.errors();
-      EXPECT_LT(took, std::chrono::seconds(8));
       EXPECT_THAT(daemon.log(), HasSubstr("what waits for the disk is lost"));
     }
   }

@@ -16,7 +16,7 @@
 namespace rayloc::e2e {
 namespace {
 
-constexpr std::chrono::seconds kPatience{200};  // of tracing a room, with sanitizers
+constexpr std::chrono::seconds kPatience{120};  // of tracing a room
 
 sockaddr_in loopback(std::uint16_t port) {
   sockaddr_in address{};

@@ -3,7 +3,10 @@
 // that rate must hold; else lower ones are tried on a machine that is too busy for it.
 #include <csignal>
 #include <cstdio>
-#include <thread>
+#include <iomanip>
+#include <iterator>
+#include <sstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -74,6 +77,21 @@ TEST(Load, LosesNothingAtFiftyThousandDatagramsASecond) {
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
 }
 
+// What the kernel has dropped of the datagrams to a port of this machine that somebody is bound to.
+std::uint64_t dropped_by_kernel(const std::string& address) {
+  std::ostringstream port;
+  port << ':' << std::uppercase << std::hex << std::setw(4) << std::setfill('0')
+       << std::stoi(address.substr(address.rfind(':') + 1));
+  for (const std::string& line : read_lines("/proc/net/udp")) {
+    std::istringstream text(line);
+    const std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
+    if (words.size() > 2 && words[1].ends_with(port.str())) {
+      return std::stoull(words.back());
+    }
+  }
+  return 0;
+}
+
 TEST(Load, CountsEveryLossOfAnOverload) {
   const TemporaryFolder folder;
   const std::filesystem::path recordings = folder.path() / "rec";
@@ -81,16 +99,16 @@ TEST(Load, CountsEveryLossOfAnOverload) {
                     one_access_point("[limits]\nring_frames = 16\n[record]\ndirectory = \"" +
                                      recordings.string() + "\"\n"));
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  // At a slower rate it stands still for as many datagrams.
-  const int second = slower();
-  Process sender(
-      folder.path(), "send", "rayloc", sender_arguments(daemon, kRate / slower(), second + 2));
-  // A daemon that does not run for a second lets the kernel's queue overflow; afterwards the 16
-  // frames that may wait are far too few for what comes at once.
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  // A daemon that does not run lets the kernel's queue overflow; afterwards the 16 frames that may
+  // wait are far too few for what comes at once.
   daemon.signal(SIGSTOP);
-  std::this_thread::sleep_for(std::chrono::seconds(second));
+  // At a slower rate it sends as many datagrams: several times what the queue holds.
+  Process sender(
+      folder.path(), "send", "rayloc", sender_arguments(daemon, kRate / slower(), 3 * slower()));
+  const bool overflows =
+      eventually(kPatience, [&] { return dropped_by_kernel(daemon.address(0)) > 0; });
   daemon.signal(SIGCONT);
+  EXPECT_TRUE(overflows);
   ASSERT_EQ(sender.wait(kPatience), 0) << sender.errors();
   const Tally tally = settled(daemon);
   ASSERT_EQ(daemon.stop(), 0) << daemon.errors();

@@ -17,6 +17,7 @@
 #include "rayloc/v1/envelope.pb.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::e2e::many_sites_test {
 namespace {
@@ -145,7 +146,7 @@ TEST(ManySites, EachHasTopicsPathsMetricsAndRecordingsOfItsOwn) {
   EXPECT_THAT(top, HasSubstr("site hall"));
   EXPECT_THAT(top, HasSubstr("site lab 2"));
 
-  const auto frame = listener->receive(kPatience);
+  const auto frame = listener->receive(test::patient(kPatience));
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->topic, "v1/csi/lab%202/ap2/");
   EXPECT_EQ(daemon.stop(), 0) << daemon.errors();
@@ -312,7 +313,7 @@ using Published = std::map<std::string, std::map<std::string, std::string>>;
 Published published_locations(Subscriber& listener, int goodbyes) {
   Published bodies;
   while (goodbyes > 0) {
-    const auto message = listener.receive(kPatience);
+    const auto message = listener.receive(test::patient(kPatience));
     if (!message) {
       ADD_FAILURE() << "no goodbye";
       return bodies;

@@ -17,7 +17,7 @@ import sys
 import tempfile
 
 import map_test
-from browser import Browser
+from browser import Browser, patient
 from map_test import CELLS, DEVICE, PATIENCE, SHOWN, Daemon, Recording, Sending, eventually
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -213,7 +213,7 @@ def events_come_at_once(folder, binaries, site, card):
     daemon.start()
     try:
         with Nginx(folder, daemon.http, card) as nginx:
-            connection = http.client.HTTPConnection("127.0.0.1", nginx.plain, timeout=40)
+            connection = http.client.HTTPConnection("127.0.0.1", nginx.plain, timeout=patient(40))
             connection.request("GET", "/rayloc/events")
             answer = connection.getresponse()
             lines = [answer.readline()]

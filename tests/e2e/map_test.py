@@ -28,7 +28,7 @@ import time
 import tomllib
 
 import accessibility
-from browser import Browser
+from browser import PATIENCE, Browser
 import editor
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "../.."))
@@ -44,7 +44,6 @@ DOTS = "document.querySelectorAll('#residuals circle').length > 0"
 CONNECTION = "document.querySelector('#connection').textContent"
 EMPTY = "document.querySelector('#empty').checkVisibility() && document.querySelector('#empty').textContent"
 STALE = f"{CELLS}[1].textContent.includes('stale since')"
-PATIENCE = 60.0
 PIXELS = 3.0
 # daemon/http/map/map.css: the first target, and one without a newer estimate.
 LIVE_COLOUR = (0x00, 0x67, 0xB8)

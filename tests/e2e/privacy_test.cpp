@@ -11,6 +11,7 @@
 #include "daemon/publish/subscriber.h"
 #include "tests/daemon/http/http_client.h"
 #include "tests/e2e/live_daemon.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::e2e::privacy_test {
 namespace {
@@ -76,16 +77,17 @@ std::map<std::string, std::string> outputs_of(const std::filesystem::path& folde
   EXPECT_TRUE(daemon.ready()) << daemon.errors();
   std::map<std::string, std::string> outputs;
   auto subscriber = Subscriber::connect(daemon.endpoint(), {""});
-  EXPECT_TRUE(subscriber->receive(kPatience)) << "its subscription has arrived";
+  EXPECT_TRUE(subscriber->receive(test::patient(kPatience))) << "its subscription has arrived";
   EXPECT_EQ(send_for_a_second(folder, daemon), 0);
   EXPECT_TRUE(eventually(kPatience, [&] {
     return !daemon.bodies("location").empty() && !daemon.bodies("csi").empty();
   })) << daemon.errors();
   take(*subscriber, outputs);
-  auto late = LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {""}, kPatience);
+  auto late =
+      LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {""}, test::patient(kPatience));
   EXPECT_TRUE(late);
   for (int i = 0; late && i < 5; ++i) {
-    if (const auto message = late->receive(kPatience)) {
+    if (const auto message = late->receive(test::patient(kPatience))) {
       outputs["snapshot"] += message->topic + " " + message->payload;
     }
   }

@@ -72,8 +72,12 @@ double kill_and_repair(std::chrono::milliseconds after) {
   auto daemon = std::make_unique<LiveDaemon>(folder.path(), recording_to(recordings));
   EXPECT_TRUE(daemon->ready()) << daemon->errors();
   NumberedSender sender(udp_port(*daemon));
+  sender.send(100);
+  EXPECT_TRUE(eventually(kPatience, [&] { return recorded(*daemon, "written") >= 100; }))
+      << "a batch is not written before it is full";
   sender.begin(std::max(1, 5 / slower()));
-  std::this_thread::sleep_for(after);
+  std::this_thread::sleep_for(after);  // the instant of the kill is what is varied
+  const std::uint64_t written = recorded(*daemon, "written");
   daemon->signal(SIGKILL);
   const auto killed = std::chrono::steady_clock::now();
   sender.end();
@@ -85,7 +89,7 @@ double kill_and_repair(std::chrono::milliseconds after) {
   EXPECT_EQ(repaired.files, 1U);
   EXPECT_EQ(repaired.trouble, "") << "no torn record";
   EXPECT_TRUE(repaired.is_prefix());
-  EXPECT_GT(repaired.numbers.size(), 0U);
+  EXPECT_GE(repaired.numbers.size(), written) << "of what was said to be written";
   EXPECT_EQ(repaired.gap_marks, 1U);
   EXPECT_EQ(recorded(*daemon, "repaired"), 1U);
   EXPECT_THAT(daemon->log(), HasSubstr("was left behind and is repaired"));
@@ -117,9 +121,12 @@ TEST(Recorder, IsKilledAtAnyInstantAndLosesOneBatchAtMost) {
               shortages.back());
   // Batches are of 100 ms: the median of what is missing is half of one, on a machine that runs
   // what it should; a recorder that waits for a megabyte lacks some hundred. None lacks more than
-  // two, one that is collected and one that is on its way; among other tests the machine is busy.
-  EXPECT_LT(median, 150.0 * slower());
-  EXPECT_LE(shortages.back(), (is_stated("RAYLOC_KILLS") ? 200.0 : 1000.0) * slower());
+  // two, one that is collected and one that is on its way. Among other tests the machine is busy,
+  // and a recorder that gets no processor lacks more: times are asserted in the soak alone.
+  if (is_stated("RAYLOC_KILLS")) {
+    EXPECT_LT(median, 150.0 * slower());
+    EXPECT_LE(shortages.back(), 200.0 * slower());
+  }
 }
 
 // A small filesystem of its own; none where this process may not mount one.

@@ -6,11 +6,14 @@ import gzip
 import json
 import os
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 import rayloc
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "support"))  # patience
 
 ROOT = Path(__file__).resolve().parents[2]
 BIN = Path(os.environ["RAYLOC_BIN"])

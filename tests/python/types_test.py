@@ -22,7 +22,7 @@ def mypy(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
 
 
 def run(words: list[str]) -> subprocess.CompletedProcess[str]:
-    paths = f"{STAGED}:{ROOT}/tests/python:{ROOT}/tests/clients/stubs"
+    paths = f"{STAGED}:{ROOT}/tests/python:{ROOT}/tests/support:{ROOT}/tests/clients/stubs"
     return subprocess.run(words, env={**os.environ, "MYPYPATH": paths}, capture_output=True, text=True)
 
 

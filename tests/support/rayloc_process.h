@@ -24,7 +24,8 @@ struct Finished {
 // Its output is read by wait(): it must fit into a pipe until then (64 KiB each).
 class RaylocProcess {
  public:
-  explicit RaylocProcess(std::vector<std::string> arguments) {
+  // `in`: its standard input.
+  explicit RaylocProcess(std::vector<std::string> arguments, int in = STDIN_FILENO) {
     arguments.insert(arguments.begin(), test::program_path("rayloc"));
     EXPECT_EQ(::pipe(out_.data()), 0);
     EXPECT_EQ(::pipe(err_.data()), 0);
@@ -36,6 +37,7 @@ class RaylocProcess {
     argv.push_back(nullptr);
     pid_ = ::fork();
     if (pid_ == 0) {
+      ::dup2(in, STDIN_FILENO);
       ::dup2(out_[1], STDOUT_FILENO);
       ::dup2(err_[1], STDERR_FILENO);
       ::execv(argv[0], argv.data());

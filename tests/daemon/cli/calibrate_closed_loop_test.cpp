@@ -7,7 +7,6 @@
 #include <fstream>
 #include <map>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -20,6 +19,7 @@
 #include "engine/calibrate/joint/room_unknowns.h"
 #include "engine/scene/moved_surfaces.h"
 #include "tests/support/edited_text.h"
+#include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 
@@ -27,6 +27,8 @@ namespace rayloc::calibrate_closed_loop_test {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::chrono::seconds kPatience{120};
 
 const std::string kSite = test::data_path("/sites/meeting_room");
 
@@ -189,10 +191,7 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
     const std::string text = text_of(checkpoint);
     return !text.empty() && nlohmann::json::parse(text).at("rounds") > 0;
   };
-  for (int i = 0; i < 6000 && !has_round(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  ASSERT_TRUE(has_round());
+  ASSERT_TRUE(eventually(kPatience, has_round));
   interrupted.signal(SIGINT);
   const Finished stopped = interrupted.wait();
   EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;
@@ -227,9 +226,7 @@ TEST_F(CalibrateClosedLoop, AnInterruptedCalibrationIsASiteAndGoesOn) {
 TEST_F(CalibrateClosedLoop, PromisesToGoOnOnlyWhereItCan) {
   ASSERT_NO_FATAL_FAILURE(survey(3));
   const RaylocProcess interrupted(command(kSite, "stopped", {"--method", "paper", "--compare"}));
-  for (int i = 0; i < 6000 && !fs::exists(folder_ / "stopped"); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
+  ASSERT_TRUE(eventually(kPatience, [&] { return fs::exists(folder_ / "stopped"); }));
   interrupted.signal(SIGINT);
   const Finished stopped = interrupted.wait();
   EXPECT_EQ(stopped.status, 128 + SIGINT) << stopped.err;

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include "daemon/publish/publisher.h"
 #include "rayloc/v1/envelope.pb.h"
 #include "rayloc/v1/heartbeat.pb.h"
+#include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc::sub_test {
@@ -20,6 +20,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Timestamp kNow{1718000000s};
+constexpr auto kPatience = 60s;
 
 Publisher publisher_on_loopback() {
   PublisherOptions options;
@@ -32,11 +33,8 @@ Publisher publisher_on_loopback() {
 }
 
 void wait_for_subscriptions(Publisher& publisher, std::uint64_t subscriptions) {
-  const auto deadline = std::chrono::steady_clock::now() + 60s;
-  while (publisher.counters().subscriptions != subscriptions) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    std::this_thread::sleep_for(1ms);
-  }
+  ASSERT_TRUE(
+      eventually(kPatience, [&] { return publisher.counters().subscriptions == subscriptions; }));
 }
 
 v1::Location location_of(const std::string& mac) {
@@ -88,10 +86,12 @@ TEST(Sub, FollowsADaemonThatIsRestarted) {
   options.epoch = 8;
   { const Publisher ended = std::move(publisher); }
   auto restarted = Publisher::bind(options);
-  for (int i = 0; !restarted && i < 1000; ++i) {  // the port is freed by a thread of libzmq
-    std::this_thread::sleep_for(10ms);
-    restarted = Publisher::bind(options);
-  }
+  eventually(kPatience, [&] {  // the port is freed by a thread of libzmq
+    if (!restarted) {
+      restarted = Publisher::bind(options);
+    }
+    return restarted.has_value();
+  });
   ASSERT_TRUE(restarted) << restarted.error().message;
   wait_for_subscriptions(*restarted, 1);
   restarted->publish(location_of("a"), kNow);

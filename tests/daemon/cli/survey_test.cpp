@@ -1,11 +1,14 @@
 // `rayloc survey` as a process: answers from a pipe, frames over a real port.
+#include <fcntl.h>
 #include <netinet/in.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +22,8 @@
 
 #include "capture/source/udp_source.h"
 #include "daemon/survey/points_csv.h"
+#include "tests/support/eventually.h"
+#include "tests/support/rayloc_process.h"
 #include "tests/support/test_paths.h"
 #include "tests/support/wire_writer.h"
 
@@ -30,6 +35,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 const std::string kSite = test::data_path("/sites/meeting_room");
+constexpr std::chrono::seconds kPatience{60};
 
 // One that was free a moment ago.
 std::uint16_t free_port() { return (*UdpSource::open({.address = "127.0.0.1:0"}))->port(); }
@@ -120,6 +126,11 @@ class SurveyVerb : public ::testing::Test {
   fs::path folder_;
 };
 
+// How long it waits at a point where something is heard that has to come in that time.
+std::string timeout(std::chrono::milliseconds time) {
+  return " --timeout " + std::to_string(to_seconds(test::patient(time)));
+}
+
 TEST_F(SurveyVerb, WritesARowWhoseTimeHoldsTheFramesThatWereCounted) {
   const std::uint16_t port = free_port();
   const HeardDevice device(port);
@@ -192,7 +203,8 @@ TEST_F(SurveyVerb, WarnsOfAnAccessPointThatHearsNothing) {
   const std::uint16_t silent = free_port();
   const HeardDevice device(heard);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
-                   "--frames 3 --timeout 1 --listen ap1=127.0.0.1:" + std::to_string(heard) +
+                   "--frames 3" + timeout(std::chrono::milliseconds(1000)) +
+                       " --listen ap1=127.0.0.1:" + std::to_string(heard) +
                        " ap2=127.0.0.1:" + std::to_string(silent)),
             0);
   EXPECT_THAT(read("err"), HasSubstr("warning: ap2 heard no whole frame"));
@@ -213,8 +225,8 @@ TEST_F(SurveyVerb, FramesOfAFixedTransmitterSayNothingAboutTheDevice) {
   const std::uint16_t port = free_port();
   const HeardDevice fixed(port, kFixed);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
-                   "--timeout 0.5 --listen ap1=127.0.0.1:" + std::to_string(port) +
-                       " --record ap1=" + path("ap1.pcap")),
+                   timeout(std::chrono::milliseconds(500)) + " --listen ap1=127.0.0.1:" +
+                       std::to_string(port) + " --record ap1=" + path("ap1.pcap")),
             0);
   EXPECT_THAT(read("err"), HasSubstr("ap1 0/20"));
   EXPECT_GT(fs::file_size(path("ap1.pcap")), 1000U) << "they were heard";
@@ -225,8 +237,8 @@ TEST_F(SurveyVerb, FramesOfAStrangersPhoneSayNothingEither) {
   const std::uint16_t port = free_port();
   const HeardDevice stranger(port, kStranger);
   ASSERT_EQ(survey("0.5,0.2,1.2\nq\n",
-                   "--timeout 0.5 --listen ap1=127.0.0.1:" + std::to_string(port) +
-                       " --record ap1=" + path("ap1.pcap")),
+                   timeout(std::chrono::milliseconds(500)) + " --listen ap1=127.0.0.1:" +
+                       std::to_string(port) + " --record ap1=" + path("ap1.pcap")),
             0);
   EXPECT_THAT(read("err"), HasSubstr("ap1 0/20"));
   EXPECT_GT(fs::file_size(path("ap1.pcap")), 1000U) << "they were heard";
@@ -274,14 +286,33 @@ TEST_F(SurveyVerb, AnInterruptLeavesTheRowsBefore) {
   const std::uint16_t port = free_port();
   const HeardDevice device(port);
   std::ofstream(path("points.csv")) << "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n";
-  const std::string command = "(echo 0.5,0.2,1.2; sleep 2) | timeout --preserve-status -s INT 1 " +
-                              test::program_path("rayloc") + " survey " + kSite +
-                              " --frames 100000 --listen ap1=127.0.0.1:" + std::to_string(port) +
-                              " --out " + path("points.csv") + " > " + path("out") + " 2> " +
-                              path("err");
-  ASSERT_EQ(std::system(command.c_str()), 0);
-  EXPECT_THAT(read("err"), HasSubstr("interrupted, not written"));
-  EXPECT_THAT(read("out"), HasSubstr("\"points\":0"));
+  std::array<int, 2> answers{};
+  ASSERT_EQ(::pipe2(answers.data(), O_CLOEXEC), 0);
+  const RaylocProcess process({"survey",
+                               kSite,
+                               "--frames",
+                               "100000",
+                               "--timeout",
+                               "100000",
+                               "--listen",
+                               "ap1=127.0.0.1:" + std::to_string(port),
+                               "--out",
+                               path("points.csv")},
+                              answers[0]);
+  const std::string answer = "0.5,0.2,1.2\n";
+  ASSERT_EQ(::write(answers[1], answer.data(), answer.size()), static_cast<ssize_t>(answer.size()));
+  // With its answer taken, the point is under way.
+  EXPECT_TRUE(eventually(kPatience, [&] {
+    int unread = -1;
+    return ::ioctl(answers[0], FIONREAD, &unread) == 0 && unread == 0;
+  }));
+  process.signal(SIGINT);
+  const Finished finished = process.wait();
+  ::close(answers[0]);
+  ::close(answers[1]);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_THAT(finished.err, HasSubstr("interrupted, not written"));
+  EXPECT_THAT(finished.out, HasSubstr("\"points\":0"));
   EXPECT_EQ(read("points.csv"), "t_start,t_end,x,y,z\n1,2,0.1,0.2,1.2\n");
 }
 

@@ -2,7 +2,9 @@
 // processes, on what `rayloc simulate` says is true.
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -16,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/closet_plan.h"
+#include "tests/support/eventually.h"
 #include "tests/support/rayloc_process.h"
 
 namespace rayloc::train_places_test {
@@ -231,9 +234,7 @@ TEST_F(TrainPlaces, GoesOnWithWhatWasInterrupted) {
   const std::vector<std::string> more = {"--baseline", "epochs=4", "images=2"};
   const std::string checkpoint = path("broken") + "/training/cifi.checkpoint.json";
   const RaylocProcess process(train_arguments("cifi", "broken", more));
-  for (int i = 0; i < 6000 && !fs::exists(checkpoint); ++i) {
-    ::usleep(10'000);
-  }
+  eventually(std::chrono::seconds(60), [&] { return fs::exists(checkpoint); });
   process.signal(SIGKILL);
   process.wait();
   ASSERT_TRUE(fs::exists(checkpoint));

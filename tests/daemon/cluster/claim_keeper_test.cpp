@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -100,6 +99,25 @@ struct Worker {
     }
     return sites.size();
   }
+  // Waits until it has judged all its sites once more: it then claims one that is offered to nobody
+  // else, and that it looks at last. That one is withdrawn again.
+  bool judges() {
+    const std::string last = "the last site";
+    keeper->offer(last);
+    const bool claimed = eventually(kPatience, [&] {
+      owned();
+      return sites.count(last) == 1;
+    });
+    keeper->withdraw(last);
+    sites.erase(last);
+    return claimed;
+  }
+  // Waits for its thread, which looks eight times in a lease.
+  bool looks(std::uint64_t times) const {
+    const StageProgress& progress = keeper->progress();
+    return eventually(
+        kPatience, [&, before = progress.beats()] { return progress.beats() >= before + times; });
+  }
   std::unique_ptr<ClaimKeeper> keeper;
   std::map<std::string, std::uint64_t> sites;  // generations
 };
@@ -153,7 +171,7 @@ TEST(ClaimKeeper, WhatOneGivesBackThatIsBehindGoesToWhoIsNot) {
   second.keeper->set_condition(calm);
   ASSERT_TRUE(eventually(kPatience, [&] { return first.keeper->calmest() == 0.25; }));
   EXPECT_FALSE(second.keeper->calmest()) << "the other one is behind";
-  std::this_thread::sleep_for(milliseconds(1500));  // until it has heard itself for a lease
+  ASSERT_TRUE(second.judges()) << "it has heard itself for a lease";
   const auto before = first.sites;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string site = "site " + std::to_string(i);
@@ -177,7 +195,7 @@ TEST(ClaimKeeper, ASiteThatWasRemovedIsClaimedOnceItIsThereAgain) {
   ASSERT_TRUE(removed && removed->is_last);
   Worker worker(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return worker.owned() == kSites - 1; }));
-  std::this_thread::sleep_for(milliseconds(500));  // four looks
+  ASSERT_TRUE(worker.judges());
   EXPECT_EQ(worker.owned(), kSites - 1);
   record.set_removed(false);
   ASSERT_TRUE(broker->publish_behind(claim_subject(site), seal(record), removed->sequence));
@@ -195,7 +213,7 @@ TEST(ClaimKeeper, WhatIsGivenBackWhileTheBrokerIsAwayIsGivenBackLater) {
   first.keeper->give_back(site, generation - 1);  // of an older claim
   broker->set_connected(false);
   first.keeper->give_back(site, generation);
-  std::this_thread::sleep_for(milliseconds(200));
+  ASSERT_TRUE(first.looks(2));
   EXPECT_EQ(first.keeper->owner_of(site), "w1");
   broker->set_connected(true);
   EXPECT_TRUE(eventually(kPatience, [&] { return second.keeper->owner_of(site).empty(); }));
@@ -250,7 +268,7 @@ TEST(ClaimKeeper, AStoreThatWasLostIsTakenForNoReasonToRobAnybody) {
   broker->set_connected(true);
   Worker late(broker, "w2", 0);
   EXPECT_TRUE(eventually(kPatience, [&] { return broker->stored().size() == kSites; }));
-  std::this_thread::sleep_for(milliseconds(2500));
+  ASSERT_TRUE(late.judges());
   EXPECT_EQ(late.owned(), 0U);
   EXPECT_EQ(first.owned(), kSites);
   EXPECT_EQ(first.sites, before);
@@ -269,7 +287,8 @@ TEST(ClaimKeeper, OfTwoOfOneNameOneClaimsNothingAndSaysWhy) {
   ASSERT_TRUE(eventually(kPatience, [&] { return first.owned() == kSites; }));
   Worker namesake(broker, "w1", 0, 2);
   EXPECT_TRUE(eventually(kPatience, [&] { return !namesake.keeper->trouble().empty(); }));
-  std::this_thread::sleep_for(milliseconds(1500));
+  ASSERT_TRUE(namesake.looks(12)) << "for more than a lease";
+  ASSERT_TRUE(first.judges());
   EXPECT_EQ(first.keeper->trouble(), "");
   EXPECT_EQ(first.owned(), kSites);
   EXPECT_EQ(namesake.owned(), 0U);
@@ -296,10 +315,10 @@ TEST(ClaimKeeper, NobodyLosesASiteBecauseTheBrokerIsAway) {
   Worker only(broker, "w1", 0);
   ASSERT_TRUE(eventually(kPatience, [&] { return only.owned() == kSites; }));
   broker->set_connected(false);
-  std::this_thread::sleep_for(milliseconds(2500));
+  ASSERT_TRUE(only.looks(20)) << "for more than two leases";
   broker->set_connected(true);
   Worker late(broker, "w2", 0);
-  std::this_thread::sleep_for(milliseconds(2500));
+  ASSERT_TRUE(late.judges());
   EXPECT_EQ(only.owned(), kSites);
   EXPECT_EQ(late.owned(), 0U);
 }

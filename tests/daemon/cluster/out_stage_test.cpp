@@ -178,7 +178,10 @@ TEST(OutStage, NothingIsSaidHereThatTheBrokerHasNotTaken) {
   broker->set_connected(false);
   stage.location(located(10, "a"));
   stage.advance(at(20));
-  std::this_thread::sleep_for(milliseconds(300));
+  // It tries again and again.
+  ASSERT_TRUE(eventually(kPatience, [&, before = stage.progress().beats()] {
+    return stage.progress().beats() >= before + 4;
+  }));
   EXPECT_EQ(stage.counters().items, 0U);
   broker->set_connected(true);
   EXPECT_TRUE(eventually(kPatience, [&] { return stage.counters().items == 1; }));

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/daemon/cluster/fake_broker.h"
+#include "tests/support/patience.h"
 
 namespace rayloc::stream_reader_test {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using std::chrono::milliseconds;
 using ::testing::ElementsAre;
 
-constexpr milliseconds kSoon{500};
+constexpr std::chrono::seconds kPatience{20};
 
 class Stream : public ::testing::Test {
  protected:
@@ -43,10 +44,12 @@ class Stream : public ::testing::Test {
     ++ids_;
     ASSERT_TRUE(publisher_->publish("in.x", data, std::to_string(ids_), ids_));
   }
-  // Up to a time without a message.
-  static std::vector<std::string> read(StreamReader& reader, milliseconds patience = kSoon) {
+  static auto next(StreamReader& reader) { return reader.next(test::patient(kPatience)); }
+  // So many messages, however late they come, and what comes soon behind them.
+  static std::vector<std::string> read(StreamReader& reader, std::size_t count) {
     std::vector<std::string> all;
-    while (auto message = reader.next(patience)) {
+    for (auto message = next(reader); message;
+         message = all.size() < count ? next(reader) : reader.next(milliseconds(100))) {
       all.push_back(message->data);
     }
     return all;
@@ -62,14 +65,14 @@ TEST_F(Stream, IsReadFromItsBeginningAndOn) {
   store("b");
   const auto reader = open();
   store("c");
-  EXPECT_THAT(read(*reader), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(read(*reader, 3), ElementsAre("a", "b", "c"));
   store("d");
-  EXPECT_THAT(read(*reader), ElementsAre("d"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("d"));
   EXPECT_EQ(reader->place().sequence, 4U);
   EXPECT_EQ(reader->counters().lost, 0U);
   const StreamReader::Place place = reader->place();
   store("e");
-  EXPECT_THAT(read(*open(place)), ElementsAre("e"));
+  EXPECT_THAT(read(*open(place), 1), ElementsAre("e"));
 }
 
 TEST_F(Stream, WhatIsToldIsNotAskedFor) {
@@ -77,7 +80,7 @@ TEST_F(Stream, WhatIsToldIsNotAskedFor) {
   EXPECT_FALSE(reader->next(milliseconds(1)));
   for (int i = 0; i < 50; ++i) {
     store("x");
-    ASSERT_TRUE(reader->next(kSoon));
+    ASSERT_TRUE(next(*reader));
   }
   EXPECT_EQ(reader->counters().asked_for, 0U);
 }
@@ -87,14 +90,14 @@ TEST_F(Stream, WhatDoesNotFitHereIsAskedForLater) {
   for (const char* const word : {"a", "b", "c", "d", "e"}) {
     store(word);
   }
-  EXPECT_THAT(read(*reader), ElementsAre("a", "b", "c", "d", "e"));
+  EXPECT_THAT(read(*reader, 5), ElementsAre("a", "b", "c", "d", "e"));
   EXPECT_GT(reader->counters().asked_for, 0U);
 }
 
 TEST_F(Stream, WhatRetentionHasTakenIsCountedAsLost) {
   const auto reader = open();
   store("a");
-  EXPECT_THAT(read(*reader), ElementsAre("a"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("a"));
   broker_->set_connected(false);
   broker_->set_connected(true);
   for (int i = 0; i < 5; ++i) {
@@ -105,7 +108,7 @@ TEST_F(Stream, WhatRetentionHasTakenIsCountedAsLost) {
     broker_->drop("S", sequence);
   }
   const auto successor = open(place);
-  EXPECT_THAT(read(*successor), ElementsAre("x", "x"));
+  EXPECT_THAT(read(*successor, 2), ElementsAre("x", "x"));
   EXPECT_EQ(successor->counters().lost, 3U);
   EXPECT_EQ(open()->place().sequence, 0U);
 }
@@ -117,7 +120,7 @@ TEST_F(Stream, OneMissingInTheMiddleDoesNotHoldTheOthersForEver) {
   broker_->drop("S", 2);
   const auto reader = open();
   store("d");
-  EXPECT_THAT(read(*reader, milliseconds(3000)), ElementsAre("a", "c", "d"));
+  EXPECT_THAT(read(*reader, 3), ElementsAre("a", "c", "d"));
   EXPECT_EQ(reader->counters().lost, 1U);
 }
 
@@ -129,7 +132,7 @@ TEST_F(Stream, WhatOneReplicaLacksTheLeaderHas) {
   broker_->set_lagging(1, FakeBroker::kAll);
   const auto reader = open();
   store("d");
-  EXPECT_THAT(read(*reader, milliseconds(3000)), ElementsAre("a", "b", "c", "d"));
+  EXPECT_THAT(read(*reader, 4), ElementsAre("a", "b", "c", "d"));
   EXPECT_EQ(reader->counters().lost, 0U);
 }
 
@@ -139,7 +142,7 @@ TEST_F(Stream, ALeaderThatKnowsLessThanWasReadIsNotBelieved) {
   for (const char* const word : {"a", "b", "c"}) {
     store(word);
   }
-  EXPECT_THAT(read(*reader), ElementsAre("a", "b", "c"));
+  EXPECT_THAT(read(*reader, 3), ElementsAre("a", "b", "c"));
   broker_->set_lagging(1, 1);
   broker_->set_connected(false);
   broker_->set_connected(true);
@@ -147,30 +150,30 @@ TEST_F(Stream, ALeaderThatKnowsLessThanWasReadIsNotBelieved) {
   EXPECT_EQ(reader->counters().streams, 0U);
   broker_->set_lagging(FakeBroker::kAll, FakeBroker::kAll);
   store("d");
-  EXPECT_THAT(read(*reader, milliseconds(1500)), ElementsAre("d"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("d"));
   EXPECT_EQ(reader->counters().lost, 0U);
 }
 
 TEST_F(Stream, GoesOnAfterTheBrokerWasAway) {
   const auto reader = open();
   store("a");
-  EXPECT_THAT(read(*reader), ElementsAre("a"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("a"));
   broker_->set_connected(false);
   EXPECT_FALSE(reader->next(milliseconds(50)));
   broker_->set_connected(true);
   store("b");
-  EXPECT_THAT(read(*reader), ElementsAre("b"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("b"));
 }
 
 TEST_F(Stream, AnotherOneOfThatNameIsReadFromItsBeginning) {
   const auto reader = open();
   store("a");
   store("b");
-  EXPECT_THAT(read(*reader), ElementsAre("a", "b"));
+  EXPECT_THAT(read(*reader, 2), ElementsAre("a", "b"));
   broker_->forget_streams();
   make();
   store("c");
-  EXPECT_THAT(read(*reader, milliseconds(1500)), ElementsAre("c"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("c"));
   EXPECT_EQ(reader->counters().streams, 1U);
   EXPECT_EQ(reader->place().sequence, 1U);
 }
@@ -182,7 +185,7 @@ TEST_F(Stream, OneThatIsNotThereIsNamed) {
   EXPECT_NE(reader->trouble(), "");
   make();
   store("a");
-  EXPECT_THAT(read(*reader, milliseconds(1500)), ElementsAre("a"));
+  EXPECT_THAT(read(*reader, 1), ElementsAre("a"));
   EXPECT_EQ(reader->trouble(), "");
 }
 

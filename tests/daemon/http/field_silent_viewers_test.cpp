@@ -37,7 +37,8 @@ std::unique_ptr<HttpServer> started(const HttpServer::Options& options) {
 
 TEST(Field, HttpViewersThatNeverReadResetNobodyWhoHasJustCome) {
   HttpServer::Options options;
-  options.limits.time = kPatience;  // the machine may be busy; what is asked is who has to go
+  // The machine may be busy; what is asked is who has to go.
+  options.limits.time = test::patient(kPatience);
   const auto server = started(options);
   std::deque<HttpClient> silent;
   for (int round = 0; round < 3; ++round) {
@@ -59,7 +60,7 @@ TEST(Field, HttpViewersThatNeverReadResetNobodyWhoHasJustCome) {
 TEST(Field, HttpConnectionsThatSayNothingMakeRoomWhenTheyHaveHadTheirChance) {
   HttpServer::Options options;
   options.limits.connections = 8;
-  options.limits.time = kPatience;
+  options.limits.time = test::patient(kPatience);
   const auto server = started(options);
   std::deque<HttpClient> silent;
   for (std::size_t i = 0; i < 3 * options.limits.connections; ++i) {

@@ -14,6 +14,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
+
 namespace rayloc::testing {
 
 class HttpClient {
@@ -36,12 +38,14 @@ class HttpClient {
     return ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) ==
            static_cast<ssize_t>(text.size());
   }
-  // What comes until the server closes its side, or nothing more for `patience`.
+  // What comes until the server closes its side, or nothing more for `patience`, which is scaled as
+  // every deadline is.
   std::string receive(std::chrono::milliseconds patience = std::chrono::seconds(10)) const {
     std::string text;
     std::array<char, 4096> buffer{};
     pollfd waiting{socket_, POLLIN, 0};
-    while (::poll(&waiting, 1, static_cast<int>(patience.count())) > 0) {
+    const auto timeout = static_cast<int>(test::patient(patience).count());
+    while (::poll(&waiting, 1, timeout) > 0) {
       const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
       if (got <= 0) {
         break;

@@ -75,8 +75,8 @@ class GuardedDaemon {
 };
 
 bool joins(const GuardedDaemon& daemon, const std::optional<CurveClientKeys>& keys) {
-  const auto late =
-      LateSubscriber::join(daemon.endpoint(), daemon.snapshot(), {"v1/"}, kPatience, keys);
+  const auto late = LateSubscriber::join(
+      daemon.endpoint(), daemon.snapshot(), {"v1/"}, test::patient(kPatience), keys);
   return late.has_value();
 }
 
@@ -87,12 +87,12 @@ TEST(Curve, AListedClientGetsTheSnapshotAndTheStream) {
   auto late = LateSubscriber::join(daemon.endpoint(),
                                    daemon.snapshot(),
                                    {"v1/"},
-                                   kPatience,
+                                   test::patient(kPatience),
                                    CurveClientKeys{server.public_key, client});
   ASSERT_TRUE(late) << late.error().message;
   std::uint64_t last = 0;
   for (int i = 0; i < 20; ++i) {
-    const auto message = late->receive(kPatience);
+    const auto message = late->receive(test::patient(kPatience));
     v1::Envelope envelope;
     ASSERT_TRUE(message && envelope.ParseFromString(message->payload));
     EXPECT_TRUE(last == 0 || envelope.sequence() == last + 1);

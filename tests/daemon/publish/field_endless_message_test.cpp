@@ -34,8 +34,8 @@ std::uint64_t cut_off(const GuardedDaemon& daemon) {
 
 TEST(Field, EndlessMessagesAreCutOffAndCounted) {
   const GuardedDaemon daemon({});
-  auto late =
-      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
+  auto late = LateSubscriber::join(
+      daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, test::patient(kPatience));
   ASSERT_TRUE(late) << late.error().message;
   std::uint64_t cut = 0;
   for (const std::size_t part_bytes : {0U, 60U, 4000U}) {
@@ -52,10 +52,10 @@ TEST(Field, EndlessMessagesAreCutOffAndCounted) {
   EXPECT_EQ(daemon.snapshots().counters().malformed, 0U) << "none came to its end";
   // Everybody else is served as before.
   for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE(late->receive(kPatience));
+    EXPECT_TRUE(late->receive(test::patient(kPatience)));
   }
-  EXPECT_TRUE(
-      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience));
+  EXPECT_TRUE(LateSubscriber::join(
+      daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, test::patient(kPatience)));
 }
 
 // A message of 60,000 parts. libzmq sends it when it is whole, so it has an end, far away.
@@ -94,7 +94,7 @@ TEST(Field, EndlessMessagesThroughCurveAreCutOffAsWell) {
   EXPECT_TRUE(LateSubscriber::join(daemon.endpoint(),
                                    daemon.snapshots().endpoint(),
                                    {"v1/"},
-                                   kPatience,
+                                   test::patient(kPatience),
                                    CurveClientKeys{server.public_key, client}));
 }
 
@@ -124,8 +124,8 @@ TEST(Field, MessagesWithAnEndAreNeverCutOff) {
 
 TEST(Field, SubscribersToTooMuchAreCutOff) {
   const GuardedDaemon daemon({});
-  auto late =
-      LateSubscriber::join(daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, kPatience);
+  auto late = LateSubscriber::join(
+      daemon.endpoint(), daemon.snapshots().endpoint(), {"v1/"}, test::patient(kPatience));
   ASSERT_TRUE(late) << late.error().message;
   zmq::context_t context;
   zmq::socket_t socket(context, zmq::socket_type::xsub);
@@ -140,7 +140,7 @@ TEST(Field, SubscribersToTooMuchAreCutOff) {
   socket.close();
   EXPECT_TRUE(eventually(kPatience, [&] { return daemon.subscriptions() < 10; }));
   for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE(late->receive(kPatience));
+    EXPECT_TRUE(late->receive(test::patient(kPatience)));
   }
 }
 

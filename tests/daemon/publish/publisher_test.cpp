@@ -12,6 +12,7 @@
 #include "daemon/publish/proto_time.h"
 #include "daemon/publish/subscriber.h"
 #include "rayloc/v1/envelope.pb.h"
+#include "tests/support/eventually.h"
 
 namespace rayloc::publisher_test {
 namespace {
@@ -46,15 +47,12 @@ v1::Location location_of(const std::string& mac, double x = 1.0) {
 
 // Subscribed for certain: waits until the publisher has seen `subscriptions`.
 void wait_for_subscriptions(Publisher& publisher, std::uint64_t subscriptions) {
-  const auto deadline = std::chrono::steady_clock::now() + kPatience;
-  while (publisher.counters().subscriptions != subscriptions) {
-    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
-    std::this_thread::sleep_for(1ms);
-  }
+  ASSERT_TRUE(
+      eventually(kPatience, [&] { return publisher.counters().subscriptions == subscriptions; }));
 }
 
 v1::Envelope receive(Subscriber& subscriber, std::string* topic = nullptr) {
-  const auto message = subscriber.receive(kPatience);
+  const auto message = subscriber.receive(test::patient(kPatience));
   v1::Envelope envelope;
   EXPECT_TRUE(message && envelope.ParseFromString(message->payload));
   if (message && topic != nullptr) {

@@ -74,12 +74,14 @@ TEST(Snapshot, AndStreamGiveEverySequenceOnce) {
   const BusyPublisher publisher;
   constexpr int kJoins = 50;
   for (int join = 0; join < kJoins; ++join) {
-    auto subscriber = LateSubscriber::join(
-        publisher.endpoint(), publisher.snapshots().endpoint(), {"v1/location/"}, kPatience);
+    auto subscriber = LateSubscriber::join(publisher.endpoint(),
+                                           publisher.snapshots().endpoint(),
+                                           {"v1/location/"},
+                                           test::patient(kPatience));
     ASSERT_TRUE(subscriber) << subscriber.error().message;
     std::map<std::string, std::uint64_t> last;
     for (int i = 0; i < 20 * kTargets; ++i) {
-      const auto message = subscriber->receive(kPatience);
+      const auto message = subscriber->receive(test::patient(kPatience));
       ASSERT_TRUE(message);
       v1::Envelope envelope;
       ASSERT_TRUE(envelope.ParseFromString(message->payload));
@@ -102,7 +104,8 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
   std::optional<BusyPublisher> publisher(std::in_place);
   const std::string endpoint = publisher->endpoint();
   const std::string snapshot = publisher->snapshots().endpoint();
-  auto subscriber = LateSubscriber::join(endpoint, snapshot, {"v1/location/"}, kPatience);
+  auto subscriber =
+      LateSubscriber::join(endpoint, snapshot, {"v1/location/"}, test::patient(kPatience));
   ASSERT_TRUE(subscriber) << subscriber.error().message;
   for (const std::uint64_t epoch : {77U, 78U}) {
     std::map<std::string, std::uint64_t> last;
@@ -111,7 +114,7 @@ TEST(Snapshot, IsAskedForAgainAfterARestartAndForgottenWhenItHasPassed) {
     ASSERT_TRUE(eventually(
         kPatience,
         [&] {
-          const auto message = subscriber->receive(kPatience);
+          const auto message = subscriber->receive(test::patient(kPatience));
           v1::Envelope envelope;
           if (!message || !envelope.ParseFromString(message->payload) ||
               envelope.epoch() != epoch) {
@@ -165,7 +168,7 @@ TEST(Snapshot, ATooLongRequestEndsTheConnectionAndHarmsNobody) {
   socket.connect(publisher.snapshots().endpoint());
   socket.send(zmq::message_t(std::string(200'000, 'x')), zmq::send_flags::none);
   const auto subscriber = LateSubscriber::join(
-      publisher.endpoint(), publisher.snapshots().endpoint(), {"v1/"}, kPatience);
+      publisher.endpoint(), publisher.snapshots().endpoint(), {"v1/"}, test::patient(kPatience));
   EXPECT_TRUE(subscriber) << subscriber.error().message;
 }
 

@@ -8,13 +8,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
+
 namespace rayloc::background_log_test {
 namespace {
 
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 
-constexpr auto kLong = std::chrono::milliseconds(60s);
+const auto kLong = test::patient(60s);
 
 // A terminal that can be stopped, as by Ctrl-S. Outlives the log: its thread may be left in it.
 class Terminal {

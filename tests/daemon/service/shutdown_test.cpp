@@ -8,6 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/patience.h"
+
 namespace rayloc::shutdown_test {
 namespace {
 
@@ -22,8 +24,8 @@ Shutdown::Time in(std::chrono::milliseconds time) {
 TEST(Shutdown, StepsFollowOneAnother) {
   std::vector<int> done;
   Shutdown shutdown;
-  EXPECT_TRUE(shutdown.run("first", in(60s), [&] { done.push_back(1); }));
-  EXPECT_TRUE(shutdown.run("second", in(60s), [&] { done.push_back(2); }));
+  EXPECT_TRUE(shutdown.run("first", in(test::patient(60s)), [&] { done.push_back(1); }));
+  EXPECT_TRUE(shutdown.run("second", in(test::patient(60s)), [&] { done.push_back(2); }));
   EXPECT_THAT(done, ElementsAre(1, 2));
   EXPECT_THAT(shutdown.hung(), IsEmpty());
 }
@@ -40,7 +42,7 @@ TEST(Shutdown, AStepThatHangsIsNamedAndKeepsNobody) {
       over->set_value();
     }));
     EXPECT_FALSE(shutdown.wait_for("estimation", in(10ms)));
-    EXPECT_TRUE(shutdown.run("recorder ap1", in(60s), [&] { closed = true; }));
+    EXPECT_TRUE(shutdown.run("recorder ap1", in(test::patient(60s)), [&] { closed = true; }));
     EXPECT_THAT(shutdown.hung(), ElementsAre("estimation"));
   }
   EXPECT_TRUE(closed);
@@ -53,14 +55,15 @@ TEST(Shutdown, AStepThatIsLateMayStillCome) {
   Shutdown shutdown;
   EXPECT_FALSE(shutdown.run("estimation", in(10ms), [&] { release.get_future().wait(); }));
   release.set_value();
-  EXPECT_TRUE(shutdown.wait_for("estimation", in(60s)));
+  EXPECT_TRUE(shutdown.wait_for("estimation", in(test::patient(60s))));
   EXPECT_THAT(shutdown.hung(), IsEmpty());
 }
 
 TEST(Shutdown, WhatAStepThrowsIsThrown) {
   Shutdown shutdown;
-  EXPECT_THROW(shutdown.run("publisher", in(60s), [] { throw std::runtime_error("zmq"); }),
-               std::runtime_error);
+  EXPECT_THROW(
+      shutdown.run("publisher", in(test::patient(60s)), [] { throw std::runtime_error("zmq"); }),
+      std::runtime_error);
 }
 
 }  // namespace
