@@ -28,7 +28,7 @@ add_compile_options("-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 string(REPLACE "-g" "-g1" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
 
 # The static libraries also go into the Python module (python/README.md), which is a shared one. All
-# is compiled alike, programs too, so that one precompiled header serves both. What stays hidden is
+# is compiled alike, programs too. What stays hidden is
 # called directly, as in a program: tests/bench/trace_bench sees no difference.
 add_compile_options(-fPIC -fvisibility=hidden)
 
@@ -70,26 +70,16 @@ if(RAYLOC_FUZZ AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
   message(FATAL_ERROR "RAYLOC_FUZZ needs clang (preset fuzz)")
 endif()
 
-# rayloc_compile(TARGET [TEST]): the options and the precompiled header of its half of the tree, by the
-# current folder.
+# rayloc_compile(TARGET [TEST]): the options of its half of the tree, by the current folder.
 function(rayloc_compile target)
-  set(part daemon)
-  if(CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(tests/)?engine(/|$)")
-    set(part engine)
+  if(RAYLOC_FUZZ AND NOT "TEST" IN_LIST ARGN)  # the tests themselves need no coverage, and compile a fifth faster
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
   endif()
-  set(header ${part})
-  set(options "")
-  if("TEST" IN_LIST ARGN)
-    set(header ${part}_test)
-  elseif(RAYLOC_FUZZ)  # the tests themselves need no coverage, and compile a fifth faster
-    list(APPEND options -fsanitize=fuzzer-no-link)
+  # Only engine/ computes; what takes the time of other tests is in the libraries, or waiting.
+  if(NOT CMAKE_CURRENT_SOURCE_DIR MATCHES "^${PROJECT_SOURCE_DIR}/(tests/)?engine(/|$)"
+     AND ("TEST" IN_LIST ARGN OR RAYLOC_SANITIZE))
+    target_compile_options(${target} PRIVATE -O0)
   endif()
-  # Only engine/ computes; what takes the time of tests is in the libraries, or waiting.
-  if(part STREQUAL daemon AND ("TEST" IN_LIST ARGN OR RAYLOC_SANITIZE))
-    list(APPEND options -O0)
-  endif()
-  target_compile_options(${target} PRIVATE ${options})
-  rayloc_precompile(${target} ${header} ${options})
 endfunction()
 
 # rayloc_library(NAME SOURCES file... [DEPENDS target...]): one folder, one static library.

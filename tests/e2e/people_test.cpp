@@ -29,7 +29,7 @@ struct Place {
 constexpr std::array kPlaces = {
     Place{0.9, 0.9}, Place{-0.9, -0.7}, Place{0.9, -0.9}, Place{1.2, 0.4}, Place{-1.0, 0.1}};
 
-class People : public testing::Test {
+class People : public ::testing::Test {
  protected:
   std::filesystem::path folder() const { return folder_.path(); }
   std::string capture(const std::string& name, const std::string& access_point) const {
@@ -128,7 +128,7 @@ TEST_F(People, AreFoundByTheDaemonAndPublished) {
 
   LiveDaemon daemon(folder(), {.site = folder() / "site"});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
-  EXPECT_THAT(state(daemon), testing::HasSubstr(", 0 tracks of devices, 0 of people; "));
+  EXPECT_THAT(state(daemon), ::testing::HasSubstr(", 0 tracks of devices, 0 of people; "));
   arguments.clear();
   for (const std::string access_point : kAccessPoints) {
     arguments.push_back(capture("people", access_point));

@@ -1,8 +1,0 @@
-// For the tests of engine/.
-#pragma once
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <Eigen/Dense>
-
-#include "cmake/precompiled/standard.h"
