@@ -34,21 +34,27 @@ function(rayloc_test_labels out)
   set(${out} "${labels}" PARENT_SCOPE)
 endfunction()
 
-# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE]
-#             [CONTRACT regex] [DAILY regex]): a GoogleTest program. The tests find tests/data and the programs
-# with tests/support/test_paths.h.
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE] [SANITIZED_NIGHTLY]
+#             [CALIBRATED_SITE] [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex]): a GoogleTest program. Its tests find tests/data and
+# the programs with tests/support/test_paths.h.
 #   LABELS      `unit` when none is given; `e2e` (real processes; not built under a sanitizer) is also `realtime`
 #   FILES_ONLY  an e2e program that reads and writes files, and in which nothing happens in real time
 #   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
+#   SANITIZED_NIGHTLY  `nightly` under a sanitizer, where it takes more than a minute
+#   CALIBRATED_SITE  its tests share the bundled site, calibrated once (tests/e2e/make_calibrated_site)
 #   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
+#   NIGHTLY     the tests of the program that only tests/run --all runs
 #   DAILY       the real-time tests that tests/run --fast runs as well
 function(rayloc_test name)
-  cmake_parse_arguments(ARG "FILES_ONLY;WHOLE" "CONTRACT;DAILY" "SOURCES;DEPENDS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;SANITIZED_NIGHTLY;WHOLE" "DAILY" "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
   if("e2e" IN_LIST ARG_LABELS AND NOT ARG_FILES_ONLY)
     list(APPEND ARG_LABELS realtime)
+  endif()
+  if(RAYLOC_SANITIZE AND ARG_SANITIZED_NIGHTLY)
+    list(APPEND ARG_LABELS nightly)
   endif()
   rayloc_test_labels(labels ${ARG_LABELS})
   add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
@@ -79,6 +85,8 @@ function(rayloc_test name)
     return()
   endif()
   math(EXPR timeout "300 * ${RAYLOC_PATIENCE}")
+  list(JOIN ARG_CONTRACT "|" contract)
+  list(JOIN ARG_NIGHTLY "|" nightly)
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
                        PROPERTIES TIMEOUT ${timeout} COST ${cost}
                        ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
@@ -87,17 +95,24 @@ function(rayloc_test name)
   file(CONFIGURE OUTPUT "${labels_file}" @ONLY CONTENT [[
 foreach(test IN LISTS @name@_TESTS)
   set(labels "@labels@")
-  if(NOT "@ARG_CONTRACT@" STREQUAL "")
-    if(test MATCHES "@ARG_CONTRACT@")
+  if(NOT "@contract@" STREQUAL "")
+    if(test MATCHES "^(@contract@)")
       list(APPEND labels contract)
     else()
       list(APPEND labels nightly)
     endif()
   endif()
+  if(NOT "@nightly@" STREQUAL "" AND test MATCHES "^(@nightly@)")
+    list(APPEND labels nightly)
+  endif()
   if(NOT "@ARG_DAILY@" STREQUAL "" AND test MATCHES "@ARG_DAILY@")
     list(APPEND labels daily)
   endif()
   set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
+  if("@ARG_CALIBRATED_SITE@")
+    set_tests_properties("${test}" PROPERTIES FIXTURES_REQUIRED calibrated_site
+      ENVIRONMENT "XDG_CACHE_HOME=@CMAKE_BINARY_DIR@/cache;RAYLOC_CALIBRATED_SITE=@CMAKE_BINARY_DIR@/calibrated_site")
+  endif()
 endforeach()
 ]])
   set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${labels_file}")

@@ -120,7 +120,7 @@ struct Layout {
   int bandwidth_mhz;
 };
 
-class AxcsiLayout : public testing::TestWithParam<Layout> {};
+class AxcsiLayout : public ::testing::TestWithParam<Layout> {};
 
 // Both are given the same tones; what they make of them must be the same bytes.
 TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
@@ -162,14 +162,14 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
 
 INSTANTIATE_TEST_SUITE_P(Formats,
                          AxcsiLayout,
-                         testing::Values(Layout{"Vht20", test::WirePhy::kVht, 20},
-                                         Layout{"Vht40", test::WirePhy::kVht, 40},
-                                         Layout{"Ht40", test::WirePhy::kHt, 40},
-                                         Layout{"Vht80", test::WirePhy::kVht, 80},
-                                         Layout{"Vht160", test::WirePhy::kVht, 160},
-                                         Layout{"He20", test::WirePhy::kHe, 20},
-                                         Layout{"He40", test::WirePhy::kHe, 40},
-                                         Layout{"He160", test::WirePhy::kHe, 160}),
+                         ::testing::Values(Layout{"Vht20", test::WirePhy::kVht, 20},
+                                           Layout{"Vht40", test::WirePhy::kVht, 40},
+                                           Layout{"Ht40", test::WirePhy::kHt, 40},
+                                           Layout{"Vht80", test::WirePhy::kVht, 80},
+                                           Layout{"Vht160", test::WirePhy::kVht, 160},
+                                           Layout{"He20", test::WirePhy::kHe, 20},
+                                           Layout{"He40", test::WirePhy::kHe, 40},
+                                           Layout{"He160", test::WirePhy::kHe, 160}),
                          [](const auto& layout) { return std::string(layout.param.name); });
 
 }  // namespace

@@ -20,10 +20,10 @@ namespace {
 
 using test::Recording;
 using test::WireFrame;
-using testing::Contains;
-using testing::ElementsAre;
-using testing::Not;
-using testing::Pair;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Not;
+using ::testing::Pair;
 
 constexpr auto kGap = std::chrono::milliseconds(50);  // between frames: longer than the time-out
 constexpr Timestamp kStart{std::chrono::seconds(1'000)};

@@ -18,8 +18,8 @@ namespace rayloc::frame_decoder_test {
 namespace {
 
 using test::Recording;
-using testing::ElementsAre;
-using testing::Pair;
+using ::testing::ElementsAre;
+using ::testing::Pair;
 
 constexpr Timestamp kStart{std::chrono::seconds(1'000)};
 
@@ -127,7 +127,7 @@ TEST(FrameDecoder, FramesInPiecesComeBesideIt) {
   for (const CsiFrame& frame : test::receive_all(receiver, recording)) {
     formats.push_back(frame.format);
   }
-  EXPECT_THAT(formats, testing::UnorderedElementsAre("axcsi-v4", "whole"));
+  EXPECT_THAT(formats, ::testing::UnorderedElementsAre("axcsi-v4", "whole"));
   EXPECT_THAT(receiver.counters().rejected, ElementsAre(Pair("length_mismatch", 1)));
 }
 

@@ -2,6 +2,7 @@
 #include "capture/assemble/frame_normalizer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -44,7 +45,7 @@ struct SyntheticCase {
   int last_tone;
 };
 
-class Synthetic : public testing::TestWithParam<SyntheticCase> {
+class Synthetic : public ::testing::TestWithParam<SyntheticCase> {
  protected:
   WireFrame make() const {
     const SyntheticCase& c = GetParam();
@@ -110,7 +111,7 @@ TEST_P(Synthetic, DelayHasOurSign) {
 INSTANTIATE_TEST_SUITE_P(
     Frames,
     Synthetic,
-    testing::Values(
+    ::testing::Values(
         SyntheticCase{"Legacy20", WirePhy::kLegacy, 20, 20, 0, 1, 4, 52, -26, 26},
         SyntheticCase{"Legacy20In80", WirePhy::kLegacy, 80, 20, 32, 1, 4, 52, 6, 58},
         SyntheticCase{"LegacyDuplicate40", WirePhy::kLegacy, 40, 40, 0, 1, 4, 104, -58, 58},
@@ -135,7 +136,9 @@ INSTANTIATE_TEST_SUITE_P(
         SyntheticCase{"He80TwoStreams", WirePhy::kHe, 80, 80, 0, 2, 32, 980, -500, 500},
         SyntheticCase{"He160FourStreams", WirePhy::kHe, 160, 160, 0, 4, 128, 1958, -1012, 1011},
         SyntheticCase{"He20In80", WirePhy::kHe, 80, 20, 128, 1, 16, 242, 6, 250}),
-    [](const testing::TestParamInfo<SyntheticCase>& test) { return std::string(test.param.name); });
+    [](const ::testing::TestParamInfo<SyntheticCase>& test) {
+      return std::string(test.param.name);
+    });
 
 TEST(FrameNormalizer, HeWithAShortTrainingFieldKeepsWhatWasSounded) {
   for (const int stride : {2, 4}) {
@@ -146,9 +149,10 @@ TEST(FrameNormalizer, HeWithAShortTrainingFieldKeepsWhatWasSounded) {
     wire.channel = test::delayed_path(kDelay, 78'125.0);
     const auto frames = receive(test::write_axcsi(wire, Timestamp()));
     ASSERT_EQ(frames.size(), 1U);
-    EXPECT_THAT(frames[0].flags, testing::Contains("sparse_training"));
-    EXPECT_THAT(frames[0].tone_index,
-                testing::Each(testing::Truly([stride](int tone) { return tone % stride == 0; })));
+    EXPECT_THAT(frames[0].flags, ::testing::Contains("sparse_training"));
+    EXPECT_THAT(
+        frames[0].tone_index,
+        ::testing::Each(::testing::Truly([stride](int tone) { return tone % stride == 0; })));
     EXPECT_EQ(frames[0].tone_index.size(), stride == 2 ? 498U : 250U);
   }
 }
@@ -174,16 +178,18 @@ TEST(FrameNormalizer, NexmonAndUbilocateComeOutTheSame) {
   wire.channel = [](int core, int stream, int tone) {
     return 8.0 * test::delayed_path(kDelay, 312'500.0)(core, stream, tone);
   };
-  const struct {
+  struct Case {
     const char* what;
     Recording recording;
     int lowest_usable;  // of the tones above the centre
     double tolerance;
-  } cases[] = {{"4366c0 v1", test::write_nexmon(wire, NexmonChip::k4366c0, 1, {}), 2, 0.5},
-               {"4366c0 v2", test::write_nexmon(wire, NexmonChip::k4366c0, 2, {}), 3, 0.5},
-               {"4358 v1", test::write_nexmon(wire, NexmonChip::k4358, 1, {}), 2, 4.0},
-               {"43455c0 v2", test::write_nexmon(wire, NexmonChip::k43455c0, 2, {}), 3, 1.0},
-               {"ubilocate", test::write_ubilocate(wire, {}), 2, 0.5}};
+  };
+  const std::array<Case, 5> cases{
+      {{"4366c0 v1", test::write_nexmon(wire, NexmonChip::k4366c0, 1, {}), 2, 0.5},
+       {"4366c0 v2", test::write_nexmon(wire, NexmonChip::k4366c0, 2, {}), 3, 0.5},
+       {"4358 v1", test::write_nexmon(wire, NexmonChip::k4358, 1, {}), 2, 4.0},
+       {"43455c0 v2", test::write_nexmon(wire, NexmonChip::k43455c0, 2, {}), 3, 1.0},
+       {"ubilocate", test::write_ubilocate(wire, {}), 2, 0.5}}};
   for (const auto& c : cases) {
     const auto frames = receive(c.recording);
     ASSERT_EQ(frames.size(), 1U) << c.what;
@@ -225,8 +231,8 @@ TEST(FrameNormalizer, MissingToneBlocksLeaveTheirRowOut) {
   const auto frames = receive(recording);
   ASSERT_EQ(frames.size(), 1U);
   EXPECT_FALSE(frames[0].complete);
-  EXPECT_THAT(frames[0].flags, testing::Contains("missing_tones"));
-  EXPECT_THAT(frames[0].cores, testing::ElementsAre(0, 2, 3));
+  EXPECT_THAT(frames[0].flags, ::testing::Contains("missing_tones"));
+  EXPECT_THAT(frames[0].cores, ::testing::ElementsAre(0, 2, 3));
   EXPECT_EQ(frames[0].csi.tones(), 484U);
 }
 
@@ -257,7 +263,7 @@ TEST(FrameNormalizer, AChainOfZerosIsFlaggedAndDoesNotDisturb) {
   std::fill(recording[1].payload.begin() + 54, recording[1].payload.end(), std::byte{0});
   const auto frames = receive(recording);
   ASSERT_EQ(frames.size(), 1U);
-  EXPECT_THAT(frames[0].flags, testing::Contains("zero_core"));
+  EXPECT_THAT(frames[0].flags, ::testing::Contains("zero_core"));
   EXPECT_EQ(frames[0].bandwidth_mhz, 20);
   EXPECT_EQ(frames[0].tone_index.front(), 96 - 28);
 }

@@ -75,7 +75,7 @@ TEST_F(PcapLiveSourceTest, DeliversEachDatagramOnceWithTheTimeOfTheSocket) {
       EXPECT_EQ(d.time.time_since_epoch() % std::chrono::microseconds(1), Duration(0));
     }
   }
-  EXPECT_THAT(payloads, testing::ElementsAre("one", "", "three"));
+  EXPECT_THAT(payloads, ::testing::ElementsAre("one", "", "three"));
   ASSERT_TRUE(source_->read(batch, Duration(0)));
   EXPECT_TRUE(batch.datagrams.empty());
   EXPECT_GT(batch.watermark, times.back() - std::chrono::seconds(1));

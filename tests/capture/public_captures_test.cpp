@@ -18,7 +18,7 @@ namespace rayloc::public_captures_test {
 namespace {
 
 using test::PublicCaptures;
-using testing::ElementsAre;
+using ::testing::ElementsAre;
 
 struct Received {
   std::vector<CsiFrame> frames;
@@ -111,7 +111,7 @@ TEST_F(PublicCaptures, MiddleIs20MhzInTheUpperPartOf80) {
     EXPECT_TRUE(frame.complete);
     EXPECT_EQ(frame.bandwidth_mhz, 20);
     EXPECT_EQ(frame.channel_bandwidth_mhz, 80);
-    EXPECT_THAT(frame.flags, testing::Contains("subband"));
+    EXPECT_THAT(frame.flags, ::testing::Contains("subband"));
     const int half = frame.phy == PhyFormat::kLegacy ? 26 : 28;
     EXPECT_EQ(frame.tone_index.front(), 96 - half);
     EXPECT_EQ(frame.tone_index.back(), 96 + half);
@@ -196,7 +196,7 @@ std::map<std::string, int> kinds_of(const std::vector<CsiFrame>& frames) {
 }
 
 TEST_F(PublicCaptures, NexmonOccupancyIsFoundByEnergy) {
-  using testing::Pair;
+  using ::testing::Pair;
   // Legacy 20 MHz on the lowest part of 80 MHz, as the primary channel in the chanspec says.
   EXPECT_THAT(kinds_of(receive("nexmon-csikit/example_4366c0.pcap").frames),
               ElementsAre(Pair("legacy 20 at -96", 293)));

@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <array>
 
 #include "capture/assemble/csi_receiver.h"
 #include "tests/support/recording.h"
@@ -18,8 +19,8 @@ using test::NexmonChip;
 using test::Recording;
 using test::WireFrame;
 using test::WirePhy;
-using testing::Contains;
-using testing::ElementsAre;
+using ::testing::Contains;
+using ::testing::ElementsAre;
 
 constexpr Timestamp kStart{std::chrono::seconds(1'800'000'000)};
 constexpr auto kGap = std::chrono::milliseconds(50);
@@ -121,17 +122,19 @@ TEST(Recordings, UbilocateOf4CoresAnd4Streams) {
 // What the header does not say, the tones' energy does: a frame of the whole channel, of its
 // lowest quarter, and one that is repeated over its lower half.
 TEST(Recordings, NexmonOfEveryChipAndVersion) {
-  const struct {
+  struct Kind {
     WirePhy phy;
     int occupied_mhz;
     int centre_tone;
-  } kinds[] = {{WirePhy::kVht, 80, 0}, {WirePhy::kLegacy, 20, -96}, {WirePhy::kLegacy, 40, -64}};
+  };
+  const std::array<Kind, 3> kinds{
+      {{WirePhy::kVht, 80, 0}, {WirePhy::kLegacy, 20, -96}, {WirePhy::kLegacy, 40, -64}}};
   for (const auto chip :
        {NexmonChip::k4339, NexmonChip::k4358, NexmonChip::k43455c0, NexmonChip::k4366c0}) {
     for (const int version : {1, 2}) {
       for (const auto& kind : kinds) {
-        SCOPED_TRACE(testing::Message() << "chip " << static_cast<int>(chip) << " version "
-                                        << version << ", " << kind.occupied_mhz << " MHz");
+        SCOPED_TRACE(::testing::Message() << "chip " << static_cast<int>(chip) << " version "
+                                          << version << ", " << kind.occupied_mhz << " MHz");
         WireFrame frame;
         frame.phy = kind.phy;
         frame.channel_mhz = 80;

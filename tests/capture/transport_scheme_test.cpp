@@ -19,9 +19,9 @@
 namespace rayloc::transport_scheme_test {
 namespace {
 
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::Not;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
 // A transport that exists in this file only: what is sent to a name is read by that name.
 struct Kept {

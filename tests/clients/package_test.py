@@ -17,7 +17,7 @@ SOURCES = ROOT / "deploy/clients/python"
 STAGED = Path(os.environ["RAYLOC_PYTHON"])  # where CMake has put it together
 # What needs the native module, which pip does not make, or torch (tests/python).
 NATIVE = {"autograd", "calibrating", "localizing", "recording", "studying", "tracing"}
-PATHS = f"{STAGED}:{ROOT}/tests/clients:{ROOT}/tests/clients/stubs"
+PATHS = f"{STAGED}:{ROOT}/tests/clients:{ROOT}/tests/clients/stubs:{ROOT}/tests/support"
 
 
 def run(*words: object, **variables: str) -> str:

@@ -15,7 +15,7 @@ from typing import Callable, Optional
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "support"))
 
-from patience import PATIENCE, patient  # noqa: E402, F401
+from patience import PATIENCE as PATIENCE, patient as patient  # noqa: E402
 
 BIN = Path(os.environ["RAYLOC_BIN"])
 ROOT = Path(__file__).resolve().parents[2]

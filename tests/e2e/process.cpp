@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <csignal>
 #include <fstream>
+#include <iostream>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -62,6 +63,11 @@ std::vector<std::string> environment_of(const ProcessSetting& setting) {
     all.push_back("LISTEN_FDNAMES=" + names);
   }
   return all;
+}
+
+bool is_crash(int signal) {
+  return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE ||
+         signal == SIGILL;
 }
 
 }  // namespace
@@ -119,6 +125,10 @@ void Process::reap(int options) {
     return;
   }
   status_ = WIFEXITED(raw) ? WEXITSTATUS(raw) : 128 + WTERMSIG(raw);
+  // A crash is a defect, which the gate does not repeat (tests/gate/flakes.py).
+  if (WIFSIGNALED(raw) && is_crash(WTERMSIG(raw))) {
+    std::cerr << err_.stem().string() << ": ended by signal " << WTERMSIG(raw) << '\n';
+  }
 }
 
 bool Process::running() {

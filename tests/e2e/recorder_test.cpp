@@ -105,7 +105,7 @@ TEST(Recorder, IsKilledAtAnyInstantAndLosesOneBatchAtMost) {
   std::printf("RAYLOC_SEED=%u\n", seed);
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> instants(200, kLatest);
-  const int kills = stated("RAYLOC_KILLS", 10);
+  const int kills = stated("RAYLOC_KILLS", 5);
   std::vector<double> shortages;
   for (int round = 0; round < kills && !HasFailure(); ++round) {
     const std::chrono::milliseconds after(instants(random) * slower());

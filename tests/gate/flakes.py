@@ -10,8 +10,8 @@ MAX_QUARANTINED = 5
 # a matter of timing, so none is repeated.
 DEFECT = re.compile(
     r"(ERROR: (Address|Leak)Sanitizer|WARNING: ThreadSanitizer|runtime error: |SUMMARY: \w*Sanitizer"
-    r"|\bunaccounted\b|^ctest: (SEGFAULT|ILLEGAL|NUMERICAL|Subprocess|Not Run|.*[Ee]xception))", re.MULTILINE)
-SEED = re.compile(r"\bseed\b[ =:]*(\d+)", re.IGNORECASE)
+    r"|\bunaccounted\b|\bended by signal \d|^ctest: (SEGFAULT|ILLEGAL|NUMERICAL|Subprocess|Not Run|.*[Ee]xception))", re.MULTILINE)
+SEED = re.compile(r"seed[ =:]+(\d+)", re.IGNORECASE)
 
 
 class QuarantineError(Exception):

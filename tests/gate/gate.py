@@ -199,7 +199,7 @@ def main():
     whole = not options.filters
     if whole:
         which = ("all",) if options.all else touched.for_tidy(ROOT, TIDY_SOURCES)
-        gate.step("lint.tidy", "tests/lint/tidy", "build/asan", *which)
+        gate.step("lint.tidy", "tests/lint/tidy", "build/dev", *which)
     gate.test("realtime", "dev", 1, "-L", "^realtime$", "-LE", f"^(none{nightly})$")
     if options.all and whole:
         gate.step("fuzz", "tests/fuzz/run", "all", str(FUZZ_SECONDS))

@@ -76,6 +76,7 @@ def test_four_failures_are_not_repeated(tree, capsys):
 @pytest.mark.parametrize("text", [
     "echo 'WARNING: ThreadSanitizer: data race'",
     "echo 'ERROR: LeakSanitizer: detected memory leaks'",
+    "echo 'raylocd: ended by signal 11'",
     "echo '12 received, 11 counted: unaccounted'",
     "kill -SEGV $$",
     "kill -ABRT $$",

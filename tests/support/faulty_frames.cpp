@@ -13,7 +13,7 @@
 namespace rayloc::test {
 namespace {
 
-using Value = std::complex<float>;
+using ToneValue = std::complex<float>;
 
 // Its row in the frame; nothing when the frame is another access point's or lacks it.
 std::optional<std::size_t> row_of(const CsiFrame& frame, int access_point, std::uint8_t core) {
@@ -28,8 +28,10 @@ using Array = std::vector<std::complex<double>>;  // [core][tone]
 
 // Where the tones of the room's grid and the cores of the access point lie in a frame; nothing when
 // one is missing.
-std::vector<Value*> values_of(CsiFrame& frame, const RoomModel& room, const RoomAccessPoint& ap) {
-  std::vector<Value*> at;
+std::vector<ToneValue*> values_of(CsiFrame& frame,
+                                  const RoomModel& room,
+                                  const RoomAccessPoint& ap) {
+  std::vector<ToneValue*> at;
   for (const std::uint8_t core : ap.cores) {
     const auto row = std::find(frame.cores.begin(), frame.cores.end(), core);
     for (const std::int16_t tone : room.grid.tone_index) {
@@ -94,7 +96,7 @@ void kill_chain(std::vector<CsiFrame>& frames,
     }
     double power = 0.0;
     for (std::size_t m = 0; m < cores; ++m) {
-      for (const Value& value : frame.csi.row(m, 0)) {
+      for (const ToneValue& value : frame.csi.row(m, 0)) {
         power += m == *dead ? 0.0 : static_cast<double>(std::norm(value));
       }
     }
@@ -105,16 +107,16 @@ void kill_chain(std::vector<CsiFrame>& frames,
     const auto coupling = static_cast<float>(std::pow(10.0, -1.4));
     for (std::size_t k = 0; k < row.size(); ++k) {
       const float real = noise * normal(random);
-      row[k] = coupling * next[k] + Value(real, noise * normal(random));
+      row[k] = coupling * next[k] + ToneValue(real, noise * normal(random));
     }
   }
 }
 
 void turn_chain(std::vector<CsiFrame>& frames, int access_point, std::uint8_t core, double phase) {
-  const Value turn = std::polar(1.0F, static_cast<float>(phase));
+  const ToneValue turn = std::polar(1.0F, static_cast<float>(phase));
   for (CsiFrame& frame : frames) {
     if (const auto row = row_of(frame, access_point, core)) {
-      for (Value& value : frame.csi.row(*row, 0)) {
+      for (ToneValue& value : frame.csi.row(*row, 0)) {
         value *= turn;
       }
     }
@@ -135,14 +137,14 @@ void cover(std::vector<CsiFrame>& frames,
     }
     const auto values = values_of(frame, room, room.access_points[number]);
     Array h;
-    for (const Value* value : values) {
+    for (const ToneValue* value : values) {
       h.emplace_back(*value);
     }
     if (!h.empty()) {
       aligner.apply(aligner.align(expected.all, h), h);
     }
     for (std::size_t j = 0; j < h.size(); ++j) {
-      *values[j] = Value(h[j] - kTaken * expected.direct[j]);
+      *values[j] = ToneValue(h[j] - kTaken * expected.direct[j]);
     }
   }
 }

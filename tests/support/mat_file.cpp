@@ -13,13 +13,13 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-constexpr std::size_t kFileHeader = 128;
+constexpr std::size_t kMatHeader = 128;
 constexpr std::size_t kTag = 8;
 constexpr std::uint32_t kInt16 = 3;
 constexpr std::uint32_t kInt32 = 5;
 constexpr std::uint32_t kCompressed = 15;
 
-std::uint32_t u32_at(const Bytes& bytes, std::size_t offset) {
+std::uint32_t mat_u32_at(const Bytes& bytes, std::size_t offset) {
   if (offset + sizeof(std::uint32_t) > bytes.size()) {
     throw std::runtime_error("the matrix ends too early");
   }
@@ -51,7 +51,7 @@ struct Element {
 };
 
 Element element_at(const Bytes& bytes, std::size_t offset) {
-  const Element element{u32_at(bytes, offset), offset + kTag, u32_at(bytes, offset + 4)};
+  const Element element{mat_u32_at(bytes, offset), offset + kTag, mat_u32_at(bytes, offset + 4)};
   if (element.begin + element.size > bytes.size()) {
     throw std::runtime_error("the matrix ends too early");
   }
@@ -71,7 +71,7 @@ std::vector<std::int16_t> int16_of(const Bytes& bytes, const Element& element, s
 
 ComplexMatrix read_mat_file(const std::string& path) {
   const Bytes file = read_bytes(path);
-  const Element whole = element_at(file, kFileHeader);
+  const Element whole = element_at(file, kMatHeader);
   if (whole.type != kCompressed) {
     throw std::runtime_error(path + ": not one compressed matrix");
   }
@@ -82,8 +82,8 @@ ComplexMatrix read_mat_file(const std::string& path) {
     throw std::runtime_error(path + ": not a matrix");
   }
   ComplexMatrix result;
-  result.rows = u32_at(matrix, dimensions.begin);
-  result.columns = u32_at(matrix, dimensions.begin + 4);
+  result.rows = mat_u32_at(matrix, dimensions.begin);
+  result.columns = mat_u32_at(matrix, dimensions.begin + 4);
   const std::size_t count = result.rows * result.columns;
   const Element name = element_at(matrix, dimensions.end());
   const Element real = element_at(matrix, name.end());

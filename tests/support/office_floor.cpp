@@ -12,7 +12,7 @@ namespace {
 constexpr double kRoomX = 4.0;  // [m], with one partition each way
 constexpr double kRoomY = 5.0;
 constexpr double kCorridor = 2.0;  // in front of each row of rooms
-constexpr double kHeight = 2.8;
+constexpr double kFloorHeight = 2.8;
 constexpr double kPartition = 0.1;
 constexpr double kSlab = 0.3;
 constexpr std::size_t kTrianglesPerBox = 12;
@@ -22,10 +22,10 @@ constexpr std::size_t kShellBoxes = 5;
 // Relative to the corner of the room where the corridor begins; the door is a gap in the south.
 const std::vector<SceneBox>& room_boxes() {
   static const std::vector<SceneBox> kBoxes = {
-      {"north", "plasterboard", {0, kRoomY - kPartition, 0}, {kRoomX, kRoomY, kHeight}},
-      {"west", "plasterboard", {0, 0, 0}, {kPartition, kRoomY - kPartition, kHeight}},
-      {"south left", "plasterboard", {kPartition, 0, 0}, {2.6, kPartition, kHeight}},
-      {"south right", "plasterboard", {3.5, 0, 0}, {kRoomX, kPartition, kHeight}},
+      {"north", "plasterboard", {0, kRoomY - kPartition, 0}, {kRoomX, kRoomY, kFloorHeight}},
+      {"west", "plasterboard", {0, 0, 0}, {kPartition, kRoomY - kPartition, kFloorHeight}},
+      {"south left", "plasterboard", {kPartition, 0, 0}, {2.6, kPartition, kFloorHeight}},
+      {"south right", "plasterboard", {3.5, 0, 0}, {kRoomX, kPartition, kFloorHeight}},
       {"desk top", "chipboard", {0.8, 3.4, 0.72}, {2.4, 4.2, 0.75}},
       {"desk left", "chipboard", {0.8, 3.4, 0}, {0.83, 4.2, 0.72}},
       {"desk right", "chipboard", {2.37, 3.4, 0}, {2.4, 4.2, 0.72}},
@@ -57,10 +57,10 @@ std::shared_ptr<const Scene> office_floor(std::size_t triangles) {
 
   std::vector<SceneBox> boxes = {
       {"floor", "concrete", {0, -kCorridor, -kSlab}, {x, y, 0}},
-      {"ceiling", "concrete", {0, -kCorridor, kHeight}, {x, y, kHeight + kSlab}},
-      {"outer west", "concrete", {-kSlab, -kCorridor, 0}, {0, y, kHeight}},
-      {"outer east", "concrete", {x, -kCorridor, 0}, {x + kSlab, y, kHeight}},
-      {"outer south", "concrete", {0, -kCorridor - kSlab, 0}, {x, -kCorridor, kHeight}}};
+      {"ceiling", "concrete", {0, -kCorridor, kFloorHeight}, {x, y, kFloorHeight + kSlab}},
+      {"outer west", "concrete", {-kSlab, -kCorridor, 0}, {0, y, kFloorHeight}},
+      {"outer east", "concrete", {x, -kCorridor, 0}, {x + kSlab, y, kFloorHeight}},
+      {"outer south", "concrete", {0, -kCorridor - kSlab, 0}, {x, -kCorridor, kFloorHeight}}};
   for (std::size_t room = 0; room < rooms; ++room) {
     const std::size_t row = room / columns;
     const Vec3d corner{static_cast<double>(room % columns) * kRoomX,

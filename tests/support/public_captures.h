@@ -25,7 +25,7 @@ std::string public_capture(const std::string& name);
 // The datagrams of that file, a pcap.
 Recording read_public_capture(const std::string& name);
 
-class PublicCaptures : public testing::Test {
+class PublicCaptures : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!public_captures()) {

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class CheckpointFile : public testing::Test {
+class CheckpointFile : public ::testing::Test {
  protected:
   void TearDown() override { fs::remove(file_); }
 
@@ -24,9 +24,9 @@ class CheckpointFile : public testing::Test {
   }
 
   RoomModel room_ = test::make_surveyed_room({.points = 0}).plan;
-  fs::path file_ =
-      fs::path(testing::TempDir()) /
-      (std::string("checkpoint_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  fs::path file_ = fs::path(::testing::TempDir()) /
+                   (std::string("checkpoint_") +
+                    ::testing::UnitTest::GetInstance()->current_test_info()->name());
 
   StoredCheckpoint checkpoint() const {
     StoredCheckpoint stored;

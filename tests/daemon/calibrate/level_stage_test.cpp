@@ -21,7 +21,7 @@ constexpr double kDiffuse = 0.4;  // as fitted, not as the room has it
 
 // Every spot has the level that is traced there, 30 dB lower, and every second one is 2 dB above
 // that, the others 2 dB below.
-class LevelStage : public testing::Test {
+class LevelStage : public ::testing::Test {
  protected:
   LevelStage() {
     result_.index = kHeardBy;

@@ -26,11 +26,12 @@ Site bundled_site() {
   return *std::move(site);
 }
 
-class CalibrationInputsTest : public testing::Test {
+class CalibrationInputsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    points_ = std::filesystem::path(testing::TempDir()) /
-              (std::string(testing::UnitTest::GetInstance()->current_test_info()->name()) + ".csv");
+    points_ =
+        std::filesystem::path(::testing::TempDir()) /
+        (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".csv");
   }
   void TearDown() override { std::filesystem::remove(points_); }
 
@@ -45,10 +46,10 @@ class CalibrationInputsTest : public testing::Test {
   std::filesystem::path points_;
 };
 
-testing::AssertionResult says(const std::string& message, const std::string& part) {
+::testing::AssertionResult says(const std::string& message, const std::string& part) {
   return message.find(part) != std::string::npos
-             ? testing::AssertionSuccess()
-             : testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
+             ? ::testing::AssertionSuccess()
+             : ::testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
 }
 
 constexpr const char* kRightRow = "1718000125.3680,1718000125.8703,-1.5400,-1.1000,1.2000\n";

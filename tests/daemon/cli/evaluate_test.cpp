@@ -49,7 +49,7 @@ class EvaluatedFiles {
   const std::filesystem::path folder_;
 };
 
-class Evaluate : public testing::Test, protected EvaluatedFiles {};
+class Evaluate : public ::testing::Test, protected EvaluatedFiles {};
 
 TEST_F(Evaluate, PrintsTheKeysOfTheContract) {
   const Finished finished = RaylocProcess({"evaluate",

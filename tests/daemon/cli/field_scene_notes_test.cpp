@@ -43,7 +43,7 @@ core = 0
 offset = [0, 0, 0]
 )";
 
-class FieldSceneNotes : public testing::Test {
+class FieldSceneNotes : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("rayloc-scene-notes." + std::to_string(::getpid()));
@@ -70,7 +70,7 @@ TEST_F(FieldSceneNotes, ReachWhoChecksTheScene) {
   for (const auto& warning : json["warnings"]) {
     kinds.push_back(warning["kind"]);
   }
-  EXPECT_THAT(kinds, testing::IsSupersetOf({"material", "rotation_axis", "left_out"}));
+  EXPECT_THAT(kinds, ::testing::IsSupersetOf({"material", "rotation_axis", "left_out"}));
 }
 
 TEST_F(FieldSceneNotes, ReachWhoWorksWithTheScene) {

@@ -22,7 +22,7 @@ using ::testing::Not;
 const std::string kSite = test::data_path("/sites/meeting_room");
 const std::string kCorridor = test::data_path("/scenes/corridor/scene.xml");
 
-class SceneMap : public testing::Test {
+class SceneMap : public ::testing::Test {
  protected:
   SceneMap() { fs::create_directories(folder_); }
   ~SceneMap() override { fs::remove_all(folder_); }

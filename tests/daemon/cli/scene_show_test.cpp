@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 const std::string kSite = test::data_path("/sites/meeting_room");
 const std::string kCorridor = test::data_path("/scenes/corridor/scene.xml");
 
-class SceneShow : public testing::Test {
+class SceneShow : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("rayloc-show-test." + std::to_string(::getpid()));

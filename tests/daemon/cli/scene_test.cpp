@@ -35,7 +35,7 @@ core = 0
 offset = [0, 0, 0]
 )";
 
-class SceneVerb : public testing::Test {
+class SceneVerb : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("rayloc-scene-test." + std::to_string(::getpid()));

@@ -216,7 +216,7 @@ TEST(TraceVerb, DiffuseScatteringIsOfMaterialsThatStateIt) {
   const Finished smooth = trace(of(kSite));
   EXPECT_EQ(smooth.status, 65);
   EXPECT_NE(smooth.err.find("no material of the scene scatters"), std::string::npos);
-  const std::string file = testing::TempDir() + fmt::format("/rough_{}.xml", getpid());
+  const std::string file = ::testing::TempDir() + fmt::format("/rough_{}.xml", getpid());
   std::ofstream(file) << R"(<scene version="3.0.0"><bsdf type="itu-radio-material" id="mat-wall">
       <string name="type" value="concrete"/><float name="scattering_coefficient" value="0.4"/></bsdf>
       <shape type="cube" id="room"><transform name="to_world"><scale x="2" y="1.5" z="1.25"/>

@@ -32,7 +32,7 @@ std::vector<Circle> circles(const Drawing& drawing) {
   return found;
 }
 
-class RoomMapTest : public testing::Test {
+class RoomMapTest : public ::testing::Test {
  protected:
   RoomMapTest()
       : scene_(test::make_scene({{"table", test::box_mesh({-2, -1, 0}, {2, 1, 0.7})}},
@@ -87,8 +87,8 @@ TEST_F(RoomMapTest, NamesStandInPlaceOfTheScale) {
       texts.push_back(text->text);
     }
   }
-  EXPECT_THAT(texts, testing::IsSupersetOf({"north", "south", "correlation"}));
-  EXPECT_THAT(texts, testing::Not(testing::Contains("0.25")));
+  EXPECT_THAT(texts, ::testing::IsSupersetOf({"north", "south", "correlation"}));
+  EXPECT_THAT(texts, ::testing::Not(::testing::Contains("0.25")));
 }
 
 TEST_F(RoomMapTest, ColoursLinesByTheirValue) {

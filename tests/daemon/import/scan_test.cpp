@@ -163,7 +163,7 @@ double matched_power(const std::shared_ptr<const Scene>& truth,
   return matched / power;
 }
 
-class Scanned : public testing::Test {
+class Scanned : public ::testing::Test {
  protected:
   void SetUp() override {
     file_ = fs::temp_directory_path() / ("rayloc-scan-test." + std::to_string(::getpid()) + ".obj");

@@ -9,8 +9,8 @@
 namespace rayloc::person_numbers_test {
 namespace {
 
-using testing::ElementsAre;
-using testing::IsEmpty;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 LocationEstimate person(std::optional<Vec3d> position) {
   LocationEstimate estimate;

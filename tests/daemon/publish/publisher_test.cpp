@@ -61,7 +61,7 @@ v1::Envelope receive(Subscriber& subscriber, std::string* topic = nullptr) {
   return envelope;
 }
 
-class PublisherOver : public testing::TestWithParam<const char*> {};
+class PublisherOver : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(PublisherOver, SendsTopicAndEnvelope) {
   PublisherOptions options = on_loopback();
@@ -85,7 +85,7 @@ TEST_P(PublisherOver, SendsTopicAndEnvelope) {
   EXPECT_EQ(envelope.location().position().x(), 2.5);
 }
 
-INSTANTIATE_TEST_SUITE_P(Transport, PublisherOver, testing::Values("tcp", "ipc"));
+INSTANTIATE_TEST_SUITE_P(Transport, PublisherOver, ::testing::Values("tcp", "ipc"));
 
 TEST(Publisher, NumbersEachTopicFromOne) {
   auto publisher = Publisher::bind(on_loopback());

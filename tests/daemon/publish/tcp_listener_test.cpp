@@ -79,8 +79,8 @@ TEST(TcpListener, OtherNamesAreNoAddresses) {
 
 // libzmq 4.3.4 aborts when it may not ask the kernel for the interfaces of the machine.
 TEST(TcpListenerDeathTest, NothingIsAskedOfTheKernelByNetlink) {
-  testing::FLAGS_gtest_death_test_style = "threadsafe";
-  EXPECT_EXIT(publish_without_netlink(), testing::ExitedWithCode(0), "");
+  ::testing::FLAGS_gtest_death_test_style = "threadsafe";
+  EXPECT_EXIT(publish_without_netlink(), ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

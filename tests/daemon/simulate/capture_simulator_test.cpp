@@ -130,7 +130,7 @@ struct Channel {
   PhyFormat phy;
 };
 
-class CaptureOfChannel : public testing::TestWithParam<Channel> {};
+class CaptureOfChannel : public ::testing::TestWithParam<Channel> {};
 
 // With noise and garbage, so that the decoder has to find what the frame occupies.
 TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
@@ -169,11 +169,11 @@ TEST_P(CaptureOfChannel, ComesBackOnAllItsTones) {
 
 INSTANTIATE_TEST_SUITE_P(Widths,
                          CaptureOfChannel,
-                         testing::Values(Channel{"Vht20", 20, 312'500.0, PhyFormat::kVht},
-                                         Channel{"Vht80", 80, 312'500.0, PhyFormat::kVht},
-                                         Channel{"Vht160", 160, 312'500.0, PhyFormat::kVht},
-                                         Channel{"He20", 20, 78'125.0, PhyFormat::kHe},
-                                         Channel{"He80", 80, 78'125.0, PhyFormat::kHe}),
+                         ::testing::Values(Channel{"Vht20", 20, 312'500.0, PhyFormat::kVht},
+                                           Channel{"Vht80", 80, 312'500.0, PhyFormat::kVht},
+                                           Channel{"Vht160", 160, 312'500.0, PhyFormat::kVht},
+                                           Channel{"He20", 20, 78'125.0, PhyFormat::kHe},
+                                           Channel{"He80", 80, 78'125.0, PhyFormat::kHe}),
                          [](const auto& channel) { return std::string(channel.param.name); });
 
 TEST(CaptureSimulator, TheSameSeedGivesTheSameBytes) {

@@ -149,7 +149,7 @@ std::string error_of_second_level(const std::string& line, const std::string& by
 }
 
 TEST(CalibrationFile, SaysWhichLineOfALevelIsWrong) {
-  using testing::HasSubstr;
+  using ::testing::HasSubstr;
   EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = \"kitchen\""),
               HasSubstr("kitchen"));
   EXPECT_THAT(error_of_second_level("transmitter = ", "transmitter = 7"), HasSubstr("transmitter"));
@@ -167,7 +167,7 @@ TEST(CalibrationFile, RefusesALevelThatIsNotWhole) {
     text.erase(at, text.find('\n', at) - at);
     const auto read = parse_calibration_file(text, "calibration.toml");
     ASSERT_FALSE(read) << key;
-    EXPECT_THAT(read.error().message, testing::HasSubstr("'" + key + "'"));
+    EXPECT_THAT(read.error().message, ::testing::HasSubstr("'" + key + "'"));
     EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
   }
 }
@@ -195,8 +195,8 @@ TEST(CalibrationFile, RefusesErrorsOfAModelThatNoneHas) {
     const auto line =
         1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
     EXPECT_THAT(read.error().message,
-                testing::StartsWith("calibration.toml:" + std::to_string(line) + ":"));
-    EXPECT_THAT(read.error().message, testing::HasSubstr("'value'"));
+                ::testing::StartsWith("calibration.toml:" + std::to_string(line) + ":"));
+    EXPECT_THAT(read.error().message, ::testing::HasSubstr("'value'"));
   }
 }
 

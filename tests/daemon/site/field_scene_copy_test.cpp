@@ -18,11 +18,11 @@ constexpr const char* kFloor =
     "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
     "0 0 0\n4 0 0\n4 3 0\n3 0 1 2\n";
 
-class FieldSceneCopy : public testing::Test {
+class FieldSceneCopy : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(::testing::TempDir()) /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "site");
     fs::create_directories(folder_ / "meshes");

@@ -136,7 +136,7 @@ TEST(Field, PointsBeyondAMillionRowsAreRefusedWhereTheyBegin) {
 
 // A file that is all hole: it takes no disk, and would take a gigabyte of memory.
 TEST(Field, PointsThatAreTooLongAreNotReadIntoMemory) {
-  const std::string file = testing::TempDir() + "field_points_too_long.csv";
+  const std::string file = ::testing::TempDir() + "field_points_too_long.csv";
   std::ofstream(file) << kHeader;
   std::filesystem::resize_file(file, std::uintmax_t{1} << 30U);
   rusage before{};
@@ -150,7 +150,7 @@ TEST(Field, PointsThatAreTooLongAreNotReadIntoMemory) {
 }
 
 TEST(Field, PointsOfMoreSpotsThanAPersonWalksAreRefused) {
-  const std::string file = testing::TempDir() + "field_points_too_many.csv";
+  const std::string file = ::testing::TempDir() + "field_points_too_many.csv";
   std::ofstream stream(file);
   stream << kHeader;
   for (int i = 0; i < 20'001; ++i) {

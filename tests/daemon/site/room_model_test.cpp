@@ -18,11 +18,11 @@ namespace fs = std::filesystem;
 const fs::path kSite = fs::path(test::data_path()) / "sites" / "meeting_room";
 
 // A folder of its own for each test, removed afterwards.
-class RoomModelTest : public testing::Test {
+class RoomModelTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(::testing::TempDir()) /
+              ::testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }

@@ -62,10 +62,10 @@ std::string refusal(const std::vector<CalibrationPoint>& points) {
   return check.found.empty() ? "passes" : check.found.front().message;
 }
 
-testing::AssertionResult says(const std::string& message, const std::string& part) {
+::testing::AssertionResult says(const std::string& message, const std::string& part) {
   return message.find(part) != std::string::npos
-             ? testing::AssertionSuccess()
-             : testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
+             ? ::testing::AssertionSuccess()
+             : ::testing::AssertionFailure() << "'" << message << "' does not say '" << part << "'";
 }
 
 TEST(CalibrationInputCheck, PassesARightSurvey) {

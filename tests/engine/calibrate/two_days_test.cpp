@@ -71,7 +71,7 @@ double phase_off(const RoomModel& one, const RoomModel& other, std::size_t ap, s
   return std::arg(ratio(one) / ratio(other));
 }
 
-class TwoDaysTest : public testing::Test {
+class TwoDaysTest : public ::testing::Test {
  protected:
   TwoDaysTest() : empty_(test::channels_past(room_, {})) {}
 

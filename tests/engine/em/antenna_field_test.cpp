@@ -150,7 +150,7 @@ TEST(AntennaField, GradientByDirectionMatchesFiniteDifferences) {
     };
     for (const double theta : {1e-4, 0.01, 0.4, 1.3, 2.2, 3.0, kPi - 1e-4}) {
       for (const double phi : {-3.1, -1.0, 0.0, 0.01, 0.7, kPi}) {
-        SCOPED_TRACE(testing::Message() << to_string(pattern) << " " << theta << " " << phi);
+        SCOPED_TRACE(::testing::Message() << to_string(pattern) << " " << theta << " " << phi);
         test::expect_gradient_matches<2>(along, {theta, phi});
       }
     }

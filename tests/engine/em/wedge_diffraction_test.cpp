@@ -112,10 +112,10 @@ Worst worst_of(const ExactWedge& wedge, double n) {
 
 // For the tables of engine/studies/2026-11-diffraction.md: --gtest_output=xml.
 void record(const std::string& wave, double wavelengths, const Worst& worst) {
-  testing::Test::RecordProperty(wave + " " + std::to_string(wavelengths),
-                                std::to_string(worst.decibels) + " dB, " +
-                                    std::to_string(worst.degrees) + " degrees, " +
-                                    std::to_string(worst.of_incident));
+  ::testing::Test::RecordProperty(wave + " " + std::to_string(wavelengths),
+                                  std::to_string(worst.decibels) + " dB, " +
+                                      std::to_string(worst.degrees) + " degrees, " +
+                                      std::to_string(worst.of_incident));
 }
 
 // Sommerfeld's solution: each wave is that of a knife edge.
@@ -143,7 +143,7 @@ TEST(WedgeDiffraction, OfAHalfPlaneIsExact) {
   }
 }
 
-class WedgeAngle : public testing::TestWithParam<double> {};
+class WedgeAngle : public ::testing::TestWithParam<double> {};
 
 TEST_P(WedgeAngle, PlaneWaveMatchesTheEigenfunctions) {
   const double n = exterior(GetParam());
@@ -240,7 +240,8 @@ TEST_P(WedgeAngle, DerivativesMatchCentralDifferences) {
 INSTANTIATE_TEST_SUITE_P(
     Interior,
     WedgeAngle,
-    testing::Values(0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 200.0, 225.0, 240.0, 255.0, 270.0, 300.0));
+    ::testing::Values(
+        0.0, 30.0, 60.0, 90.0, 120.0, 150.0, 200.0, 225.0, 240.0, 255.0, 270.0, 300.0));
 
 TEST(WedgeTransition, FarAwayIsTheSeriesAndCloseTheIntegral) {
   // Both sides of the change between the two.

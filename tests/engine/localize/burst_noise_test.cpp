@@ -20,7 +20,7 @@ using Value = std::complex<double>;
 const Vec3d kTruth{0.4, -0.5, 1.2};
 
 // One access point of the synthetic room, known well, and a device that is heard weakly.
-class BurstNoise : public testing::Test {
+class BurstNoise : public ::testing::Test {
  protected:
   BurstNoise()
       : room_(test::make_room()),

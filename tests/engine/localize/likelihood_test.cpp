@@ -69,7 +69,7 @@ const Link& link() {
 
 const Vec3d kTruth{0.4, -0.5, 1.2};
 
-class EachLikelihood : public testing::TestWithParam<LikelihoodName> {
+class EachLikelihood : public ::testing::TestWithParam<LikelihoodName> {
  protected:
   double at(const Vec3d& place, const ObservedBurst& observed) const {
     const auto rays = link().rays(place);
@@ -83,7 +83,7 @@ class EachLikelihood : public testing::TestWithParam<LikelihoodName> {
 
 INSTANTIATE_TEST_SUITE_P(Kinds,
                          EachLikelihood,
-                         testing::ValuesIn(likelihood_names().begin(), likelihood_names().end()),
+                         ::testing::ValuesIn(likelihood_names().begin(), likelihood_names().end()),
                          [](const auto& one) { return std::string(one.param.name); });
 
 TEST_P(EachLikelihood, IsHighestWhereTheDeviceIs) {
@@ -373,7 +373,7 @@ TEST(Ray, DelayChangesAsTheTracerSays) {
   }
 }
 
-class Nearby : public testing::TestWithParam<LikelihoodKind> {
+class Nearby : public ::testing::TestWithParam<LikelihoodKind> {
  protected:
   Nearby()
       : likelihood_(Likelihood::make(GetParam(), link().room().grid, 3)),
@@ -404,10 +404,10 @@ class NearbyCovered : public Nearby {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Kinds, NearbyCovered, testing::Values(LikelihoodKind::kPartial));
+INSTANTIATE_TEST_SUITE_P(Kinds, NearbyCovered, ::testing::Values(LikelihoodKind::kPartial));
 INSTANTIATE_TEST_SUITE_P(Kinds,
                          Nearby,
-                         testing::Values(LikelihoodKind::kPartial, LikelihoodKind::kCoherent));
+                         ::testing::Values(LikelihoodKind::kPartial, LikelihoodKind::kCoherent));
 
 void expect_slopes_of_differences(const NearbyLikelihood& nearby) {
   constexpr double kStep = 1e-6;

@@ -65,7 +65,7 @@ Accompanied make(std::size_t columns, std::mt19937& random) {
 // The whitener is kept in single precision.
 constexpr double kClose = 1e-5;
 
-class OtherPeopleTest : public testing::TestWithParam<std::size_t> {};
+class OtherPeopleTest : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
   std::mt19937 random(1);
@@ -100,7 +100,7 @@ TEST_P(OtherPeopleTest, IsTheGaussianOfBothTogether) {
 
 INSTANTIATE_TEST_SUITE_P(Columns,
                          OtherPeopleTest,
-                         testing::Values(0U, 1U, 3U, OtherPeople::kMostColumns));
+                         ::testing::Values(0U, 1U, 3U, OtherPeople::kMostColumns));
 
 }  // namespace
 }  // namespace rayloc::other_people_test

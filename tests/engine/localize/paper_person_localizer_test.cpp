@@ -16,7 +16,7 @@ namespace {
 // The expected person: the loss knows what is to be seen.
 const TargetBody kBody = PersonModel{}.body;
 
-class PaperPersonLocalizerTest : public testing::Test {
+class PaperPersonLocalizerTest : public ::testing::Test {
  protected:
   static const RoomModel& room() {
     static const RoomModel kRoom = test::make_room();

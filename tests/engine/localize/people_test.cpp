@@ -39,7 +39,7 @@ const std::vector<Pair> kPairs = {{{-0.95, -0.55}, {0.05, 0.35}},
                                   {{-0.95, 0.0}, {0.0, 0.75}},
                                   {{0.5, 0.35}, {-0.4, -0.55}}};
 
-class PeopleTest : public testing::Test {
+class PeopleTest : public ::testing::Test {
  protected:
   static const std::shared_ptr<const RoomModel>& room() {
     static const auto kRoom = std::make_shared<const RoomModel>(test::make_room());

@@ -33,7 +33,7 @@ struct Outcome {
   double accuracy = 0.0;   // [m], mean of what was stated
 };
 
-class PersonFailureTest : public testing::TestWithParam<std::size_t> {
+class PersonFailureTest : public ::testing::TestWithParam<std::size_t> {
  protected:
   static void SetUpTestSuite() {
     for (const std::size_t count : {std::size_t{1}, std::size_t{3}}) {
@@ -184,7 +184,7 @@ TEST_P(PersonFailureTest, TheTransmitterIsAbsent) {
   EXPECT_EQ(localizer().locate({}).reason, "no frames");
 }
 
-INSTANTIATE_TEST_SUITE_P(AccessPoints, PersonFailureTest, testing::Values(1U, 3U));
+INSTANTIATE_TEST_SUITE_P(AccessPoints, PersonFailureTest, ::testing::Values(1U, 3U));
 
 }  // namespace
 }  // namespace rayloc::person_failure_test

@@ -34,7 +34,7 @@ TargetBody wider_body() {
   return body;
 }
 
-class PersonLocalizerTest : public testing::Test {
+class PersonLocalizerTest : public ::testing::Test {
  protected:
   static const std::shared_ptr<const RoomModel>& room() {
     static const auto kRoom = std::make_shared<const RoomModel>(test::make_room());

@@ -18,7 +18,7 @@ using Value = std::complex<double>;
 
 const Vec3d kMiddle{0.4, -0.5, 1.2};
 
-class RayFields : public testing::Test {
+class RayFields : public ::testing::Test {
  protected:
   RayFields()
       : room_(test::make_room()),

@@ -20,7 +20,7 @@ AntennaArray antenna_at(const Vec3d& position) {
 }
 
 // A floor of metal far below: two paths, the straight one and the reflection.
-class RadioMapTest : public testing::Test {
+class RadioMapTest : public ::testing::Test {
  protected:
   std::shared_ptr<const Scene> scene_ =
       test::make_scene({{"floor", test::box_mesh({-20, -20, -1}, {20, 20, 0})}}, test::kConcrete);

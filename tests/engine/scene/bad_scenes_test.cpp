@@ -116,7 +116,7 @@ TEST(BadScenes, NumbersOfOnesOwnHelpOutsideOfTheItuRange) {
 }
 
 // As files on a disk.
-class BadSceneFiles : public testing::Test {
+class BadSceneFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("rayloc-bad-scenes." + std::to_string(::getpid()));

@@ -60,7 +60,7 @@ std::shared_ptr<const Scene> boxes(double offset) {
 }
 
 // offset: also far from the origin, where floats are coarse.
-class BvhAgrees : public testing::TestWithParam<double> {};
+class BvhAgrees : public ::testing::TestWithParam<double> {};
 
 TEST_P(BvhAgrees, WithATestOfEverySurface) {
   const auto scene = boxes(GetParam());
@@ -127,7 +127,7 @@ TEST_P(BvhAgrees, OnVerticesAndEdges) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(NearAndFar, BvhAgrees, testing::Values(0.0, 1000.0));
+INSTANTIATE_TEST_SUITE_P(NearAndFar, BvhAgrees, ::testing::Values(0.0, 1000.0));
 
 std::shared_ptr<const Scene> wall() {
   return test::make_scene({{"wall", test::rectangle_mesh({0, -1, 0}, {0, 2, 0}, {0, 0, 2})}},

@@ -87,7 +87,7 @@ std::shared_ptr<const Scene> room(double offset) {
 }
 
 // offset [m]: also far from the origin, where floats are coarse.
-class RayShooterAgrees : public testing::TestWithParam<double> {};
+class RayShooterAgrees : public ::testing::TestWithParam<double> {};
 
 TEST_P(RayShooterAgrees, WithATestOfEverySurface) {
   const auto scene = room(GetParam());
@@ -150,7 +150,7 @@ TEST_P(RayShooterAgrees, OnVerticesAndEdges) {
   EXPECT_LT(through, aimed / 2);
 }
 
-INSTANTIATE_TEST_SUITE_P(NearAndFar, RayShooterAgrees, testing::Values(0.0, 10'000.0));
+INSTANTIATE_TEST_SUITE_P(NearAndFar, RayShooterAgrees, ::testing::Values(0.0, 10'000.0));
 
 TEST(RayShooter, ShootsStreamsOfAnySize) {
   const auto scene = room(0.0);

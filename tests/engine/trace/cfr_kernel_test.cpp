@@ -219,7 +219,7 @@ TEST(CfrKernelAdjoint, MatchesCentralDifferences) {
 }
 
 // Every kind of processor whose code runs on this one.
-class CfrKernelTargets : public testing::Test {
+class CfrKernelTargets : public ::testing::Test {
  protected:
   void TearDown() override { hwy::SetSupportedTargetsForTest(0); }
 };

@@ -122,7 +122,7 @@ std::map<Kind, Worst> compare(const TracedLink& link) {
   return worst;
 }
 
-class Gradients : public testing::TestWithParam<std::tuple<const char*, double>> {};
+class Gradients : public ::testing::TestWithParam<std::tuple<const char*, double>> {};
 
 TEST_P(Gradients, MatchCentralDifferences) {
   const auto& [scene, softness] = GetParam();
@@ -146,8 +146,8 @@ TEST_P(Gradients, MatchCentralDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(OfTheWholeTracer,
                          Gradients,
-                         testing::Combine(testing::Values("box", "meeting_room", "corridor"),
-                                          testing::Values(0.0, 0.05)),
+                         ::testing::Combine(::testing::Values("box", "meeting_room", "corridor"),
+                                            ::testing::Values(0.0, 0.05)),
                          [](const auto& test) {
                            return std::string(std::get<0>(test.param)) +
                                   (std::get<1>(test.param) > 0.0 ? "_soft" : "_hard");

@@ -22,7 +22,7 @@
 namespace rayloc::image_tree_test {
 namespace {
 
-constexpr double kOnPlane = 1e-9;  // [m], as image_tree.cpp
+constexpr double kOnPlane = 1e-9;  // [m], as kMinPlaneDistance
 
 // Every chain of mirrors that geometry allows: no beams, no index. Waves that do not go through
 // objects stay on the root's side of closed ones, also where a path leads exactly through an edge.

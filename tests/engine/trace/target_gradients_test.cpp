@@ -122,7 +122,7 @@ std::optional<double> difference(const TargetLinks& links,
   return sum / (12 * kStep);
 }
 
-class TargetGradients : public testing::TestWithParam<std::tuple<const char*, double>> {};
+class TargetGradients : public ::testing::TestWithParam<std::tuple<const char*, double>> {};
 
 TEST_P(TargetGradients, MatchCentralDifferences) {
   const auto& [scene, softness] = GetParam();
@@ -162,8 +162,8 @@ TEST_P(TargetGradients, MatchCentralDifferences) {
 
 INSTANTIATE_TEST_SUITE_P(PastABody,
                          TargetGradients,
-                         testing::Combine(testing::Values("box", "meeting_room", "corridor"),
-                                          testing::Values(0.0, 0.05)),
+                         ::testing::Combine(::testing::Values("box", "meeting_room", "corridor"),
+                                            ::testing::Values(0.0, 0.05)),
                          [](const auto& test) {
                            return std::string(std::get<0>(test.param)) +
                                   (std::get<1>(test.param) > 0.0 ? "_soft" : "_hard");

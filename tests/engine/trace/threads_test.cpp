@@ -97,7 +97,7 @@ struct Case {
   TraceOptions options;
 };
 
-class TraceThreads : public testing::TestWithParam<Case> {};
+class TraceThreads : public ::testing::TestWithParam<Case> {};
 
 TEST_P(TraceThreads, LeavePathsTheSameBitForBit) {
   expect_the_same_on_all_threads(1000, [&] {
@@ -118,7 +118,7 @@ constexpr auto kShooting = CandidateGenerator::kShooting;
 INSTANTIATE_TEST_SUITE_P(
     OfRooms,
     TraceThreads,
-    testing::Values(
+    ::testing::Values(
         Case{"laboratory", "laboratory", {.max_depth = 2, .candidates = kExhaustive}},
         Case{"laboratory_shot", "laboratory", {.candidates = kShooting, .rays = 20'000}},
         Case{"laboratory_deep", "laboratory", {.max_depth = 3, .candidates = kExhaustive}},
