@@ -28,8 +28,8 @@ add_compile_options("-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
 string(REPLACE "-g" "-g1" CMAKE_CXX_FLAGS_RELWITHDEBINFO "${CMAKE_CXX_FLAGS_RELWITHDEBINFO}")
 
 # The static libraries also go into the Python module (python/README.md), which is a shared one. All
-# is compiled alike, programs too. What stays hidden is
-# called directly, as in a program: tests/bench/trace_bench sees no difference.
+# is compiled alike, programs too. What stays hidden is called directly, as in a program:
+# tests/bench/trace_bench sees no difference.
 add_compile_options(-fPIC -fvisibility=hidden)
 
 # A hundred programs are linked against the same libraries; gold takes half of ld's time. With

@@ -35,18 +35,19 @@ function(rayloc_test_labels out)
 endfunction()
 
 # rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE] [SANITIZED_NIGHTLY]
-#             [CALIBRATED_SITE] [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex]): a GoogleTest program. Its tests find tests/data and
-# the programs with tests/support/test_paths.h.
+#             [CALIBRATED_SITE] [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex]): a GoogleTest program. Its tests
+# find tests/data and the programs with tests/support/test_paths.h.
 #   LABELS      `unit` when none is given; `e2e` (real processes; not built under a sanitizer) is also `realtime`
 #   FILES_ONLY  an e2e program that reads and writes files, and in which nothing happens in real time
 #   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
-#   SANITIZED_NIGHTLY  `nightly` under a sanitizer, where it takes more than a minute
+#   SANITIZED_NIGHTLY  `nightly` under a sanitizer, where it takes about a minute or more
 #   CALIBRATED_SITE  its tests share the bundled site, calibrated once (tests/e2e/make_calibrated_site)
 #   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
 #   NIGHTLY     the tests of the program that only tests/run --all runs
 #   DAILY       the real-time tests that tests/run --fast runs as well
 function(rayloc_test name)
-  cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;SANITIZED_NIGHTLY;WHOLE" "DAILY" "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY" ${ARGN})
+  cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;SANITIZED_NIGHTLY;WHOLE" "DAILY"
+                        "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()

@@ -60,8 +60,8 @@ TEST(CsiReceiver, EmitsACompleteFrameAtOnceWhenItKnowsWhatToExpect) {
   CsiReceiver receiver({});
   std::vector<CsiFrame> frames;
   const Recording recording = frames_of(6, 1);
-  for (std::size_t i = 0; i < recording.size(); ++i) {
-    receiver.push(recording[i].view(), frames);
+  for (const auto& datagram : recording) {
+    receiver.push(datagram.view(), frames);
   }
   // The first kWarmUpFrames waited for the next; the others came with their last datagram.
   EXPECT_EQ(frames.size(), 6U);
@@ -126,7 +126,7 @@ TEST(CsiReceiver, DuplicatesAreCountedOnceInAFrame) {
 
 TEST(CsiReceiver, LossMakesPartialFramesAfterTheTimeOut) {
   Recording recording = frames_of(10, 1);
-  recording.erase(recording.begin() + 4 * 6 + 2);  // core 2 of the seventh
+  recording.erase(recording.begin() + 26);  // core 2 of the seventh frame, four datagrams each
   CsiReceiver receiver({});
   std::vector<CsiFrame> frames;
   for (std::size_t i = 0; i < 4 * 7 - 1; ++i) {
@@ -149,8 +149,8 @@ TEST(CsiReceiver, LossMakesPartialFramesAfterTheTimeOut) {
 
 TEST(CsiReceiver, WhatComesAfterItsFrameIsLateAndThenADuplicate) {
   Recording recording = frames_of(7, 1);
-  const auto lost = recording[4 * 5 + 3];
-  recording.erase(recording.begin() + 4 * 5 + 3);
+  const auto lost = recording[23];  // of the sixth frame, four datagrams each
+  recording.erase(recording.begin() + 23);
   auto late = lost;
   late.time += std::chrono::milliseconds(60);
   recording.push_back(late);
