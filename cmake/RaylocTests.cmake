@@ -34,28 +34,36 @@ function(rayloc_test_labels out)
   set(${out} "${labels}" PARENT_SCOPE)
 endfunction()
 
-# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE] [SANITIZED_NIGHTLY]
-#             [CALIBRATED_SITE] [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex]): a GoogleTest program. Its tests
-# find tests/data and the programs with tests/support/test_paths.h.
+# rayloc_whole_program(NAME ENTRY FILTER COST label...): the tests of a program that the GoogleTest filter selects, as
+# one entry of ctest.
+function(rayloc_whole_program name entry filter cost)
+  math(EXPR timeout "1200 * ${RAYLOC_PATIENCE}")
+  set(entry "${RAYLOC_TEST_PREFIX}${entry}")
+  add_test(NAME ${entry} COMMAND ${name} --gtest_brief=1 "--gtest_filter=${filter}")
+  set_tests_properties(${entry} PROPERTIES LABELS "${ARGN}" COST ${cost} TIMEOUT ${timeout}
+    ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+endfunction()
+
+# rayloc_test(NAME SOURCES file... [DEPENDS target...] [LABELS label...] [FILES_ONLY] [WHOLE] [CALIBRATED_SITE]
+#             [CONTRACT regex...] [NIGHTLY regex...] [DAILY regex] [SANITIZED_NIGHTLY glob...]): a GoogleTest program.
+# Its tests find tests/data and the programs with tests/support/test_paths.h.
 #   LABELS      `unit` when none is given; `e2e` (real processes; not built under a sanitizer) is also `realtime`
 #   FILES_ONLY  an e2e program that reads and writes files, and in which nothing happens in real time
 #   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
-#   SANITIZED_NIGHTLY  `nightly` under a sanitizer, where it takes about a minute or more
 #   CALIBRATED_SITE  its tests share the bundled site, calibrated once (tests/e2e/make_calibrated_site)
 #   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
 #   NIGHTLY     the tests of the program that only tests/run --all runs
 #   DAILY       the real-time tests that tests/run --fast runs as well
+#   SANITIZED_NIGHTLY  the tests (globs of GoogleTest) that only tests/run --all runs under a sanitizer, where each
+#                      takes several seconds; "*" for the whole program
 function(rayloc_test name)
-  cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;SANITIZED_NIGHTLY;WHOLE" "DAILY"
-                        "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY" ${ARGN})
+  cmake_parse_arguments(ARG "CALIBRATED_SITE;FILES_ONLY;WHOLE" "DAILY"
+                        "SOURCES;DEPENDS;LABELS;CONTRACT;NIGHTLY;SANITIZED_NIGHTLY" ${ARGN})
   if(NOT ARG_LABELS)
     set(ARG_LABELS unit)
   endif()
   if("e2e" IN_LIST ARG_LABELS AND NOT ARG_FILES_ONLY)
     list(APPEND ARG_LABELS realtime)
-  endif()
-  if(RAYLOC_SANITIZE AND ARG_SANITIZED_NIGHTLY)
-    list(APPEND ARG_LABELS nightly)
   endif()
   rayloc_test_labels(labels ${ARG_LABELS})
   add_executable(${name} EXCLUDE_FROM_ALL ${ARG_SOURCES})
@@ -79,10 +87,15 @@ function(rayloc_test name)
     set(cost 10)  # ctest begins with what takes longest
   endif()
   if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
-    math(EXPR timeout "1200 * ${RAYLOC_PATIENCE}")
-    add_test(NAME "${RAYLOC_TEST_PREFIX}${name}" COMMAND ${name} --gtest_brief=1)
-    set_tests_properties("${RAYLOC_TEST_PREFIX}${name}" PROPERTIES LABELS "${labels}" COST ${cost}
-      TIMEOUT ${timeout} ENVIRONMENT "XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+    if(NOT RAYLOC_SANITIZE OR NOT ARG_SANITIZED_NIGHTLY)
+      rayloc_whole_program(${name} "${name}" "*" ${cost} ${labels})
+    elseif(ARG_SANITIZED_NIGHTLY STREQUAL "*")
+      rayloc_whole_program(${name} "${name}" "*" ${cost} ${labels} nightly)
+    else()
+      list(JOIN ARG_SANITIZED_NIGHTLY ":" long)
+      rayloc_whole_program(${name} "${name}" "-${long}" ${cost} ${labels})
+      rayloc_whole_program(${name} "${name}.long" "${long}" ${cost} ${labels} nightly)
+    endif()
     return()
   endif()
   math(EXPR timeout "300 * ${RAYLOC_PATIENCE}")
@@ -110,7 +123,7 @@ foreach(test IN LISTS @name@_TESTS)
     list(APPEND labels daily)
   endif()
   set_tests_properties("${test}" PROPERTIES LABELS "${labels}")
-  if("@ARG_CALIBRATED_SITE@")
+  if("@ARG_CALIBRATED_SITE@" STREQUAL "TRUE")
     set_tests_properties("${test}" PROPERTIES FIXTURES_REQUIRED calibrated_site
       ENVIRONMENT "XDG_CACHE_HOME=@CMAKE_BINARY_DIR@/cache;RAYLOC_CALIBRATED_SITE=@CMAKE_BINARY_DIR@/calibrated_site")
   endif()
@@ -157,5 +170,6 @@ function(rayloc_fuzzer name)
   set(test "${RAYLOC_TEST_PREFIX}fuzz_corpus.${name}")
   add_test(NAME ${test}
            COMMAND fuzz_${name} ${replay} "${PROJECT_SOURCE_DIR}/tests/fuzz/corpus/${name}")
-  set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT 300)
+  math(EXPR timeout "300 * ${RAYLOC_PATIENCE}")
+  set_tests_properties(${test} PROPERTIES LABELS fuzz TIMEOUT ${timeout})
 endfunction()

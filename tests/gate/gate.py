@@ -31,8 +31,11 @@ def parse(arguments):
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--prove", metavar="REGEX")
     parser.add_argument("--budget", type=float, metavar="SECONDS")
-    options, filters = parser.parse_known_args(arguments)
-    options.filters = filters
+    filters = {"-R": "REGEX", "-E": "REGEX", "-L": "LABEL"}  # ctest's; its -LE is the gate's own
+    for flag, value in filters.items():
+        parser.add_argument(flag, action="append", default=[], metavar=value, dest=flag)
+    options = parser.parse_args(arguments)
+    options.filters = [word for flag in filters for value in getattr(options, flag) for word in (flag, value)]
     return options
 
 

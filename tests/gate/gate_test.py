@@ -37,6 +37,16 @@ def verdict(gate, capsys):
     return status, capsys.readouterr().out
 
 
+def test_options(capsys):
+    options = gates.parse(["--all", "-L", "package", "-E", "container"])
+    assert options.all and options.filters == ["-E", "container", "-L", "package"]
+    for unknown in (["--tidy-all"], ["--fuzz", "60"], ["-LE", "nightly"]):
+        with pytest.raises(SystemExit) as refused:
+            gates.parse(unknown)
+        assert refused.value.code == 2
+        assert unknown[-1] in capsys.readouterr().err
+
+
 def test_all_pass(tree, capsys):
     status, out = verdict(tree({"a": ("realtime", "exit 0"), "b": ("unit", "exit 77")}, skip="b"), capsys)
     assert status == 0
