@@ -4,8 +4,11 @@
 #include <array>
 #include <utility>
 
+#include "capture/assemble/channel_log.h"
 #include "capture/assemble/frame_assembler.h"
 #include "capture/assemble/frame_normalizer.h"
+#include "capture/assemble/held_frames.h"
+#include "capture/assemble/mixture_detector.h"
 #include "capture/decode/decoder_registry.h"
 
 namespace rayloc {
@@ -18,7 +21,10 @@ class CsiReceiver::Impl {
         registry_(options.format, formats),
         assembler_(
             {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
-        normalizer_(options.access_point, options.raw) {}
+        normalizer_(options.access_point, options.raw),
+        channels_(options.channel),
+        reject_mixture_(options.reject_mixture),
+        held_(options.reject_mixture ? options.settle : Duration::zero()) {}
 
   void push(const Datagram& datagram, std::vector<CsiFrame>& out) {
     // First what this datagram's time ends, then the datagram: frames of earlier times come first.
@@ -26,12 +32,19 @@ class CsiReceiver::Impl {
     advance(datagram.time, out);
     ++counters_.received;
     if (const FrameDecoder* whole = registry_.frame_decoder(datagram.payload)) {
-      push_frame(whole->decode(datagram.payload), datagram.time, out);
+      push_frame(whole->decode(datagram.payload), datagram, out);
       return;
     }
     const DecodeResult fragment = registry_.decode(datagram.payload);
     if (!fragment) {
       reject(fragment.error());
+      return;
+    }
+    const bool is_expected_channel = channels_.add(fragment->channel, datagram.time);
+    if (is_expected_channel) {
+      mixture_.add(*fragment, datagram.address, datagram.time);
+    }
+    if (!admit(is_expected_channel)) {
       return;
     }
     switch (assembler_.push(*fragment, datagram.time)) {
@@ -51,6 +64,10 @@ class CsiReceiver::Impl {
   }
 
   void advance(Timestamp now, std::vector<CsiFrame>& out) {
+    now_ = now;
+    for (HeldFrames::Held& held : held_.release(now)) {
+      give(std::move(held.frame), held.datagrams, out);
+    }
     assembler_.advance(now);
     emit(out);
   }
@@ -58,13 +75,22 @@ class CsiReceiver::Impl {
   void flush(std::vector<CsiFrame>& out) {
     assembler_.flush();
     emit(out);
+    for (HeldFrames::Held& held : held_.release_all()) {
+      give(std::move(held.frame), held.datagrams, out);
+    }
+    mixture_.reset();
   }
 
-  Timestamp safe_time(Timestamp watermark) const { return assembler_.earliest(watermark); }
+  Timestamp safe_time(Timestamp watermark) const {
+    return held_.earliest(assembler_.earliest(watermark));
+  }
 
   CsiReceiverCounters counters() const {
     CsiReceiverCounters counters = counters_;
-    counters.in_flight = assembler_.datagrams_in_flight();
+    counters.in_flight = assembler_.datagrams_in_flight() + held_.datagrams();
+    channels_.report(counters);
+    counters.trouble = trouble_;
+    counters.troubles = troubles_;
     for (std::size_t i = 0; i < rejected_.size(); ++i) {
       if (rejected_[i] != 0) {
         counters.rejected.emplace(to_string(static_cast<RejectReason>(i)), rejected_[i]);
@@ -74,13 +100,54 @@ class CsiReceiver::Impl {
   }
 
  private:
-  // What one datagram carried whole.
-  void push_frame(FrameResult frame, Timestamp time, std::vector<CsiFrame>& out) {
+  // Judges the source after a datagram of it; counts the datagram where it is rejected.
+  bool admit(bool is_expected_channel) {
+    held_.hold_from(mixture_.newest_beginning());
+    const bool is_mixture = reject_mixture_ && mixture_.is_mixture();
+    if (is_mixture) {
+      for (const HeldFrames::Held& held : held_.release_all()) {
+        reject(RejectReason::kSeveralAccessPoints, held.datagrams);
+      }
+    }
+    update_trouble();
+    if (is_expected_channel && !is_mixture) {
+      return true;
+    }
+    reject(is_expected_channel ? RejectReason::kSeveralAccessPoints : RejectReason::kOtherChannel);
+    return false;
+  }
+
+  void update_trouble() {
+    const auto state = std::pair(channels_.changes(), mixture_.evidence());
+    if (state == judged_) {
+      return;
+    }
+    judged_ = state;
+    trouble_ = channels_.trouble();
+    if (trouble_.empty() && reject_mixture_ && mixture_.is_mixture()) {
+      trouble_ = "it has datagrams of several access points: " +
+                 std::string(to_string(mixture_.evidence()));
+    }
+    if (!trouble_.empty() && troubles_.size() < CsiReceiverCounters::kListedChanges &&
+        std::find(troubles_.begin(), troubles_.end(), trouble_) == troubles_.end()) {
+      troubles_.push_back(trouble_);
+    }
+  }
+
+  // One datagram with a whole frame.
+  void push_frame(FrameResult frame, const Datagram& datagram, std::vector<CsiFrame>& out) {
     if (!frame) {
       reject(frame.error());
       return;
     }
-    frame->time = frame->time_last = time;
+    const bool is_expected_channel = channels_.add(frame->channel, datagram.time);
+    if (is_expected_channel) {
+      mixture_.add(datagram.address, datagram.time);
+    }
+    if (!admit(is_expected_channel)) {
+      return;
+    }
+    frame->time = frame->time_last = datagram.time;
     frame->access_point = access_point_;
     const bool all_cores =
         std::all_of(expected_cores_.begin(), expected_cores_.end(), [&](std::uint8_t core) {
@@ -90,23 +157,40 @@ class CsiReceiver::Impl {
       frame->complete = false;
       frame->flags.push_back("missing_core");
     }
-    ++counters_.in_frames;
-    ++counters_.frames;
-    counters_.partial += frame->complete ? 0U : 1U;
-    out.push_back(*std::move(frame));
+    finish(*std::move(frame), 1, out);
   }
 
-  void reject(RejectReason reason) { ++rejected_[static_cast<std::size_t>(reason)]; }
+  void reject(RejectReason reason, std::uint64_t datagrams = 1) {
+    rejected_[static_cast<std::size_t>(reason)] += datagrams;
+  }
 
   void emit(std::vector<CsiFrame>& out) {
     while (const AssembledFrame* assembled = assembler_.next_ready()) {
-      out.push_back(normalizer_.normalize(*assembled));
-      counters_.in_frames += assembled->datagrams;
-      ++counters_.frames;
-      if (!assembled->complete) {
-        ++counters_.partial;
-      }
+      finish(normalizer_.normalize(*assembled), assembled->datagrams, out);
     }
+  }
+
+  void finish(CsiFrame&& frame, std::uint64_t datagrams, std::vector<CsiFrame>& out) {
+    if (reject_mixture_ && mixture_.is_mixture()) {
+      reject(RejectReason::kSeveralAccessPoints, datagrams);
+      return;
+    }
+    if (!held_.holds(now_)) {
+      give(std::move(frame), datagrams, out);
+      return;
+    }
+    held_.add({std::move(frame), datagrams});
+    if (held_.is_full()) {
+      HeldFrames::Held oldest = held_.release_oldest();
+      give(std::move(oldest.frame), oldest.datagrams, out);
+    }
+  }
+
+  void give(CsiFrame&& frame, std::uint64_t datagrams, std::vector<CsiFrame>& out) {
+    counters_.in_frames += datagrams;
+    ++counters_.frames;
+    counters_.partial += frame.complete ? 0U : 1U;
+    out.push_back(std::move(frame));
   }
 
   const int access_point_;
@@ -114,6 +198,15 @@ class CsiReceiver::Impl {
   DecoderRegistry registry_;
   FrameAssembler assembler_;
   FrameNormalizer normalizer_;
+  ChannelLog channels_;
+  const bool reject_mixture_;
+  MixtureDetector mixture_;
+  HeldFrames held_;
+  Timestamp now_ = Timestamp::min();
+  // Of the last update_trouble().
+  std::pair<std::uint64_t, MixtureDetector::Evidence> judged_{};
+  std::string trouble_;
+  std::vector<std::string> troubles_;
   CsiReceiverCounters counters_;  // `rejected` and `in_flight` are filled in by counters()
   std::array<std::uint64_t, kRejectReasons> rejected_{};
 };

@@ -7,6 +7,10 @@
 //   receiver.advance(watermark, frames);    // appends the partial frames whose time is over
 //   receiver.flush(frames);                 // at the end of the input: everything that is left
 //
+// Datagrams of another channel than the site's, and of a source that several access points send to,
+// are rejected where the options ask for it: their CSI would be located without an error, and
+// wrongly.
+//
 // The frames are a function of the datagrams and their times alone. `advance` may be called as
 // often as one likes or only implicitly through push(), which advances to the datagram's time.
 // Thread safety: one thread; counters() is a copy for that thread.
@@ -15,12 +19,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "capture/transport/datagram.h"
 #include "engine/channel/csi_frame.h"
+#include "engine/channel/radio_channel.h"
 
 namespace rayloc {
 
@@ -38,6 +44,20 @@ struct CsiReceiverOptions {
   std::size_t max_pending = 256;
   // Leave the CSI in FFT order with rotation and unusable tones, as on the wire (frames --raw).
   bool raw = false;
+  // The site's channel: a datagram that states another one is rejected. Nothing: every channel.
+  std::optional<RadioChannel> channel;
+  // Reject what several access points send to the one source (mixture_detector.h). A second one
+  // shows itself with its first frames, so frames are held back for `settle` after the first
+  // datagram and after each jump of the frame counter.
+  bool reject_mixture = false;
+  Duration settle{};
+};
+
+// One change of the channel that the datagrams state.
+struct ChannelChange {
+  Timestamp time;
+  RadioChannel from;
+  RadioChannel to;
 };
 
 // received = sum(rejected) + duplicates + late + in_frames + in_flight, at every instant.
@@ -50,6 +70,16 @@ struct CsiReceiverCounters {
   std::uint64_t in_flight = 0;                    // part of a frame that is being assembled
   std::uint64_t frames = 0;                       // emitted, partial ones among them
   std::uint64_t partial = 0;
+
+  // The channel that the latest datagram states, and how often it changed.
+  std::optional<RadioChannel> channel;
+  std::uint64_t channel_changes = 0;
+  std::vector<ChannelChange> first_changes;  // at most kListedChanges
+  static constexpr std::size_t kListedChanges = 4;
+  // The reason why datagrams are rejected at present, for an operator: another channel, or several
+  // access points. Empty where none is. `troubles` has each reason that there has been, once.
+  std::string trouble;
+  std::vector<std::string> troubles;
 };
 
 class CsiReceiver {

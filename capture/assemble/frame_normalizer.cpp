@@ -245,6 +245,7 @@ CsiFrame FrameNormalizer::normalize(const AssembledFrame& assembled) {
   frame.phy = layout.phy;
   frame.bandwidth_mhz = layout.occupancy.bandwidth_mhz;
   frame.channel_bandwidth_mhz = header.channel_bandwidth_mhz;
+  frame.channel = header.channel;
   frame.sequence = header.sequence;
   frame.sequence_control = header.sequence_control;
   frame.transmitted_streams = header.transmitted_streams;

@@ -23,7 +23,9 @@
 
 #include <algorithm>
 
+#include "capture/decode/chanspec.h"
 #include "capture/decode/decoder_row.h"
+#include "capture/decode/payload_digest.h"
 #include "capture/transport/byte_reader.h"
 
 namespace rayloc {
@@ -160,6 +162,8 @@ DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
   }
   fragment.layout = CsiWords::kFloat12;
   fragment.words = payload.subspan(kAxcsiHeaderBytes);
+  fragment.digest = payload_digest(fragment.words);
+  fragment.channel = channel_of_chanspec(header->chanspec);
   return fragment;
 }
 
@@ -177,13 +181,8 @@ bool resembles_axcsi(std::span<const std::byte> payload) {
          header.sequence_control == header.receive_sequence;
 }
 
-const DecoderRow kAxcsiRow{
-    .name = "axcsi-v4",
-    .resembles = resembles_axcsi,
-    .make = []() -> AnyDecoder { return std::make_unique<AxcsiDecoder>(); },
-    .channel =
-        [](std::span<const std::byte> payload) {
-          return channel_of_chanspec(read_fields(ByteReader(payload)).chanspec);
-        }};
+const DecoderRow kAxcsiRow{.name = "axcsi-v4",
+                           .resembles = resembles_axcsi,
+                           .make = []() -> AnyDecoder { return std::make_unique<AxcsiDecoder>(); }};
 
 }  // namespace rayloc

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "capture/decode/radio_channel.h"
+#include "capture/decode/chanspec.h"
 #include "capture/transport/byte_reader.h"
 #include "engine/channel/mac_address.h"
 

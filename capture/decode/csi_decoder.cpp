@@ -28,6 +28,10 @@ std::string_view to_string(RejectReason reason) {
       return "header_mismatch";
     case RejectReason::kFrameMismatch:
       return "frame_mismatch";
+    case RejectReason::kOtherChannel:
+      return "other_channel";
+    case RejectReason::kSeveralAccessPoints:
+      return "several_access_points";
   }
   RAYLOC_CHECK(false);
 }

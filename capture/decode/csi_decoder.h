@@ -17,6 +17,7 @@
 #include "capture/decode/csi_words.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/channel/mac_address.h"
+#include "engine/channel/radio_channel.h"
 
 namespace rayloc {
 
@@ -38,19 +39,21 @@ enum class RejectReason : std::uint8_t {
   kStreamRange,
   kToneRange,
   kEncodingRange,
-  kHeaderMismatch,  // two copies of a field in the same header differ
-  kFrameMismatch,   // the header contradicts the fragments of the same frame that came before
+  kHeaderMismatch,       // two copies of a field in the same header differ
+  kFrameMismatch,        // the header contradicts the fragments of the same frame that came before
+  kOtherChannel,         // the header states another channel than the site
+  kSeveralAccessPoints,  // several access points send to the source (mixture_detector.h)
 };
-inline constexpr std::size_t kRejectReasons = 11;
+inline constexpr std::size_t kRejectReasons = 13;
 std::string_view to_string(RejectReason reason);
 
 struct CsiFragment {
   std::string_view format;
   MacAddress transmitter;
-  // The extractor's frame counter. Without one (nexmon) fragments are told apart by `digest`.
+  // The extractor's frame counter. Without one (nexmon) `digest` distinguishes fragments.
   bool has_sequence = false;
   std::uint16_t sequence = 0;
-  std::uint64_t digest = 0;
+  std::uint64_t digest = 0;  // of the CSI as it lies on the wire (payload_digest.h)
   std::uint16_t sequence_control = 0;
   bool control_frame = false;  // its sequence control is left over from an earlier frame
 
@@ -61,10 +64,11 @@ struct CsiFragment {
   std::uint16_t tones = 0;
   std::uint16_t total_tones = 0;
 
-  std::optional<PhyFormat> phy;  // where the header tells
-  int channel_bandwidth_mhz = 0;
-  int transmitted_streams = 0;       // 0: the header does not tell
-  std::uint16_t expected_slots = 0;  // bit slot(core, stream); 0: the header does not tell
+  std::optional<PhyFormat> phy;         // where the header tells
+  int channel_bandwidth_mhz = 0;        // from the size of the transform
+  std::optional<RadioChannel> channel;  // where the header states one
+  int transmitted_streams = 0;          // 0: the header does not tell
+  std::uint16_t expected_slots = 0;     // bit slot(core, stream); 0: the header does not tell
 
   std::array<std::optional<std::int8_t>, kMaxCores> power_dbm;
   bool common_power = false;  // one value for the frame, repeated for every core

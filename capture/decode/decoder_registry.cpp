@@ -45,15 +45,6 @@ bool is_wire_format(std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-std::optional<RadioChannel> radio_channel(std::span<const std::byte> payload) {
-  for (const DecoderRow& row : decoder_rows()) {
-    if (row.resembles(payload)) {
-      return row.channel == nullptr ? std::nullopt : row.channel(payload);
-    }
-  }
-  return std::nullopt;
-}
-
 DecoderRegistry::DecoderRegistry(std::string_view format, std::span<const DecoderRow> rows)
     : fixed_(!format.empty()) {
   for (const DecoderRow& row : rows) {

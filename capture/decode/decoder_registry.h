@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -21,9 +20,6 @@ std::span<const DecoderRow> decoder_rows();
 // "ubilocate". What a site file may name.
 std::span<const std::string_view> wire_formats();
 bool is_wire_format(std::string_view name);
-
-// What the radio says it is tuned to, by the format that the datagram resembles.
-std::optional<RadioChannel> radio_channel(std::span<const std::byte> payload);
 
 class DecoderRegistry {
  public:

@@ -3,14 +3,12 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <span>
 #include <string_view>
 #include <variant>
 
 #include "capture/decode/csi_decoder.h"
 #include "capture/decode/frame_decoder.h"
-#include "capture/decode/radio_channel.h"
 
 namespace rayloc {
 
@@ -23,9 +21,6 @@ struct DecoderRow {
   // asked in the order of the table, those of whole frames first.
   bool (*resembles)(std::span<const std::byte> payload) = nullptr;
   AnyDecoder (*make)() = nullptr;
-  // What the radio says it is tuned to, of a datagram that resembles the format; null: no field
-  // tells.
-  std::optional<RadioChannel> (*channel)(std::span<const std::byte> payload) = nullptr;
 };
 
 extern const DecoderRow kIntel5300Row;  // intel5300_decoder.cpp

@@ -14,10 +14,9 @@
 //   18+4n  0, 4  bytes without meaning
 #include "capture/decode/nexmon_decoder.h"
 
-#include <cstring>
-
 #include "capture/decode/broadcom_header.h"
 #include "capture/decode/decoder_row.h"
+#include "capture/decode/payload_digest.h"
 
 namespace rayloc {
 namespace {
@@ -57,22 +56,6 @@ CsiWords layout_of(std::uint16_t chip, std::span<const std::byte> words) {
     default:
       return layout_by_used_bits(words);
   }
-}
-
-// Tells fragments of different frames apart where the sequence control repeats. Not for security.
-std::uint64_t digest_of(std::span<const std::byte> bytes) {
-  std::uint64_t digest = bytes.size();
-  std::size_t i = 0;
-  for (; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
-    std::uint64_t chunk = 0;
-    std::memcpy(&chunk, bytes.data() + i, sizeof(chunk));
-    digest = (digest ^ chunk) * 0x9e3779b97f4a7c15ULL;
-    digest ^= digest >> 32U;
-  }
-  for (; i < bytes.size(); ++i) {
-    digest = (digest ^ std::to_integer<std::uint64_t>(bytes[i])) * 0x9e3779b97f4a7c15ULL;
-  }
-  return digest;
 }
 
 constexpr std::uint8_t kFrameControlTypeMask = 0x0c;
@@ -125,7 +108,8 @@ DecodeResult NexmonDecoder::decode(std::span<const std::byte> payload) const {
   CsiFragment fragment;
   fragment.format = format();
   fragment.transmitter = nexmon_transmitter(reader);
-  fragment.digest = digest_of(payload);
+  fragment.digest = payload_digest(payload);
+  fragment.channel = nexmon_channel(payload);
   fragment.sequence_control = reader.u16(10);
   fragment.core = static_cast<std::uint8_t>(core);
   fragment.stream = static_cast<std::uint8_t>(stream);
@@ -146,8 +130,7 @@ const DecoderRow kNexmonV1Row{
         [](std::span<const std::byte> payload) {
           return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV1;
         },
-    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV1); },
-    .channel = nexmon_channel};
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV1); }};
 
 const DecoderRow kNexmonV2Row{
     .name = "nexmon-v2",
@@ -155,7 +138,6 @@ const DecoderRow kNexmonV2Row{
         [](std::span<const std::byte> payload) {
           return resembles_nexmon(payload) && nexmon_version(payload) == NexmonVersion::kV2;
         },
-    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV2); },
-    .channel = nexmon_channel};
+    .make = []() -> AnyDecoder { return std::make_unique<NexmonDecoder>(NexmonVersion::kV2); }};
 
 }  // namespace rayloc

@@ -17,6 +17,7 @@
 
 #include "capture/decode/broadcom_header.h"
 #include "capture/decode/decoder_row.h"
+#include "capture/decode/payload_digest.h"
 
 namespace rayloc {
 namespace {
@@ -92,6 +93,8 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
   fragment.expected_slots = expectation.slots;
   fragment.words = reader.bytes(kNexmonHeaderBytes, kBytesPerWord * tones);
   fragment.layout = CsiWords::kFloat12;
+  fragment.digest = payload_digest(fragment.words);
+  fragment.channel = nexmon_channel(payload);
   const std::size_t trailer = kNexmonHeaderBytes + kBytesPerWord * tones;
   if (reader.u32(trailer) == kTrailerMagic) {
     for (std::size_t core = 0; core < kMaxCores; ++core) {
@@ -102,9 +105,8 @@ DecodeResult UbilocateDecoder::decode(std::span<const std::byte> payload) const 
 }
 
 const DecoderRow kUbilocateRow{
-    .name = "ubilocate",
-    .resembles = resembles_ubilocate,
-    .make = []() -> AnyDecoder { return std::make_unique<UbilocateDecoder>(); },
-    .channel = nexmon_channel};
+    .name = "ubilocate", .resembles = resembles_ubilocate, .make = []() -> AnyDecoder {
+      return std::make_unique<UbilocateDecoder>();
+    }};
 
 }  // namespace rayloc

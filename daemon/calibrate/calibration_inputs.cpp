@@ -86,16 +86,7 @@ Expected<void> read_recording(const Site& site,
       spot->frames.push_back(std::move(frame));
     }
   };
-  ChannelTally channels;
-  if (auto read = for_each_frame(site, recording, use, inputs.notes, &channels); !read) {
-    return read;
-  }
-  if (const auto channel = channels.most()) {
-    if (auto text = other_channel_text(site, recording.access_point, *channel); !text.empty()) {
-      inputs.other_channels.push_back(std::move(text));
-    }
-  }
-  return {};
+  return for_each_frame(site, recording, use, inputs.notes);
 }
 
 bool is_listed(const Site& site, const MacAddress& mac) {

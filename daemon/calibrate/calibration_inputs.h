@@ -26,9 +26,7 @@ struct CalibrationInputs {
   std::vector<bool> recorded;          // of each access point of the site
   std::vector<RefusedInput> refused;
   std::vector<std::string> notes;  // of the recordings: for_each_frame()
-  // A sentence for each access point that was tuned elsewhere than the site states.
-  std::vector<std::string> other_channels;
-  std::string content;  // hash of the recordings' and the points' content
+  std::string content;             // hash of the recordings' and the points' content
   std::string points_hash;
 };
 

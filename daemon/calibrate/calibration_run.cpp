@@ -96,7 +96,7 @@ Expected<void> Calibration::measure() {
 // report, and with --force all goes on.
 Expected<void> Calibration::check_inputs() {
   const InputCheck check = check_calibration_inputs(plan_, points_);
-  verdict_ = verdict_of_inputs(check, inputs_.other_channels);
+  verdict_ = verdict_of_inputs(check);
   const bool of_survey =
       !check.found.empty() && check.found.front().kind != TriedMistake::Kind::kArray;
   if (of_survey && !options_.force) {
@@ -331,7 +331,7 @@ Expected<void> Calibration::fit_what_is_left(const std::vector<CalibrationMethod
 // as well: under the plan alone they say too little to be asked before.
 void Calibration::judge(CalibrationReport& report) {
   judge_held_out(report, verdict_);
-  if (!verdict_.is_success() && verdict_.found.empty() && !verdict_.was_told) {
+  if (!verdict_.is_success() && verdict_.found.empty()) {
     line_.begin("trying other channels");
     add_carriers(try_carriers(plan_, points_), verdict_);
     line_.clear();

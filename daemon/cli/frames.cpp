@@ -1,6 +1,5 @@
 // `rayloc frames`: the CSI frames of recordings, a line each.
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdio>
 #include <iterator>
@@ -19,6 +18,7 @@
 #include "daemon/arrays/npz_file.h"
 #include "daemon/command/verb.h"
 #include "daemon/recordings/frame_arrays.h"
+#include "daemon/recordings/time_text.h"
 
 namespace rayloc::cli {
 namespace {
@@ -62,30 +62,6 @@ struct Summary {
   }
 };
 
-// RFC 3339 in UTC, "2018-05-05T06:11:11.306626Z"; nine decimals where there are nanoseconds.
-std::string time_text(Timestamp time) {
-  const auto day = std::chrono::floor<std::chrono::days>(time);
-  const std::chrono::year_month_day date(day);
-  const auto since_midnight = time - day;
-  const auto seconds = std::chrono::floor<std::chrono::seconds>(since_midnight);
-  const auto nanoseconds = (since_midnight - seconds).count();
-  const auto of_day = seconds.count();
-  const bool microseconds = nanoseconds % 1000 == 0;
-  std::array<char, 64> text{};
-  std::snprintf(text.data(),
-                text.size(),
-                "%04d-%02u-%02uT%02d:%02d:%02d.%0*dZ",
-                static_cast<int>(date.year()),
-                static_cast<unsigned>(date.month()),
-                static_cast<unsigned>(date.day()),
-                static_cast<int>(of_day / 3600),
-                static_cast<int>(of_day / 60 % 60),
-                static_cast<int>(of_day % 60),
-                microseconds ? 6 : 9,
-                static_cast<int>(microseconds ? nanoseconds / 1000 : nanoseconds));
-  return text.data();
-}
-
 Json values_of(const CsiFrame& frame) {
   Json cores = Json::array();
   for (std::size_t core = 0; core < frame.csi.antennas(); ++core) {
@@ -121,6 +97,9 @@ std::string json_line(const CsiFrame& frame, const std::string& access_point, bo
                {"power_dbm", std::move(power)},
                {"complete", frame.complete},
                {"flags", frame.flags}};
+  if (frame.channel) {
+    line["centre_hz"] = frame.channel->centre_hz;
+  }
   if (values) {
     line["tone_index"] = frame.tone_index;
     line["csi"] = values_of(frame);

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "daemon/health/saturation.h"
+#include "daemon/site/source_advice.h"
 
 namespace rayloc {
 
@@ -36,8 +37,14 @@ void LossWatch::look_at(const v1::SourceReport& source) {
           counters.clock_steps());
   compare({"failures", "it could not be read any more, and is opened again", name},
           counters.failures());
+  compare({"channel_changes", "the access point changed its channel", name},
+          counters.channel_changes());
   for (const auto& [reason, count] : counters.rejected()) {
-    compare({"rejected_" + reason, "datagrams rejected: " + reason, name}, count);
+    const std::string_view advice = source_advice(reason);
+    compare({"rejected_" + reason,
+             "datagrams rejected: " + reason + (advice.empty() ? "" : "; ") + std::string(advice),
+             name},
+            count);
   }
 }
 

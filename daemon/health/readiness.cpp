@@ -28,7 +28,10 @@ std::string source_trouble(const v1::SourceState& state) {
     case v1::SOURCE_STATUS_FAILED:
       return name + state.detail();
     default:
-      return is_conserved(state.counters()) ? "" : name + "its datagrams are not accounted for";
+      if (!is_conserved(state.counters())) {
+        return name + "its datagrams are not accounted for";
+      }
+      return state.detail().empty() ? "" : name + state.detail();
   }
 }
 

@@ -31,6 +31,7 @@ v1::SourceCounters source_counters(const SourceReport& report, const MailboxCoun
   counters.set_bytes(report.source.bytes);
   counters.set_clock_steps(report.source.clock_steps);
   counters.set_failures(report.source.failures);
+  counters.set_channel_changes(report.receiver.channel_changes);
   counters.set_frames_complete(report.receiver.frames - report.receiver.partial);
   counters.set_frames_partial(report.receiver.partial);
   counters.set_frames_dropped(mailbox.dropped);
@@ -76,7 +77,12 @@ v1::SourceState source_state(const SourceReport& report,
     }
   }
   *state.mutable_counters() = source_counters(report, mailbox);
-  state.set_detail(report.error);
+  state.set_detail(report.error.empty() ? report.receiver.trouble : report.error);
+  if (report.receiver.channel) {
+    state.set_channel_centre_hz(report.receiver.channel->centre_hz);
+    state.set_channel_bandwidth_mhz(
+        static_cast<std::uint32_t>(report.receiver.channel->bandwidth_mhz));
+  }
   state.set_format(report.frames.format);
   for (const auto& [core, census] : report.frames.cores) {
     v1::CoreReport* to = state.add_cores();
@@ -284,6 +290,9 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
       *report->mutable_age() = state.age();
     }
     *report->mutable_counters() = state.counters();
+    if (!reports[i].receiver.trouble.empty()) {
+      heartbeat.add_warnings("source " + state.access_point() + ": " + state.detail());
+    }
   }
   if (sources.playback) {
     *heartbeat.mutable_playback() = playback_message(sources.playback->state());

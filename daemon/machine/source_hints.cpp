@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "daemon/site/source_advice.h"
+
 namespace rayloc {
 namespace {
 
@@ -19,9 +21,14 @@ constexpr double kDeafDb = 20.0;
 // Reasons of UdpSource to reject what the configuration keeps out.
 constexpr std::string_view kSenderNotAllowed = "sender_not_allowed";
 constexpr std::string_view kInterfaceNotAllowed = "interface_not_allowed";
+// Reasons of CsiReceiver to reject datagrams of a known format.
+constexpr std::string_view kOtherChannel = "other_channel";
+constexpr std::string_view kSeveralAccessPoints = "several_access_points";
 // Frames of the air, and what says nothing of the format: stamps and marks of a recording.
 constexpr std::string_view kMonitorMode = "monitor_mode";
-constexpr std::array<std::string_view, 7> kNotOfTheFormat = {kSenderNotAllowed,
+constexpr std::array<std::string_view, 9> kNotOfTheFormat = {kSenderNotAllowed,
+                                                             kOtherChannel,
+                                                             kSeveralAccessPoints,
                                                              kInterfaceNotAllowed,
                                                              kMonitorMode,
                                                              "damaged_time",
@@ -42,6 +49,8 @@ class Hints {
     kept_out(kSenderNotAllowed, "come from addresses that are not allowed", "allow");
     kept_out(kInterfaceNotAllowed, "come through another interface", "only_interface");
     monitor_mode();
+    rejected_as_a_whole(kOtherChannel);
+    rejected_as_a_whole(kSeveralAccessPoints);
     format();
     if (frames_ >= kEnoughFrames) {
       cores();
@@ -78,6 +87,22 @@ class Hints {
           fmt::format("correct {} in [[source]], if they are the access point's (tcpdump -n udp)",
                       key));
     }
+  }
+
+  // A problem while it goes on, a warning once it is over.
+  void rejected_as_a_whole(std::string_view reason) {
+    const auto found = source_.counters().rejected().find(std::string(reason));
+    if (found == source_.counters().rejected().end()) {
+      return;
+    }
+    const bool goes_on = source_.status() != v1::SOURCE_STATUS_FAILED && !source_.detail().empty();
+    add(goes_on ? Kind::kProblem : Kind::kWarning,
+        fmt::format("{} datagrams rejected: {}{}{}",
+                    found->second,
+                    reason,
+                    goes_on ? "; " : "",
+                    goes_on ? source_.detail() : ""),
+        std::string(source_advice(reason)));
   }
 
   void monitor_mode() {

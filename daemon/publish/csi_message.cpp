@@ -48,6 +48,9 @@ v1::CsiFrame csi_message(const CsiFrame& frame,
   message.set_phy(phy_proto(frame.phy));
   message.set_bandwidth_mhz(static_cast<std::uint32_t>(frame.bandwidth_mhz));
   message.set_channel_bandwidth_mhz(static_cast<std::uint32_t>(frame.channel_bandwidth_mhz));
+  if (frame.channel) {
+    message.set_channel_centre_hz(frame.channel->centre_hz);
+  }
   message.set_tone_spacing_hz(frame.tone_spacing_hz);
   message.set_sequence(frame.sequence);
   message.set_sequence_control(frame.sequence_control);

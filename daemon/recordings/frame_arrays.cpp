@@ -20,6 +20,7 @@ FrameHeader header_of(const CsiFrame& frame) {
   header.time = frame.time.time_since_epoch().count();
   header.time_last = frame.time_last.time_since_epoch().count();
   header.tone_spacing = frame.tone_spacing_hz;
+  header.channel_centre = frame.channel ? frame.channel->centre_hz : 0.0;
   header.access_point = frame.access_point;
   header.bandwidth_mhz = frame.bandwidth_mhz;
   header.channel_bandwidth_mhz = frame.channel_bandwidth_mhz;

@@ -17,9 +17,10 @@ namespace rayloc {
 
 // Without padding, as numpy reads it. Texts end with zeros, and are cut where they are too long.
 struct FrameHeader {
-  std::int64_t time = 0;       // [ns] since 1970, UTC
-  std::int64_t time_last = 0;  // [ns]
-  double tone_spacing = 0.0;   // [Hz]
+  std::int64_t time = 0;        // [ns] since 1970, UTC
+  std::int64_t time_last = 0;   // [ns]
+  double tone_spacing = 0.0;    // [Hz]
+  double channel_centre = 0.0;  // [Hz], 0 where the format states no channel
   std::int32_t access_point = 0;
   std::int32_t bandwidth_mhz = 0;
   std::int32_t channel_bandwidth_mhz = 0;
@@ -32,10 +33,11 @@ struct FrameHeader {
   std::array<char, 7> phy{};
   std::array<char, 67> flags{};  // with commas
 };
-static_assert(sizeof(FrameHeader) == 152, "kFrameHeaderDescr has its fields, without padding");
+static_assert(sizeof(FrameHeader) == 160, "kFrameHeaderDescr has its fields, without padding");
 
 inline constexpr const char* kFrameHeaderDescr =
-    "[('time', '<M8[ns]'), ('time_last', '<M8[ns]'), ('tone_spacing', '<f8'), "
+    "[('time', '<M8[ns]'), ('time_last', '<M8[ns]'), ('tone_spacing', '<f8'), ('channel_centre', "
+    "'<f8'), "
     "('access_point', '<i4'), ('bandwidth_mhz', '<i4'), ('channel_bandwidth_mhz', '<i4'), "
     "('streams', '<i4'), ('sequence', '<u2'), ('sequence_control', '<u2'), ('complete', '|b1'), "
     "('transmitter', '|S17'), ('format', '|S16'), ('phy', '|S7'), ('flags', '|S67')]";

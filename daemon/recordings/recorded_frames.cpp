@@ -9,15 +9,47 @@
 
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
+#include "daemon/recordings/time_text.h"
 #include "daemon/site/receiver_options.h"
+#include "daemon/site/source_advice.h"
 
 namespace rayloc::cli {
+namespace {
+
+// The reasons for which datagrams were rejected as a whole, with advice; empty where none were.
+std::string trouble_of(const CsiReceiverCounters& counters) {
+  std::string text;
+  for (const std::string& trouble : counters.troubles) {
+    text += (text.empty() ? "" : "; ") + trouble;
+  }
+  text += text.empty() ? "" : "; no position is made of them";
+  for (const auto& [reason, count] : counters.rejected) {
+    if (const std::string_view advice = source_advice(reason); !advice.empty()) {
+      text += ": " + std::string(advice);
+    }
+  }
+  return text;
+}
+
+std::vector<std::string> channel_changes(const CsiReceiverCounters& counters) {
+  std::vector<std::string> lines;
+  for (const ChannelChange& change : counters.first_changes) {
+    lines.push_back("the channel changed at " + time_text(change.time) + " from " +
+                    to_string(change.from) + " to " + to_string(change.to));
+  }
+  if (counters.channel_changes > lines.size()) {
+    lines.push_back("the channel changed " +
+                    std::to_string(counters.channel_changes - lines.size()) + " more times");
+  }
+  return lines;
+}
+
+}  // namespace
 
 Expected<void> for_each_frame(const Site& site,
                               const RecordingArgument& recording,
                               const std::function<void(CsiFrame&&)>& take,
-                              std::vector<std::string>& notes,
-                              ChannelTally* channels) {
+                              std::vector<std::string>& notes) {
   const auto index = find_access_point(site, recording.access_point);
   if (!index) {
     return tl::make_unexpected(index.error());
@@ -27,7 +59,6 @@ Expected<void> for_each_frame(const Site& site,
     return tl::make_unexpected(std::move(source.error()));
   }
   CsiReceiver receiver(receiver_options(site, *index));
-  ChannelTally tally;
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   while (!batch.ended) {
@@ -37,7 +68,6 @@ Expected<void> for_each_frame(const Site& site,
     }
     for (const Datagram& datagram : batch.datagrams) {
       receiver.push(datagram, frames);
-      (channels == nullptr ? tally : *channels).add(datagram.payload);
     }
     if (batch.ended) {
       receiver.flush(frames);
@@ -46,12 +76,12 @@ Expected<void> for_each_frame(const Site& site,
       take(std::move(frame));
     }
   }
-  note_recording(**source, receiver.counters(), recording.access_point, notes);
-  if (const auto channel = tally.most()) {
-    if (auto text = other_channel_text(site, recording.access_point, *channel); !text.empty()) {
-      notes.push_back(std::move(text));
-    }
+  const CsiReceiverCounters counters = receiver.counters();
+  if (const std::string trouble = trouble_of(counters); !trouble.empty() && counters.frames == 0) {
+    return bad_input((*source)->description() + ": access point '" + recording.access_point +
+                     "': " + trouble);
   }
+  note_recording(**source, counters, recording.access_point, notes);
   return {};
 }
 
@@ -74,6 +104,12 @@ void note_recording(const RecordedSource& source,
   const std::string what = whose + source.description() + ": ";
   if (const std::string reasons = rejections_text(rejected); !reasons.empty()) {
     notes.push_back(what + "of " + std::to_string(read.received) + " packets rejected: " + reasons);
+  }
+  for (const std::string& line : channel_changes(decoded)) {
+    notes.push_back(what + line);
+  }
+  if (const std::string trouble = trouble_of(decoded); !trouble.empty()) {
+    notes.push_back(what + trouble);
   }
   if (const auto marks = read.rejected.find("gap_mark"); marks != read.rejected.end()) {
     notes.push_back(what + "gaps are marked in the recording: " + std::to_string(marks->second) +

@@ -9,7 +9,6 @@
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
 #include "daemon/arguments/capture_argument.h"
-#include "daemon/recordings/channel_tally.h"
 #include "daemon/site/site.h"
 #include "engine/base/expected.h"
 #include "engine/channel/csi_frame.h"
@@ -19,14 +18,13 @@ namespace rayloc::cli {
 // `recording.access_point` is one of the site's (resolve_captures). Frames come in the order of the
 // files, and in each in that of its packets; their times are those of the stamps. `notes` gets a
 // line for everything that people should know: clocks that were set, gaps, how many packets were
-// rejected for which reason, and that the access point was tuned to another channel than the site
-// states; with `channels` that is left to the caller. Errors: a file that cannot be read as a
-// capture.
+// rejected for which reason, and each change of the channel. Errors: a file that cannot be read as
+// a capture; one without a frame since it is of another channel than the site's, or of several
+// access points.
 Expected<void> for_each_frame(const Site& site,
                               const RecordingArgument& recording,
                               const std::function<void(CsiFrame&&)>& take,
-                              std::vector<std::string>& notes,
-                              ChannelTally* channels = nullptr);
+                              std::vector<std::string>& notes);
 
 // The notes of a recording that was read to its end; of which access point, or empty.
 void note_recording(const RecordedSource& source,

@@ -43,6 +43,7 @@ Expected<void> report_replay(const Pipeline& pipeline,
   std::string without_csi;
   std::uint64_t received = 0;
   std::uint64_t frames = 0;
+  bool is_rejected = false;  // CSI was recognised
   const std::vector<SourceReport> sources = pipeline.source_reports();
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const SourceReport& source = sources[i];
@@ -56,12 +57,14 @@ Expected<void> report_replay(const Pipeline& pipeline,
     }
     received += source.source.received;
     frames += source.receiver.frames;
+    is_rejected = is_rejected || !source.receiver.troubles.empty();
     if (!source.error.empty()) {
       failed += (failed.empty() ? "" : "\n") + source.error;
     }
   }
   if (failed.empty() && received > 0 && frames == 0) {
-    return bad_input("no CSI in " + std::to_string(received) + " packets" + without_csi);
+    return bad_input((is_rejected ? "the CSI was rejected of " : "no CSI in ") +
+                     std::to_string(received) + " packets" + without_csi);
   }
   if (!quiet) {
     std::fprintf(

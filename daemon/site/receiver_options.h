@@ -1,6 +1,8 @@
-// How the datagrams of a site's access point are to be read.
+// How the datagrams of a site's access point are to be read: CSI of another channel, or of several
+// access points on one source, is rejected.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 
 #include "capture/assemble/csi_receiver.h"
@@ -15,6 +17,11 @@ inline CsiReceiverOptions receiver_options(const Site& site, int index) {
   options.access_point = index;
   options.format = access_point.format;
   options.expected_cores = access_point.cores;
+  options.reject_mixture = true;
+  options.settle = std::chrono::milliseconds(250);
+  if (site.carrier.bandwidth_mhz > 0) {
+    options.channel = RadioChannel{site.carrier.grid.centre_hz, site.carrier.bandwidth_mhz};
+  }
   return options;
 }
 

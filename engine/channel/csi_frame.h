@@ -15,6 +15,7 @@
 #include "engine/base/timestamp.h"
 #include "engine/channel/csi.h"
 #include "engine/channel/mac_address.h"
+#include "engine/channel/radio_channel.h"
 
 namespace rayloc {
 
@@ -29,8 +30,9 @@ struct CsiFrame {
   MacAddress transmitter;
   std::string_view format;  // name of the wire format: "axcsi-v4"; static storage
   PhyFormat phy = PhyFormat::kLegacy;
-  int bandwidth_mhz = 0;          // what the frame occupies, from its energy
-  int channel_bandwidth_mhz = 0;  // what the radio is tuned to
+  int bandwidth_mhz = 0;                // what the frame occupies, from its energy
+  int channel_bandwidth_mhz = 0;        // of the channel, from the size of the transform
+  std::optional<RadioChannel> channel;  // that the radio was tuned to, where the format states it
   double tone_spacing_hz = 312'500.0;
   std::uint16_t sequence = 0;            // the extractor's frame counter, where the format has one
   std::uint16_t sequence_control = 0;    // of the 802.11 header: number << 4 | fragment

@@ -18,7 +18,7 @@ bool has_fallen(const FitSummary& fit) {
 }
 
 std::string hint(const CalibrationVerdict& verdict) {
-  if (!verdict.found.empty() || verdict.tried.empty() || verdict.was_told) {
+  if (!verdict.found.empty() || verdict.tried.empty()) {
     return "";
   }
   const TriedMistake& nearest = verdict.tried.front();
@@ -34,9 +34,8 @@ std::string hint(const CalibrationVerdict& verdict) {
 
 }  // namespace
 
-CalibrationVerdict verdict_of_inputs(const InputCheck& check,
-                                     const std::vector<std::string>& other_channels) {
-  CalibrationVerdict verdict{other_channels, check.found, check.tried, !other_channels.empty()};
+CalibrationVerdict verdict_of_inputs(const InputCheck& check) {
+  CalibrationVerdict verdict{{}, check.found, check.tried};
   for (const TriedMistake& one : check.found) {
     verdict.reasons.push_back(one.message);
   }

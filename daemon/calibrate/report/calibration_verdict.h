@@ -14,15 +14,12 @@ struct CalibrationVerdict {
   std::vector<std::string> reasons;  // why it is none; empty: a success, as far as anybody can tell
   std::vector<TriedMistake> found;   // what explains the survey clearly better than what was stated
   std::vector<TriedMistake> tried;   // what gains most first
-  bool was_told = false;             // by the recordings themselves, what is wrong
 
   bool is_success() const { return reasons.empty(); }
 };
 
-// Of what the inputs alone say: what was found is a reason each, and so is what the recordings say
-// of their channels.
-CalibrationVerdict verdict_of_inputs(const InputCheck& check,
-                                     const std::vector<std::string>& other_channels);
+// The verdict of the inputs alone: each mistake that was found is a reason.
+CalibrationVerdict verdict_of_inputs(const InputCheck& check);
 
 // Adds what the points held out say of the first method: that they are explained less than before,
 // or that at half of them or more the room explains what was heard no better than diffuse

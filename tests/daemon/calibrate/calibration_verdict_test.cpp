@@ -88,18 +88,11 @@ TEST(Field, CalibrationVerdictTellsWhatWasTriedWhereNothingWasFound) {
 }
 
 // What the radios say needs no hypothesis, and no advice to check the channel.
-TEST(Field, AChannelThatTheRecordingsContradictIsNoSuccess) {
-  const auto verdict =
-      verdict_of_inputs({{mistake(TriedMistake::Kind::kArray, 0.22)}, {}, {}}, {"another channel"});
-  EXPECT_FALSE(verdict.is_success());
-  EXPECT_EQ(to_text(verdict), "another channel\n");
-}
-
 TEST(Field, CalibrationVerdictStandsInBothReports) {
   CalibrationReport report = report_with(0.7, 0.3, 3);
   EXPECT_TRUE(to_json(report).at("verdict").at("success"));
   EXPECT_EQ(to_html(report).find("This calibration is no success"), std::string::npos);
-  report.verdict = verdict_of_inputs({{}, {mistake(TriedMistake::Kind::kArray, 0.8)}, {}}, {});
+  report.verdict = verdict_of_inputs({{}, {mistake(TriedMistake::Kind::kArray, 0.8)}, {}});
   const auto json = to_json(report).at("verdict");
   EXPECT_FALSE(json.at("success"));
   EXPECT_EQ(json.at("reasons").at(0), "the message");

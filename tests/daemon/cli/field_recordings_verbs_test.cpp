@@ -2,12 +2,14 @@
 // tree whose records are stamped anew, or cut in pieces as tcpdump -C does.
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -166,6 +168,75 @@ TEST(Field, ReplayAtASpeedDoesNotWaitForAClockThatWasSet) {
   EXPECT_EQ(finished.status, 0) << finished.err;
   EXPECT_THAT(finished.err, HasSubstr("300 packets, 0 rejected"));
   EXPECT_THAT(finished.err, HasSubstr("the clock was set, or nothing was received"));
+}
+
+// The records of a file, each with its header.
+std::vector<std::string> records_of(const std::string& file) {
+  std::vector<std::string> records;
+  for (std::size_t at = kHeader; at < file.size();) {
+    const std::size_t size = 16 + number_at(file, at + 8);
+    records.push_back(file.substr(at, size));
+    at += size;
+  }
+  return records;
+}
+
+TEST(Field, ReplayMakesNoFixOfAnotherChannelThanTheSites) {
+  // Behind the headers of the record, Ethernet, IPv4 and UDP; then where AX-CSI has the chanspec.
+  constexpr std::size_t kChanspec = 16 + 14 + 20 + 8 + 52;
+  const std::string file = unpacked(kSite + "/device_los-ap1.pcap.gz");
+  const EditedRecording recording;
+  const auto with_channel = [&](const std::string& name, const char* chanspec, std::size_t from) {
+    std::string edited = file.substr(0, kHeader);
+    std::size_t number = 0;
+    for (std::string record : records_of(file)) {
+      if (number++ >= from) {
+        record.replace(kChanspec, 2, chanspec, 2);
+      }
+      edited += record;
+    }
+    test::write_file(recording.folder() + "/" + name, edited);
+    return recording.folder() + "/" + name;
+  };
+  for (const auto& [chanspec, channel] : {std::pair("\x97\xd9", "5755 MHz (40 MHz wide)"),
+                                          std::pair("\x2a\xe0", "5210 MHz (80 MHz wide)")}) {
+    const Finished finished = replay({with_channel("other.pcap", chanspec, 0)});
+    EXPECT_EQ(finished.status, 65) << finished.err;
+    EXPECT_THAT(finished.out, ::testing::IsEmpty());
+    EXPECT_THAT(finished.err, HasSubstr(channel));
+    EXPECT_THAT(finished.err, HasSubstr("5190 MHz (40 MHz wide)"));
+    EXPECT_THAT(finished.err, HasSubstr("other_channel"));
+  }
+  const Finished hop = replay({with_channel("hop.pcap", "\x97\xd9", 300)});
+  EXPECT_EQ(hop.status, 0) << hop.err;
+  EXPECT_THAT(hop.err, HasSubstr("the channel changed at 2024-"));
+}
+
+TEST(Field, ReplayMakesNoFixOfSeveralAccessPointsInOneRecording) {
+  std::vector<std::string> records;
+  std::string mixture;
+  for (const char* ap : {"ap1", "ap2"}) {
+    const std::string file = unpacked(kSite + "/device_los-" + ap + ".pcap.gz");
+    mixture = file.substr(0, kHeader);
+    for (std::string& record : records_of(file)) {
+      records.push_back(std::move(record));
+    }
+  }
+  std::stable_sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
+    return std::pair(number_at(a, 0), number_at(a, 4)) <
+           std::pair(number_at(b, 0), number_at(b, 4));
+  });
+  for (const std::string& record : records) {
+    mixture += record;
+  }
+  const EditedRecording recording;
+  const std::string file = recording.folder() + "/mixture.pcap";
+  test::write_file(file, mixture);
+  const Finished finished = replay({file});
+  EXPECT_EQ(finished.status, 65) << finished.err;
+  EXPECT_THAT(finished.out, ::testing::IsEmpty());
+  EXPECT_THAT(finished.err, HasSubstr("several access points"));
+  EXPECT_THAT(finished.err, HasSubstr("allow"));
 }
 
 TEST(Field, VerbsSayWhatACaptureInMonitorModeIs) {

@@ -14,6 +14,18 @@ TEST(Readiness, TheClockIsWhatTheKernelSaysElseWhatTimesyncdMarked) {
   EXPECT_EQ(clock_state(std::nullopt, false), ClockState::kUnknown);
 }
 
+TEST(Field, ASourceWhoseDatagramsAreRejectedIsNotReady) {
+  StatusMessages status;
+  v1::SourceState source;
+  source.set_access_point("ap1");
+  source.set_status(v1::SOURCE_STATUS_RECEIVING);
+  status.sources.push_back(source);
+  EXPECT_TRUE(readiness(status, {}).ready());
+  status.sources[0].set_detail("another channel");
+  ASSERT_EQ(readiness(status, {}).reasons.size(), 1U);
+  EXPECT_EQ(readiness(status, {}).reasons[0], "source ap1: another channel");
+}
+
 TEST(Readiness, AClockOfWhichNothingIsKnownIsNoWarning) {
   ServiceHealth health;
   health.clock = ClockState::kUnknown;

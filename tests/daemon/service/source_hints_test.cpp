@@ -65,6 +65,23 @@ TEST(Field, HintsNameACaptureInMonitorModeAndBlameNoFormatForStamps) {
       ElementsAre(HasSubstr("20 packets are frames of the air, of an interface in monitor")));
 }
 
+TEST(Field, HintsNameAnotherChannelAndSeveralAccessPoints) {
+  for (const char* reason : {"other_channel", "several_access_points"}) {
+    v1::SourceState source = healthy();
+    (*source.mutable_counters()->mutable_rejected())[reason] = 2900;
+    source.set_detail("both are named here");
+    const std::vector<Finding> found = source_hints(source, site_of_three_cores());
+    ASSERT_EQ(found.size(), 1U) << "no complaint about the format";
+    EXPECT_EQ(found[0].kind, Finding::Kind::kProblem);
+    EXPECT_THAT(found[0].what, HasSubstr("2900 datagrams rejected"));
+    EXPECT_THAT(found[0].what, HasSubstr("both are named here"));
+    EXPECT_FALSE(found[0].advice.empty());
+    source.clear_detail();
+    EXPECT_EQ(source_hints(source, site_of_three_cores()).at(0).kind, Finding::Kind::kWarning)
+        << "it is over";
+  }
+}
+
 TEST(SourceHints, Silence) {
   v1::SourceState source = healthy();
   source.set_status(v1::SOURCE_STATUS_STALLED);

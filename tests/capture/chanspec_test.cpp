@@ -1,5 +1,5 @@
-// What a radio says it is tuned to.
-#include "capture/decode/radio_channel.h"
+// The channel that a Broadcom radio states.
+#include "capture/decode/chanspec.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 #include "capture/decode/decoder_registry.h"
 
-namespace rayloc::radio_channel_test {
+namespace rayloc::chanspec_test {
 namespace {
 
 TEST(Field, AChanspecNamesTheCentreAndTheWidthOfItsChannel) {
@@ -34,12 +34,11 @@ TEST(Field, EachBroadcomFormatTellsItsChannel) {
   nexmon[0] = nexmon[1] = nexmon[2] = nexmon[3] = std::byte{0x11};
   nexmon[14] = std::byte{0x2a};
   nexmon[15] = std::byte{0xe0};
-  EXPECT_EQ(radio_channel(nexmon), channel);
+  const DecoderRegistry registry("");
+  EXPECT_EQ(registry.decode(nexmon)->channel, channel);
   nexmon[2] = std::byte{0xc4};  // version 2 has a level there
-  EXPECT_EQ(radio_channel(nexmon), channel);
-  EXPECT_FALSE(radio_channel({}));
-  EXPECT_FALSE(radio_channel(std::vector<std::byte>(30)));
+  EXPECT_EQ(registry.decode(nexmon)->channel, channel);
 }
 
 }  // namespace
-}  // namespace rayloc::radio_channel_test
+}  // namespace rayloc::chanspec_test

@@ -1,4 +1,4 @@
-#include "capture/decode/radio_channel.h"
+#include "capture/decode/chanspec.h"
 
 namespace rayloc {
 

@@ -1,0 +1,33 @@
+#include "capture/assemble/channel_log.h"
+
+namespace rayloc {
+
+bool ChannelLog::add(const std::optional<RadioChannel>& channel, Timestamp time) {
+  if (!channel) {
+    return true;
+  }
+  if (latest_ && *latest_ != *channel) {
+    ++changes_;
+    if (first_changes_.size() < CsiReceiverCounters::kListedChanges) {
+      first_changes_.push_back({time, *latest_, *channel});
+    }
+  }
+  latest_ = channel;
+  return !expected_ || is_same_channel(*expected_, *channel);
+}
+
+std::string ChannelLog::trouble() const {
+  if (!expected_ || !latest_ || is_same_channel(*expected_, *latest_)) {
+    return "";
+  }
+  return "its datagrams are of the channel at " + to_string(*latest_) + ", the site states " +
+         to_string(*expected_);
+}
+
+void ChannelLog::report(CsiReceiverCounters& counters) const {
+  counters.channel = latest_;
+  counters.channel_changes = changes_;
+  counters.first_changes = first_changes_;
+}
+
+}  // namespace rayloc

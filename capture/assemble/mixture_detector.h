@@ -1,0 +1,118 @@
+// MixtureDetector: detects that several access points send to one source. Every AX-CSI access point
+// sends from the same address and port, so the datagrams of two on one port differ only in their
+// content. CSI of one array that is combined with CSI of another gives wrong positions.
+//
+// Evidence of a second access point:
+//   frame counters    two running counters alternate, or two counters of one 802.11 frame are far
+//   apart senders           two sender addresses alternate shared counter    one counter value
+//   belongs to two 802.11 frames, or to one frame with two CSIs sequence numbers  without a frame
+//   counter: every 802.11 sequence number comes equally often,
+//                     twice or more, with different CSI
+// Retransmissions repeat a sequence number but advance the counter by a few, and their number
+// varies. A restarted access point, a lossy link and a reordered datagram change the counter once
+// and do not return to the old one.
+//
+// A function of the fragments and their times. Memory is bounded: kTracks counters, kRecent frames.
+// Thread safety: one thread.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "capture/decode/csi_decoder.h"
+#include "capture/transport/datagram.h"
+#include "engine/base/timestamp.h"
+
+namespace rayloc {
+
+class MixtureDetector {
+ public:
+  enum class Evidence : std::uint8_t {
+    kNone,
+    kFrameCounters,
+    kSenders,
+    kSharedCounter,
+    kSequenceNumbers
+  };
+  // A mixture is over when no evidence came for so long.
+  static constexpr Duration kMemory = std::chrono::seconds(30);
+
+  void add(const CsiFragment& fragment, const DatagramAddress& sender, Timestamp time);
+  // A datagram that holds a whole frame: only its sender is compared.
+  void add(const DatagramAddress& sender, Timestamp time);
+
+  // The latest evidence, kNone where the source has one access point.
+  Evidence evidence() const { return evidence_; }
+  bool is_mixture() const { return evidence_ != Evidence::kNone; }
+  // Time of the first fragment of the newest counter or sender: for some time after it a second
+  // access point may not have shown itself.
+  Timestamp newest_beginning() const { return newest_beginning_; }
+
+  // The input goes on elsewhere: drops all that was observed.
+  void reset() { *this = {}; }
+
+ private:
+  static constexpr std::size_t kTracks = 8;
+  static constexpr std::size_t kRecent = 256;
+  static constexpr std::size_t kRecentParts = 16;
+
+  // A frame counter that advances, or a sender address.
+  struct Track {
+    std::uint32_t value = 0;  // last counter value; or the address
+    Timestamp time;           // of its last fragment
+    MacAddress transmitter;   // of its last fragment
+    std::uint16_t sequence_control = 0;
+  };
+  struct Tracks {
+    std::vector<Track> tracks;  // the one of the latest fragment last
+    int returns = 0;            // to a track that another one had followed
+    Timestamp last_return;
+  };
+  // Where one part of a frame lies, and its CSI.
+  struct Part {
+    std::uint16_t slot = 0;
+    std::uint16_t first_tone = 0;
+    std::uint64_t digest = 0;
+  };
+  struct Recent {
+    bool used = false;
+    std::uint16_t sequence = 0;
+    std::uint16_t sequence_control = 0;
+    MacAddress transmitter;
+    Timestamp time;
+    std::size_t parts = 0;
+    std::array<Part, kRecentParts> part;
+  };
+
+  void observe(Evidence evidence, Timestamp time);
+  // True where the fragment belongs to another track than the one before, and that track is not
+  // new.
+  bool follow(Tracks& all, const Track& now, std::uint32_t tolerance, Timestamp time);
+  void add_counter(const CsiFragment& fragment, Timestamp time);
+  void add_recent(const CsiFragment& fragment, Timestamp time);
+  void add_sequence_number(const CsiFragment& fragment, Timestamp time);
+  void close_run();
+
+  Evidence evidence_ = Evidence::kNone;
+  Timestamp last_evidence_;
+  Timestamp newest_beginning_ = Timestamp::min();
+  Tracks counters_;
+  Tracks senders_;
+  std::vector<Recent> recent_;  // [kRecent], by sequence modulo kRecent; empty before the first
+  int shared_counters_ = 0;
+  // The current run of fragments with one 802.11 sequence number, and lengths of the last runs.
+  CsiFragment run_;  // its first fragment; empty format: none
+  Timestamp run_begin_;
+  int run_length_ = 0;
+  std::uint64_t run_digest_ = 0;
+  std::vector<int> runs_;
+};
+
+// For a message: "two frame counters advance side by side". Empty for kNone.
+std::string_view to_string(MixtureDetector::Evidence evidence);
+
+}  // namespace rayloc

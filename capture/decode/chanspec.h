@@ -1,0 +1,15 @@
+// Broadcom's chanspec: the 16-bit field in which AX-CSI, nexmon and UbiLocate state the channel.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "engine/channel/radio_channel.h"
+
+namespace rayloc {
+
+// WIRE_FORMATS 1.2. Nothing where the value names no channel of 2.4 or 5 GHz: some builds of the
+// extractors write something else there.
+std::optional<RadioChannel> channel_of_chanspec(std::uint16_t chanspec);
+
+}  // namespace rayloc

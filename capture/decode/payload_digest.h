@@ -1,0 +1,12 @@
+// A digest of bytes that tells two CSI payloads apart. Not for security.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace rayloc {
+
+std::uint64_t payload_digest(std::span<const std::byte> bytes);
+
+}  // namespace rayloc

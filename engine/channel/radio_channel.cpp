@@ -1,0 +1,18 @@
+#include "engine/channel/radio_channel.h"
+
+#include <cmath>
+
+namespace rayloc {
+
+std::string to_string(const RadioChannel& channel) {
+  constexpr double kHzPerMHz = 1e6;
+  return std::to_string(std::lround(channel.centre_hz / kHzPerMHz)) + " MHz (" +
+         std::to_string(channel.bandwidth_mhz) + " MHz wide)";
+}
+
+bool is_same_channel(const RadioChannel& a, const RadioChannel& b) {
+  constexpr double kHalfRasterHz = 2.5e6;
+  return a.bandwidth_mhz == b.bandwidth_mhz && std::abs(a.centre_hz - b.centre_hz) < kHalfRasterHz;
+}
+
+}  // namespace rayloc
