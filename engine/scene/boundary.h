@@ -17,8 +17,8 @@ struct Side {
 
 // The sides of the triangles that have a triangle on one side only; those that triangles share lie
 // inside, also where one of them has corners on the side of another. Corners no further apart than
-// `tolerance` [m] are one. Where triangles lie over each other in part, sides within the surface
-// may be among the result.
+// `tolerance` [m] are one. REQUIRES: triangles do not overlap (disjoint_triangles.h); else sides
+// within the surface may be among the result.
 std::vector<Side> boundary_of(std::span<const Triangle2> triangles, double tolerance);
 
 // Each triangle once, however often it is there and whichever way round.

@@ -14,6 +14,10 @@
 namespace rayloc {
 namespace {
 
+// A ratio to that of one face with the mesh's first corner: more than rounding, far less than a
+// sheet of metal.
+constexpr double kLeastVolume = 1e-12;
+
 // For each vertex of the mesh the number of its place.
 std::vector<std::uint32_t> weld(const Mesh& mesh) {
   std::map<std::tuple<double, double, double>, std::uint32_t> places;
@@ -72,14 +76,19 @@ Solid classify_solid(const Mesh& mesh) {
   }
   const Vec3d& reference = mesh.vertices[mesh.triangles[0][0]];
   std::map<std::uint32_t, double> volume;
+  double largest = 0.0;
   for (const auto& t : mesh.triangles) {
     const Vec3d a = mesh.vertices[t[0]] - reference;
     const Vec3d b = mesh.vertices[t[1]] - reference;
     const Vec3d c = mesh.vertices[t[2]] - reference;
-    volume[components.find(place[t[0]])] += dot(a, cross(b, c));
+    const double part = dot(a, cross(b, c));
+    volume[components.find(place[t[0]])] += part;
+    largest = std::max(largest, std::abs(part));
   }
-  const auto outwards = [](const auto& shell) { return shell.second > 0.0; };
-  const auto inwards = [](const auto& shell) { return shell.second < 0.0; };
+  // Faces drawn from both sides enclose nothing but rounding.
+  const double least = kLeastVolume * largest;
+  const auto outwards = [&](const auto& shell) { return shell.second > least; };
+  const auto inwards = [&](const auto& shell) { return shell.second < -least; };
   const int shells = static_cast<int>(volume.size());
   if (std::all_of(volume.begin(), volume.end(), outwards)) {
     return {shells, 1};

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "engine/scene/convex_hull.h"
+#include "engine/scene/overlap/disjoint_triangles.h"
 #include "engine/scene/unit_vector.h"
 
 namespace rayloc {
@@ -18,9 +20,50 @@ using Triangle = std::array<Vec3d, 3>;
 constexpr double kStraight = 1e-10;
 // Relative difference of areas up to which pieces fill their convex outline.
 constexpr double kAreaTolerance = 1e-7;
+constexpr double kLengthTolerance = 1e-5;  // as much, of the lengths of boundaries
 
 double component_min(double a, double b) { return a < b ? a : b; }
 double component_max(double a, double b) { return a < b ? b : a; }
+
+double area_of(std::span<const Triangle2> triangles) {
+  double area = 0.0;
+  for (const Triangle2& t : triangles) {
+    area += 0.5 *
+            std::abs((t[1].u - t[0].u) * (t[2].v - t[0].v) - (t[1].v - t[0].v) * (t[2].u - t[0].u));
+  }
+  return area;
+}
+
+double length_of(std::span<const Point2> polygon) {
+  double length = 0.0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point2& p = polygon[i];
+    const Point2& q = polygon[(i + 1) % polygon.size()];
+    length += std::hypot(q.u - p.u, q.v - p.v);
+  }
+  return length;
+}
+
+// Whether an area is that of the convex outline, but for vertices that are off by `straight` [m].
+bool fills(double area, std::span<const Point2> hull, double straight) {
+  double hull_area = 0.0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Point2& p = hull[i];
+    const Point2& q = hull[(i + 1) % hull.size()];
+    hull_area += 0.5 * (p.u * q.v - p.v * q.u);
+  }
+  return std::abs(hull_area - area) <= kAreaTolerance * hull_area + straight * length_of(hull);
+}
+
+// Whether a boundary is no longer than the convex outline, as that of an opening would make it.
+bool is_outline(std::span<const Side> boundary, std::span<const Point2> hull) {
+  const double outline = length_of(hull);
+  double length = 0.0;
+  for (const Side& side : boundary) {
+    length += std::hypot(side.to.u - side.from.u, side.to.v - side.from.v);
+  }
+  return std::abs(length - outline) <= kLengthTolerance * outline;
+}
 
 }  // namespace
 
@@ -45,35 +88,36 @@ Surface::Surface(const Plane<double>& plane,
       off_plane = std::max(off_plane, std::abs(distance(plane, vertex)));
     }
   }
+  // Vertices are off sideways as they are off the plane.
+  const double straight = std::max({kStraight, 2.0 * rounding, 2.0 * off_plane});
   flat = without_doubles(std::move(flat));
   std::vector<Point2> all;
   for (const Triangle2& t : flat) {
-    area_ += 0.5 * std::abs((t[1].u - t[0].u) * (t[2].v - t[0].v) -
-                            (t[1].v - t[0].v) * (t[2].u - t[0].u));
     all.insert(all.end(), t.begin(), t.end());
   }
-  // Vertices are off sideways as they are off the plane.
-  const double straight = std::max({kStraight, 2.0 * rounding, 2.0 * off_plane});
   const std::vector<Point2> hull = convex_hull(std::move(all), straight);
-  double hull_area = 0.0;
-  double hull_length = 0.0;
-  for (std::size_t i = 0; i < hull.size(); ++i) {
-    const Point2& p = hull[i];
-    const Point2& q = hull[(i + 1) % hull.size()];
-    hull_area += 0.5 * (p.u * q.v - p.v * q.u);
-    hull_length += std::hypot(q.u - p.u, q.v - p.v);
+  for (const Point2& p : hull) {
     outline_.push_back(lift(p));
   }
   // Seams between pieces, and to other faces, are as wide as vertices are off.
   const double seam = straight > kStraight ? straight : 0.0;
-  if (std::abs(hull_area - area_) <= kAreaTolerance * hull_area + straight * hull_length) {
+  area_ = area_of(flat);
+  boundary_ = boundary_of(flat, straight);
+  // Nothing is open where nothing but the outline is boundary; so nothing overlaps either.
+  const bool is_filled = fills(area_, hull, straight) && is_outline(boundary_, hull);
+  if (!is_filled) {
+    flat = disjoint_triangles(flat, straight);
+    area_ = area_of(flat);
+    boundary_ = boundary_of(flat, straight);
+  }
+  if (is_filled || fills(area_, hull, straight)) {
+    boundary_.clear();
     add_piece(hull, seam);
     return;
   }
   for (const Triangle2& t : flat) {
     add_piece(convex_hull({t[0], t[1], t[2]}, 0.0), seam);
   }
-  boundary_ = boundary_of(flat, straight);
 }
 
 Point2 Surface::project(const Vec3d& point) const {
