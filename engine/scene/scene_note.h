@@ -7,7 +7,7 @@
 namespace rayloc {
 
 struct SceneNote {
-  std::string kind;     // "left_out", "material" or "rotation_axis": for scripts
+  std::string kind;     // "left_out", "mesh_count" and others: for scripts
   std::string place;    // "scene.xml:12:5: "
   std::string message;  // for people
 };

@@ -55,11 +55,17 @@ Expected<Scene> parse_scene(std::string_view xml,
         return make_error(bytes.error().kind,
                           shape.place + "shape '" + shape.name + "': " + bytes.error().message);
       }
-      auto mesh = read_mesh(*bytes, shape.mesh_file);
+      std::vector<SceneNote> notes;
+      auto mesh = read_mesh(*bytes, shape.mesh_file, notes);
       if (!mesh) {
         return bad_input(shape.place + "shape '" + shape.name + "': " + mesh.error().message);
       }
       shape.mesh = std::move(*mesh);
+      for (SceneNote& note : notes) {
+        note.place = shape.place;
+        note.message = "shape '" + shape.name + "': " + note.message;
+        input.notes.push_back(std::move(note));
+      }
     }
     for (Vec3d& vertex : shape.mesh.vertices) {
       vertex = shape.world_from_mesh.apply(vertex);

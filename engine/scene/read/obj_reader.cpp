@@ -177,7 +177,9 @@ class ObjReader {
 
 }  // namespace
 
-Expected<Mesh> read_obj(std::string_view bytes, const std::string& name) {
+Expected<Mesh> read_obj(std::string_view bytes,
+                        const std::string& name,
+                        std::vector<SceneNote>& /*notes*/) {
   return ObjReader(bytes, name).read();
 }
 

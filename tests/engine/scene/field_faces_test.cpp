@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "engine/scene/read/load_scene.h"
-#include "engine/scene/read/mesh_reader.h"
 #include "engine/scene/read/triangulate.h"
 #include "engine/scene/surface.h"
+#include "tests/support/read_meshes.h"
 #include "tests/support/turned_walls.h"
 
 namespace rayloc::field_faces_test {

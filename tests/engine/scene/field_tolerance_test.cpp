@@ -12,8 +12,8 @@
 
 #include "engine/scene/moved_surfaces.h"
 #include "engine/scene/read/load_scene.h"
-#include "engine/scene/read/mesh_reader.h"
 #include "engine/scene/surface.h"
+#include "tests/support/read_meshes.h"
 #include "tests/support/scenes.h"
 #include "tests/support/turned_walls.h"
 

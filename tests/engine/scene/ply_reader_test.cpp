@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "engine/scene/read/mesh_reader.h"
+#include "tests/support/read_meshes.h"
 
 namespace rayloc::ply_reader_test {
 namespace {
@@ -101,8 +101,10 @@ TEST(PlyReader, EachMistakeHasItsMessage) {
   expect_error(header("ascii") + vertices + "3 0 1 4\n", "face 1 of 1: it refers to vertex 4 of 4");
   expect_error(header("ascii") + vertices + "3 0 1 -1\n", "a.ply:16: a face refers to a vertex");
   expect_error(header("ascii") + vertices + "9999 0 1\n", "the length of 'vertex_indices'");
-  expect_error("ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n1",
-               "the file is too short for 99999999999 entries of element 'vertex'");
+  expect_error(
+      "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n1",
+      "the file is too short for 99999999999 entries of element 'vertex'");
 }
 
 }  // namespace
