@@ -59,7 +59,8 @@ class SceneReader {
     for (const pugi::xml_node& shape : root.children("shape")) {
       read_shape(shape);
     }
-    if (scene_.shapes.empty()) {
+    complain_of_instances();
+    if (scene_.shapes.empty() && instances_ == 0) {
       file_.complain(root,
                      left_out_.empty()
                          ? "the scene has no <shape>; a room needs at least one"
@@ -127,6 +128,11 @@ class SceneReader {
   }
 
   void read_shape(const pugi::xml_node& node) {
+    if (is_of_instances(node)) {
+      first_instance_ = first_instance_ ? first_instance_ : node;
+      ++instances_;
+      return;
+    }
     const std::string name = name_of(node);
     if (const std::string why = why_left_out(node); !why.empty()) {
       left_out_ += (left_out_.empty() ? "'" : ", '") + name + "' (" + why + ")";
@@ -140,6 +146,10 @@ class SceneReader {
     element.attribute("id");
     element.attribute("name");
     const bool has_mesh = read_mesh(element, shape);
+    if (!has_mesh && !is_readable(element.attribute("type"))) {
+      scene_.shapes.emplace_back();
+      return;  // what it has means something to that type only
+    }
     if (const pugi::xml_node to_world = element.property("transform", "to_world")) {
       shape.world_from_mesh = read_transform(file_, to_world, odd_axes_);
     }
@@ -175,6 +185,23 @@ class SceneReader {
     return name;
   }
 
+  // Mitsuba's copies of shapes, by reference.
+  static bool is_of_instances(const pugi::xml_node& shape) {
+    const std::string_view type = shape.attribute("type").value();
+    return type == "shapegroup" || type == "instance";
+  }
+
+  // Once for the file: each of many copies has the same cause and the same remedy.
+  void complain_of_instances() {
+    if (instances_ > 0) {
+      file_.complain(first_instance_,
+                     "instances (shapegroup, instance) are not supported, and the scene has " +
+                         std::to_string(instances_) +
+                         " such shapes; make them real in Blender (Object > Apply > Make Instances "
+                         "Real) and export the scene again");
+    }
+  }
+
   // Of shapes that are there for the eye only.
   std::string why_left_out(const pugi::xml_node& shape) const {
     bool is_lamp = !shape.child("emitter").empty();
@@ -205,6 +232,10 @@ class SceneReader {
     return is_lamp ? "a lamp" : kind == BsdfKind::kNull ? "a null material" : "";
   }
 
+  static bool is_readable(std::string_view type) {
+    return type == "ply" || type == "obj" || type == "cube" || type == "rectangle";
+  }
+
   bool read_mesh(XmlElement& element, ShapeDescription& shape) {
     const std::string type = element.attribute("type");
     if (type == "ply" || type == "obj") {
@@ -219,8 +250,9 @@ class SceneReader {
       shape.mesh = type == "cube" ? cube_mesh() : rectangle_mesh();
       return true;
     }
-    element.complain("shape '" + shape.name + "' has type '" + type +
-                     "'; ply, obj, cube and rectangle are supported");
+    element.complain("shape '" + shape.name + "' has type '" + type + "'; " +
+                     (type == "merge" ? "write the shapes within it into the <scene> itself"
+                                      : "ply, obj, cube and rectangle are supported"));
     return false;
   }
 
@@ -345,6 +377,8 @@ class SceneReader {
   std::map<std::string, pugi::xml_node> shapes_;   // by name
   std::map<std::ptrdiff_t, std::optional<std::uint32_t>> evaluated_;  // by place of the bsdf
   MaterialReader materials_;
+  pugi::xml_node first_instance_;
+  std::size_t instances_ = 0;
   std::string left_out_;
   std::string left_out_at_;
   OddAxes odd_axes_;

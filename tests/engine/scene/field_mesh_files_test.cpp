@@ -1,8 +1,10 @@
-// Mesh files whose header does not fit their body, and whose vertices lack a coordinate.
+// Mesh files whose header does not fit their body, and whose vertices lack a coordinate; scenes
+// that refer to one mesh several times.
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 enum class Format { kAscii, kLittleEndian, kBigEndian };
 constexpr std::array kFormats = {Format::kAscii, Format::kLittleEndian, Format::kBigEndian};
@@ -241,6 +244,44 @@ TEST(Field, NotesOfAMeshFileNameItsShape) {
   EXPECT_THAT(
       to_line(scene->notes()[0]),
       AllOf(HasSubstr("scene.xml:3:1: warning: "), HasSubstr("'north'"), HasSubstr("wall.ply")));
+}
+
+std::string error_of(const std::string& shapes) {
+  const auto scene = parse_scene(
+      "<scene version=\"3.0.0\">\n<bsdf type=\"itu-radio-material\" id=\"mat-wall\"><string "
+      "name=\"type\" value=\"glass\"/></bsdf>\n<bsdf type=\"itu-radio-material\" "
+      "id=\"mat-chair\"><string name=\"type\" value=\"wood\"/></bsdf>\n" +
+          shapes + "</scene>\n",
+      "scene.xml",
+      SceneOptions{5e9, {}},
+      [](const std::string&) { return Ply(Format::kAscii, {}).bytes(); });
+  return scene ? "" : scene.error().message;
+}
+
+TEST(Field, InstancesAreOneErrorForTheFile) {
+  const std::string wall =
+      "<shape type=\"rectangle\" id=\"floor\"><ref id=\"mat-wall\"/></shape>\n";
+  const std::string group =
+      "<shape type=\"shapegroup\" id=\"chairs\"><shape type=\"ply\"><string name=\"filename\" "
+      "value=\"chair.ply\"/><ref id=\"mat-wall\"/></shape></shape>\n";
+  const std::string copy =
+      "<shape type=\"instance\"><ref id=\"chairs\"/><transform name=\"to_world\"><translate "
+      "x=\"1\"/></transform></shape>\n";
+  for (const auto& shapes : std::vector<std::vector<std::string>>{
+           {wall, group, copy, copy}, {group, copy}, {copy, group, wall}, {wall, copy}}) {
+    const std::string error =
+        error_of(std::accumulate(shapes.begin(), shapes.end(), std::string()));
+    EXPECT_THAT(error,
+                AllOf(HasSubstr("scene.xml:"), HasSubstr("instances"), HasSubstr("Blender")));
+    EXPECT_THAT(error, Not(HasSubstr("\n")));
+  }
+  EXPECT_THAT(error_of("<shape type=\"merge\"><shape type=\"cube\"/></shape>\n"),
+              AllOf(HasSubstr("'merge'"), HasSubstr("<scene>"), Not(HasSubstr("\n"))));
+  // Mistakes that have nothing to do with them are named as well.
+  EXPECT_THAT(
+      error_of(group + copy + "<shape type=\"cube\" id=\"box\"><ref id=\"mat-wal\"/></shape>\n"),
+      AllOf(HasSubstr("instances"), HasSubstr("'mat-wal'")));
+  EXPECT_THAT(error_of(wall), IsEmpty());
 }
 
 }  // namespace
