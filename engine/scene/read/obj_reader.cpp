@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "engine/base/number_text.h"
+#include "engine/scene/read/mesh_materials.h"
 #include "engine/scene/read/mesh_reader.h"
 #include "engine/scene/read/polygon_list.h"
 
@@ -18,10 +20,10 @@ namespace rayloc {
 namespace {
 
 // Says nothing about where the faces are: names, materials, normals, lines, points, display.
-constexpr std::array<std::string_view, 21> kPassedOver{
-    "vn",         "vt",        "vp",     "g",        "o",        "s",      "mg",
-    "l",          "p",         "mtllib", "usemtl",   "usemap",   "maplib", "lod",
-    "shadow_obj", "trace_obj", "bevel",  "c_interp", "d_interp", "ctech",  "stech"};
+constexpr std::array<std::string_view, 20> kPassedOver{
+    "vn",        "vt",    "vp",       "g",        "o",      "s",    "mg",
+    "l",         "p",     "mtllib",   "usemap",   "maplib", "lod",  "shadow_obj",
+    "trace_obj", "bevel", "c_interp", "d_interp", "ctech",  "stech"};
 // Wavefront's words for curves and curved surfaces.
 constexpr std::array<std::string_view, 4> kCurved{"curv", "curv2", "surf", "cstype"};
 
@@ -42,7 +44,7 @@ class ObjReader {
     }
   }
 
-  Expected<Mesh> read() {
+  Expected<Mesh> read(std::vector<SceneNote>& notes) {
     while (!bytes_.empty()) {
       if (auto statement = read_statement(next_statement()); !statement) {
         return tl::make_unexpected(statement.error());
@@ -57,6 +59,7 @@ class ObjReader {
     if (!cut) {
       return tl::make_unexpected(cut.error());
     }
+    note_materials(materials_, name_, notes);
     return std::move(mesh_);
   }
 
@@ -99,6 +102,11 @@ class ObjReader {
     }
     if (keyword == "f" || keyword == "fo") {
       return read_face(rest);
+    }
+    if (keyword == "usemtl") {
+      rest.remove_prefix(std::min(rest.find_first_not_of(kObjBlank), rest.size()));
+      material_ = rest.substr(0, rest.find_last_not_of(kObjBlank) + 1);  // Blender's have blanks
+      return {};
     }
     if (keyword.empty() || is_keyword_of(keyword, kPassedOver)) {
       return {};
@@ -161,6 +169,7 @@ class ObjReader {
       return refuse("a face has " + std::to_string(corners) + " corners, three or more are needed");
     }
     faces_.end_face();
+    materials_.insert(material_.empty() ? "no material" : "'" + material_ + "'");
     line_of_face_.push_back(line_);
     return {};
   }
@@ -173,14 +182,16 @@ class ObjReader {
   TextPrecision precision_;
   PolygonList faces_;
   std::vector<std::size_t> line_of_face_;
+  std::string material_;             // of the faces that follow
+  std::set<std::string> materials_;  // of faces
 };
 
 }  // namespace
 
 Expected<Mesh> read_obj(std::string_view bytes,
                         const std::string& name,
-                        std::vector<SceneNote>& /*notes*/) {
-  return ObjReader(bytes, name).read();
+                        std::vector<SceneNote>& notes) {
+  return ObjReader(bytes, name).read(notes);
 }
 
 }  // namespace rayloc

@@ -207,6 +207,17 @@ class HeaderReader {
   PlyHeader header_;
 };
 
+// Exporters that number the materials of faces do not agree on a name.
+bool is_material_number(std::string_view name) {
+  std::string lower(name);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  constexpr std::array<std::string_view, 5> kShort{"mat", "mtl", "mat_id", "matid", "mat_index"};
+  return lower.starts_with("material") ||
+         std::find(kShort.begin(), kShort.end(), lower) != kShort.end();
+}
+
 }  // namespace
 
 PlyUse use_of(const PlyElement& element, const PlyProperty& property) {
@@ -215,6 +226,9 @@ PlyUse use_of(const PlyElement& element, const PlyProperty& property) {
            : property.name == "y" ? PlyUse::kY
            : property.name == "z" ? PlyUse::kZ
                                   : PlyUse::kNone;
+  }
+  if (element.name == "face" && !property.count_type) {
+    return is_material_number(property.name) ? PlyUse::kMaterial : PlyUse::kNone;
   }
   if (!property.count_type ||
       (property.name != "vertex_indices" && property.name != "vertex_index")) {

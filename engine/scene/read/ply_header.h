@@ -49,7 +49,7 @@ struct PlyHeader {
 };
 
 // What a property is to the mesh.
-enum class PlyUse : std::uint8_t { kNone, kX, kY, kZ, kFace, kStrips };
+enum class PlyUse : std::uint8_t { kNone, kX, kY, kZ, kFace, kStrips, kMaterial };
 PlyUse use_of(const PlyElement& element, const PlyProperty& property);
 
 // An Error names the line. A header whose vertices lack a coordinate, or whose faces lack their

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "engine/base/number_text.h"
+#include "engine/scene/read/mesh_materials.h"
 #include "engine/scene/read/mesh_reader.h"
 #include "engine/scene/read/ply_body.h"
 #include "engine/scene/read/ply_counts.h"
@@ -39,6 +41,7 @@ class MeshReader {
     if (auto cut = faces_.append_to(mesh_, [&](std::size_t) { return name_; }); !cut) {
       return tl::make_unexpected(cut.error());
     }
+    note_materials(materials_, name_, notes);
     return std::move(mesh_);
   }
 
@@ -118,6 +121,9 @@ class MeshReader {
       if (!value) {
         return refuse("a number is missing for '" + property.name + "'");
       }
+      if (uses[i] == PlyUse::kMaterial) {
+        note_material(property, *value);
+      }
       if (!is_vertex || uses[i] == PlyUse::kNone) {
         continue;
       }
@@ -135,6 +141,12 @@ class MeshReader {
       return note_rounding(element, vertex);
     }
     return {};
+  }
+
+  void note_material(const PlyProperty& property, double value) {
+    if (materials_.size() <= kMostNamedMaterials) {
+      materials_.insert(property.name + " " + std::to_string(std::llround(value)));
+    }
   }
 
   // A float of a binary file tells no more than its 24 bits.
@@ -229,6 +241,7 @@ class MeshReader {
   Mesh mesh_;
   TextPrecision precision_;
   PolygonList faces_;
+  std::set<std::string> materials_;  // of faces
 };
 
 }  // namespace

@@ -279,7 +279,16 @@ class SceneReader {
       }
     }
     if (found.size() > 1) {
-      file_.complain(shape, "shape '" + name + "' has two materials; it can be of one only");
+      std::string ids;
+      for (const pugi::xml_node& bsdf : found) {
+        const std::string_view id = bsdf.attribute("id").value();
+        ids += (ids.empty() ? "" : ", ") + (id.empty() ? "one without an id" : std::string(id));
+      }
+      file_.complain(shape,
+                     "shape '" + name + "' has " + std::to_string(found.size()) + " materials (" +
+                         ids +
+                         "); it can be of one only: separate it by material in Blender, and "
+                         "export a shape for each");
     }
     if (found.empty() && is_known) {
       file_.complain(

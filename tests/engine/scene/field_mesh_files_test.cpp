@@ -1,5 +1,5 @@
-// Mesh files whose header does not fit their body, and whose vertices lack a coordinate; scenes
-// that refer to one mesh several times.
+// Mesh files whose header does not fit their body, whose vertices lack a coordinate, and whose
+// faces have several materials.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -231,6 +231,43 @@ TEST(Field, PlyFacesWithoutTheirListAreAnErrorThatNamesWhatTheyHave) {
   EXPECT_EQ(good.triangles, 1U);
 }
 
+constexpr const char* kVertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST(Field, ObjFacesOfSeveralMaterialsAreAWarningThatNamesThem) {
+  const std::string vertices = kVertices;
+  const Read two =
+      read(vertices + "usemtl glass\nf 1 2 3\nusemtl Concrete.001\nf 1 3 4\n", "room.obj");
+  EXPECT_EQ(two.triangles, 2U);
+  expect_note(two, "mesh_materials", {"room.obj", "'glass'", "'Concrete.001'", "separate"});
+  expect_note(read(vertices + "f 1 2 3\nusemtl glass\nf 1 3 4\n", "room.obj"),
+              "mesh_materials",
+              {"no material", "'glass'"});
+  expect_note(
+      read(vertices + "usemtl Dark Oak\nf 1 2 3\nusemtl Dark Glass \nf 1 3 4\n", "room.obj"),
+      "mesh_materials",
+      {"'Dark Oak'", "'Dark Glass'"});
+  // One material of all faces, however often it is named, and one that no face has.
+  const std::string one = "usemtl glass\nf 1 2 3\nusemtl oak\nusemtl glass\nf 1 3 4\n";
+  EXPECT_THAT(read(vertices + one, "room.obj").notes, IsEmpty());
+}
+
+TEST(Field, PlyFacesOfSeveralMaterialsAreAWarning) {
+  const auto ply = [](const std::string& property,
+                      const std::string& first,
+                      const std::string& second) {
+    return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+           "float z\nelement face 2\nproperty list uchar int vertex_indices\nproperty uchar " +
+           property + "\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 " + first + "\n3 0 2 3 " +
+           second + "\n";
+  };
+  for (const char* property : {"material_index", "material_id", "MaterialID", "mat_id"}) {
+    expect_note(
+        read(ply(property, "0", "4")), "mesh_materials", {"wall.ply", property, "separate"});
+    EXPECT_THAT(read(ply(property, "4", "4")).notes, IsEmpty());
+  }
+  EXPECT_THAT(read(ply("red", "0", "4")).notes, IsEmpty());
+}
+
 TEST(Field, NotesOfAMeshFileNameItsShape) {
   const std::string xml =
       "<scene version=\"3.0.0\">\n<bsdf type=\"itu-radio-material\" id=\"mat-wall\"><string "
@@ -282,6 +319,13 @@ TEST(Field, InstancesAreOneErrorForTheFile) {
       error_of(group + copy + "<shape type=\"cube\" id=\"box\"><ref id=\"mat-wal\"/></shape>\n"),
       AllOf(HasSubstr("instances"), HasSubstr("'mat-wal'")));
   EXPECT_THAT(error_of(wall), IsEmpty());
+}
+
+TEST(Field, ShapeOfSeveralMaterialsIsAnErrorThatNamesThem) {
+  EXPECT_THAT(
+      error_of("<shape type=\"cube\" id=\"box\"><ref id=\"mat-wall\"/><ref "
+               "id=\"mat-chair\"/></shape>\n"),
+      AllOf(HasSubstr("scene.xml:4:"), HasSubstr("mat-wall, mat-chair"), HasSubstr("Blender")));
 }
 
 }  // namespace
