@@ -5,6 +5,7 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/scene/rough_mesh.h"
 #include "daemon/scene/solid_around.h"
 #include "daemon/scene/surface_overlap.h"
 #include "daemon/site/room_match.h"
@@ -63,7 +64,16 @@ void warn_of_objects(const Scene& scene,
                                       "inwards; turn their corners round",
                                       object.name)});
     }
-    if (object.form == ObjectForm::kOpen) {
+    if (is_rough_mesh(scene.objects()[i].mesh)) {
+      warnings.push_back(
+          {"rough_scan",
+           fmt::format("object '{}' has {} surfaces of {} triangles: its walls are rough, as those "
+                       "of a scan, and each triangle is a mirror of its own; simplify it (Blender: "
+                       "Decimate, Planar), or make planes of its mesh: rayloc scene import",
+                       object.name,
+                       object.surfaces,
+                       object.triangles)});
+    } else if (object.form == ObjectForm::kOpen) {
       warnings.push_back(
           {"open_body",
            fmt::format("object '{}' has {} surfaces and no inside: a face is missing, turned round "

@@ -44,9 +44,9 @@ struct SceneReport {
   std::vector<MaterialReport> materials;  // as well
   std::size_t dropped_triangles = 0;
   std::size_t contacts = 0;  // pairs of faces that touch and hide each other
-  // Of these kinds: left_out, material and rotation_axis (of reading: SceneNote),
-  // degenerate_triangle, inside_out, open_body, overlap, antenna_inside, and those of
-  // room_findings().
+  // Of these kinds: left_out, material, rotation_axis, mesh_count, mesh_materials (of reading:
+  // SceneNote), degenerate_triangle, inside_out, open_body, rough_scan, overlap, antenna_inside,
+  // and those of room_findings().
   std::vector<SceneWarning> warnings;
   std::vector<SceneWarning> errors;  // of room_findings(): this is not the room of the site
 };
