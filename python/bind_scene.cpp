@@ -134,7 +134,7 @@ Returns:
 
 Shapes: none. Units: hertz. Frame: the world of the file, metres, right-handed, z up.
 Errors: rayloc.Error names file:line:column, what is wrong and what to write instead.
-Source: engine/scene/read/load_scene.h; materials of ITU-R P.2040-3.)");
+Source: engine/scene/read/load_scene.h; materials of ITU-R P.2040-4.)");
 }
 
 }  // namespace rayloc::python

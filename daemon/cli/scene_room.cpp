@@ -21,7 +21,7 @@ constexpr const char* kExample = R"(Example:
   rayloc scene room office.toml --out office
   rayloc scene check office/scene.xml
 
-office.toml (metres; materials of ITU-R P.2040-3):
+office.toml (metres; materials of ITU-R P.2040-4):
   name = "office"
   size = [5.2, 3.4, 2.7]       # inside, along x, y, z
   floor = "concrete"

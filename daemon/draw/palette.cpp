@@ -10,10 +10,13 @@
 namespace rayloc::draw {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, Colour>, 15> kMaterials{{
+constexpr std::array<std::pair<std::string_view, Colour>, 19> kMaterials{{
+    {"asphalt_concrete", {150, 150, 150, 1.0}},
     {"brick", {201, 138, 111, 1.0}},
+    {"carpet_tile", {184, 132, 132, 1.0}},
     {"ceiling_board", {236, 236, 232, 1.0}},
     {"chipboard", {214, 186, 138, 1.0}},
+    {"clear_acrylic", {190, 222, 236, 0.7}},
     {"concrete", {188, 188, 180, 1.0}},
     {"floorboard", {205, 162, 104, 1.0}},
     {"glass", {160, 208, 232, 0.7}},
@@ -24,6 +27,7 @@ constexpr std::array<std::pair<std::string_view, Colour>, 15> kMaterials{{
     {"plywood", {219, 185, 128, 1.0}},
     {"very_dry_ground", {208, 190, 142, 1.0}},
     {"vacuum", {255, 255, 255, 0.3}},
+    {"vinyl_tile", {172, 172, 178, 1.0}},
     {"wet_ground", {142, 122, 84, 1.0}},
     {"wood", {212, 170, 108, 1.0}},
 }};

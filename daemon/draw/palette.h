@@ -13,7 +13,7 @@ inline constexpr Colour kFaintInk{120, 120, 120, 1.0};
 inline constexpr Colour kReceiverInk{20, 70, 160, 1.0};
 inline constexpr Colour kTransmitterInk{20, 120, 60, 1.0};
 
-// The usual colour of the materials of ITU-R P.2040-3; any other name has one of some muted ones,
+// The usual colour of the materials of ITU-R P.2040-4; any other name has one of some muted ones,
 // always the same.
 Colour material_colour(const std::string& name);
 

@@ -95,7 +95,7 @@ std::string PlanMaterials::refusal(const std::string& name, const Error& error) 
   for (const Declared& one : declared_) {
     known.push_back(one.material.name);
   }
-  return "neither ITU-R P.2040-3 nor [materials] has '" + name + "'" +
+  return "neither ITU-R P.2040-4 nor [materials] has '" + name + "'" +
          suggestion(name, std::span<const std::string>(known));
 }
 

@@ -3,7 +3,7 @@
 //   name = "office"
 //   size = [5.2, 3.4, 2.7]        # inside, along x, y, z
 //   corner = [0, 0, 0]            # optional: where x, y, z are smallest
-//   floor = "concrete"            # materials: names of ITU-R P.2040-3, or of [materials.NAME]
+//   floor = "concrete"            # materials: names of ITU-R P.2040-4, or of [materials.NAME]
 //   ceiling = "ceiling_board"
 //   walls = "plasterboard"
 //   wall_north = "brick"          # optional, also wall_west (-x), wall_east (+x), wall_south (-y)

@@ -12,7 +12,7 @@
 
 namespace rayloc {
 
-// A radio material as a scene file states it: a row of ITU-R P.2040-3, evaluated by whoever reads
+// A radio material as a scene file states it: a row of ITU-R P.2040-4, evaluated by whoever reads
 // the file at the frequency of his, or two numbers.
 struct StatedMaterial {
   std::string name;

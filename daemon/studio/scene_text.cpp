@@ -408,7 +408,7 @@ class SceneEditing {
     if (std::find(names.begin(), names.end(), bare) == names.end()) {
       error_ = Error{
           ErrorKind::kBadInput,
-          "there is no material '" + name + "'; take one of the scene's or of ITU-R P.2040-3"};
+          "there is no material '" + name + "'; take one of the scene's or of ITU-R P.2040-4"};
       return name;
     }
     std::string id = "mat-itu_" + bare;

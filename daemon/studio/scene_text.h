@@ -17,7 +17,7 @@ Expected<std::vector<DraftObject>> read_scene_text(const std::string& xml, const
 std::vector<std::string> scene_materials(const std::string& xml);
 
 // The scene with the objects that are wanted. An object that is new becomes a <shape> of type cube
-// or rectangle; a material that the file does not have becomes a <bsdf> of ITU-R P.2040-3.
+// or rectangle; a material that the file does not have becomes a <bsdf> of ITU-R P.2040-4.
 Expected<std::string> edit_scene_text(const std::string& xml,
                                       const std::string& name,
                                       const std::vector<DraftObject>& wanted);

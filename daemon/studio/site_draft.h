@@ -52,7 +52,7 @@ enum class DraftForm { kBox, kWall, kMesh };
 struct DraftObject {
   std::string was = {};  // the id of its shape in the file; empty: it is new
   std::string name;
-  std::string material;     // as its <bsdf> is called without "mat-", or of ITU-R P.2040-3
+  std::string material;     // as its <bsdf> is called without "mat-", or of ITU-R P.2040-4
   double thickness = 0.02;  // [m], of a material that the file does not have yet
   DraftForm form = DraftForm::kMesh;
   Vec3d centre = {};              // [m], of a box

@@ -20,8 +20,9 @@ struct ItuRow {
   double low_ghz, high_ghz;
 };
 
-// [P2040] table 3. A material with two ranges has two rows.
-constexpr std::array<ItuRow, 17> kItuTable{{
+// [P2040] table 3. A material with two ranges has two rows. The four rows that only P.2040-4 has
+// are as in NVlabs/sionna-rt, src/sionna/rt/radio_materials/itu.py, commit aeb346fe.
+constexpr std::array<ItuRow, 21> kItuTable{{
     {"vacuum", 1.0, 0.0, 0.0, 0.0, 0.001, 100.0},
     {"concrete", 5.24, 0.0, 0.0462, 0.7822, 1.0, 100.0},
     {"brick", 3.91, 0.0, 0.0238, 0.16, 1.0, 40.0},
@@ -35,13 +36,17 @@ constexpr std::array<ItuRow, 17> kItuTable{{
     {"plywood", 2.71, 0.0, 0.33, 0.0, 1.0, 40.0},
     {"marble", 7.074, 0.0, 0.0055, 0.9262, 1.0, 60.0},
     {"floorboard", 3.66, 0.0, 0.0044, 1.3515, 50.0, 100.0},
+    {"clear_acrylic", 2.58, 0.0, 0.0001, 1.6524, 110.0, 330.0},
+    {"vinyl_tile", 3.62, 0.0, 0.0051, 0.8422, 1.0, 40.0},
+    {"carpet_tile", 2.08, 0.0, 0.0009, 0.8200, 1.0, 40.0},
+    {"asphalt_concrete", 4.83, 0.0, 0.0108, 1.3969, 1.0, 40.0},
     {"metal", 1.0, 0.0, 1e7, 0.0, 1.0, 100.0},
     {"very_dry_ground", 3.0, 0.0, 0.00015, 2.52, 1.0, 10.0},
     {"medium_dry_ground", 15.0, -0.1, 0.035, 1.63, 1.0, 10.0},
     {"wet_ground", 30.0, -0.4, 0.15, 1.30, 1.0, 10.0},
 }};
 
-constexpr double kHertzPerGigahertz = 1e9;  // [Hz/GHz]: the formulas of ITU-R P.2040-3 take GHz
+constexpr double kHertzPerGigahertz = 1e9;  // [Hz/GHz]: the formulas of ITU-R P.2040-4 take GHz
 
 }  // namespace
 
@@ -51,7 +56,7 @@ Complex<double> complex_permittivity(const RadioMaterial& material, double frequ
 }
 
 std::span<const std::string> itu_material_names() {
-  // The materials of ITU-R P.2040-3, each once.
+  // The materials of ITU-R P.2040-4, each once.
   static const std::vector<std::string> kNames = [] {
     std::vector<std::string> names;
     for (const ItuRow& row : kItuTable) {
@@ -79,11 +84,11 @@ Expected<RadioMaterial> itu_material(std::string_view name, double frequency_hz,
                six_digit_text(row.high_ghz) + " GHz";
   }
   if (!covered.empty()) {
-    return bad_input("ITU-R P.2040-3 states '" + std::string(name) + "' for " + covered +
+    return bad_input("ITU-R P.2040-4 states '" + std::string(name) + "' for " + covered +
                      ", not for " + six_digit_text(f) +
                      " GHz; state relative_permittivity and conductivity instead");
   }
-  return bad_input("ITU-R P.2040-3 has no material '" + std::string(name) + "'" +
+  return bad_input("ITU-R P.2040-4 has no material '" + std::string(name) + "'" +
                    suggestion(name, itu_material_names()));
 }
 

@@ -1,10 +1,10 @@
 // RadioMaterial: what a surface is made of, evaluated at one frequency; and the materials of ITU-R
-// P.2040-3 by name.
+// P.2040-4 by name.
 //
 // Time factor exp(+j w t): the complex relative permittivity is eps_r - j sigma / (w eps_0).
 //
 // References:
-//   [P2040] Rec. ITU-R P.2040-3, equations (28), (29) and table 3.
+//   [P2040] Rec. ITU-R P.2040-3, equations (28), (29) and table 3, with the rows of P.2040-4.
 #pragma once
 
 #include <limits>

@@ -3,7 +3,7 @@
 //
 // Mitsuba XML with <shape type="ply|obj|cube|rectangle">, mesh paths relative to the XML file,
 // <transform name="to_world">, <default>. A material is that of the shape's <bsdf> or <ref>:
-//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-3, or what <string name="type"> says beside;
+//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-4, or what <string name="type"> says beside;
 //   - <bsdf type="itu-radio-material"> with <string name="type">;
 //   - <bsdf type="radio-material"> with <float name="relative_permittivity"|"conductivity">;
 // each with <float name="thickness">, 0.1 m without, and Sionna RT's scattering_coefficient,

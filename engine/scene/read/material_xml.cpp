@@ -14,7 +14,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::string_view kMaterialPrefix = "mat-";  // as Mitsuba's exporters begin ids
-constexpr std::string_view kItuPrefix = "itu_";  // as Sionna RT names materials of ITU-R P.2040-3
+constexpr std::string_view kItuPrefix = "itu_";  // as Sionna RT names materials of ITU-R P.2040-4
 constexpr std::string_view kRadio = "radio-material";         // a type of bsdf of Sionna RT
 constexpr std::string_view kItuRadio = "itu-radio-material";  // a type of bsdf of Sionna RT
 constexpr std::size_t kMostLevels = 64;  // of bsdfs in bsdfs; people write two or three
@@ -198,7 +198,7 @@ void MaterialReader::check_type(XmlElement& element,
   const std::string_view close = closest_name(type, visual_bsdf_types());
   element.complain("the type '" + type + "' of the material '" + stated.name + "' is not known" +
                    (close.empty() ? "; write radio-material for one with values of its own, "
-                                    "itu-radio-material for one of ITU-R P.2040-3"
+                                    "itu-radio-material for one of ITU-R P.2040-4"
                                   : "; did you mean '" + std::string(close) + "'?"));
 }
 
@@ -307,7 +307,7 @@ Expected<RadioMaterial> MaterialReader::material_of(const Stated& stated,
   }
   return bad_input(
       "the <bsdf> says nothing about radio; use an id mat-itu_NAME with a name of ITU-R "
-      "P.2040-3, the type radio-material, or state relative_permittivity and conductivity of "
+      "P.2040-4, the type radio-material, or state relative_permittivity and conductivity of "
       "the material '" +
       stated.name + "' in the site");
 }

@@ -335,7 +335,7 @@ TEST_F(SceneVerb, UnusableScenesAreRefused) {
     EXPECT_NE(finished.err.find(message), std::string::npos) << finished.err;
   };
   expect_refused(check({"--frequency", "200e9"}),
-                 "ITU-R P.2040-3 states 'concrete' for 1 to 100 GHz, not for 200 GHz");
+                 "ITU-R P.2040-4 states 'concrete' for 1 to 100 GHz, not for 200 GHz");
 
   const std::string good_mesh = content(mesh);
   std::string bad = good_mesh;

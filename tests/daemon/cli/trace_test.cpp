@@ -293,7 +293,7 @@ TEST(TraceVerb, UnusableScenesAreRefusedWithTheirPlace) {
   const Finished frequency =
       trace({kRoom, "--tx", "0,0,1", "--rx", "1,0,1", "--frequency", "200e9"});
   EXPECT_EQ(frequency.status, 65);
-  EXPECT_NE(frequency.err.find(kRoom + ":8:5: material 'concrete': ITU-R P.2040-3 states"),
+  EXPECT_NE(frequency.err.find(kRoom + ":8:5: material 'concrete': ITU-R P.2040-4 states"),
             std::string::npos)
       << frequency.err;
   EXPECT_EQ(trace({"/nowhere/scene.xml", "--tx", "0,0,1", "--rx", "1,0,1"}).status, 65);

@@ -96,16 +96,16 @@ TEST(RoomPlan, EachMistakeHasItsPlaceAndWhatToWrite) {
        "office.toml:30:1: material 'plasterboard' is not used; name it in a wall, floor, ceiling, "
        "opening or box, or remove it"},
       {room_text("floor = \"concrete\"", "floor = \"concret\""),
-       "office.toml:4:9: 'floor': neither ITU-R P.2040-3 nor [materials] has 'concret'; did you "
+       "office.toml:4:9: 'floor': neither ITU-R P.2040-4 nor [materials] has 'concret'; did you "
        "mean 'concrete'?"},
       {room_text("material = \"cork\"", "material = \"crok\""),
-       "office.toml:27:12: 'material': neither ITU-R P.2040-3 nor [materials] has 'crok'; did you "
+       "office.toml:27:12: 'material': neither ITU-R P.2040-4 nor [materials] has 'crok'; did you "
        "mean 'cork'?"},
       {room_text("material = \"cork\"", "material = \"wood\""),
        "office.toml:35:1: material 'cork' is not used; name it in a wall, floor, ceiling, opening "
        "or box, or remove it"},
       {room_text("\"brick\"", "\"floorboard\""),
-       "office.toml:33:7: material 'outer': ITU-R P.2040-3 states 'floorboard' for 50 to 100 GHz, "
+       "office.toml:33:7: material 'outer': ITU-R P.2040-4 states 'floorboard' for 50 to 100 GHz, "
        "not for 5.19 GHz; state relative_permittivity and conductivity instead"},
       {room_text("itu = \"brick\"", "itu = \"brick\"\nconductivity = 0.1"),
        "office.toml:32:1: material 'outer' states 'itu' and numbers of its own; write one or the "

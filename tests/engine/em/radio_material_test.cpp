@@ -94,19 +94,34 @@ TEST(RadioMaterial, UnknownNameGetsASuggestion) {
   const auto material = itu_material("concret", 5.2e9);
   ASSERT_FALSE(material);
   EXPECT_EQ(material.error().message,
-            "ITU-R P.2040-3 has no material 'concret'; did you mean 'concrete'?");
+            "ITU-R P.2040-4 has no material 'concret'; did you mean 'concrete'?");
 }
 
 TEST(RadioMaterial, FrequencyOutsideTheTableIsRefused) {
   const auto ground = itu_material("wet_ground", 60e9);
   ASSERT_FALSE(ground);
   EXPECT_EQ(ground.error().message,
-            "ITU-R P.2040-3 states 'wet_ground' for 1 to 10 GHz, not for 60 GHz; state "
+            "ITU-R P.2040-4 states 'wet_ground' for 1 to 10 GHz, not for 60 GHz; state "
             "relative_permittivity and conductivity instead");
   const auto glass = itu_material("glass", 150e9);
   ASSERT_FALSE(glass);
   EXPECT_NE(glass.error().message.find("0.1 to 100 GHz and 220 to 450 GHz"), std::string::npos);
   EXPECT_EQ(itu_material("glass", 300e9)->relative_permittivity, 5.79);
+}
+
+TEST(Field, MaterialsOfTheFourthEditionAreInTheTable) {
+  constexpr double kFrequency = 5.18e9;
+  const auto vinyl = itu_material("vinyl_tile", kFrequency);
+  ASSERT_TRUE(vinyl);
+  EXPECT_EQ(vinyl->relative_permittivity, 3.62);
+  EXPECT_NEAR(vinyl->conductivity, 0.0051 * std::pow(5.18, 0.8422), 1e-15);
+  EXPECT_EQ(itu_material("carpet_tile", kFrequency)->relative_permittivity, 2.08);
+  EXPECT_EQ(itu_material("asphalt_concrete", kFrequency)->relative_permittivity, 4.83);
+  EXPECT_EQ(itu_material("clear_acrylic", 200e9)->relative_permittivity, 2.58);
+  // Not known below 110 GHz: an error, and no value from elsewhere.
+  const auto acrylic = itu_material("clear_acrylic", kFrequency);
+  ASSERT_FALSE(acrylic);
+  EXPECT_NE(acrylic.error().message.find("110 to 330 GHz"), std::string::npos);
 }
 
 TEST(RadioMaterial, UnphysicalValuesAreRefused) {

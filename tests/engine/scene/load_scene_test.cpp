@@ -136,7 +136,7 @@ TEST(LoadScene, EachMistakeHasItsMessage) {
        "there is no <bsdf> with the id 'mat-itu_concret'; did you mean 'mat-itu_concrete'?"},
       {scene_of("<bsdf type='diffuse' id='mat-itu_concret'/>",
                 "<shape type='cube'><ref id='mat-itu_concret' name='bsdf'/></shape>"),
-       "scene.xml:2:1: material 'concret': ITU-R P.2040-3 has no material 'concret'; did you mean "
+       "scene.xml:2:1: material 'concret': ITU-R P.2040-4 has no material 'concret'; did you mean "
        "'concrete'?"},
       {scene_of("<bsdf type='diffuse' id='grey'/>",
                 "<shape type='cube'><ref id='grey' name='bsdf'/></shape>"),
@@ -179,7 +179,7 @@ TEST(LoadScene, FrequencyOutsideTheItuRangeIsRefused) {
   const auto scene = parse(scene_of(kConcreteBsdf, kShape), {200e9, {}});
   EXPECT_EQ(
       error_of(scene),
-      "scene.xml:2:1: material 'concrete': ITU-R P.2040-3 states 'concrete' for 1 to 100 GHz, "
+      "scene.xml:2:1: material 'concrete': ITU-R P.2040-4 states 'concrete' for 1 to 100 GHz, "
       "not for 200 GHz; state relative_permittivity and conductivity instead");
 }
 
