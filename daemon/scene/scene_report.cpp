@@ -50,6 +50,17 @@ std::vector<MaterialReport> report_materials(const Scene& scene) {
   return reports;
 }
 
+// Sheets with two faces each, which enclose nothing and are not meant to.
+bool is_drawn_from_both_sides(const Scene& scene, std::uint32_t object) {
+  const auto [first, end] = scene.surfaces_of(object);
+  for (std::uint32_t i = first; i < end; ++i) {
+    if (scene.owner(i).one_facing) {
+      return false;
+    }
+  }
+  return true;
+}
+
 void warn_of_objects(const Scene& scene,
                      const std::vector<ObjectReport>& objects,
                      std::vector<SceneWarning>& warnings) {
@@ -73,7 +84,7 @@ void warn_of_objects(const Scene& scene,
                        object.name,
                        object.surfaces,
                        object.triangles)});
-    } else if (object.form == ObjectForm::kOpen) {
+    } else if (object.form == ObjectForm::kOpen && !is_drawn_from_both_sides(scene, i)) {
       warnings.push_back(
           {"open_body",
            fmt::format("object '{}' has {} surfaces and no inside: a face is missing, turned round "

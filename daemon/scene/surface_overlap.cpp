@@ -5,9 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "daemon/scene/surface_triangles.h"
 #include "engine/scene/bounds.h"
+#include "engine/scene/overlap/disjoint_triangles.h"
 
 namespace rayloc {
 namespace {
@@ -53,6 +56,31 @@ double common_area(const Triangle& s, const Triangle& t) {
     polygon = clip(polygon, t.at(i), t.at((i + 1) % 3), normal);
   }
   return area(polygon);
+}
+
+// Without what lies over others of the same surface, so that no area is counted twice.
+std::vector<Triangle> covered_once(const Surface& surface, std::vector<Triangle> triangles) {
+  std::vector<Triangle2> flat;
+  for (const Triangle& t : triangles) {
+    Triangle2& corners = flat.emplace_back();
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      const Vec3d from = t.at(k) - surface.origin();
+      corners.at(k) = {dot(surface.u_axis(), from), dot(surface.v_axis(), from)};
+    }
+  }
+  const std::vector<Triangle2> disjoint = disjoint_triangles(flat, kCoplanarTolerance);
+  if (disjoint == flat) {
+    return triangles;
+  }
+  triangles.clear();
+  for (const Triangle2& t : disjoint) {
+    Triangle& corners = triangles.emplace_back();
+    for (std::size_t k = 0; k < t.size(); ++k) {
+      corners.at(k) =
+          surface.origin() + t.at(k).u * surface.u_axis() + t.at(k).v * surface.v_axis();
+    }
+  }
+  return triangles;
 }
 
 // A surface with its plane turned so that parallel planes have parallel normals.
@@ -129,7 +157,10 @@ std::vector<SurfaceOverlap> find_overlaps(const Scene& scene) {
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.bounds.lower.x, a.surface) < std::tie(b.bounds.lower.x, b.surface);
   });
-  const auto triangles = surface_triangles(scene);
+  auto triangles = surface_triangles(scene);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    triangles[i] = covered_once(scene.surfaces()[i], std::move(triangles[i]));
+  }
   std::vector<SurfaceOverlap> overlaps;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const Candidate& a = candidates[i];

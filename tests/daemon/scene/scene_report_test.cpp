@@ -57,6 +57,28 @@ TEST(SceneReport, CountsWhatIsThere) {
   EXPECT_EQ(report.materials[0].objects, 2U);
 }
 
+TEST(Field, FacesDrawnFromBothSidesNeedNoWarning) {
+  Mesh box = box_mesh({0, 0, 0}, {4, 3, 2.5});
+  const auto outer = box.triangles;
+  for (const auto& [a, b, c] : outer) {
+    box.triangles.push_back({a, c, b});
+  }
+  EXPECT_EQ(kinds_of(report_of({{"shell", box}})), Kinds{});
+}
+
+TEST(Field, FaceDrawnFromBothSidesIsSharedOnce) {
+  // Cut along either diagonal, so that no triangle is there twice.
+  Mesh table = rectangle_mesh({1, 1, 0}, {1, 0, 0}, {0, 1, 0});
+  table.triangles.push_back({0, 1, 3});
+  table.triangles.push_back({1, 2, 3});
+  const auto scene = test::make_scene(
+      {{"floor", rectangle_mesh({0, 0, 0}, {4, 0, 0}, {0, 3, 0})}, {"table", table}},
+      test::kConcrete);
+  const auto overlaps = find_overlaps(*scene);
+  ASSERT_EQ(overlaps.size(), 1U);
+  EXPECT_NEAR(overlaps[0].area, 1.0, 1e-9);
+}
+
 TEST(SceneReport, WarnsOfDroppedTriangles) {
   Mesh mesh = box_mesh({1, 1, 0}, {2, 2, 1});
   mesh.triangles.push_back({0, 0, 1});
