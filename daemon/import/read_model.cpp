@@ -4,6 +4,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -16,6 +18,7 @@
 
 #include "daemon/site/site_copy.h"
 #include "engine/scene/bounds.h"
+#include "engine/scene/read/mesh_reader.h"
 
 namespace rayloc {
 namespace {
@@ -212,11 +215,29 @@ void set_units(ModelFormat format, const ModelUnits& units, Model& model) {
   apply(metres, up == 'y', model);
 }
 
+// assimp takes a vertex without z for one at 0, and does not look for what follows the counts.
+Expected<void> check_counts(const std::filesystem::path& file, Model& model) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::vector<SceneNote> notes;
+  auto checked = check_ply(bytes, file.string(), notes);
+  for (SceneNote& note : notes) {
+    model.remarks.push_back(std::move(note.message));
+  }
+  return checked;
+}
+
 }  // namespace
 
 Expected<Model> read_model(const std::filesystem::path& file,
                            ModelFormat format,
                            const ModelUnits& units) {
+  Model model;
+  if (format == ModelFormat::kPly) {
+    if (auto checked = check_counts(file, model); !checked) {
+      return tl::make_unexpected(checked.error());
+    }
+  }
   Assimp::Importer importer;
   importer.SetIOHandler(new FilesBeside(file));  // which the importer owns
   // Only shapes: what else a file holds would keep corners at one place apart.
@@ -245,7 +266,6 @@ Expected<Model> read_model(const std::filesystem::path& file,
                     collector.triangles(),
                     kMostTriangles));
   }
-  Model model;
   model.parts = collector.finish();
   if (model.parts.empty()) {
     return bad_input(place + "has no faces (" + name_of(format) +

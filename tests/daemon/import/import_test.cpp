@@ -44,6 +44,7 @@ f 4 3 7 8
 )";
 
 class Import : public test::ImportFiles {};
+class Field : public test::ImportFiles {};
 
 void expect_room(const ImportedScene& room) {
   EXPECT_NEAR(room.bounds.size().x, 4.0, 1e-5);
@@ -166,6 +167,26 @@ TEST_F(Import, WhatIsNoModelIsNamedWithWhatToDo) {
     const std::string error = refusal("file", content);
     EXPECT_NE(error.find(message), std::string::npos) << content << ": " << error;
   }
+}
+
+std::string wall_as_ply(const std::string& third, int faces) {
+  return "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+         "float " +
+         third + "\nelement face " + std::to_string(faces) +
+         "\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n4 0 0\n4 0 2.5\n0 0 2.5\n3 "
+         "0 1 2\n3 0 2 3\n";
+}
+
+TEST_F(Field, PlyWithoutAHeightOrWithWrongCountsIsNamed) {
+  EXPECT_NE(refusal("flat.ply", wall_as_ply("height", 2)).find("no property z"), std::string::npos);
+  EXPECT_NE(refusal("more.ply", wall_as_ply("z", 3)).find("counts 3 of element 'face'"),
+            std::string::npos);
+  const auto less = import(file("less.ply", wall_as_ply("z", 1)));
+  ASSERT_TRUE(less) << less.error().message;
+  EXPECT_NE(remarks(*less).find("counts 1 of element 'face', the file holds 2"), std::string::npos);
+  const auto right = import(file("right.ply", wall_as_ply("z", 2)));
+  ASSERT_TRUE(right) << right.error().message;
+  EXPECT_EQ(remarks(*right).find("counts"), std::string::npos);
 }
 
 TEST_F(Import, FilesOfTwoGigabytesAreRefusedUnread) {
