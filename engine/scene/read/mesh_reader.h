@@ -27,8 +27,8 @@ Expected<Mesh> read_ply(std::string_view bytes,
                         const std::string& name,
                         std::vector<SceneNote>& notes);
 
-// The header and the counts of a PLY file alone, for a caller that reads the mesh by other means: errors and
-// notes as those of read_ply. What else is wrong with the body is left to that reader.
+// The header and the counts of a PLY file alone, for a caller that reads the mesh by other means:
+// errors and notes as those of read_ply. What else is wrong with the body is left to that reader.
 Expected<void> check_ply(std::string_view bytes,
                          const std::string& name,
                          std::vector<SceneNote>& notes);

@@ -77,6 +77,9 @@ class CountSearch {
   }
 
   bool skip(PlyBody& body, const PlyElement& element, std::size_t count) {
+    if (element.properties.empty()) {
+      return true;  // as many as there may be, they take no byte
+    }
     for (std::size_t i = 0; i < count; ++i) {
       if (!skip_entry(body, element)) {
         return false;

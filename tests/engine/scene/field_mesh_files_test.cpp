@@ -177,6 +177,15 @@ TEST(Field, DataAfterThePlyBodyIsAWarningAndBlanksAreNone) {
   }
 }
 
+TEST(Field, CountOfAPlyElementWithoutPropertiesCostsNoTime) {
+  const std::string whole = Ply(Format::kAscii, {.faces = 1}).bytes();
+  const std::string element = "element nothing 99999999999999\n";
+  for (const char* before : {"element vertex", "element face", "end_header"}) {
+    std::string bytes = whole;
+    EXPECT_THAT(read(bytes.insert(bytes.find(before), element)).error, HasSubstr("wall.ply:"));
+  }
+}
+
 TEST(Field, PlyTextWithEntriesOverSeveralLinesStaysReadable) {
   const Read good = read(
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
