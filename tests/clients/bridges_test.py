@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 
 from broker import Broker, Listener
-from processes import PATIENCE, ROOT, Daemon, eventually
+from processes import CALIBRATED, PATIENCE, ROOT, Daemon, eventually
 
 MAC = "02:52:4c:00:00:01"
 STATE = f"rayloc/meeting_room/{MAC}"
@@ -54,7 +55,8 @@ def test_home_assistant_sees_a_device_and_who_is_alive(tmp_path: Path) -> None:
             assert home.hears("rayloc/meeting_room/status", "online")
             assert eventually(lambda: STATE in home.last and TRACKER in home.last), home.last
             configuration = json.loads(home.last[TRACKER])
-            assert configuration["state_topic"] == STATE
+            assert configuration["state_topic"] == f"{STATE}/place"
+            assert home.hears(f"{STATE}/place", "home")
             assert eventually(lambda: '"place": "home"' in home.last[STATE])
             state = json.loads(home.last[STATE])
             assert 0.0 < state["x"] < 4.0 and 0.0 < state["y"] < 4.0 and state["accuracy_m"] > 0.0
@@ -80,6 +82,21 @@ def test_home_assistant_sees_a_device_and_who_is_alive(tmp_path: Path) -> None:
             assert home.hears("rayloc/status", "online")
             assert bridge.stop(signal.SIGTERM) == 0
             assert home.hears("rayloc/status", "offline")
+
+
+def test_field_a_zone_named_home_is_renamed_with_a_notice(tmp_path: Path) -> None:
+    site = tmp_path / "site"
+    shutil.copytree(CALIBRATED, site)
+    with (site / "site.toml").open("a") as out:
+        out.write('\n[[zone]]\nname = "Home"\npolygon = [[-9, -9], [9, -9], [9, 9], [-9, 9]]\n')
+    with Broker(tmp_path) as broker, Daemon(tmp_path, site) as daemon, Listener(broker) as home:
+        with Bridge(daemon, broker) as bridge:
+            assert home.hears(f"{STATE}/place", "Home (zone)")
+            assert "zone.home_zone" in json.loads(home.last[STATE])["in_zones"]
+            assert bridge.stop(signal.SIGTERM) == 0
+            assert bridge.process.stderr is not None
+            said = bridge.process.stderr.read().decode()
+    assert "'Home'" in said and "'Home (zone)'" in said and "site.toml" in said
 
 
 def test_who_was_located_before_a_crash_of_raylocd_is_away_after_it(tmp_path: Path) -> None:
@@ -113,7 +130,7 @@ def test_what_an_earlier_run_announced_is_taken_back(tmp_path: Path) -> None:
             assert home.hears(TRACKER, "")
         with Listener(broker) as late:
             assert late.hears("rayloc/status", "offline")  # told on subscribing, as what it keeps
-            assert TRACKER not in late.last
+            assert late.last.keys() == {"rayloc/status", "rayloc/meeting_room/status"}
 
 
 def test_a_broker_that_restarts_is_told_everything_again(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import re
 from typing import Optional
 
 import pytest
+from discovery_schema import assert_documented
 
 from rayloc.bridges.home_assistant import (
     HomeAssistant,
@@ -14,6 +15,7 @@ from rayloc.bridges.home_assistant import (
     Setting,
     object_id_of,
 )
+from rayloc.bridges.place_name import renaming_of, state_of_zone, zone_of_state
 from rayloc.message import Message
 from rayloc.v1.envelope_pb2 import Envelope
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, LOCATION_KIND_SNAPSHOT
@@ -85,8 +87,15 @@ def lost(person: int = 0) -> Message:
 
 
 def states(publications: list[Publication]) -> list[dict[str, object]]:
-    of_targets = [each for each in publications if each.topic.startswith("rayloc/my%20office/0")]
-    return [json.loads(each.payload) for each in of_targets]
+    return [json.loads(each.payload) for each in publications if each.topic == STATE and each.payload]
+
+
+def places(publications: list[Publication]) -> list[str]:
+    return [each.payload for each in publications if each.topic == f"{STATE}/place"]
+
+
+def announced(publications: list[Publication]) -> list[Publication]:
+    return [each for each in publications if each.topic.endswith("/config")]
 
 
 def test_a_target_is_announced_once_and_its_topics_and_templates_fit_its_state() -> None:
@@ -94,26 +103,28 @@ def test_a_target_is_announced_once_and_its_topics_and_templates_fit_its_state()
     first = subject.on_message(located(), 0.0)
     configurations = {p.topic: json.loads(p.payload) for p in first if p.topic.endswith("/config")}
     components = sorted(topic.split("/")[1] for topic in configurations)
-    assert components == ["device_tracker", "sensor", "sensor", "sensor"]
-    assert all(p.retain for p in first if p.topic.endswith("/config"))
+    assert components == ["device_tracker", "sensor", "sensor", "sensor", "sensor"]
+    assert all(p.retain for p in first)
     (state,) = states(first)
     assert (state["place"], state["x"], state["accuracy_m"]) == ("home", 1.25, 0.5)
     unique = set()
     for topic, configuration in configurations.items():
         # <prefix>/<component>/<node>/<object>/config, of the characters that are allowed.
         assert re.fullmatch(r"homeassistant/[a-z_]+/[\w-]+/[\w-]+/config", topic)
-        assert configuration["state_topic"] == STATE
-        template = configuration["value_template"]
-        (key,) = re.findall(r"^\{\{ value_json\.(\w+) \}\}$", template)
-        assert key in state
+        assert_documented(topic.split("/")[1], configuration)
+        if "value_template" in configuration:
+            assert configuration["state_topic"] == STATE
+            (key,) = re.findall(r"^\{\{ value_json\.(\w+) \}\}$", configuration["value_template"])
+            assert key in state
+        else:
+            assert configuration["state_topic"] == f"{STATE}/place"
         unique.add(configuration["unique_id"])
         assert configuration["device"]["identifiers"] == [f"{NODE}_02-52-4c-00-00-01"]
         topics = [each["topic"] for each in configuration["availability"]]
         assert topics == ["rayloc/status", "rayloc/my%20office/status"]
-    assert len(unique) == 4
+    assert len(unique) == 5
     again = subject.on_message(located(x=1.5), 5.0)
     assert [p.topic for p in again] == [STATE]
-    assert not again[0].retain
 
 
 def test_a_target_is_told_of_at_most_once_an_interval_and_then_with_what_is_newest() -> None:
@@ -143,7 +154,7 @@ def test_the_place_is_the_zone_that_it_is_in_by_its_events() -> None:
     assert place(located(zones={"desk": 0.2, "door": 0.5})) == "door"
     assert place(zone("door")) == "desk"
     assert place(zone("desk", "person-4")) == "home"
-    assert '"place": "desk"' in subject.on_message(located(person=4), 0.0)[-1].payload
+    assert subject.on_message(located(person=4), 0.0)[-1].payload == "desk"
 
 
 def test_zones_begin_anew_with_raylocd_and_a_lost_track_is_in_none() -> None:
@@ -166,7 +177,7 @@ def test_what_is_not_believed_yet_is_not_announced() -> None:
     assert subject.on_message(located(state=TRACK_STATE_LOST), 0.5) == []
     assert subject.on_message(lost(), 0.5) == []
     for state in (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING):
-        assert len(HomeAssistant(Setting()).on_message(located(state=state), 1.0)) == 5
+        assert len(announced(HomeAssistant(Setting()).on_message(located(state=state), 1.0))) == 5
     # And one that is known comes back only when it is believed again.
     subject.on_message(located(), 1.0)
     (away,) = states(subject.on_message(located(state=TRACK_STATE_LOST), 2.0))
@@ -199,27 +210,22 @@ def test_a_lost_device_is_away_at_once_and_a_lost_person_is_taken_back() -> None
     (state,) = states(subject.on_message(lost(), 0.1))
     assert (state["place"], state["x"]) == ("not_home", None)
 
-    announced = subject.on_message(located(person=3), 0.2)
-    configurations = [p for p in announced if p.topic.endswith("/config")]
-    assert [p.retain for p in configurations] == [False] * 4  # no ghosts in the broker
+    first = subject.on_message(located(person=3), 0.2)
     gone = subject.on_message(lost(person=3), 0.3)
-    assert gone == [Publication(p.topic, "", False) for p in configurations]
+    assert gone == [Publication(p.topic, "") for p in first]  # nothing stays in the broker
     assert subject.on_message(lost(person=3), 0.4) == []
 
 
 def test_a_raylocd_that_was_started_again_has_lost_every_track() -> None:
     subject = HomeAssistant(Setting())
     subject.on_message(located(), 0.0)
-    announced = subject.on_message(located(person=3), 0.0)
-    configurations = [p for p in announced if p.topic.endswith("/config")]
+    first = subject.on_message(located(person=3), 0.0)
     assert subject.on_message(heartbeat(), 0.1) == []
 
     ended = subject.on_message(heartbeat(epoch=2, restarted=True), 0.2)
     (state,) = states(ended)
     assert (state["place"], state["x"], state["accuracy_m"]) == ("not_home", None, None)
-    assert [p for p in ended if p.topic.endswith("/config")] == [
-        Publication(p.topic, "", False) for p in configurations
-    ]
+    assert [p for p in ended if not p.payload] == [Publication(p.topic, "") for p in first]
     assert [s["place"] for s in states(subject.announce())] == ["not_home"]
     assert not any("person" in p.topic for p in subject.announce())
 
@@ -230,20 +236,18 @@ def test_who_is_located_at_a_new_start_is_told_of_anew() -> None:
     message = located(person=1)
     again = subject.on_message(Message(message.topic, message.envelope, restarted=True), 0.1)
     # The number is the same, the person need not be: taken back first, announced afterwards.
-    assert [p.payload for p in again[:4]] == [""] * 4
-    assert again[4:] == first
+    assert again == [Publication(p.topic, "") for p in first] + first
 
 
 def test_who_is_silent_is_away_though_nobody_said_so() -> None:
     subject = HomeAssistant(Setting(silent=60.0, forget=600.0))
     subject.on_message(located(), 0.0)
-    announced = subject.on_message(located(person=3), 0.0)
+    first = subject.on_message(located(person=3), 0.0)
     subject.on_time(0.1, stale=False)
     assert subject.on_time(59.0, stale=False) == []
     told = subject.on_time(61.0, stale=False)
     assert [s["place"] for s in states(told)] == ["not_home"]
-    gone = [p.topic for p in told if not p.payload]
-    assert gone == [p.topic for p in announced if p.topic.endswith("/config")]
+    assert [p.topic for p in told if not p.payload] == [p.topic for p in first]
     assert subject.on_time(62.0, stale=False) == []  # once
     (back,) = states(subject.on_message(located(), 70.0))
     assert back["place"] == "home"
@@ -251,14 +255,14 @@ def test_who_is_silent_is_away_though_nobody_said_so() -> None:
 
 def test_a_device_that_is_not_heard_for_long_is_forgotten() -> None:
     subject = HomeAssistant(Setting(forget=60.0))
-    announced = [p for p in subject.on_message(located(), 0.0) if p.retain]
+    first = subject.on_message(located(), 0.0)
     assert [p for p in subject.on_time(59.0, stale=True) if not p.payload] == []
-    assert subject.on_time(61.0, stale=True) == [Publication(p.topic, "", True) for p in announced]
+    assert subject.on_time(61.0, stale=True) == [Publication(p.topic, "") for p in first]
     assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
 
 
-def kept_of_an_earlier_run() -> list[Publication]:
-    return [p for p in HomeAssistant(Setting()).on_message(located(), 0.0) if p.retain]
+def kept_of_an_earlier_run(person: int = 0) -> list[Publication]:
+    return HomeAssistant(Setting()).on_message(located(person=person), 0.0)
 
 
 def adopting(setting: Setting, now: float = 0.0) -> HomeAssistant:
@@ -277,7 +281,7 @@ def test_what_an_earlier_run_announced_is_taken_back_by_the_next() -> None:
     assert (state["place"], state["x"]) == ("not_home", None)
     assert subject.on_time(599.0, stale=False) == []
     gone = subject.on_time(601.0, stale=False)
-    assert gone == [Publication(p.topic, "", True) for p in kept_of_an_earlier_run()]
+    assert gone == [Publication(p.topic, "") for p in kept_of_an_earlier_run()]
     assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
 
 
@@ -286,12 +290,12 @@ def test_what_an_earlier_run_announced_is_announced_anew_when_it_is_located() ->
     message = located()
     message.envelope.location.target.name = "tag of the forklift"
     told = subject.on_message(message, 1.0)
-    names = {json.loads(p.payload)["device"]["name"] for p in told if p.retain}
+    names = {json.loads(p.payload)["device"]["name"] for p in announced(told)}
     assert names == {"tag of the forklift"}
     assert [s["place"] for s in states(told)] == ["home"]
     for each in kept_of_an_earlier_run():  # the broker says it once more on the next connection
         subject.adopt(each.topic, each.payload, 500.0)
-    assert len(subject.on_time(602.0, stale=False)) == 4  # since it was located, not since then
+    assert len(announced(subject.on_time(602.0, stale=False))) == 5  # since it was located, not since then
 
 
 @pytest.mark.parametrize(
@@ -325,9 +329,9 @@ def test_the_site_is_available_as_long_as_raylocd_is_heard() -> None:
     subject = HomeAssistant(Setting())
     subject.on_message(located(), 0.0)
     status = "rayloc/my%20office/status"
-    assert subject.on_time(0.1, stale=False) == [Publication(status, "online", True)]
+    assert subject.on_time(0.1, stale=False) == [Publication(status, "online")]
     assert subject.on_time(0.2, stale=False) == []
-    assert subject.on_time(9.0, stale=True) == [Publication(status, "offline", True)]
+    assert subject.on_time(9.0, stale=True) == [Publication(status, "offline")]
 
 
 def test_a_home_assistant_that_begins_is_told_everything() -> None:
@@ -340,3 +344,101 @@ def test_a_home_assistant_that_begins_is_told_everything() -> None:
 def test_ids_have_only_what_discovery_allows_and_stay_different() -> None:
     ids = [object_id_of(text) for text in ("02:52", "a b", "a_b", "a/b", "büro")]
     assert ids == ["02-52", "a_20b", "a_5fb", "a_2fb", "b_c3_bcro"]
+
+
+def test_field_a_device_in_a_zone_has_a_topic_with_the_bare_name() -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+    first = subject.on_message(located(), 0.0)
+    (tracker,) = (json.loads(p.payload) for p in announced(first) if "/device_tracker/" in p.topic)
+    # The payload itself becomes the state: nothing may be left to a template.
+    assert "value_template" not in tracker and tracker["state_topic"] == f"{STATE}/place"
+    assert tracker["json_attributes_topic"] == STATE
+    assert places(first) == ["home"]
+    assert places(subject.on_message(zone("Büro {{ 1 }}", MAC), 0.1)) == ["Büro {{ 1 }}"]
+    assert places(subject.on_message(located(x=2.0), 0.2)) == []  # unchanged: no further state
+    assert places(subject.announce()) == ["Büro {{ 1 }}"]
+    assert places(subject.on_message(lost(), 0.3)) == ["not_home"]
+
+
+def test_field_zones_of_home_assistant_are_in_the_attributes() -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+    subject.on_message(zone("Meeting room", MAC), 0.0)
+    subject.on_message(zone("desk", MAC), 0.0)
+    (state,) = states(subject.on_message(located(zones={"desk": 0.9}), 0.0))
+    assert state["in_zones"] == ["zone.home", "zone.desk", "zone.meeting_room"]
+    (away,) = states(subject.on_message(lost(), 0.1))
+    assert away["in_zones"] == []
+    (nowhere,) = states(subject.on_message(located(x=None), 0.2))
+    assert nowhere["in_zones"] == []
+    assert not {"latitude", "longitude", "gps_accuracy"} & state.keys()  # of the world, which we do not know
+
+
+OWN = ["home", "Home", " not_home", "Not Home", "NOT-HOME", "None", "unknown ", "Unavailable", "away", "", " "]
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_field_a_zone_that_is_named_as_a_state_of_home_assistant_is_renamed(name: str) -> None:
+    subject = HomeAssistant(Setting(interval=0.0))
+    subject.on_message(located(), 0.0)
+    (place,) = places(subject.on_message(zone(name, MAC), 0.1))
+    assert place.startswith(f"{name.strip()} (zone)".strip())
+    (notice,) = subject.take_notices()
+    assert repr(name) in notice and "site.toml" in notice and repr(place) in notice
+    subject.on_message(zone(name), 0.2)
+    assert subject.take_notices() == []  # once
+
+
+def test_field_names_of_zones_are_states_and_stay_different() -> None:
+    names = ["desk", " desk", "de\nsk", "home", "Home", "home (zone)", "x" * 255, "x" * 256, "x" * 257]
+    names += ["会议室", "a/b+#", "\N{ZERO WIDTH SPACE}home", "ｈｏｍｅ", "", "(zone)"]
+    found = [state_of_zone(name) for name in names]
+    assert len(set(found)) == len(names)
+    assert all(0 < len(state) <= 255 and state == state.strip() for state in found)
+    assert not {state.casefold() for state in found} & {each.strip().casefold() for each in OWN}
+    for name in ("desk", "x" * 255, "会议室", "Homework", "home office", "a/b+#", "Büro 1"):
+        assert state_of_zone(name) == name and renaming_of(name) is None
+
+
+def test_field_a_zone_is_named_by_its_entity_id_where_that_can_be_derived() -> None:
+    names = ["Meeting Room", "R&D", "Büro", "1,000", "会议室", "Straße", "!"]
+    found = ["zone.meeting_room", "zone.r_d", "zone.buro", "zone.1000", "会议室", "Straße", "!"]
+    assert [zone_of_state(name) for name in names] == found
+
+
+def test_field_a_state_has_no_number_that_is_none() -> None:
+    (state,) = states(HomeAssistant(Setting()).on_message(located(x=float("nan")), 0.0))
+    assert state["x"] is None and state["y"] == 2.0
+
+
+def test_field_a_person_of_a_run_that_crashed_is_taken_back() -> None:
+    subject = HomeAssistant(Setting(silent=60.0))
+    subject.on_message(heartbeat(), 0.0)
+    kept = kept_of_an_earlier_run(person=3)
+    for each in announced(kept):
+        subject.adopt(each.topic, each.payload, 0.0)
+    gone = [p for p in subject.on_time(61.0, stale=False) if not p.payload]
+    assert gone == [Publication(p.topic, "") for p in kept]
+
+
+def test_field_what_a_bridge_before_this_one_announced_is_adopted() -> None:
+    """Its tracker had the state and its template; both are replaced when the device is located."""
+    subject = HomeAssistant(Setting(forget=60.0))
+    subject.on_message(heartbeat(), 0.0)
+    topic = f"homeassistant/device_tracker/{NODE}/02-52-4c-00-00-01_place/config"
+    before = json.dumps(
+        {"state_topic": STATE, "value_template": "{{ value_json.place }}", "device": {"name": "x"}}
+    )
+    with_attributes = before.replace("{", f'{{"json_attributes_topic": "{STATE}", ', 1)
+    for payload in (with_attributes, before):
+        subject.adopt(topic, payload, 0.0)
+    assert topic in [p.topic for p in subject.on_time(61.0, stale=False) if not p.payload]
+
+
+def test_field_a_device_that_gets_a_name_is_announced_with_it() -> None:
+    subject = HomeAssistant(Setting())
+    subject.on_message(located(), 0.0)
+    message = located()
+    message.envelope.location.target.name = "forklift"
+    names = {json.loads(p.payload)["device"]["name"] for p in announced(subject.on_message(message, 5.0))}
+    assert names == {"forklift"}
+    assert announced(subject.on_message(message, 6.0)) == []

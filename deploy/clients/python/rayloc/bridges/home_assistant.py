@@ -1,27 +1,37 @@
-"""What raylocd says in the words of Home Assistant's MQTT discovery: a pure mapping.
+"""What raylocd publishes in the form of Home Assistant's MQTT discovery: a pure mapping.
 
 Each target becomes a device with a tracker, whose state is the zone it is in, else "home" while it is
-located and "not_home" afterwards, and sensors for x, y and accuracy in the site's own metres. Who is in
-a zone is what its last event says, as everywhere else. Only the tracker's estimates (FILTERED) are told, each
-target at most once per `interval`, and only of tracks that are believed: what was heard once or twice, a
-phone that passes by, would leave its entities behind.
-A track has ended when raylocd says so, when raylocd was started again (one that was killed could not
-say so), and when nothing was heard of it for `silent`: what said so was lost on the way.
-Brokers keep what was announced of devices. What an earlier run of the bridge left there is adopted:
-announced as it is now when it is located, else taken back after `forget` as if this run had heard it.
+located and "not_home" afterwards, and sensors for that place and for x, y and accuracy in the site's own
+metres. Who is in a zone is what its last event states, as everywhere else. Only the tracker's estimates
+(FILTERED) are passed on, each target's at most once per `interval`, and only of confirmed tracks: a phone
+that passes by would leave its entities behind.
+A track has ended when raylocd states so, when raylocd was started again (one that was killed could not
+state it), and when nothing came of it for `silent`: the message was lost on the way.
 
-Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state),
-BASE/SITE/status (raylocd), BASE/status (this bridge).
+Everything is kept by the broker: Home Assistant subscribes to the state some time after the discovery
+message, and at each start of its own. What an earlier run of the bridge left there is adopted: announced
+as it is now when it is located, else ended after `silent` and taken back after `forget`, or a person at
+its end, since its number is never used again.
+
+Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state, JSON),
+BASE/SITE/TARGET/place (the place alone: Home Assistant takes a tracker's zone from the payload as it is,
+whatever a template makes of it), BASE/SITE/status (raylocd), BASE/status (this bridge).
+
+From Home Assistant 2027.1 on the state topic of a tracker is announced to be ignored, and `in_zones` in its
+attributes to take its place: a list of zones of Home Assistant, from whose sizes it derives the state. Both
+are there. From 2026.6 on the list also decides in which zone a person counts.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import re
 from dataclasses import dataclass, field
 from typing import AbstractSet, Optional, Sequence
 from urllib.parse import unquote
 
+from rayloc.bridges.place_name import HOME, NOT_HOME, renaming_of, state_of_zone, zone_of_state
 from rayloc.message import Message, name_of
 from rayloc.v1.location_pb2 import LOCATION_KIND_FILTERED, Location
 from rayloc.v1.target_pb2 import (
@@ -34,6 +44,7 @@ from rayloc.v1.target_pb2 import (
 
 ONLINE, OFFLINE = "online", "offline"
 BELIEVED = (TRACK_STATE_CONFIRMED, TRACK_STATE_COASTING)
+PERSON = "Person"
 COMPONENTS = ("device_tracker", "sensor")  # of discovery, that are announced
 SENSORS = {"x": "X", "y": "Y", "accuracy_m": "Accuracy"}
 
@@ -44,7 +55,7 @@ class Publication:
 
     topic: str
     payload: str
-    retain: bool
+    retain: bool = True
 
 
 @dataclass(frozen=True)
@@ -72,12 +83,12 @@ class _Known:
     told_at: float = float("-inf")
     location: Optional[Location] = None  # the last one that was believed
     state: dict[str, object] = field(default_factory=dict)
-    waits: bool = False  # `state` is newer than what was told
+    waits: bool = False  # `state` is newer than what was published
+    place: str = ""  # that was published
 
     @property
-    def is_retained(self) -> bool:
-        """A person's number ends with the track: what a broker kept of it would be a ghost."""
-        return not self.is_person
+    def place_topic(self) -> str:
+        return f"{self.topic}/place"
 
     def configurations(self, setting: Setting) -> dict[str, dict[str, object]]:
         """By topic of discovery."""
@@ -86,7 +97,7 @@ class _Known:
             "identifiers": [f"{self.node}_{self.object_id}"],
             "name": self.label,
             "manufacturer": "RayLoc",
-            "model": "Person" if self.is_person else "Wi-Fi device",
+            "model": PERSON if self.is_person else "Wi-Fi device",
         }
         common: dict[str, object] = {
             "availability": [
@@ -102,11 +113,17 @@ class _Known:
                 **common,
                 "name": "Place",
                 "unique_id": f"{self.node}_{self.object_id}_place",
-                "state_topic": self.topic,
-                "value_template": "{{ value_json.place }}",
+                "state_topic": self.place_topic,
                 "json_attributes_topic": self.topic,
                 "source_type": "router",
-            }
+            },
+            # From 2027.1 on the tracker's state is a zone of Home Assistant; this one stays ours.
+            self._discovery(setting, "sensor", "zone"): {
+                **common,
+                "name": "Zone",
+                "unique_id": f"{self.node}_{self.object_id}_zone",
+                "state_topic": self.place_topic,
+            },
         }
         for key, name in SENSORS.items():
             found[self._discovery(setting, "sensor", key)] = {
@@ -134,6 +151,13 @@ class HomeAssistant:
         self._sites: dict[str, str] = {}  # topic of status -> "online" or "offline"
         # Who is in a zone, by the part of its site in topics and its name.
         self._inside: dict[tuple[str, str], AbstractSet[str]] = {}
+        self._renamed: set[str] = set()  # zones of which a notice was given
+        self._notices: list[str] = []
+
+    def take_notices(self) -> list[str]:
+        """What the user should change; each once."""
+        notices, self._notices = self._notices, []
+        return notices
 
     def on_message(self, message: Message, now: float) -> list[Publication]:
         self._sites.setdefault(f"{self._setting.base}/{message.topic.split('/')[2]}/status", "")
@@ -160,7 +184,7 @@ class HomeAssistant:
         status = OFFLINE if stale else ONLINE
         changed = [topic for topic, before in self._sites.items() if before != status]
         self._sites.update(dict.fromkeys(changed, status))
-        out = [Publication(topic, status, True) for topic in changed]
+        out = [Publication(topic, status) for topic in changed]
         for known in list(self._known.values()):
             out += self._tell(known, now)
             unheard = now - known.heard_at
@@ -175,26 +199,30 @@ class HomeAssistant:
         bridge of another site, base or choice of targets: they take it back themselves."""
         try:
             configuration = json.loads(payload)
-            state_topic = str(configuration["state_topic"])
+            state_topic = configuration["state_topic"]  # that of a tracker is the place
+            state_topic = str(configuration.get("json_attributes_topic", state_topic))
+            state_topic = state_topic.removesuffix("/place")
             label = str(configuration["device"]["name"])
+            is_person = configuration["device"].get("model") == PERSON
             base, site, target = state_topic.rsplit("/", 2)
-        except (ValueError, KeyError, TypeError):
+        except (ValueError, KeyError, TypeError, AttributeError):
             return
         targets = self._setting.targets
         if f"{base}/{site}/status" not in self._sites or (targets and target not in targets):
             return
         node, object_id = f"rayloc_{object_id_of(unquote(site))}", object_id_of(target)
-        found = _Known(state_topic, node, object_id, label, False, now, is_adopted=True)
+        found = _Known(state_topic, node, object_id, label, is_person, now, is_adopted=True)
         if topic in found.configurations(self._setting):
             self._known.setdefault(state_topic, found)
 
     def announce(self) -> list[Publication]:
         """Everything anew: to a broker that was connected to, or to a Home Assistant that began."""
-        out = [Publication(topic, status, True) for topic, status in self._sites.items() if status]
+        out = [Publication(topic, status) for topic, status in self._sites.items() if status]
         for known in self._known.values():
             out += self._configure(known)
             if known.state:
-                out.append(Publication(known.topic, json.dumps(known.state), False))
+                known.place = ""
+                out += self._publish(known)
         return out
 
     def _state_topic(self, message: Message) -> str:
@@ -210,12 +238,14 @@ class HomeAssistant:
             return [] if known is None else self._on_lost(known, now)
         if location.track_state not in BELIEVED:
             return []
-        if known is None or known.is_adopted:
+        label = label_of(location.target, message.target)
+        is_renamed = known is not None and not known.is_person and known.label != label
+        if known is None or known.is_adopted or is_renamed:
             known = _Known(
                 topic,
                 node=f"rayloc_{object_id_of(message.site)}",
                 object_id=object_id_of(message.target),
-                label=label_of(location.target, message.target),
+                label=label,
                 is_person=location.target.kind == TARGET_KIND_PERSON,
                 heard_at=now,
             )
@@ -231,6 +261,10 @@ class HomeAssistant:
         inside = frozenset(name_of(target) for target in event.inside)
         before = self._inside.get((site, event.zone), frozenset())
         self._inside[site, event.zone] = inside
+        if event.zone not in self._renamed:
+            self._renamed.add(event.zone)
+            notice = renaming_of(event.zone)
+            self._notices += [] if notice is None else [notice]
         out: list[Publication] = []
         for target in inside ^ before:
             known = self._known.get(f"{self._setting.base}/{site}/{target}")
@@ -243,7 +277,7 @@ class HomeAssistant:
         assert known.location is not None
         site, target = known.topic.rsplit("/", 2)[1:]
         zones = [zone for (of, zone), who in self._inside.items() if of == site and target in who]
-        known.state = state_of(known.location, place_of(known.location, zones))
+        known.state = state_of(known.location, zones)
         known.waits = True
         return self._tell(known, now)
 
@@ -254,7 +288,7 @@ class HomeAssistant:
             return []
         known.has_track = False
         known.location = None
-        known.state = {**known.state, "place": "not_home", "x": None, "y": None, "accuracy_m": None}
+        known.state = away_after(known.state)
         known.waits, known.told_at = True, float("-inf")
         return self._tell(known, now)
 
@@ -262,47 +296,63 @@ class HomeAssistant:
         if not known.waits or now - known.told_at < self._setting.interval:
             return []
         known.waits, known.told_at = False, now
-        return [Publication(known.topic, json.dumps(known.state), False)]
+        return self._publish(known)
+
+    def _publish(self, known: _Known) -> list[Publication]:
+        """The place only when it is another one: Home Assistant records each message as a state."""
+        out = [Publication(known.topic, json.dumps(known.state))]
+        place = str(known.state["place"])
+        if place != known.place:
+            known.place = place
+            out.append(Publication(known.place_topic, place))
+        return out
 
     def _configure(self, known: _Known) -> list[Publication]:
         found = known.configurations(self._setting)
-        keep = known.is_retained
-        return [Publication(topic, json.dumps(config), keep) for topic, config in found.items()]
+        return [Publication(topic, json.dumps(config)) for topic, config in found.items()]
 
     def _take_back(self, known: _Known) -> list[Publication]:
+        """The entities first: they should not see their state become empty."""
         del self._known[known.topic]
-        keep = known.is_retained
-        return [Publication(topic, "", keep) for topic in known.configurations(self._setting)]
+        topics = [*known.configurations(self._setting), known.topic, known.place_topic]
+        return [Publication(topic, "") for topic in topics]
 
 
-def state_of(location: Location, place: str) -> dict[str, object]:
-    """Absent is null, as it is absent from the message: never 0."""
+def state_of(location: Location, zones: Sequence[str]) -> dict[str, object]:
+    """`zones`: those that it is in. Absent is null, as it is absent from the message: never 0."""
     has_position = location.HasField("position")
     where = location.position
-    accuracy = location.accuracy_m if location.HasField("accuracy_m") else None
+    probability = {zone.zone: zone.probability for zone in location.zones}
+    likeliest = sorted(zones, key=lambda zone: probability.get(zone, 0.0), reverse=True)
+    states = [state_of_zone(zone) for zone in likeliest]
+    inside = [f"zone.{HOME}", *map(zone_of_state, states)]
     confidence = location.accuracy_confidence if location.HasField("accuracy_confidence") else None
     return {
-        "place": place,
-        "x": round(where.x, 3) if has_position else None,
-        "y": round(where.y, 3) if has_position else None,
-        "z": round(where.z, 3) if has_position else None,
-        "accuracy_m": None if accuracy is None else round(accuracy, 3),
+        "place": (states or [HOME])[0] if has_position else NOT_HOME,
+        "in_zones": list(dict.fromkeys(inside)) if has_position else [],
+        "x": rounded(where.x) if has_position else None,
+        "y": rounded(where.y) if has_position else None,
+        "z": rounded(where.z) if has_position else None,
+        "accuracy_m": rounded(location.accuracy_m) if location.HasField("accuracy_m") else None,
         "accuracy_confidence": confidence,
-        "zones": {zone.zone: round(zone.probability, 3) for zone in location.zones},
+        "zones": {zone: rounded(each) for zone, each in probability.items()},
         "time": location.time.ToJsonString(),
     }
 
 
-def place_of(location: Location, zones: Sequence[str]) -> str:
-    """`zones`: those that it is in; of several the likeliest counts."""
-    if not location.HasField("position"):
-        return "not_home"
-    probability = {zone.zone: zone.probability for zone in location.zones}
-    return max(zones, key=lambda zone: probability.get(zone, 0.0), default="home")
+def away_after(state: dict[str, object]) -> dict[str, object]:
+    """`time` stays: it is when it was located last."""
+    nowhere = dict.fromkeys(("x", "y", "z", "accuracy_m", "accuracy_confidence"))
+    return {**state, "place": NOT_HOME, "in_zones": [], **nowhere, "zones": {}}
+
+
+def rounded(value: float) -> Optional[float]:
+    """JSON, and so Home Assistant, has no NaN and no infinity."""
+    return round(value, 3) if math.isfinite(value) else None
 
 
 def label_of(target: Target, identity: str) -> str:
-    return target.name or (f"Wi-Fi {identity}" if target.mac else identity)
+    return target.name.strip() or (f"Wi-Fi {identity}" if target.mac else identity)
 
 
 def object_id_of(text: str) -> str:

@@ -154,6 +154,8 @@ def carry(
             for gap in message.gaps:
                 say(f"lost {gap.lost} messages of {gap.topic}")
             broker.publish(bridge.on_message(message, now))
+            for notice in bridge.take_notices():
+                say(notice)
             while not broker.kept.empty():  # the message before says of which site we are
                 bridge.adopt(*broker.kept.get(), now)
         if now - looked >= LOOK:
