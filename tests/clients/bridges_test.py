@@ -99,6 +99,18 @@ def test_field_a_zone_named_home_is_renamed_with_a_notice(tmp_path: Path) -> Non
     assert "'Home'" in said and "'Home (zone)'" in said and "site.toml" in said
 
 
+def test_field_a_bridge_without_raylocd_is_not_available(tmp_path: Path) -> None:
+    """What an earlier run left would look as if it were so still."""
+    with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
+        home.client.publish("rayloc/status", "online", qos=1, retain=True)
+        assert home.hears("rayloc/status", "online")
+        daemon.stop(signal.SIGKILL)
+        with Bridge(daemon, broker):
+            assert home.hears("rayloc/status", "offline")
+            daemon.start()
+            assert home.hears("rayloc/status", "online")
+
+
 def test_who_was_located_before_a_crash_of_raylocd_is_away_after_it(tmp_path: Path) -> None:
     with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
         with Bridge(daemon, broker):

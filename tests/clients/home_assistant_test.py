@@ -258,7 +258,7 @@ def test_a_device_that_is_not_heard_for_long_is_forgotten() -> None:
     first = subject.on_message(located(), 0.0)
     assert [p for p in subject.on_time(59.0, stale=True) if not p.payload] == []
     assert subject.on_time(61.0, stale=True) == [Publication(p.topic, "") for p in first]
-    assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
+    assert [p.topic for p in subject.announce()] == ["rayloc/status", "rayloc/my%20office/status"]
 
 
 def kept_of_an_earlier_run(person: int = 0) -> list[Publication]:
@@ -282,7 +282,7 @@ def test_what_an_earlier_run_announced_is_taken_back_by_the_next() -> None:
     assert subject.on_time(599.0, stale=False) == []
     gone = subject.on_time(601.0, stale=False)
     assert gone == [Publication(p.topic, "") for p in kept_of_an_earlier_run()]
-    assert [p.topic for p in subject.announce()] == ["rayloc/my%20office/status"]
+    assert [p.topic for p in subject.announce()] == ["rayloc/status", "rayloc/my%20office/status"]
 
 
 def test_what_an_earlier_run_announced_is_announced_anew_when_it_is_located() -> None:
@@ -329,7 +329,8 @@ def test_the_site_is_available_as_long_as_raylocd_is_heard() -> None:
     subject = HomeAssistant(Setting())
     subject.on_message(located(), 0.0)
     status = "rayloc/my%20office/status"
-    assert subject.on_time(0.1, stale=False) == [Publication(status, "online")]
+    ours = Publication("rayloc/status", "online")
+    assert subject.on_time(0.1, stale=False) == [Publication(status, "online"), ours]
     assert subject.on_time(0.2, stale=False) == []
     assert subject.on_time(9.0, stale=True) == [Publication(status, "offline")]
 
@@ -408,6 +409,13 @@ def test_field_a_zone_is_named_by_its_entity_id_where_that_can_be_derived() -> N
 def test_field_a_state_has_no_number_that_is_none() -> None:
     (state,) = states(HomeAssistant(Setting()).on_message(located(x=float("nan")), 0.0))
     assert state["x"] is None and state["y"] == 2.0
+
+
+def test_field_the_bridge_is_available_only_with_something_to_carry() -> None:
+    subject = HomeAssistant(Setting())
+    assert subject.on_time(0.0, stale=True) == [] and subject.announce() == []
+    subject.on_message(heartbeat(), 0.1)
+    assert Publication("rayloc/status", "online") in subject.on_time(0.2, stale=False)
 
 
 def test_field_a_person_of_a_run_that_crashed_is_taken_back() -> None:

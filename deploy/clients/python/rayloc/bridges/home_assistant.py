@@ -15,7 +15,8 @@ its end, since its number is never used again.
 
 Topics: PREFIX/COMPONENT/rayloc_SITE/TARGET_WHAT/config (discovery), BASE/SITE/TARGET (state, JSON),
 BASE/SITE/TARGET/place (the place alone: Home Assistant takes a tracker's zone from the payload as it is,
-whatever a template makes of it), BASE/SITE/status (raylocd), BASE/status (this bridge).
+whatever a template makes of it), BASE/SITE/status (raylocd), BASE/status (this bridge, as soon as it
+received anything of raylocd).
 
 From Home Assistant 2027.1 on the state topic of a tracker is announced to be ignored, and `in_zones` in its
 attributes to take its place: a list of zones of Home Assistant, from whose sizes it derives the state. Both
@@ -151,6 +152,7 @@ class HomeAssistant:
         self._sites: dict[str, str] = {}  # topic of status -> "online" or "offline"
         # Who is in a zone, by the part of its site in topics and its name.
         self._inside: dict[tuple[str, str], AbstractSet[str]] = {}
+        self._is_online = False  # nothing of raylocd came yet
         self._renamed: set[str] = set()  # zones of which a notice was given
         self._notices: list[str] = []
 
@@ -185,6 +187,10 @@ class HomeAssistant:
         changed = [topic for topic, before in self._sites.items() if before != status]
         self._sites.update(dict.fromkeys(changed, status))
         out = [Publication(topic, status) for topic in changed]
+        # Before, the entities that an earlier run announced show what may be long past.
+        if self._sites and not self._is_online:
+            self._is_online = True
+            out.append(self._online())
         for known in list(self._known.values()):
             out += self._tell(known, now)
             unheard = now - known.heard_at
@@ -217,13 +223,17 @@ class HomeAssistant:
 
     def announce(self) -> list[Publication]:
         """Everything anew: to a broker that was connected to, or to a Home Assistant that began."""
-        out = [Publication(topic, status) for topic, status in self._sites.items() if status]
+        out = [self._online()] if self._is_online else []
+        out += [Publication(topic, status) for topic, status in self._sites.items() if status]
         for known in self._known.values():
             out += self._configure(known)
             if known.state:
                 known.place = ""
                 out += self._publish(known)
         return out
+
+    def _online(self) -> Publication:
+        return Publication(f"{self._setting.base}/status", ONLINE)
 
     def _state_topic(self, message: Message) -> str:
         # As in raylocd's topics: nothing in it means anything to MQTT.

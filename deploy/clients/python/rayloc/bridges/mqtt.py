@@ -55,6 +55,7 @@ class Broker:
         self.must_announce = threading.Event()
         self.kept: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
         self._status = f"{setting.base}/status"
+        self._state = OFFLINE  # of this bridge, until it has something to carry
         self._birth = f"{setting.prefix}/status"
         self._discovery = [f"{setting.prefix}/{each}/+/+/config" for each in COMPONENTS]
         self._client = paho.mqtt.client.Client(client_id=arguments.client_id)
@@ -74,10 +75,11 @@ class Broker:
 
     def publish(self, publications: Iterable[Publication]) -> None:
         # Without a connection nothing is queued: on the next one everything is announced anew.
-        if self._client.is_connected():
-            for each in publications:
-                qos = 1 if each.retain else 0
-                self._client.publish(each.topic, each.payload, qos=qos, retain=each.retain)
+        for each in publications:
+            if each.topic == self._status:
+                self._state = each.payload
+            if self._client.is_connected():
+                self._client.publish(each.topic, each.payload, qos=1, retain=each.retain)
 
     def close(self) -> None:
         if self._client.is_connected():
@@ -90,7 +92,7 @@ class Broker:
             say(f"the broker refuses: {paho.mqtt.client.connack_string(code)}")
             return
         say("connected to the broker")
-        client.publish(self._status, ONLINE, qos=1, retain=True)
+        client.publish(self._status, self._state, qos=1, retain=True)
         client.subscribe([(topic, 1) for topic in [self._birth, *self._discovery]])
         self.must_announce.set()
 
