@@ -111,6 +111,22 @@ def test_field_a_bridge_without_raylocd_is_not_available(tmp_path: Path) -> None
             assert home.hears("rayloc/status", "online")
 
 
+def test_field_bridges_at_one_broker_and_other_prefixes_are_announced_again(tmp_path: Path) -> None:
+    other = TRACKER.replace("homeassistant/", "home/")
+    with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
+        with Bridge(daemon, broker) as first, Bridge(daemon, broker, "--base o --prefix home") as second:
+            assert eventually(lambda: {TRACKER, other} <= home.last.keys()), home.last
+            with home.lock:
+                del home.last[TRACKER], home.last[other]
+            home.client.publish("homeassistant/status", "online")  # wherever discovery is
+            assert eventually(lambda: {TRACKER, other} <= home.last.keys())
+            for bridge in (first, second):
+                assert bridge.stop(signal.SIGTERM) == 0
+                assert bridge.process.stderr is not None
+                # With one client id they would end each other's connection.
+                assert bridge.process.stderr.read().count(b"connected to the broker") == 1
+
+
 def test_who_was_located_before_a_crash_of_raylocd_is_away_after_it(tmp_path: Path) -> None:
     with Broker(tmp_path) as broker, Daemon(tmp_path) as daemon, Listener(broker) as home:
         with Bridge(daemon, broker):
@@ -140,6 +156,7 @@ def test_what_an_earlier_run_announced_is_taken_back(tmp_path: Path) -> None:
         daemon.start()
         with Bridge(daemon, broker, "--forget 1"):
             assert home.hears(TRACKER, "")
+            assert home.hears(f"{STATE}/place", "")  # the last of all
         with Listener(broker) as late:
             assert late.hears("rayloc/status", "offline")  # told on subscribing, as what it keeps
             assert late.last.keys() == {"rayloc/status", "rayloc/meeting_room/status"}
@@ -160,6 +177,8 @@ def test_a_broker_that_restarts_is_told_everything_again(tmp_path: Path) -> None
 def test_wrong_arguments_are_refused_with_what_is_needed() -> None:
     for words, said in (
         (["--mqtt", "localhost"], "HOST:PORT is needed"),
+        (["--base", "home/#"], "--base: 'home/#'"),
+        (["--prefix", "/homeassistant"], "--prefix: '/homeassistant'"),
         (["--key", "x"], "--server-key and --key need each other"),
         (["--server-key", "/nonexistent", "--key", "/nonexistent"], "/nonexistent"),
     ):

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import queue
+import re
 import sys
 import threading
 import time
@@ -44,6 +45,7 @@ from rayloc.connection import NoSnapshot
 from rayloc.subscriber import Subscriber
 
 TOPICS = ["v1/location/", "v1/track/", "v1/zone/", "v1/heartbeat/"]
+BIRTH = "homeassistant/status"
 LOOK = 0.2  # [s] between looks at what is due without a message
 
 
@@ -56,9 +58,10 @@ class Broker:
         self.kept: queue.SimpleQueue[tuple[str, str]] = queue.SimpleQueue()
         self._status = f"{setting.base}/status"
         self._state = OFFLINE  # of this bridge, until it has something to carry
-        self._birth = f"{setting.prefix}/status"
+        # Home Assistant's birth message does not move with its discovery prefix.
+        self._births = {f"{setting.prefix}/status", BIRTH}
         self._discovery = [f"{setting.prefix}/{each}/+/+/config" for each in COMPONENTS]
-        self._client = paho.mqtt.client.Client(client_id=arguments.client_id)
+        self._client = paho.mqtt.client.Client(client_id=arguments.client_id or setting.base)
         if arguments.username is not None:
             password = _first_line(arguments.password_file)
             self._client.username_pw_set(arguments.username, password)
@@ -93,7 +96,7 @@ class Broker:
             return
         say("connected to the broker")
         client.publish(self._status, self._state, qos=1, retain=True)
-        client.subscribe([(topic, 1) for topic in [self._birth, *self._discovery]])
+        client.subscribe([(topic, 1) for topic in [*self._births, *self._discovery]])
         self.must_announce.set()
 
     def _on_disconnect(self, _: Any, __: Any, code: int) -> None:
@@ -101,7 +104,7 @@ class Broker:
             say("the broker is gone; trying again")
 
     def _on_message(self, _: Any, __: Any, message: paho.mqtt.client.MQTTMessage) -> None:
-        if message.topic == self._birth:
+        if message.topic in self._births:
             if message.payload == ONLINE.encode():
                 self.must_announce.set()
         elif message.retain and "/rayloc_" in message.topic:  # kept, not just published
@@ -177,15 +180,19 @@ def parse(words: Optional[list[str]] = None) -> argparse.Namespace:
     add("--username", help="at the broker")
     add("--password-file", type=Path, help="its first line is the password")
     add("--ca-file", help="TLS, with these certificates of authorities (PEM)")
-    add("--client-id", default="rayloc", help="at the broker")
+    add("--client-id", help="at the broker; the same as --base by default")
     add("--prefix", default="homeassistant", help="Home Assistant's discovery prefix")
-    add("--base", default="rayloc", help="first part of our own topics")
+    add("--base", default="rayloc", help="first part of our own topics, another for each bridge")
     add("--interval", type=float, default=1.0, help="seconds between two states of a target")
     add("--forget", type=float, default=86_400.0, help="seconds until a silent device is removed")
     arguments = parser.parse_args(words)
     host, _, port = arguments.mqtt.rpartition(":")
     if not host or not port.isdigit():
         parser.error(f"--mqtt: HOST:PORT is needed, not {arguments.mqtt!r}")
+    for option in ("prefix", "base"):
+        topic = getattr(arguments, option)
+        if not topic or re.search(r"[+#\x00-\x1f\x7f]|^[/$]|/$", topic):
+            parser.error(f"--{option}: {topic!r} is no part of a topic: write it without + and #, and no / at an end")
     check_source(parser, arguments)
     return arguments
 
