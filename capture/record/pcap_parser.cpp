@@ -87,6 +87,14 @@ std::optional<Timestamp> timestamp(std::uint64_t ticks,
   return Timestamp(Duration(static_cast<std::int64_t>(ns)));
 }
 
+// No recording of CSI is older.
+bool is_plausible(const std::optional<Timestamp>& time) {
+  using std::chrono::year;
+  constexpr Timestamp kFirst = std::chrono::sys_days(year(2005) / 1 / 1);
+  constexpr Timestamp kLast = std::chrono::sys_days(year(2100) / 1 / 1);
+  return time && *time >= kFirst && *time < kLast;
+}
+
 std::string not_a_capture(Bytes data) {
   std::string begins;
   for (std::size_t i = 0; i < std::min<std::size_t>(4, data.size()); ++i) {
@@ -134,9 +142,7 @@ Step PcapParser::file_header(Bytes data) {
   for (const ByteOrder order : {ByteOrder::kLittle, ByteOrder::kBig}) {
     const std::uint32_t magic = load32(data, 0, order);
     if (magic == kMagicMicroseconds || magic == kMagicNanoseconds) {
-      order_ = order;
-      classic_.resolution = magic == kMagicNanoseconds ? 9 : 6;
-      return classic_header(data);
+      return classic_header(data, order);
     }
     if (magic == kMagicKuznetzov) {
       return failure("a pcap of the variant 'modified'; convert it: editcap -F pcap IN OUT");
@@ -200,20 +206,26 @@ Timestamp PcapParser::intel_time(Bytes record) {
   return Timestamp(std::chrono::microseconds(static_cast<std::int64_t>(clock)));
 }
 
-Step PcapParser::classic_header(Bytes data) {
+Step PcapParser::classic_header(Bytes data, ByteOrder order) {
   if (data.size() < kClassicHeaderBytes) {
     return need_more();
   }
-  const std::uint16_t major = load16(data, 4, order_);
+  const std::uint16_t major = load16(data, 4, order);
   if (major != 2) {
     return failure("pcap version " + std::to_string(major) + "; only version 2 is known");
   }
-  classic_.link_type = load32(data, 20, order_) & kLinkTypeMask;
+  order_ = order;
+  classic_link_type_ = load32(data, 20, order) & kLinkTypeMask;
+  const std::size_t index = units_.size();
+  units_.emplace_back(
+      load32(data, 0, order) == kMagicNanoseconds ? TimeUnit::kNanoseconds
+                                                  : TimeUnit::kMicroseconds,
+      index < known_units_.size() ? std::optional(known_units_[index]) : std::nullopt);
   format_ = Format::kClassic;
   return other(kClassicHeaderBytes);
 }
 
-Step PcapParser::classic_record(Bytes data) const {
+Step PcapParser::classic_record(Bytes data) {
   if (data.size() < kClassicRecordBytes) {
     return need_more();
   }
@@ -225,13 +237,12 @@ Step PcapParser::classic_record(Bytes data) const {
   if (data.size() - kClassicRecordBytes < captured) {
     return need_more();
   }
-  const std::uint64_t unit = classic_.resolution == 9 ? 1 : 1000;
-  const std::uint64_t ns =
-      load32(data, 0, order_) * std::uint64_t{kNanoseconds} + load32(data, 4, order_) * unit;
+  const std::uint32_t seconds = load32(data, 0, order_);
   Step step{
       .status = Status::kPacket, .size = kClassicRecordBytes + captured, .packet = {}, .error = {}};
-  step.packet.time = Timestamp(Duration(static_cast<std::int64_t>(ns)));
-  step.packet.link_type = classic_.link_type;
+  step.packet.time = Timestamp(std::chrono::seconds(seconds) +
+                               units_.back().add(seconds, load32(data, 4, order_)));
+  step.packet.link_type = classic_link_type_;
   step.packet.original_length = load32(data, 12, order_);
   step.packet.data = data.subspan(kClassicRecordBytes, captured);
   return step;
@@ -345,7 +356,7 @@ Step PcapParser::interface_description(Bytes body) {
 }
 
 // The time, both lengths and the data of a packet block begin at body[header - 16].
-Step PcapParser::timed_packet(Bytes body, std::uint32_t interface, std::size_t header) const {
+Step PcapParser::timed_packet(Bytes body, std::uint32_t interface, std::size_t header) {
   if (interface >= interfaces_.size()) {
     return failure("a packet of interface " + std::to_string(interface) +
                    ", which the section does not describe");
@@ -359,14 +370,34 @@ Step PcapParser::timed_packet(Bytes body, std::uint32_t interface, std::size_t h
   const std::uint64_t ticks =
       (std::uint64_t{load32(body, header - 16, order_)} << 32) | load32(body, header - 12, order_);
   Step step{.status = Status::kPacket, .size = 0, .packet = {}, .error = {}};
-  step.packet.time = timestamp(ticks, from.resolution, from.offset_s);
+  step.packet.time = block_time(ticks, interface);
   step.packet.link_type = from.link_type;
   step.packet.original_length = load32(body, header - 4, order_);
   step.packet.data = body.subspan(header, captured);
   return step;
 }
 
-Step PcapParser::enhanced_packet(Bytes body) const {
+// By the resolution that the interface states, or by nano- or microseconds where the stamp is a
+// plausible one in that unit alone.
+std::optional<Timestamp> PcapParser::block_time(std::uint64_t ticks, std::uint32_t interface) {
+  const Interface& from = interfaces_[interface];
+  const std::optional<Timestamp> stated = timestamp(ticks, from.resolution, from.offset_s);
+  if (is_plausible(stated) || from.offset_s != 0) {
+    return stated;
+  }
+  constexpr std::array<std::uint8_t, 2> kUsual = {9, 6};
+  for (const std::uint8_t resolution : kUsual) {
+    const std::optional<Timestamp> shown = timestamp(ticks, resolution, 0);
+    if (is_plausible(shown)) {
+      misstated_ = misstated_.value_or(MisstatedResolution{interface, from.resolution, resolution});
+      ++misstated_->packets;
+      return shown;
+    }
+  }
+  return stated;
+}
+
+Step PcapParser::enhanced_packet(Bytes body) {
   constexpr std::size_t kHeader = 20;
   if (body.size() < kHeader) {
     return failure("an enhanced packet block is too short");
@@ -375,7 +406,7 @@ Step PcapParser::enhanced_packet(Bytes body) const {
 }
 
 // As an enhanced one, but a 16-bit interface and a count of drops in place of the interface.
-Step PcapParser::old_packet(Bytes body) const {
+Step PcapParser::old_packet(Bytes body) {
   constexpr std::size_t kHeader = 20;
   if (body.size() < kHeader) {
     return failure("a packet block is too short");

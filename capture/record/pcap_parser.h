@@ -16,16 +16,30 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "capture/record/pcap_bytes.h"
 #include "capture/record/pcap_packet.h"
+#include "capture/record/subsecond_unit.h"
 
 namespace rayloc::pcap {
 
+// A pcapng interface whose time stamps contradict the resolution that it states.
+struct MisstatedResolution {
+  std::uint32_t interface = 0;
+  std::uint8_t stated = 0;    // if_tsresol
+  std::uint8_t read_as = 0;   // the same, of the stamps
+  std::uint64_t packets = 0;  // of all such interfaces
+};
+
 class PcapParser {
  public:
+  // `units`: of the classic headers in the file, as an earlier look at it has shown.
+  explicit PcapParser(std::vector<TimeUnit> units = {}) : known_units_(std::move(units)) {}
+
   enum class Status {
     kNeedMore,  // `data` ends inside a record
     kPacket,    // `packet` is filled; its data points into the bytes given
@@ -45,6 +59,11 @@ class PcapParser {
   // A file header was read: what follows is a capture.
   bool recognised() const { return format_ != Format::kUnknown; }
 
+  // Of the classic headers so far.
+  const std::vector<SubsecondUnit>& units() const { return units_; }
+  // The first one, if any.
+  const std::optional<MisstatedResolution>& misstated() const { return misstated_; }
+
  private:
   enum class Format { kUnknown, kClassic, kPcapng, kIntel5300 };
   struct Interface {
@@ -55,22 +74,26 @@ class PcapParser {
   };
 
   Step file_header(Bytes data);
-  Step classic_header(Bytes data);
-  Step classic_record(Bytes data) const;
+  Step classic_header(Bytes data, ByteOrder order);
+  Step classic_record(Bytes data);
   Step intel_record(Bytes data);
   Timestamp intel_time(Bytes record);
   Step block(Bytes data);
   Step section_header(Bytes data);
   Step interface_description(Bytes body);
-  Step enhanced_packet(Bytes body) const;
-  Step old_packet(Bytes body) const;
+  Step enhanced_packet(Bytes body);
+  Step old_packet(Bytes body);
   Step simple_packet(Bytes body) const;
-  Step timed_packet(Bytes body, std::uint32_t interface, std::size_t header) const;
+  Step timed_packet(Bytes body, std::uint32_t interface, std::size_t header);
+  std::optional<Timestamp> block_time(std::uint64_t ticks, std::uint32_t interface);
 
   Format format_ = Format::kUnknown;
   ByteOrder order_ = ByteOrder::kLittle;
-  Interface classic_;  // resolution 6 or 9
+  std::uint32_t classic_link_type_ = 0;
+  std::vector<TimeUnit> known_units_;
+  std::vector<SubsecondUnit> units_;  // the last one is that of the records
   std::vector<Interface> interfaces_;
+  std::optional<MisstatedResolution> misstated_;
   std::uint64_t card_clock_ = 0;  // [us], of the last record of an Intel 5300 log
 };
 

@@ -18,6 +18,14 @@ constexpr std::size_t kFileBatchDatagrams = 256;
 // Odd places of a pipe that are told at its end.
 constexpr std::size_t kMostNoted = 1000;
 
+std::vector<pcap::TimeUnit> shown_units(const std::optional<RecordTimes>& times) {
+  std::vector<pcap::TimeUnit> shown;
+  for (const CaptureUnit& capture : times ? times->units : std::vector<CaptureUnit>()) {
+    shown.push_back(capture.shown);
+  }
+  return shown;
+}
+
 }  // namespace
 
 bool can_be_read_twice(const std::string& path) {
@@ -44,7 +52,9 @@ Expected<std::unique_ptr<PcapFileSource>> PcapFileSource::open(const std::string
 
 PcapFileSource::PcapFileSource(std::unique_ptr<pcap::PcapInput> input,
                                const PcapFileOptions& options)
-    : options_(options), input_(std::move(input)), parser_(std::make_unique<pcap::PcapParser>()) {
+    : options_(options),
+      input_(std::move(input)),
+      parser_(std::make_unique<pcap::PcapParser>(shown_units(options.times))) {
   if (options.max_disorder == kAnyDisorder) {
     return;
   }
@@ -105,6 +115,9 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
         take_packet(step.packet, batch);
         break;
       case pcap::PcapParser::Status::kOther:
+        if (parser_->units().size() > unit_places_.size()) {
+          unit_places_.push_back({counting_.received + 1, input_->offset()});
+        }
         break;
     }
     input_->consume(step.size);
@@ -260,9 +273,24 @@ std::string PcapFileSource::place() const {
   return input_->name() + ": byte " + std::to_string(input_->offset()) + ": ";
 }
 
-Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options) {
+RecordTimes PcapFileSource::with_units(RecordTimes times) const {
+  times.units.clear();
+  for (std::size_t i = 0; i < unit_places_.size(); ++i) {
+    const pcap::SubsecondUnit& unit = parser_->units()[i];
+    times.units.push_back({unit_places_[i], unit.stated(), unit.shown(), unit.misread()});
+  }
+  times.misstated = parser_->misstated();
+  return times;
+}
+
+namespace {
+
+Expected<RecordingLook> look_once(const std::string& path,
+                                  const PcapFileOptions& options,
+                                  const std::optional<RecordTimes>& units) {
   PcapFileOptions everything = options;
   everything.max_disorder = kAnyDisorder;
+  everything.times = units;
   auto source = PcapFileSource::open(path, everything);
   if (!source) {
     return tl::make_unexpected(std::move(source.error()));
@@ -274,7 +302,17 @@ Expected<RecordingLook> look_through(const std::string& path, const PcapFileOpti
       judge.add((*source)->places()[i], batch.datagrams[i].time);
     }
   }
-  return RecordingLook{judge.finish(), (*source)->counters()};
+  return RecordingLook{(*source)->with_units(judge.finish()), (*source)->counters()};
+}
+
+}  // namespace
+
+Expected<RecordingLook> look_through(const std::string& path, const PcapFileOptions& options) {
+  auto look = look_once(path, options, std::nullopt);
+  const bool misread = look && std::any_of(look->times.units.begin(),
+                                           look->times.units.end(),
+                                           [](const CaptureUnit& unit) { return unit.misread; });
+  return misread ? look_once(path, options, look->times) : look;
 }
 
 }  // namespace rayloc

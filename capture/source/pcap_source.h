@@ -60,7 +60,9 @@ class PcapFileSource final : public DatagramSource {
   std::string warning() const;
 
   // Of a pipe: what its stamps have shown so far; for the thread that reads.
-  const RecordTimes& streamed_times() const { return streamed_; }
+  RecordTimes streamed_times() const { return with_units(streamed_); }
+  // Adds the units of the time stamps, as those read so far show them.
+  RecordTimes with_units(RecordTimes times) const;
 
   // Where the datagrams of the last batch lie in the file; for the thread that reads.
   const std::vector<RecordPlace>& places() const { return places_; }
@@ -88,6 +90,7 @@ class PcapFileSource final : public DatagramSource {
   std::optional<Datagram> held_;       // by stream_; its payload is one of copies_
   RecordPlace held_place_;
   RecordTimes streamed_;
+  std::vector<RecordPlace> unit_places_;       // of each of the parser's units
   std::deque<std::vector<std::byte>> copies_;  // of what was held, for as long as a batch shows it
   std::vector<RecordPlace> places_;
   RecordPlace place_now_;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "capture/source/seconds_text.h"
-
 namespace rayloc {
 namespace {
 
@@ -33,50 +31,6 @@ bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const Stam
   }
   return outside > latest ? stamp < outside - limits.disorder
                           : stamp - outside >= (latest - outside) / 2;
-}
-
-std::string at(const RecordPlace& place) {
-  return "packet " + std::to_string(place.packet) + " (byte " + std::to_string(place.byte) + "): ";
-}
-
-// Of a machine without a battery that has not heard of the time yet. No recording of CSI is older.
-std::string unset_clock_words(const RecordTimes& times) {
-  constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
-  if (times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
-    return {};
-  }
-  const std::chrono::year_month_day date(
-      std::chrono::floor<std::chrono::days>(times.busy.front().begin));
-  return "its first time stamp is of the year " + std::to_string(static_cast<int>(date.year())) +
-         ": the clock of the machine that recorded it was not set, and the times that are told are "
-         "wrong by as much";
-}
-
-Duration size_of(const ClockJump& jump) { return jump.to - jump.from; }
-
-std::string damage_words(const DamagedStamps& stamps) {
-  const bool late = stamps.ahead < Duration::zero();
-  std::string words = at(stamps.first) + "its time stamp lies ";
-  words += seconds_text(late ? -stamps.ahead : stamps.ahead);
-  words += late ? " behind" : " ahead of";
-  words += " its neighbours; ";
-  words += stamps.records > 1 ? std::to_string(stamps.records) + " packets from there on are"
-                              : std::string("it is");
-  words += " left out (";
-  return words + (late ? "time_went_back)" : "damaged_time)");
-}
-
-std::string clock_words(const ClockJump& jump, bool streamed) {
-  const Duration size = size_of(jump) - jump.pause;
-  const bool back = size < Duration::zero();
-  std::string words = at(jump.place) + "the clock was set ";
-  words += back ? "back by " : "forward by ";
-  words += seconds_text(back ? -size : size);
-  if (jump.was_set) {
-    words += "; all times are told by the clock as it was at the ";
-    words += streamed ? "beginning" : "end";
-  }
-  return words;
 }
 
 }  // namespace
@@ -244,12 +198,12 @@ RecordTimes StampJudge::finish() const {
 void StampJudge::find_clocks_set(RecordTimes& times) const {
   for (std::size_t i = 0; i < times.jumps.size(); ++i) {
     ClockJump& jump = times.jumps[i];
-    if (size_of(jump) < Duration::zero()) {
+    if (jump.size() < Duration::zero()) {
       jump.was_set = true;
     }
     const auto undone = [&](const ClockJump& other) {
-      const Duration sum = size_of(other) + size_of(jump);
-      return (size_of(other) < Duration::zero()) != (size_of(jump) < Duration::zero()) &&
+      const Duration sum = other.size() + jump.size();
+      return (other.size() < Duration::zero()) != (jump.size() < Duration::zero()) &&
              sum <= limits_.gap && sum >= -limits_.gap;
     };
     // From the nearest, and not beyond one that is its own pair.
@@ -263,9 +217,9 @@ void StampJudge::find_clocks_set(RecordTimes& times) const {
   }
   Duration correction{};
   for (ClockJump& jump : times.jumps) {
-    jump.was_set = jump.was_set && is_small(size_of(jump)) &&
-                   is_small(correction + jump.pause - size_of(jump));
-    correction += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+    jump.was_set =
+        jump.was_set && is_small(jump.size()) && is_small(correction + jump.pause - jump.size());
+    correction += jump.was_set ? jump.pause - jump.size() : Duration::zero();
   }
   times.correction = -correction;
 }
@@ -304,7 +258,7 @@ std::optional<Timestamp> RecordClock::event_time(std::uint64_t packet, Timestamp
   }
   while (next_jump_ < times_.jumps.size() && times_.jumps[next_jump_].place.packet <= packet) {
     const ClockJump& jump = times_.jumps[next_jump_++];
-    correction_ += jump.was_set ? jump.pause - size_of(jump) : Duration::zero();
+    correction_ += jump.was_set ? jump.pause - jump.size() : Duration::zero();
   }
   return stamp + correction_;
 }
@@ -343,52 +297,6 @@ bool StreamClock::give_at_end() {
   const Timestamp held = *std::exchange(held_, std::nullopt);
   late_ = held < *latest_;
   return !late_ && held <= *latest_ + kLongSilence;
-}
-
-std::vector<std::string> words_of(const RecordTimes& times,
-                                  const std::string& name,
-                                  Duration least_gap) {
-  // Of a file of which much is odd the first tell enough.
-  constexpr std::size_t kMostLines = 3;
-  const std::string file = name + ": ";
-  std::vector<std::string> damaged;
-  for (const DamagedStamps& stamps : times.damaged) {
-    damaged.push_back(file + damage_words(stamps));
-  }
-  std::vector<std::string> set;
-  std::vector<const ClockJump*> gaps;
-  for (const ClockJump& jump : times.jumps) {
-    const Duration size = size_of(jump) - jump.pause;
-    if (jump.was_set || size < Duration::zero()) {
-      set.push_back(file + clock_words(jump, times.streamed));
-    } else if (size > least_gap) {
-      gaps.push_back(&jump);
-    }
-  }
-  std::vector<std::string> words;
-  for (const auto& [lines, what] : {std::pair(&damaged, " more such places"),
-                                    std::pair(&set, " more times that the clock was set")}) {
-    words.insert(words.end(),
-                 lines->begin(),
-                 lines->begin() + static_cast<std::ptrdiff_t>(std::min(lines->size(), kMostLines)));
-    if (lines->size() > kMostLines) {
-      words.push_back(file + std::to_string(lines->size() - kMostLines) + what);
-    }
-  }
-  if (const std::string year = unset_clock_words(times); !year.empty()) {
-    words.push_back(file + year);
-  }
-  const auto longest =
-      std::max_element(gaps.begin(), gaps.end(), [](const ClockJump* a, const ClockJump* b) {
-        return size_of(*a) < size_of(*b);
-      });
-  if (longest != gaps.end()) {
-    words.push_back(
-        file + at((*longest)->place) + "its time stamp is " + seconds_text(size_of(**longest)) +
-        " later than the one before: the clock was set, or nothing was received" +
-        (gaps.size() > 1 ? " (the longest of " + std::to_string(gaps.size()) + " such gaps)" : ""));
-  }
-  return words;
 }
 
 }  // namespace rayloc

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/record/pcap_parser.h"
 #include "engine/base/timestamp.h"
 
 namespace rayloc {
@@ -50,12 +51,22 @@ struct ClockJump {
   Timestamp to;          // the first one behind it
   Duration pause{};      // what had passed between the two by an even clock, as far as known
   bool was_set = false;  // the clock; else event time jumps as well
+
+  Duration size() const { return to - from; }
 };
 
 struct TimeSpan {
   Timestamp begin;
   Timestamp end;
   friend bool operator==(const TimeSpan&, const TimeSpan&) = default;
+};
+
+// One of the classic captures that a file holds, and the unit of its time stamps.
+struct CaptureUnit {
+  RecordPlace place;  // of its header; the packet is the first one behind it
+  pcap::TimeUnit stated = pcap::TimeUnit::kMicroseconds;
+  pcap::TimeUnit shown = pcap::TimeUnit::kMicroseconds;
+  bool misread = false;  // some stamps were read by another unit than the one shown
 };
 
 struct RecordTimes {
@@ -68,6 +79,8 @@ struct RecordTimes {
   // Of a stream: nobody could look ahead, and times are told by the clock as it was at the
   // beginning; neither `correction` nor `busy` is known.
   bool streamed = false;
+  std::vector<CaptureUnit> units;
+  std::optional<pcap::MisstatedResolution> misstated;  // of pcapng
 };
 
 // Finds them. Memory: some bytes for every gap.
@@ -165,7 +178,7 @@ class StreamClock {
 };
 
 // What people should know of them, a line each; `name` is the file's. Gaps that are no longer than
-// `least_gap` are not spoken of.
+// `least_gap` are not spoken of (record_words.cpp).
 std::vector<std::string> words_of(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap);
