@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "capture/source/clock_pairs.h"
+
 namespace rayloc {
 namespace {
 
@@ -193,28 +195,8 @@ RecordTimes StampJudge::finish() const {
   return times;
 }
 
-// Time does not go back: the clock was set. Where it went forward and comes back by as much, it was
-// set both times, and so where it went back and comes forward again.
 void StampJudge::find_clocks_set(RecordTimes& times) const {
-  for (std::size_t i = 0; i < times.jumps.size(); ++i) {
-    ClockJump& jump = times.jumps[i];
-    if (jump.size() < Duration::zero()) {
-      jump.was_set = true;
-    }
-    const auto undone = [&](const ClockJump& other) {
-      const Duration sum = other.size() + jump.size();
-      return (other.size() < Duration::zero()) != (jump.size() < Duration::zero()) &&
-             sum <= limits_.gap && sum >= -limits_.gap;
-    };
-    // From the nearest, and not beyond one that is its own pair.
-    for (std::size_t j = i; j-- > 0;) {
-      if (undone(times.jumps[j])) {
-        times.jumps[j].was_set = true;
-        jump.was_set = true;
-        break;
-      }
-    }
-  }
+  mark_clocks_set(times.jumps, limits_.gap);
   Duration correction{};
   for (ClockJump& jump : times.jumps) {
     jump.was_set =

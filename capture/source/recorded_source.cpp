@@ -176,8 +176,8 @@ Timestamp RecordedSource::watermark() const {
       earliest = std::min(earliest, reader.batch.datagrams[i].time);
     }
   }
-  for (std::size_t i = next_file_; i < plan_.files.size(); ++i) {
-    earliest = std::min(earliest, begin_of(plan_.files[i]));
+  if (next_file_ < plan_.files.size()) {  // the earliest of those that are not open
+    earliest = std::min(earliest, begin_of(plan_.files[next_file_]));
   }
   return earliest;
 }

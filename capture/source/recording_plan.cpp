@@ -67,8 +67,8 @@ std::string words_between(const PlannedFile& before, const PlannedFile& next, Du
 }  // namespace
 
 Timestamp begin_of(const PlannedFile& file) {
-  const auto span = span_of(file);
-  return span ? span->begin : Timestamp::min();
+  const bool known = file.look && !file.look->times.busy.empty();
+  return known ? file.look->times.busy.front().begin : Timestamp::min();
 }
 
 PcapFileOptions as_stamped_options() {
