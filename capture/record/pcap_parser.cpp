@@ -53,6 +53,11 @@ Step need_more() { return {}; }
 Step other(std::size_t size) {
   return {.status = Status::kOther, .size = size, .packet = {}, .error = {}};
 }
+Step header(std::size_t size) {
+  Step step = other(size);
+  step.begins_capture = true;
+  return step;
+}
 Step failure(std::string error) {
   return {.status = Status::kError, .size = 0, .packet = {}, .error = std::move(error)};
 }
@@ -161,9 +166,40 @@ Step PcapParser::file_header(Bytes data) {
   return failure(not_a_capture(data));
 }
 
+// The header of a capture that was appended to another one; none where `data` begins with no such
+// header. More is compared than the magic number: a record may begin with its value.
+std::optional<Step> PcapParser::joined_header(Bytes data) {
+  constexpr std::size_t kByteOrderOffset = 8;
+  const std::uint32_t begin = load32(data, 0);
+  if (begin == kSectionHeaderBlock) {
+    if (data.size() < kByteOrderOffset + 4) {
+      return need_more();
+    }
+    const bool little = load32(data, kByteOrderOffset, ByteOrder::kLittle) == kByteOrderMagic;
+    const bool big = load32(data, kByteOrderOffset, ByteOrder::kBig) == kByteOrderMagic;
+    return little || big ? std::optional(section_header(data)) : std::nullopt;
+  }
+  for (const ByteOrder order : {ByteOrder::kLittle, ByteOrder::kBig}) {
+    const std::uint32_t magic = load32(data, 0, order);
+    if (magic != kMagicMicroseconds && magic != kMagicNanoseconds) {
+      continue;
+    }
+    if (data.size() < kClassicHeaderBytes) {
+      return need_more();
+    }
+    if (load16(data, 4, order) == 2 && load16(data, 6, order) == 4) {
+      return classic_header(data, order);
+    }
+  }
+  return std::nullopt;
+}
+
 Step PcapParser::intel_record(Bytes data) {
-  if (data.size() <= kIntelLengthBytes) {
+  if (data.size() < 4) {
     return need_more();
+  }
+  if (auto joined = joined_header(data)) {
+    return *std::move(joined);
   }
   const std::size_t length = load16(data, 0);
   const std::uint8_t code = load8(data, kIntelLengthBytes);
@@ -222,12 +258,15 @@ Step PcapParser::classic_header(Bytes data, ByteOrder order) {
                                                   : TimeUnit::kMicroseconds,
       index < known_units_.size() ? std::optional(known_units_[index]) : std::nullopt);
   format_ = Format::kClassic;
-  return other(kClassicHeaderBytes);
+  return header(kClassicHeaderBytes);
 }
 
 Step PcapParser::classic_record(Bytes data) {
   if (data.size() < kClassicRecordBytes) {
     return need_more();
+  }
+  if (auto joined = joined_header(data)) {
+    return *std::move(joined);
   }
   const std::uint32_t captured = load32(data, 8, order_);
   if (captured > kMaxPacketBytes) {
@@ -254,6 +293,9 @@ Step PcapParser::block(Bytes data) {
   }
   if (load32(data, 0) == kSectionHeaderBlock) {
     return section_header(data);
+  }
+  if (auto joined = joined_header(data)) {
+    return *std::move(joined);
   }
   if (data.size() < 8) {
     return need_more();
@@ -320,7 +362,7 @@ Step PcapParser::section_header(Bytes data) {
   }
   format_ = Format::kPcapng;
   interfaces_.clear();
-  return other(length);
+  return header(length);
 }
 
 Step PcapParser::interface_description(Bytes body) {

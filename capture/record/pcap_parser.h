@@ -5,6 +5,9 @@
 // interfaces (each with its link type, if_tsresol and if_tsoffset), enhanced, simple and old packet
 // blocks, both byte orders; other blocks are passed over.
 //
+// Behind the last record of a capture another one may begin, of any of these kinds, as `cat` joins
+// them: its header is read as that of a file.
+//
 // And the log of the Intel 5300's CSI tool: records of a length (two bytes, big-endian), a code and
 // what it says. Those with CSI (0xbb) are packets with the link type kLinkTypeIntel5300, from the
 // code on; copies of frames (0xc1) are passed over. The time is that of the extended header, else
@@ -51,6 +54,7 @@ class PcapParser {
     std::size_t size = 0;  // bytes consumed
     Packet packet;
     std::string error;
+    bool begins_capture = false;  // a file header, or that of another section
   };
 
   // Takes the record at the beginning of `data`. After kError it must not be called again.
@@ -74,6 +78,7 @@ class PcapParser {
   };
 
   Step file_header(Bytes data);
+  std::optional<Step> joined_header(Bytes data);
   Step classic_header(Bytes data, ByteOrder order);
   Step classic_record(Bytes data);
   Step intel_record(Bytes data);

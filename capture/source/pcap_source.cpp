@@ -115,12 +115,23 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
         take_packet(step.packet, batch);
         break;
       case pcap::PcapParser::Status::kOther:
-        if (parser_->units().size() > unit_places_.size()) {
-          unit_places_.push_back({counting_.received + 1, input_->offset()});
+        if (step.begins_capture) {
+          note_header();
         }
         break;
     }
     input_->consume(step.size);
+  }
+}
+
+void PcapFileSource::note_header() {
+  const RecordPlace place{counting_.received + 1, input_->offset()};
+  if (first_header_) {
+    joined_.push_back(place);
+  }
+  first_header_ = first_header_.value_or(place);
+  if (parser_->units().size() > unit_places_.size()) {
+    unit_places_.push_back(place);
   }
 }
 
@@ -273,13 +284,14 @@ std::string PcapFileSource::place() const {
   return input_->name() + ": byte " + std::to_string(input_->offset()) + ": ";
 }
 
-RecordTimes PcapFileSource::with_units(RecordTimes times) const {
+RecordTimes PcapFileSource::with_headers(RecordTimes times) const {
   times.units.clear();
   for (std::size_t i = 0; i < unit_places_.size(); ++i) {
     const pcap::SubsecondUnit& unit = parser_->units()[i];
     times.units.push_back({unit_places_[i], unit.stated(), unit.shown(), unit.misread()});
   }
   times.misstated = parser_->misstated();
+  times.joined = joined_;
   return times;
 }
 
@@ -302,7 +314,7 @@ Expected<RecordingLook> look_once(const std::string& path,
       judge.add((*source)->places()[i], batch.datagrams[i].time);
     }
   }
-  return RecordingLook{(*source)->with_units(judge.finish()), (*source)->counters()};
+  return RecordingLook{(*source)->with_headers(judge.finish()), (*source)->counters()};
 }
 
 }  // namespace

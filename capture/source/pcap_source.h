@@ -60,9 +60,9 @@ class PcapFileSource final : public DatagramSource {
   std::string warning() const;
 
   // Of a pipe: what its stamps have shown so far; for the thread that reads.
-  RecordTimes streamed_times() const { return with_units(streamed_); }
-  // Adds the units of the time stamps, as those read so far show them.
-  RecordTimes with_units(RecordTimes times) const;
+  RecordTimes streamed_times() const { return with_headers(streamed_); }
+  // Adds what the headers of captures state and their records show, as far as it was read.
+  RecordTimes with_headers(RecordTimes times) const;
 
   // Where the datagrams of the last batch lie in the file; for the thread that reads.
   const std::vector<RecordPlace>& places() const { return places_; }
@@ -71,6 +71,7 @@ class PcapFileSource final : public DatagramSource {
   PcapFileSource(std::unique_ptr<pcap::PcapInput> input, const PcapFileOptions& options);
 
   void take_records(DatagramBatch& batch);
+  void note_header();
   void take_packet(const pcap::Packet& packet, DatagramBatch& batch);
   void take_datagram(const Datagram& datagram, DatagramBatch& batch);
   void take_streamed(const Datagram& datagram, DatagramBatch& batch);
@@ -90,6 +91,8 @@ class PcapFileSource final : public DatagramSource {
   std::optional<Datagram> held_;       // by stream_; its payload is one of copies_
   RecordPlace held_place_;
   RecordTimes streamed_;
+  std::optional<RecordPlace> first_header_;
+  std::vector<RecordPlace> joined_;            // further headers
   std::vector<RecordPlace> unit_places_;       // of each of the parser's units
   std::deque<std::vector<std::byte>> copies_;  // of what was held, for as long as a batch shows it
   std::vector<RecordPlace> places_;

@@ -37,7 +37,26 @@ std::string damage_words(const DamagedStamps& stamps) {
   return words + (late ? "time_went_back)" : "damaged_time)");
 }
 
-std::string clock_words(const ClockJump& jump, bool streamed) {
+// Of captures that were joined in another order than that of time, no clock was set.
+std::string joined_words(const ClockJump& jump, const RecordTimes& times) {
+  constexpr std::uint64_t kNear = 16;  // the first packets of a capture may be no datagrams
+  const auto after =
+      std::find_if(times.joined.rbegin(), times.joined.rend(), [&](const RecordPlace& header) {
+        return header.packet <= jump.place.packet && jump.place.packet < header.packet + kNear;
+      });
+  if (after == times.joined.rend() || jump.size() >= Duration::zero()) {
+    return {};
+  }
+  return at(jump.place) + "the capture that begins at byte " + std::to_string(after->byte) +
+         " starts " + seconds_text(-jump.size()) +
+         " before the end of the one before it, and is taken to follow it: split the file there, "
+         "and name the parts as several recordings of one access point";
+}
+
+std::string clock_words(const ClockJump& jump, const RecordTimes& times) {
+  if (std::string joined = joined_words(jump, times); !joined.empty()) {
+    return joined;
+  }
   const Duration size = jump.size() - jump.pause;
   const bool back = size < Duration::zero();
   std::string words = at(jump.place) + "the clock was set ";
@@ -45,7 +64,7 @@ std::string clock_words(const ClockJump& jump, bool streamed) {
   words += seconds_text(back ? -size : size);
   if (jump.was_set) {
     words += "; all times are told by the clock as it was at the ";
-    words += streamed ? "beginning" : "end";
+    words += times.streamed ? "beginning" : "end";
   }
   return words;
 }
@@ -116,12 +135,18 @@ std::vector<std::string> words_of(const RecordTimes& times,
   for (const ClockJump& jump : times.jumps) {
     const Duration size = jump.size() - jump.pause;
     if (jump.was_set || size < Duration::zero()) {
-      set.push_back(file + clock_words(jump, times.streamed));
+      set.push_back(file + clock_words(jump, times));
     } else if (size > least_gap) {
       gaps.push_back(&jump);
     }
   }
   std::vector<std::string> words;
+  if (!times.joined.empty()) {
+    const std::size_t more = times.joined.size() - 1;
+    words.push_back(file + "byte " + std::to_string(times.joined.front().byte) +
+                    ": another capture begins here, as cat joins files; it is read as well" +
+                    (more > 0 ? ", and " + std::to_string(more) + " more behind it" : ""));
+  }
   for (const std::string& line : units_words(times)) {
     words.push_back(file + line);
   }
