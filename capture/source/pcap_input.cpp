@@ -10,6 +10,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 
 #include "capture/transport/poll_timeout.h"
 #include "engine/base/check.h"
@@ -21,11 +22,40 @@ constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 constexpr std::size_t kPackedReadBytes = std::size_t{64} << 10;
 constexpr std::byte kGzip0{0x1f};
 constexpr std::byte kGzip1{0x8b};
+
+// How a gzip member begins (deflated, the only method), and how captures do.
+constexpr std::string_view kMemberMagic = "\x1f\x8b\x08";
+constexpr std::array<std::string_view, 5> kMagic = {
+    "\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1", "\xa1\xb2\x3c\x4d", "\n\r\r\n"};
 // zlib's format number of "gzip only", with the largest window.
 constexpr int kGzipWindow = 16 + MAX_WBITS;
 
 std::string system_error(const std::string& name, const char* what) {
   return name + ": " + what + ": " + std::strerror(errno);
+}
+
+bool begins_with(std::span<const std::byte> bytes, std::string_view magic) {
+  return bytes.size() >= magic.size() && !magic.empty() &&
+         std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
+}
+
+enum class Begins { kMember, kCapture, kNothing, kUnknown };  // unknown: more bytes are needed
+
+Begins what_begins(std::span<const std::byte> bytes) {
+  if (begins_with(bytes, kMemberMagic)) {
+    return Begins::kMember;
+  }
+  bool unknown = false;
+  for (const std::string_view magic : kMagic) {
+    if (begins_with(bytes, magic)) {
+      return Begins::kCapture;
+    }
+    unknown = unknown ||
+              (bytes.size() < magic.size() && begins_with(bytes, magic.substr(0, bytes.size())));
+  }
+  unknown = unknown || (bytes.size() < kMemberMagic.size() &&
+                        begins_with(bytes, kMemberMagic.substr(0, bytes.size())));
+  return unknown ? Begins::kUnknown : Begins::kNothing;
 }
 
 // 1 readable, 0 not within the time, -1 errno.
@@ -134,11 +164,13 @@ Expected<PcapInput::Fill> PcapInput::fill(Duration timeout) {
 Expected<PcapInput::Fill> PcapInput::read_more() {
   const bool direct = packing_ == Packing::kNone;
   const std::size_t size = direct ? kReadBytes : kPackedReadBytes;
-  std::vector<std::byte> packed(direct ? 0 : size);
+  std::vector<std::byte> packed = direct ? std::vector<std::byte>() : packed_;
+  const std::size_t kept = packed.size();  // the beginning of what may be a member
+  packed.resize(direct ? 0 : kept + size);
   if (direct) {
     make_room(size);
   }
-  const ssize_t got = ::read(fd_, direct ? buffer_.data() + end_ : packed.data(), size);
+  const ssize_t got = ::read(fd_, direct ? buffer_.data() + end_ : packed.data() + kept, size);
   if (got < 0) {
     if (errno == EINTR || errno == EAGAIN) {
       return Fill::kTimeout;
@@ -146,13 +178,15 @@ Expected<PcapInput::Fill> PcapInput::read_more() {
     return make_error(ErrorKind::kUnavailable, system_error(name_, "cannot be read"));
   }
   if (got == 0) {
+    add_padding(kept);
+    packed_.clear();
     return Fill::kEnd;
   }
   if (direct) {
     end_ += static_cast<std::size_t>(got);
     return Fill::kMore;
   }
-  packed.resize(static_cast<std::size_t>(got));
+  packed.resize(kept + static_cast<std::size_t>(got));
   if (packing_ == Packing::kUnknown) {
     // No capture begins with the first of gzip's two bytes, so one is enough.
     const bool gzip = packed[0] == kGzip0 && (packed.size() == 1 || packed[1] == kGzip1);
@@ -162,10 +196,45 @@ Expected<PcapInput::Fill> PcapInput::read_more() {
   if (packing_ == Packing::kGzip) {
     return unpack(packed) || !damage_ ? Expected<Fill>(Fill::kMore) : tl::make_unexpected(*damage_);
   }
-  make_room(packed.size());
-  std::copy(packed.begin(), packed.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
-  end_ += packed.size();
+  take_plain(packed);
   return Fill::kMore;
+}
+
+void PcapInput::take_plain(std::span<const std::byte> bytes) {
+  make_room(bytes.size());
+  std::copy(bytes.begin(), bytes.end(), buffer_.begin() + static_cast<std::ptrdiff_t>(end_));
+  end_ += bytes.size();
+}
+
+void PcapInput::add_padding(std::size_t bytes) {
+  padding_.offset = padding_.bytes == 0 ? packed_offset_ : padding_.offset;
+  padding_.bytes += bytes;
+  packed_offset_ += bytes;
+}
+
+// Behind a member: takes what is not another one, nor the beginning of one. Returns how much that
+// is of `packed`.
+std::size_t PcapInput::skip_padding(std::span<const std::byte> packed) {
+  std::size_t zeros = 0;
+  while (part_ == Part::kBetween && zeros < packed.size() && packed[zeros] == std::byte{0}) {
+    ++zeros;
+  }
+  const std::span<const std::byte> rest = packed.subspan(zeros);
+  const Begins next = part_ == Part::kGarbage ? Begins::kNothing : what_begins(rest);
+  if (rest.empty() || next == Begins::kUnknown || next == Begins::kMember) {
+    part_ = next == Begins::kMember ? Part::kMember : part_;
+    add_padding(zeros);
+    return zeros;
+  }
+  if (next == Begins::kCapture) {
+    packing_ = Packing::kNone;
+    add_padding(zeros);
+    take_plain(rest);
+    return packed.size();
+  }
+  part_ = Part::kGarbage;
+  add_padding(packed.size());
+  return packed.size();
 }
 
 // True when the window grew. Damage found behind good data is kept for the next fill().
@@ -173,21 +242,29 @@ bool PcapInput::unpack(std::span<const std::byte> packed) {
   make_room(kReadBytes);
   const std::size_t before = end_;
   std::size_t at = 0;
-  Inflater::Result result;
-  do {
-    result = inflater_->run(packed.subspan(at), std::span(buffer_).subspan(end_));
+  bool goes_on = true;
+  while (goes_on && !damage_ && end_ < buffer_.size()) {
+    if (part_ != Part::kMember) {
+      at += skip_padding(packed.subspan(at));
+      goes_on = part_ == Part::kMember;
+      continue;
+    }
+    const Inflater::Result result =
+        inflater_->run(packed.subspan(at), std::span(buffer_).subspan(end_));
     at += result.consumed;
     end_ += result.produced;
     packed_offset_ += result.consumed;
-    if (result.consumed + result.produced > 0) {
+    goes_on = result.consumed + result.produced > 0;
+    if (goes_on) {
       inside_gzip_ = !result.member_ended;
     }
+    part_ = result.member_ended ? Part::kBetween : Part::kMember;
     if (result.error != nullptr) {
       damage_ = Error{ErrorKind::kBadInput,
                       name_ + ": byte " + std::to_string(packed_offset_) +
                           " of the gzip'd file: " + result.error};
     }
-  } while (!damage_ && end_ < buffer_.size() && result.consumed + result.produced > 0);
+  }
   packed_.assign(packed.begin() + static_cast<std::ptrdiff_t>(at), packed.end());
   // For want of room: zlib may hold back output of what it has consumed.
   unpacking_stopped_ = end_ == buffer_.size();

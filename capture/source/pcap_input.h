@@ -41,11 +41,21 @@ class PcapInput {
   bool ends_within_gzip() const { return inside_gzip_; }
   const std::string& name() const { return name_; }
 
+  // Bytes of a gzip'd file behind its members that are none: zeros, or whatever else was appended.
+  struct Padding {
+    std::uint64_t offset = 0;  // of the first one, in the packed file
+    std::uint64_t bytes = 0;
+  };
+  const Padding& padding() const { return padding_; }
+
  private:
   class Inflater;
 
   Expected<Fill> read_more();
   bool unpack(std::span<const std::byte> packed);
+  std::size_t skip_padding(std::span<const std::byte> packed);
+  void add_padding(std::size_t bytes);
+  void take_plain(std::span<const std::byte> bytes);
   void make_room(std::size_t size);
 
   int fd_;
@@ -56,12 +66,16 @@ class PcapInput {
   std::uint64_t offset_ = 0;
 
   enum class Packing { kUnknown, kNone, kGzip };
+  // What comes next of a gzip'd file.
+  enum class Part { kMember, kBetween, kGarbage };
   Packing packing_ = Packing::kUnknown;
   std::vector<std::byte> packed_;  // read from the file and not yet unpacked
   std::uint64_t packed_offset_ = 0;
   bool unpacking_stopped_ = false;
   std::optional<Error> damage_;
   std::unique_ptr<Inflater> inflater_;
+  Part part_ = Part::kMember;
+  Padding padding_;
   bool inside_gzip_ = false;
 };
 

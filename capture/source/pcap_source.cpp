@@ -18,6 +18,15 @@ constexpr std::size_t kFileBatchDatagrams = 256;
 // Odd places of a pipe that are told at its end.
 constexpr std::size_t kMostNoted = 1000;
 
+// What files are padded with to whole blocks: no record of any format begins with so many.
+constexpr std::size_t kPaddingZeros = 16;
+
+// As far as there are bytes.
+bool begins_with_zeros(std::span<const std::byte> bytes) {
+  const std::span<const std::byte> first = bytes.first(std::min(bytes.size(), kPaddingZeros));
+  return std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
+}
+
 std::vector<pcap::TimeUnit> shown_units(const std::optional<RecordTimes>& times) {
   std::vector<pcap::TimeUnit> shown;
   for (const CaptureUnit& capture : times ? times->units : std::vector<CaptureUnit>()) {
@@ -104,6 +113,13 @@ Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
 
 void PcapFileSource::take_records(DatagramBatch& batch) {
   while (batch.datagrams.size() < kFileBatchDatagrams && !error_) {
+    if (skip_zeros()) {
+      continue;
+    }
+    if (parser_->recognised() && input_->window().size() < kPaddingZeros &&
+        begins_with_zeros(input_->window())) {
+      return;  // more bytes show whether it is padding
+    }
     const pcap::PcapParser::Step step = parser_->next(input_->window());
     switch (step.status) {
       case pcap::PcapParser::Status::kNeedMore:
@@ -121,6 +137,35 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
         break;
     }
     input_->consume(step.size);
+  }
+}
+
+bool PcapFileSource::skip_zeros() {
+  if (!parser_->recognised() || input_->window().size() < kPaddingZeros ||
+      !begins_with_zeros(input_->window())) {
+    return false;
+  }
+  add_zeros(kPaddingZeros);
+  return true;
+}
+
+void PcapFileSource::add_zeros(std::size_t bytes) {
+  first_zero_ = zeros_ == 0 ? input_->offset() : first_zero_;
+  zeros_ += bytes;
+  input_->consume(bytes);
+}
+
+void PcapFileSource::note_padding() {
+  const pcap::PcapInput::Padding packed = input_->padding();
+  const std::lock_guard lock(mutex_);
+  if (packed.bytes > 0) {
+    warnings_.push_back(input_->name() + ": byte " + std::to_string(packed.offset) +
+                        " of the gzip'd file: " + std::to_string(packed.bytes) +
+                        " bytes of padding are no gzip data and were left out");
+  }
+  if (zeros_ > 0) {
+    warnings_.push_back(input_->name() + ": byte " + std::to_string(first_zero_) + ": " +
+                        std::to_string(zeros_) + " zero bytes are padding and were left out");
   }
 }
 
@@ -232,6 +277,10 @@ void PcapFileSource::end(DatagramBatch& batch) {
     reject_held();
   }
   ended_ = true;
+  if (zeros_ > 0 && begins_with_zeros(input_->window())) {
+    add_zeros(input_->window().size());
+  }
+  note_padding();
   const std::size_t left = input_->window().size();
   if (!parser_->recognised()) {
     error_ = Error{
@@ -254,7 +303,7 @@ void PcapFileSource::end(DatagramBatch& batch) {
   ++counting_.received;
   ++counting_.rejected["torn_record"];
   const std::lock_guard lock(mutex_);
-  warning_ = torn;
+  warnings_.push_back(torn);
 }
 
 Timestamp PcapFileSource::watermark() const {
@@ -273,9 +322,9 @@ SourceCounters PcapFileSource::counters() const {
   return published_;
 }
 
-std::string PcapFileSource::warning() const {
+std::vector<std::string> PcapFileSource::warnings() const {
   const std::lock_guard lock(mutex_);
-  return warning_;
+  return warnings_;
 }
 
 std::string PcapFileSource::description() const { return input_->name(); }

@@ -56,8 +56,8 @@ class PcapFileSource final : public DatagramSource {
   SourceCounters counters() const override;
   std::string description() const override;
 
-  // What was torn, where, once read() has come to it; empty otherwise.
-  std::string warning() const;
+  // What was torn or is padding, where, once read() has come to it.
+  std::vector<std::string> warnings() const;
 
   // Of a pipe: what its stamps have shown so far; for the thread that reads.
   RecordTimes streamed_times() const { return with_headers(streamed_); }
@@ -71,7 +71,10 @@ class PcapFileSource final : public DatagramSource {
   PcapFileSource(std::unique_ptr<pcap::PcapInput> input, const PcapFileOptions& options);
 
   void take_records(DatagramBatch& batch);
+  bool skip_zeros();
+  void add_zeros(std::size_t bytes);
   void note_header();
+  void note_padding();
   void take_packet(const pcap::Packet& packet, DatagramBatch& batch);
   void take_datagram(const Datagram& datagram, DatagramBatch& batch);
   void take_streamed(const Datagram& datagram, DatagramBatch& batch);
@@ -92,6 +95,8 @@ class PcapFileSource final : public DatagramSource {
   RecordPlace held_place_;
   RecordTimes streamed_;
   std::optional<RecordPlace> first_header_;
+  std::uint64_t zeros_ = 0;  // bytes of padding between and behind records
+  std::uint64_t first_zero_ = 0;
   std::vector<RecordPlace> joined_;            // further headers
   std::vector<RecordPlace> unit_places_;       // of each of the parser's units
   std::deque<std::vector<std::byte>> copies_;  // of what was held, for as long as a batch shows it
@@ -104,7 +109,7 @@ class PcapFileSource final : public DatagramSource {
 
   mutable std::mutex mutex_;
   SourceCounters published_;
-  std::string warning_;
+  std::vector<std::string> warnings_;
 };
 
 // A pipe can be read once, and standard input is where somebody else has left it.

@@ -95,9 +95,8 @@ void RecordedSource::close_ended() {
 }
 
 void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) const {
-  if (std::string torn = reader.source->warning(); !torn.empty()) {
-    to.push_back(std::move(torn));
-  }
+  const std::vector<std::string> torn = reader.source->warnings();
+  to.insert(to.end(), torn.begin(), torn.end());
   if (reader.looked_through) {  // words_of() has told
     return;
   }

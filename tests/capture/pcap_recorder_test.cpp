@@ -91,7 +91,7 @@ std::vector<Recorded> read_back(const std::string& path, Duration max_disorder =
     all.push_back({d.time, d.address, ByteString(bytes, d.payload.size())});
   });
   EXPECT_EQ((*source)->counters().rejected, (std::map<std::string, std::uint64_t>{}));
-  EXPECT_EQ((*source)->warning(), "");
+  EXPECT_TRUE((*source)->warnings().empty());
   return all;
 }
 

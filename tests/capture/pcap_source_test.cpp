@@ -74,7 +74,9 @@ Reading read_all(const std::string& path, const PcapFileOptions& options = {}) {
     watermark = batch.watermark;
   }
   reading.counters = (*source)->counters();
-  reading.warning = (*source)->warning();
+  for (const std::string& line : (*source)->warnings()) {
+    reading.warning += line;
+  }
   reading.watermark = watermark;
   EXPECT_EQ(reading.counters.delivered, reading.datagrams.size());
   EXPECT_EQ(reading.counters.received, reading.counters.delivered + sum(reading.counters.rejected));

@@ -48,7 +48,7 @@ class RecordingRepairTest : public ::testing::Test {
     const auto source = PcapFileSource::open(path_).value();
     std::size_t count = 0;
     test::read_to_end(*source, [&](const Datagram&) { ++count; });
-    EXPECT_EQ(source->warning(), "");
+    EXPECT_TRUE(source->warnings().empty());
     EXPECT_EQ(source->counters().rejected, (std::map<std::string, std::uint64_t>{{"gap_mark", 1}}));
     return count;
   }

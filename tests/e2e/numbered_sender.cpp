@@ -117,7 +117,9 @@ NumberedRecording read_numbered(const std::filesystem::path& folder, const std::
     SourceCounters counters = (*source)->counters();
     all.gap_marks += counters.rejected["gap_mark"];
     all.unrecorded += counters.unrecorded;
-    all.trouble += (*source)->warning();
+    for (const std::string& line : (*source)->warnings()) {
+      all.trouble += line;
+    }
   }
   return all;
 }
