@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "capture/record/packet_tunnel.h"
 #include "capture/record/pcap_bytes.h"
 #include "capture/record/udp_packet.h"
 
@@ -12,6 +13,7 @@ namespace {
 // Link types of raw IP that old files carry: DLT_RAW of BSD and of OpenBSD.
 constexpr std::uint32_t kDltRaw = 12;
 constexpr std::uint32_t kDltRawOpenBsd = 14;
+constexpr std::uint32_t kLinkTypePppoe = 51;  // LINKTYPE_PPP_ETHER
 
 // What interfaces in monitor mode give: 802.11 frames, bare or behind a header of the radio.
 constexpr std::array<std::uint32_t, 5> kMonitorModes = {
@@ -27,6 +29,9 @@ constexpr std::uint16_t kEtherTypeIpv6 = 0x86dd;
 constexpr std::uint16_t kEtherTypeVlan = 0x8100;         // 802.1Q
 constexpr std::uint16_t kEtherTypeServiceVlan = 0x88a8;  // 802.1ad
 constexpr std::uint16_t kEtherTypeOldQinq = 0x9100;
+constexpr std::uint16_t kEtherTypeMpls = 0x8847;
+constexpr std::uint16_t kEtherTypeMplsUpstream = 0x8848;
+constexpr std::uint16_t kEtherTypePppoe = 0x8864;  // sessions; discovery is another one
 constexpr std::size_t kVlanTagBytes = 4;
 
 constexpr std::uint32_t kFamilyIpv4 = 2;  // AF_INET is 2 on every system that writes such files
@@ -50,10 +55,50 @@ bool is_vlan(std::uint16_t ether_type) {
          ether_type == kEtherTypeOldQinq;
 }
 
+// What the link layer carries.
+struct Carried {
+  Bytes ip;
+  const char* through = nullptr;  // a tunnel
+};
+using Link = tl::expected<Carried, const char*>;
+
+// Passes the labels, the last of which is marked.
+Link after_mpls(const Packet& packet, Bytes labels) {
+  constexpr std::size_t kLabelBytes = 4;
+  bool last = false;
+  while (!last) {
+    if (labels.size() < kLabelBytes) {
+      return too_short(packet);
+    }
+    last = (load8(labels, 2) & 1U) != 0;
+    labels = labels.subspan(kLabelBytes);
+  }
+  if (labels.empty()) {
+    return too_short(packet);
+  }
+  const unsigned version = load8(labels, 0) >> 4;
+  if (version != 4 && version != 6) {  // a pseudowire: frames of another link layer
+    return refuse("tunnel_mpls");
+  }
+  return Carried{labels, "MPLS"};
+}
+
+Link after_pppoe(const Packet& packet, Bytes session) {
+  constexpr std::size_t kHeaderBytes = 8;  // with PPP's two
+  constexpr std::uint16_t kPppIpv4 = 0x0021;
+  constexpr std::uint16_t kPppIpv6 = 0x0057;
+  if (session.size() < kHeaderBytes) {
+    return too_short(packet);
+  }
+  const std::uint16_t protocol = load16(session, 6);
+  if (protocol == kPppIpv4) {
+    return Carried{session.subspan(kHeaderBytes), "PPPoE"};
+  }
+  return refuse(protocol == kPppIpv6 ? "ipv6" : "not_udp");
+}
+
 // Skips VLAN tags; `ip` begins after the EtherType `type`.
-tl::expected<Bytes, const char*> after_ether_type(const Packet& packet,
-                                                  std::uint16_t type,
-                                                  Bytes ip) {
+Link after_ether_type(const Packet& packet, std::uint16_t type, Bytes ip) {
   while (is_vlan(type)) {
     if (ip.size() < kVlanTagBytes) {
       return too_short(packet);
@@ -64,16 +109,21 @@ tl::expected<Bytes, const char*> after_ether_type(const Packet& packet,
   if (type == kEtherTypeIpv6) {
     return refuse("ipv6");
   }
-  if (type != kEtherTypeIpv4) {
-    return refuse("not_udp");
+  if (type == kEtherTypeMpls || type == kEtherTypeMplsUpstream) {
+    return after_mpls(packet, ip);
   }
-  return ip;
+  if (type == kEtherTypePppoe) {
+    return after_pppoe(packet, ip);
+  }
+  if (type != kEtherTypeIpv4) {
+    const char* const tunnel = tunnel_of_ether_type(type);
+    return refuse(tunnel != nullptr ? tunnel : "not_udp");
+  }
+  return Carried{ip};
 }
 
 // The link layer's header is `header` bytes long and has the EtherType at `type_offset`.
-tl::expected<Bytes, const char*> after_header(const Packet& packet,
-                                              std::size_t header,
-                                              std::size_t type_offset) {
+Link after_header(const Packet& packet, std::size_t header, std::size_t type_offset) {
   if (packet.data.size() < header) {
     return too_short(packet);
   }
@@ -81,7 +131,7 @@ tl::expected<Bytes, const char*> after_header(const Packet& packet,
 }
 
 // The address family is in the byte order of the capturing machine: any of the two.
-tl::expected<Bytes, const char*> after_family(const Packet& packet) {
+Link after_family(const Packet& packet) {
   constexpr std::size_t kFamilyBytes = 4;
   if (packet.data.size() < kFamilyBytes) {
     return too_short(packet);
@@ -91,10 +141,10 @@ tl::expected<Bytes, const char*> after_family(const Packet& packet) {
   if (big != kFamilyIpv4 && little != kFamilyIpv4) {
     return refuse("not_udp");
   }
-  return packet.data.subspan(kFamilyBytes);
+  return Carried{packet.data.subspan(kFamilyBytes)};
 }
 
-tl::expected<Bytes, const char*> after_link_layer(const Packet& packet) {
+Link after_link_layer(const Packet& packet) {
   switch (packet.link_type) {
     case kLinkTypeEthernet:
       return after_header(packet, 14, 12);
@@ -109,7 +159,9 @@ tl::expected<Bytes, const char*> after_link_layer(const Packet& packet) {
     case kDltRaw:
     case kDltRawOpenBsd:
     case kLinkTypeIpv4:
-      return packet.data;
+      return Carried{packet.data};
+    case kLinkTypePppoe:
+      return after_pppoe(packet, packet.data);
     case kLinkTypeIpv6:
       return refuse("ipv6");
     default:
@@ -140,7 +192,8 @@ tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
     return refuse("ip_fragment");
   }
   if (load8(ip, 9) != kProtocolUdp) {
-    return refuse("not_udp");
+    const char* const tunnel = tunnel_of_protocol(load8(ip, 9), ip.subspan(header));
+    return refuse(tunnel != nullptr ? tunnel : "not_udp");
   }
   const std::size_t total = load16(ip, 2);
   if (total < header + kUdpHeaderBytes) {
@@ -158,20 +211,21 @@ tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
 }  // namespace
 
 tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
-                                                 std::optional<std::uint16_t> port) {
+                                                 std::optional<std::uint16_t> port,
+                                                 const char** through) {
   if (!packet.time) {
     return refuse("no_timestamp");
   }
   if (packet.link_type == kLinkTypeIntel5300) {  // its card wrote it, no network brought it
     return Datagram{*packet.time, {}, packet.data};
   }
-  const auto ip = after_link_layer(packet);
-  if (!ip) {
-    return tl::make_unexpected(ip.error());
+  const Link link = after_link_layer(packet);
+  if (!link) {
+    return tl::make_unexpected(link.error());
   }
   Datagram datagram;
   datagram.time = *packet.time;
-  const auto udp = after_ipv4(packet, *ip, datagram.address);
+  const auto udp = after_ipv4(packet, link->ip, datagram.address);
   if (!udp) {
     return tl::make_unexpected(udp.error());
   }
@@ -186,6 +240,12 @@ tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
     return refuse("length_mismatch");
   }
   datagram.payload = udp->subspan(kUdpHeaderBytes, length - kUdpHeaderBytes);
+  if (const char* const tunnel = tunnel_of_payload(datagram.payload)) {
+    return refuse(tunnel);
+  }
+  if (through != nullptr) {
+    *through = link->through;
+  }
   return datagram;
 }
 

@@ -1,9 +1,10 @@
 // From a captured packet to the UDP datagram in it.
 //
 // Link types: Ethernet (with 802.1Q/802.1ad tags), Linux cooked v1 and v2, raw IP, BSD loopback.
-// IPv4 with options. IPv6 is rejected: the access points' firmware speaks IPv4 only, and so do
-// DatagramAddress and the recorder. Checksums are not verified: the firmware sends none, and a
-// capture on the sending machine is taken before the network card fills them in.
+// MPLS labels and PPPoE sessions are passed like tags; other tunnels are rejected by their names
+// (packet_tunnel.h). IPv4 with options. IPv6 is rejected: the access points' firmware speaks IPv4
+// only, and so do DatagramAddress and the recorder. Checksums are not verified: the firmware sends
+// none, and a capture on the sending machine is taken before the network card fills them in.
 #pragma once
 
 #include <cstddef>
@@ -40,8 +41,10 @@ constexpr std::uint32_t kLinkTypeIntel5300 = 0x10000;
 // "no_timestamp", "link_type", "monitor_mode" (frames of the air), "not_udp", "ipv6",
 // "ip_fragment", "bad_ip_header", "length_mismatch" (the lengths in the headers contradict each
 // other or the packet), "truncated_capture" (the capture's snapshot length cut it), "wrong_port"
-// (not `port`).
+// (not `port`), or a tunnel ("tunnel_vxlan"). `through`: set to the name of a tunnel that was
+// passed.
 tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
-                                                 std::optional<std::uint16_t> port);
+                                                 std::optional<std::uint16_t> port,
+                                                 const char** through = nullptr);
 
 }  // namespace rayloc::pcap

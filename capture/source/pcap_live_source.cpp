@@ -111,10 +111,14 @@ void PcapLiveSource::Impl::take(const pcap_pkthdr& header, const u_char* bytes) 
   packet.link_type = link_type_;
   packet.original_length = header.len;
   packet.data = std::as_bytes(std::span(bytes, header.caplen));
-  const auto datagram = pcap::udp_datagram(packet, std::nullopt);
+  const char* through = nullptr;
+  const auto datagram = pcap::udp_datagram(packet, std::nullopt, &through);
   if (!datagram) {
     ++counting_.rejected[datagram.error()];
     return;
+  }
+  if (through != nullptr) {
+    ++counting_.unwrapped[through];
   }
   ++counting_.delivered;
   counting_.bytes += datagram->payload.size();

@@ -183,9 +183,10 @@ void PcapFileSource::note_header() {
 void PcapFileSource::take_packet(const pcap::Packet& packet, DatagramBatch& batch) {
   ++counting_.received;
   place_now_ = {counting_.received, input_->offset()};
-  const auto datagram = pcap::udp_datagram(packet, options_.port);
+  const char* through = nullptr;
+  const auto datagram = pcap::udp_datagram(packet, options_.port, &through);
   if (!datagram) {
-    ++counting_.rejected[datagram.error()];
+    reject_packet(packet, datagram.error());
     return;
   }
   if (const auto gap = recording_gap(*datagram)) {
@@ -193,7 +194,18 @@ void PcapFileSource::take_packet(const pcap::Packet& packet, DatagramBatch& batc
     counting_.unrecorded += gap->datagrams.value_or(0);
     return;
   }
+  if (through != nullptr) {
+    ++counting_.unwrapped[through];
+  }
   take_datagram(*datagram, batch);
+}
+
+void PcapFileSource::reject_packet(const pcap::Packet& packet, const std::string& reason) {
+  ++counting_.rejected[reason];
+  if (reason == "truncated_capture" && packet.original_length > counting_.cut_original) {
+    counting_.cut_captured = static_cast<std::uint32_t>(packet.data.size());
+    counting_.cut_original = packet.original_length;
+  }
 }
 
 void PcapFileSource::take_datagram(const Datagram& datagram, DatagramBatch& batch) {

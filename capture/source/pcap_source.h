@@ -76,6 +76,7 @@ class PcapFileSource final : public DatagramSource {
   void note_header();
   void note_padding();
   void take_packet(const pcap::Packet& packet, DatagramBatch& batch);
+  void reject_packet(const pcap::Packet& packet, const std::string& reason);
   void take_datagram(const Datagram& datagram, DatagramBatch& batch);
   void take_streamed(const Datagram& datagram, DatagramBatch& batch);
   void give(Datagram datagram, Timestamp time, DatagramBatch& batch);

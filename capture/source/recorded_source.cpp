@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "capture/record/pcap_recorder.h"
+#include "capture/source/rejection_words.h"
 #include "capture/source/transport_schemes.h"
 
 namespace rayloc {
@@ -103,11 +104,9 @@ void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>
   const std::vector<std::string> stamps = words_of(
       reader.source->streamed_times(), reader.source->description(), least_gap(plan_.options));
   to.insert(to.end(), stamps.begin(), stamps.end());
-  if (std::string monitor =
-          monitor_mode_words(reader.source->counters(), reader.source->description());
-      !monitor.empty()) {
-    to.push_back(std::move(monitor));
-  }
+  const std::vector<std::string> rejections =
+      rejection_words(reader.source->counters(), reader.source->description());
+  to.insert(to.end(), rejections.begin(), rejections.end());
 }
 
 std::vector<std::string> RecordedSource::warnings() const {

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "capture/source/rejection_words.h"
 #include "capture/source/seconds_text.h"
 
 namespace rayloc {
@@ -153,10 +154,8 @@ std::vector<std::string> words_of(const RecordingPlan& plan) {
     const std::vector<std::string> own =
         words_of(file.look->times, file.path, least_gap(plan.options));
     words.insert(words.end(), own.begin(), own.end());
-    if (std::string monitor = monitor_mode_words(file.look->counters, file.path);
-        !monitor.empty()) {
-      words.push_back(std::move(monitor));
-    }
+    const std::vector<std::string> rejections = rejection_words(file.look->counters, file.path);
+    words.insert(words.end(), rejections.begin(), rejections.end());
   }
   return words;
 }
@@ -170,17 +169,6 @@ Duration least_gap(const PcapFileOptions& options) {
 std::string name_of(const RecordingPlan& plan) {
   const std::size_t more = plan.files.size() - 1;
   return plan.files.front().path + (more > 0 ? " and " + std::to_string(more) + " more" : "");
-}
-
-std::string monitor_mode_words(const SourceCounters& counters, const std::string& name) {
-  const auto found = counters.rejected.find("monitor_mode");
-  if (found == counters.rejected.end()) {
-    return {};
-  }
-  return name + ": a capture in monitor mode (" + std::to_string(found->second) +
-         " packets with radiotap or other 802.11 headers): it holds the frames of the air and no "
-         "CSI; capture instead what the access point sends, on the wired interface it sends to: "
-         "tcpdump -i IF -w FILE udp port 5500";
 }
 
 std::string rejections_text(const std::map<std::string, std::uint64_t>& rejected) {

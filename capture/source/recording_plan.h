@@ -44,7 +44,7 @@ std::optional<TimeSpan> span_of(const RecordingPlan& plan);
 std::vector<TimeSpan> busy_times(const std::vector<RecordingPlan>& plans);
 
 // What people should know before it is read, a line each: stamps and clocks (record_times.h), gaps
-// and overlaps between the files, and captures in monitor mode.
+// and overlaps between the files, and packets that a better capture would hold (rejection_words.h).
 std::vector<std::string> words_of(const RecordingPlan& plan);
 
 // From how long on a gap of such a recording is spoken of.
@@ -52,10 +52,6 @@ Duration least_gap(const PcapFileOptions& options);
 
 // "a.pcap", "a.pcap and 2 more".
 std::string name_of(const RecordingPlan& plan);
-
-// Of a file or pipe that was read: what it is and what to capture instead, when it is a capture in
-// monitor mode; else empty.
-std::string monitor_mode_words(const SourceCounters& counters, const std::string& name);
 
 // By reason: "3 not_udp, 1 time_went_back"; empty when nothing was rejected.
 std::string rejections_text(const std::map<std::string, std::uint64_t>& rejected);

@@ -33,6 +33,11 @@ struct SourceCounters {
   // By reason: "not_udp", "wrong_port", "ip_fragment", "truncated_capture", "length_mismatch",
   // "oversized", "interface_not_allowed", "sender_not_allowed", ...
   std::map<std::string, std::uint64_t> rejected;
+  // Delivered from inside a tunnel, by its name: "MPLS".
+  std::map<std::string, std::uint64_t> unwrapped;
+  // Of the longest packet that is "truncated_capture": bytes in the capture and on the wire.
+  std::uint32_t cut_captured = 0;
+  std::uint32_t cut_original = 0;
 };
 
 // Adds what a source counted that goes on where another one ended. But for clock_steps: of who was
@@ -46,6 +51,13 @@ inline void add_counts(SourceCounters& to, const SourceCounters& more) {
   to.failures += more.failures;
   for (const auto& [reason, count] : more.rejected) {
     to.rejected[reason] += count;
+  }
+  for (const auto& [tunnel, count] : more.unwrapped) {
+    to.unwrapped[tunnel] += count;
+  }
+  if (more.cut_original > to.cut_original) {
+    to.cut_captured = more.cut_captured;
+    to.cut_original = more.cut_original;
   }
 }
 

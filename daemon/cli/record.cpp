@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "capture/source/recording_plan.h"
+#include "capture/source/rejection_words.h"
 #include "capture/source/transport_schemes.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
@@ -126,9 +127,8 @@ void report_recorded(const DatagramSource& source, const DatagramSink& recorder)
   if (const std::string reasons = rejections_text(from.rejected); !reasons.empty()) {
     std::fprintf(stderr, "rayloc record: packets rejected: %s\n", reasons.c_str());
   }
-  if (const std::string monitor = monitor_mode_words(from, source.description());
-      !monitor.empty()) {
-    std::fprintf(stderr, "rayloc record: %s\n", monitor.c_str());
+  for (const std::string& words : rejection_words(from, source.description())) {
+    std::fprintf(stderr, "rayloc record: %s\n", words.c_str());
   }
 }
 

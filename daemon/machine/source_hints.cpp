@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "capture/source/rejection_words.h"
 #include "daemon/site/source_advice.h"
 
 namespace rayloc {
@@ -24,13 +25,11 @@ constexpr std::string_view kInterfaceNotAllowed = "interface_not_allowed";
 // Reasons of CsiReceiver to reject datagrams of a known format.
 constexpr std::string_view kOtherChannel = "other_channel";
 constexpr std::string_view kSeveralAccessPoints = "several_access_points";
-// Frames of the air, and what says nothing of the format: stamps and marks of a recording.
-constexpr std::string_view kMonitorMode = "monitor_mode";
-constexpr std::array<std::string_view, 9> kNotOfTheFormat = {kSenderNotAllowed,
+// What says nothing of the format: stamps and marks of a recording.
+constexpr std::array<std::string_view, 8> kNotOfTheFormat = {kSenderNotAllowed,
                                                              kOtherChannel,
                                                              kSeveralAccessPoints,
                                                              kInterfaceNotAllowed,
-                                                             kMonitorMode,
                                                              "damaged_time",
                                                              "time_went_back",
                                                              "gap_mark",
@@ -48,9 +47,9 @@ class Hints {
     silence();
     kept_out(kSenderNotAllowed, "come from addresses that are not allowed", "allow");
     kept_out(kInterfaceNotAllowed, "come through another interface", "only_interface");
-    monitor_mode();
     rejected_as_a_whole(kOtherChannel);
     rejected_as_a_whole(kSeveralAccessPoints);
+    rejections();
     format();
     if (frames_ >= kEnoughFrames) {
       cores();
@@ -105,15 +104,16 @@ class Hints {
         std::string(source_advice(reason)));
   }
 
-  void monitor_mode() {
-    const auto found = source_.counters().rejected().find(std::string(kMonitorMode));
-    if (found != source_.counters().rejected().end()) {
-      add(frames_ == 0 ? Kind::kProblem : Kind::kWarning,
-          fmt::format("{} packets are frames of the air, of an interface in monitor mode: they "
-                      "hold no CSI",
-                      found->second),
-          "capture what the access point sends, on the wired interface it sends to: UDP to port "
-          "5500");
+  // Tunnels, fragments and other faults of the capture or the network.
+  void rejections() {
+    for (const auto& [reason, count] : source_.counters().rejected()) {
+      const RejectionAdvice advice = rejection_advice(reason);
+      if (!advice.what.empty() &&
+          (reason == "monitor_mode" || is_notable(count, source_.counters().received()))) {
+        add(frames_ == 0 ? Kind::kProblem : Kind::kWarning,
+            fmt::format("{} {}", count, advice.what),
+            advice.advice);
+      }
     }
   }
 
@@ -122,7 +122,8 @@ class Hints {
     std::string reasons;
     for (const auto& [reason, count] : source_.counters().rejected()) {
       if (std::find(kNotOfTheFormat.begin(), kNotOfTheFormat.end(), reason) !=
-          kNotOfTheFormat.end()) {
+              kNotOfTheFormat.end() ||
+          !rejection_advice(reason).what.empty()) {
         continue;
       }
       rejected += count;

@@ -82,6 +82,21 @@ TEST(Field, HintsNameAnotherChannelAndSeveralAccessPoints) {
   }
 }
 
+TEST(Field, HintsNameTunnelsFragmentsAndCutPacketsInsteadOfAnotherFormat) {
+  for (const auto& [reason, text] :
+       std::map<std::string, std::string>{{"tunnel_vxlan", "VXLAN"},
+                                          {"tunnel_erspan", "ERSPAN"},
+                                          {"ip_fragment", "MTU"},
+                                          {"truncated_capture", "snapshot length"}}) {
+    v1::SourceState source = healthy();
+    auto& rejected = *source.mutable_counters()->mutable_rejected();
+    rejected[reason] = source.counters().received() / 2;
+    EXPECT_THAT(hints_of(source), ElementsAre(HasSubstr(text)));
+    rejected[reason] = 1;
+    EXPECT_THAT(hints_of(source), IsEmpty()) << "of another program";
+  }
+}
+
 TEST(SourceHints, Silence) {
   v1::SourceState source = healthy();
   source.set_status(v1::SOURCE_STATUS_STALLED);
