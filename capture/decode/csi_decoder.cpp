@@ -26,6 +26,10 @@ std::string_view to_string(RejectReason reason) {
       return "encoding_range";
     case RejectReason::kHeaderMismatch:
       return "header_mismatch";
+    case RejectReason::kAntennaPermutation:
+      return "antenna_permutation";
+    case RejectReason::kLegacyRate:
+      return "legacy_rate";
     case RejectReason::kFrameMismatch:
       return "frame_mismatch";
     case RejectReason::kOtherChannel:

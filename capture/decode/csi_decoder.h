@@ -40,11 +40,13 @@ enum class RejectReason : std::uint8_t {
   kToneRange,
   kEncodingRange,
   kHeaderMismatch,       // two copies of a field in the same header differ
+  kAntennaPermutation,   // which antenna a chain was switched to is no permutation
+  kLegacyRate,           // a frame without HT, of which the card measures no channel
   kFrameMismatch,        // the header contradicts the fragments of the same frame that came before
   kOtherChannel,         // the header states another channel than the site
   kSeveralAccessPoints,  // several access points send to the source (mixture_detector.h)
 };
-inline constexpr std::size_t kRejectReasons = 13;
+inline constexpr std::size_t kRejectReasons = 15;
 std::string_view to_string(RejectReason reason);
 
 struct CsiFragment {

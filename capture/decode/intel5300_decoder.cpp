@@ -25,6 +25,7 @@
 #include <complex>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "capture/decode/decoder_row.h"
@@ -38,6 +39,8 @@ constexpr std::uint8_t kCode = 0xbb;
 constexpr std::size_t kBeamformingHeaderBytes = 21;
 constexpr std::size_t kExtendedHeaderBytes = 39;
 constexpr std::size_t kTransmitterOffset = 29;  // of extended records
+constexpr std::size_t kRssiOffsetBytes = 11;
+constexpr std::size_t kAntennaOffset = 16;
 constexpr std::size_t kMostChains = 3;
 constexpr std::size_t kTones = 30;
 constexpr unsigned kGroupBits = 3;   // before each group of tones
@@ -74,6 +77,38 @@ struct Header {
   std::array<std::size_t, kMostChains> antenna{};  // of each chain
 };
 
+// The only antenna with power, if one alone has some.
+std::optional<std::size_t> only_antenna(const ByteReader& reader) {
+  std::optional<std::size_t> only;
+  for (std::size_t antenna = 0; antenna < kMostChains; ++antenna) {
+    if (reader.u8(kRssiOffsetBytes + antenna) != 0) {
+      if (only) {
+        return std::nullopt;
+      }
+      only = antenna;
+    }
+  }
+  return only;
+}
+
+// Of each chain; none where the field is no permutation. A single chain needs none, and some logs
+// leave the field unset then.
+std::optional<std::array<std::size_t, kMostChains>> antennas_of(const ByteReader& reader,
+                                                                std::size_t chains) {
+  std::array<std::size_t, kMostChains> antennas{};
+  unsigned taken = 0;
+  for (std::size_t chain = 0; chain < chains; ++chain) {
+    const unsigned antenna = (reader.u8(kAntennaOffset) >> (2 * chain)) & 3U;
+    if (antenna >= kMostChains || ((taken >> antenna) & 1U) != 0) {
+      const auto only = chains == 1 ? only_antenna(reader) : std::nullopt;
+      return only ? std::optional(std::array<std::size_t, kMostChains>{*only}) : std::nullopt;
+    }
+    taken |= 1U << antenna;
+    antennas.at(chain) = antenna;
+  }
+  return antennas;
+}
+
 tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload) {
   if (payload.size() < kBeamformingHeaderBytes) {
     return tl::make_unexpected(RejectReason::kTooShort);
@@ -99,17 +134,13 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
     return tl::make_unexpected(RejectReason::kLengthMismatch);
   }
   if (((header.rate >> kHtBit) & 1U) == 0) {  // the card measures HT frames alone
-    return tl::make_unexpected(RejectReason::kEncodingRange);
+    return tl::make_unexpected(RejectReason::kLegacyRate);
   }
-  unsigned taken = 0;
-  for (std::size_t chain = 0; chain < header.chains; ++chain) {
-    const unsigned antenna = (reader.u8(16) >> (2 * chain)) & 3U;
-    if (antenna >= kMostChains || ((taken >> antenna) & 1U) != 0) {
-      return tl::make_unexpected(RejectReason::kCoreRange);
-    }
-    taken |= 1U << antenna;
-    header.antenna.at(chain) = antenna;
+  const auto antennas = antennas_of(reader, header.chains);
+  if (!antennas) {
+    return tl::make_unexpected(RejectReason::kAntennaPermutation);
   }
+  header.antenna = *antennas;
   return header;
 }
 
@@ -150,9 +181,14 @@ void unpack(std::span<const std::byte> bytes, const Header& header, CsiFrame& fr
   }
 }
 
+// A record whose lengths agree is one, whatever rate and antennas it states.
 bool resembles(std::span<const std::byte> payload) {
-  return !payload.empty() && std::to_integer<std::uint8_t>(payload[0]) == kCode &&
-         header_of(payload).has_value();
+  if (payload.empty() || std::to_integer<std::uint8_t>(payload[0]) != kCode) {
+    return false;
+  }
+  const auto header = header_of(payload);
+  return header || header.error() == RejectReason::kLegacyRate ||
+         header.error() == RejectReason::kAntennaPermutation;
 }
 
 }  // namespace
@@ -181,7 +217,7 @@ FrameResult Intel5300Decoder::decode(std::span<const std::byte> payload) const {
   unpack(payload.subspan(header->bytes), *header, frame);
   const int gain = reader.u8(15);
   for (const std::uint8_t core : frame.cores) {
-    const int rssi = reader.u8(11 + core);
+    const int rssi = reader.u8(kRssiOffsetBytes + core);
     frame.power_dbm.push_back(
         rssi == 0 ? std::nullopt : std::optional(static_cast<float>(rssi - kRssiOffset - gain)));
   }

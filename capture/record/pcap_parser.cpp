@@ -41,6 +41,9 @@ constexpr std::size_t kMaxInterfaces = 4096;
 // The log of the Intel 5300's CSI tool (WIRE_FORMATS 1.9).
 constexpr std::uint8_t kIntelCsi = 0xbb;
 constexpr std::uint8_t kIntelFrame = 0xc1;
+// All notifications of the card's driver.
+constexpr std::array<std::uint8_t, 8> kIntelCodes = {
+    kIntelCsi, kIntelFrame, 0x1c, 0xc0, 0xc3, 0xc5, 0xd0, 0xd1};
 constexpr std::size_t kIntelLengthBytes = 2;     // not counted in the length itself
 constexpr std::size_t kIntelHeaderBytes = 21;    // of a record with CSI, from its code on
 constexpr std::size_t kIntelExtendedBytes = 18;  // more in extended records
@@ -203,7 +206,7 @@ Step PcapParser::intel_record(Bytes data) {
   }
   const std::size_t length = load16(data, 0);
   const std::uint8_t code = load8(data, kIntelLengthBytes);
-  if (length == 0 || (code != kIntelCsi && code != kIntelFrame)) {
+  if (length == 0 || std::find(kIntelCodes.begin(), kIntelCodes.end(), code) == kIntelCodes.end()) {
     return failure("a record of an Intel 5300 log claims " + std::to_string(length) +
                    " bytes and the code " + std::to_string(code) +
                    ", which is neither 187 (CSI) nor 193 (a frame); the file is damaged from here "
@@ -213,7 +216,7 @@ Step PcapParser::intel_record(Bytes data) {
   if (data.size() < size) {
     return need_more();
   }
-  if (code == kIntelFrame) {
+  if (code != kIntelCsi) {
     return other(size);
   }
   Step step{.status = Status::kPacket, .size = size, .packet = {}, .error = {}};
@@ -237,7 +240,10 @@ Timestamp PcapParser::intel_time(Bytes record) {
   std::uint64_t clock = card_clock_ / kTurn * kTurn + low;
   if (clock + kTurn / 2 < card_clock_) {
     clock += kTurn;
+  } else if (clock >= kTurn && clock > card_clock_ + kTurn / 2) {  // stamped before the overflow
+    clock -= kTurn;
   }
+  has_counter_stamps_ = true;
   card_clock_ = clock;
   return Timestamp(std::chrono::microseconds(static_cast<std::int64_t>(clock)));
 }

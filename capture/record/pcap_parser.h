@@ -10,9 +10,9 @@
 //
 // And the log of the Intel 5300's CSI tool: records of a length (two bytes, big-endian), a code and
 // what it says. Those with CSI (0xbb) are packets with the link type kLinkTypeIntel5300, from the
-// code on; copies of frames (0xc1) are passed over. The time is that of the extended header, else
-// the card's clock, whose 32 bits of microseconds begin at 1970 and are counted on where they
-// overflow.
+// code on; its other notifications (0xc1: copies of frames) are passed over. The time is that of
+// the extended header, else the card's clock, whose 32 bits of microseconds begin at 1970 and are
+// counted on where they overflow.
 //
 // References: [PCAP] draft-ietf-opsawg-pcap, [PCAPNG] draft-ietf-opsawg-pcapng.
 #pragma once
@@ -63,6 +63,8 @@ class PcapParser {
   // A file header was read: what follows is a capture.
   bool recognised() const { return format_ != Format::kUnknown; }
 
+  // The stamps are those of a card's counter, which has no date.
+  bool has_counter_stamps() const { return has_counter_stamps_; }
   // Of the classic headers so far.
   const std::vector<SubsecondUnit>& units() const { return units_; }
   // The first one, if any.
@@ -99,6 +101,7 @@ class PcapParser {
   std::vector<SubsecondUnit> units_;  // the last one is that of the records
   std::vector<Interface> interfaces_;
   std::optional<MisstatedResolution> misstated_;
+  bool has_counter_stamps_ = false;
   std::uint64_t card_clock_ = 0;  // [us], of the last record of an Intel 5300 log
 };
 

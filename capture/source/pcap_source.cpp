@@ -353,6 +353,7 @@ RecordTimes PcapFileSource::with_headers(RecordTimes times) const {
   }
   times.misstated = parser_->misstated();
   times.joined = joined_;
+  times.of_counter = parser_->has_counter_stamps();
   return times;
 }
 

@@ -79,6 +79,7 @@ struct RecordTimes {
   // Of a stream: nobody could look ahead, and times are told by the clock as it was at the
   // beginning; neither `correction` nor `busy` is known.
   bool streamed = false;
+  bool of_counter = false;          // stamps of a card's counter, which has no date
   std::vector<RecordPlace> joined;  // headers of captures behind the first one
   std::vector<CaptureUnit> units;
   std::optional<pcap::MisstatedResolution> misstated;  // of pcapng

@@ -15,7 +15,7 @@ std::string at(const RecordPlace& place) {
 // Of a machine without a battery that has not heard of the time yet. No recording of CSI is older.
 std::string unset_clock_words(const RecordTimes& times) {
   constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
-  if (times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
+  if (times.of_counter || times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
     return {};
   }
   const std::chrono::year_month_day date(
@@ -59,6 +59,10 @@ std::string clock_words(const ClockJump& jump, const RecordTimes& times) {
   }
   const Duration size = jump.size() - jump.pause;
   const bool back = size < Duration::zero();
+  if (times.of_counter && back) {
+    return at(jump.place) + "the card's counter went back by " + seconds_text(-size) +
+           ", as when the card starts anew; time goes on from the record before";
+  }
   std::string words = at(jump.place) + "the clock was set ";
   words += back ? "back by " : "forward by ";
   words += seconds_text(back ? -size : size);

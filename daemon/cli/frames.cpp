@@ -14,6 +14,7 @@
 #include "capture/assemble/csi_receiver.h"
 #include "capture/decode/decoder_registry.h"
 #include "capture/source/recorded_source.h"
+#include "capture/source/rejection_words.h"
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/arrays/npz_file.h"
 #include "daemon/command/verb.h"
@@ -251,7 +252,11 @@ Expected<void> run_recording(const RecordingArgument& recording,
     frames.clear();
   }
   summary.add((*source)->counters(), receiver.counters());
-  for (const auto& words : {words_of((*source)->plan()), (*source)->warnings()}) {
+  for (const auto& words : {words_of((*source)->plan()),
+                            (*source)->warnings(),
+                            rejection_words(receiver.counters().rejected,
+                                            receiver.counters().received,
+                                            (*source)->description())}) {
     for (const std::string& line : words) {
       if (!options.quiet) {
         std::fprintf(stderr, "rayloc: %s\n", line.c_str());

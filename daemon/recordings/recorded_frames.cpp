@@ -9,6 +9,7 @@
 
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
+#include "capture/source/rejection_words.h"
 #include "daemon/recordings/time_text.h"
 #include "daemon/site/receiver_options.h"
 #include "daemon/site/source_advice.h"
@@ -100,6 +101,10 @@ void note_recording(const RecordedSource& source,
   rejected.erase("gap_mark");  // is told as what it says
   for (const auto& [reason, count] : decoded.rejected) {
     rejected[reason] += count;
+  }
+  for (const std::string& line :
+       rejection_words(decoded.rejected, decoded.received, source.description())) {
+    notes.push_back(whose + line);
   }
   const std::string what = whose + source.description() + ": ";
   if (const std::string reasons = rejections_text(rejected); !reasons.empty()) {

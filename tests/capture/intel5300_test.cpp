@@ -150,7 +150,9 @@ Read read_file(const std::string& file) {
   receiver.flush(all.frames);
   all.source = (*source)->counters();
   all.receiver = receiver.counters();
-  all.warnings = (*source)->warnings();
+  all.warnings = (*source)->notices();
+  const std::vector<std::string> later = (*source)->warnings();
+  all.warnings.insert(all.warnings.end(), later.begin(), later.end());
   return all;
 }
 
@@ -267,8 +269,8 @@ TEST(Intel5300, RefusesWhatIsNoRecord) {
   EXPECT_EQ(changed(9, 0), "core_range");
   EXPECT_EQ(changed(10, 0), "stream_range");
   EXPECT_EQ(changed(10, 2), "length_mismatch");
-  EXPECT_EQ(changed(16, 0), "core_range") << "three chains at one antenna";
-  EXPECT_EQ(changed(20, 0), "encoding_range") << "no HT frame";
+  EXPECT_EQ(changed(16, 0), "antenna_permutation") << "three chains at one antenna";
+  EXPECT_EQ(changed(20, 0), "legacy_rate") << "no HT frame";
   // Whatever stands in it, a record is read or refused, and every prefix as well.
   for (std::size_t size = 0; size < good.size(); ++size) {
     EXPECT_NE(refusal(good.substr(0, size)), "taken");
@@ -335,6 +337,81 @@ TEST(Intel5300, SaysWhereALogIsDamaged) {
   Bytes five_chains = good;
   five_chains[11] = 5;
   EXPECT_THAT(read_log(five_chains).error, HasSubstr("not a pcap, pcapng or gzip file"));
+}
+
+TEST(Field, APlainLogIsNoClockThatWasNotSet) {
+  Card second;
+  second.clock = 5'010'000;
+  const Bytes healthy = logged(record_of({})) + logged(record_of(second));
+  EXPECT_THAT(read_log(healthy).warnings, ::testing::IsEmpty());
+  Card anew;  // the counter of a card that was started anew
+  anew.clock = 1000;
+  Bytes log;
+  for (int i = 0; i < 4; ++i) {
+    log += healthy;
+  }
+  for (int i = 0; i < 4; ++i) {
+    log += logged(record_of(anew));
+  }
+  for (const std::string& line : read_log(log).warnings) {
+    EXPECT_THAT(line, ::testing::Not(HasSubstr("clock was")));
+  }
+}
+
+TEST(Field, ARecordWithoutAPermutationOfAntennasIsNamed) {
+  Card wrong;
+  wrong.antenna = {0, 0, 1};
+  const Read read = read_log(logged(record_of({})) + logged(record_of(wrong)));
+  EXPECT_EQ(read.frames.size(), 1U);
+  EXPECT_EQ(read.receiver.rejected.at("antenna_permutation"), 1U);
+  // Also where no record before it shows the format.
+  EXPECT_EQ(read_log(logged(record_of(wrong))).receiver.rejected.count("antenna_permutation"), 1U);
+}
+
+// A single chain needs no permutation; its antenna is the one with power.
+TEST(Field, ASingleChainWithoutAnAntennaFieldIsRead) {
+  Card card;
+  card.chains = 1;
+  card.antenna = {3, 3, 3};
+  Bytes record = record_of(card);
+  record[11] = '\0';
+  record[12] = '\x28';
+  record[13] = '\0';
+  const Read read = read_log(logged(record));
+  ASSERT_EQ(read.frames.size(), 1U);
+  EXPECT_THAT(read.frames[0].cores, ElementsAre(1));
+  EXPECT_EQ(read_log(logged(record_of(card))).receiver.rejected.count("antenna_permutation"), 1U);
+}
+
+TEST(Field, ARecordAtALegacyRateIsNamed) {
+  Bytes record = record_of({});
+  record[20] = '\0';
+  const Read read = read_log(logged(record));
+  EXPECT_TRUE(read.frames.empty());
+  EXPECT_EQ(read.receiver.rejected.at("legacy_rate"), 1U);
+}
+
+TEST(Field, OtherNotificationsOfTheCardArePassedOver) {
+  const Bytes noise = logged("\xd0" + Bytes(20, 'n'));
+  const Read read = read_log(logged(record_of({})) + noise + logged(record_of({})));
+  EXPECT_EQ(read.error, "");
+  EXPECT_EQ(read.source.delivered, 2U);
+}
+
+TEST(Field, ALateRecordAcrossTheOverflowIsNoTurnOfTheCounter) {
+  std::vector<Card> cards(3);
+  cards[0].clock = 0xffffff00;
+  cards[1].clock = 0x100;
+  cards[2].clock = 0xffffff80;
+  Bytes log;
+  for (const Card& card : cards) {
+    log += logged(record_of(card));
+  }
+  const Read read = read_log(log);
+  ASSERT_EQ(read.frames.size(), 3U);
+  for (const CsiFrame& frame : read.frames) {
+    EXPECT_LT(std::chrono::abs(frame.time - read.frames[0].time), std::chrono::seconds(1));
+  }
 }
 
 // Recordings that other people made with such cards; they are no part of this checkout.
