@@ -7,16 +7,18 @@
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
 #include "engine/calibrate/joint/room_unknowns.h"
 
 namespace rayloc::cli {
 
 struct CalibrateArguments {
-  std::string site;                   // as surveyed
-  std::vector<std::string> captures;  // [AP=]FILE
-  std::string points;                 // csv
-  std::string out;                    // folder to create
-  std::string method = "joint";       // or "paper", "gains-only"
+  std::string site;                     // as surveyed
+  std::vector<std::string> captures;    // [AP=]FILE
+  std::string points;                   // csv
+  std::optional<Duration> time_offset;  // added to the times of the points
+  std::string out;                      // folder to create
+  std::string method = "joint";         // or "paper", "gains-only"
   double holdout = 0.2;
   std::optional<double> survey_error;  // [m]; nothing: the joint method finds it
   std::uint64_t seed = 1;

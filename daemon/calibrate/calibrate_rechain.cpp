@@ -76,8 +76,9 @@ struct RefitAccessPoint {
 Expected<Heard> hear_points(const Site& site,
                             const RoomModel& room,
                             const std::vector<CaptureArgument>& captures,
-                            const std::string& points) {
-  auto inputs = read_calibration_inputs(with_bounds(site, room), captures, points);
+                            const RechainArguments& arguments) {
+  auto inputs = read_calibration_inputs(
+      with_bounds(site, room), captures, arguments.points, arguments.time_offset);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }
@@ -240,7 +241,7 @@ Expected<void> Rechain::read() {
     return tl::make_unexpected(captures.error());
   }
   auto heard = arguments_.points.empty() ? hear_fixed(site_, *captures)
-                                         : hear_points(site_, room_, *captures, arguments_.points);
+                                         : hear_points(site_, room_, *captures, arguments_);
   if (!heard) {
     return tl::make_unexpected(std::move(heard.error()));
   }

@@ -1,18 +1,21 @@
 // `rayloc calibrate SITE --rechain`: new chain gains after a power cycle, the room kept.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
 
 namespace rayloc::cli {
 
 struct RechainArguments {
-  std::string site;                   // calibrated
-  std::vector<std::string> captures;  // [AP=]FILE
-  std::string points;                 // csv; empty: devices anywhere, and fixed transmitters
-  std::string out;                    // folder to create
+  std::string site;                     // calibrated
+  std::vector<std::string> captures;    // [AP=]FILE
+  std::string points;                   // csv; empty: devices anywhere, and fixed transmitters
+  std::optional<Duration> time_offset;  // added to the times of the points
+  std::string out;                      // folder to create
   bool force = false;
   bool quiet = false;
   bool unsurveyed = false;  // the site is not calibrated: its plan and devices anywhere are all

@@ -1,9 +1,7 @@
 #include "daemon/calibrate/calibration_inputs.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,8 +9,10 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "daemon/calibrate/survey_clock.h"
 #include "daemon/recordings/recorded_frames.h"
 #include "daemon/site/length_unit.h"
+#include "daemon/survey/time_offset.h"
 #include "engine/base/content_hash.h"
 #include "engine/base/vec3.h"
 
@@ -22,31 +22,12 @@ namespace {
 // By how much the clocks of access points and of the survey may differ.
 constexpr Duration kClockSlack = std::chrono::milliseconds(20);
 
-// When an access point heard a transmitter.
-struct Extent {
-  std::size_t frames = 0;
-  Timestamp first{};
-  Timestamp last{};
-
-  void add(Timestamp time) {
-    first = frames == 0 ? time : std::min(first, time);
-    last = frames == 0 ? time : std::max(last, time);
-    ++frames;
-  }
-};
-
 // What the recordings of an access point hold.
 struct Recorded {
   std::string files;  // their names
   std::size_t fixed_frames = 0;
-  std::map<MacAddress, Extent> devices;
+  std::map<MacAddress, DeviceTrace> devices;
 };
-
-std::string seconds_text(Timestamp time) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3f", to_seconds(time.time_since_epoch()));
-  return text.data();
-}
 
 // The point at whose spot the frame was sent; its window is the survey's, slack included.
 SurveyedFrames* point_at(CalibrationInputs& inputs, Timestamp time) {
@@ -81,7 +62,7 @@ Expected<void> read_recording(const Site& site,
       ++recorded.fixed_frames;
       return;
     }
-    recorded.devices[frame.transmitter].add(frame.time);
+    recorded.devices[frame.transmitter].add(frame);
     if (SurveyedFrames* spot = point_at(inputs, frame.time)) {
       spot->frames.push_back(std::move(frame));
     }
@@ -221,8 +202,30 @@ Expected<void> check_points(const Site& site,
   return {};
 }
 
+std::vector<SurveyPoint> survey_points(const CalibrationInputs& inputs) {
+  std::vector<SurveyPoint> points;
+  for (const SurveyedFrames& spot : inputs.points) {
+    points.push_back(spot.point);
+  }
+  return points;
+}
+
+// Whether the recordings of other access points have frames at most points.
+OtherRecordings other_recordings(int access_point, const CalibrationInputs& inputs) {
+  const auto with_others =
+      std::count_if(inputs.points.begin(), inputs.points.end(), [&](const SurveyedFrames& spot) {
+        return std::any_of(spot.frames.begin(), spot.frames.end(), [&](const CsiFrame& frame) {
+          return frame.access_point != access_point;
+        });
+      });
+  return 5 * with_others >= 4 * static_cast<std::ptrdiff_t>(inputs.points.size())
+             ? OtherRecordings::kFit
+             : OtherRecordings::kUnknown;
+}
+
 // Why a recording has no frame of the device at any of the points.
 std::string explain_silence(const Site& site,
+                            int access_point,
                             const std::optional<MacAddress>& device,
                             const Recorded& recorded,
                             const CalibrationInputs& inputs,
@@ -251,12 +254,37 @@ std::string explain_silence(const Site& site,
            "); the [[transmitter]] of the device that was carried states its address";
   }
   found = found == heard.end() ? heard.begin() : found;
-  return "heard the device " + to_string(found->first) + " from " +
-         seconds_text(found->second.first) + " to " + seconds_text(found->second.last) +
-         ", the points of " + points_file + " are from " +
-         seconds_text(inputs.points.front().point.t_start) + " to " +
-         seconds_text(inputs.points.back().point.t_end) +
-         ": no point has frames; give the recording of the survey";
+  return "heard the device " + to_string(found->first) + " " +
+         explain_other_times(points_file,
+                             survey_points(inputs),
+                             found->second,
+                             other_recordings(access_point, inputs));
+}
+
+// Points that have frames only because a clock that was off brings them to other stands.
+Expected<void> check_clock(const MacAddress& device,
+                           const std::pair<const int, Recorded>& recorded,
+                           const std::string& access_point,
+                           const std::string& points_file,
+                           const CalibrationInputs& inputs) {
+  const auto trace = recorded.second.devices.find(device);
+  if (trace == recorded.second.devices.end()) {
+    return {};
+  }
+  const auto found = find_time_offset(survey_points(inputs), trace->second);
+  if (!found) {
+    return {};
+  }
+  return bad_input(fmt::format(
+      "{}: access point '{}': {} of the {} points of {} fit a device that stands, but {} fit "
+      "{}; --time-offset 0 keeps the times as they are",
+      recorded.second.files,
+      access_point,
+      found->as_stated,
+      inputs.points.size(),
+      points_file,
+      found->points,
+      describe(*found, other_recordings(recorded.first, inputs))));
 }
 
 // A recording of another time is a mistake; single points without frames are only left out.
@@ -264,6 +292,7 @@ Expected<void> check_overlap(const Site& site,
                              const std::optional<MacAddress>& device,
                              const std::pair<const int, Recorded>& recorded,
                              const std::string& points_file,
+                             bool offset_is_stated,
                              CalibrationInputs& inputs) {
   const int access_point = recorded.first;
   const std::string& id = site.access_points[static_cast<std::size_t>(access_point)].id;
@@ -277,8 +306,21 @@ Expected<void> check_overlap(const Site& site,
     }
   }
   if (empty.size() == inputs.points.size()) {
-    return bad_input(recorded.second.files + ": access point '" + id + "' " +
-                     explain_silence(site, device, recorded.second, inputs, points_file));
+    return bad_input(
+        recorded.second.files + ": access point '" + id + "' " +
+        explain_silence(site, access_point, device, recorded.second, inputs, points_file));
+  }
+  if (device && !offset_is_stated) {
+    if (auto checked = check_clock(*device, recorded, id, points_file, inputs); !checked) {
+      return checked;
+    }
+  }
+  if (2 * empty.size() > inputs.points.size()) {
+    inputs.notes.push_back(fmt::format("{}: access point '{}' has frames at {} of {} points only",
+                                       recorded.second.files,
+                                       id,
+                                       inputs.points.size() - empty.size(),
+                                       inputs.points.size()));
   }
   inputs.refused.insert(inputs.refused.end(), empty.begin(), empty.end());
   return {};
@@ -307,8 +349,9 @@ Site with_bounds(Site site, const RoomModel& room) {
 
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
-                                                    const std::string& points_file) {
-  auto points = load_points_csv(points_file);
+                                                    const std::string& points_file,
+                                                    std::optional<Duration> time_offset) {
+  auto points = load_points_csv(points_file, time_offset.value_or(Duration(0)));
   if (!points) {
     return tl::make_unexpected(std::move(points.error()));
   }
@@ -343,7 +386,9 @@ Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
   const std::optional<MacAddress> device = device_of(site, inputs);
   keep_device(device, inputs);
   for (const auto& one : recorded) {
-    if (auto checked = check_overlap(site, device, one, points_file, inputs); !checked) {
+    if (auto checked =
+            check_overlap(site, device, one, points_file, time_offset.has_value(), inputs);
+        !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
   }

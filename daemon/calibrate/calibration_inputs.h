@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "daemon/site/site.h"
 #include "daemon/survey/points_csv.h"
 #include "engine/base/expected.h"
+#include "engine/base/timestamp.h"
 #include "engine/channel/csi_frame.h"
 #include "engine/room/room_model.h"
 
@@ -37,10 +39,13 @@ Site with_bounds(Site site, const RoomModel& room);
 // one device count, the same for the whole survey: one that the site lists, where it lists any. The
 // clocks of the access points may differ by `kClockSlack`. Errors name the row or the access point:
 // a point outside of the room (`site.bounds_min`, `bounds_max`, if it has them) or at the time of
-// another, a recording without the device or that shares no time with the points. Whether
+// another, a recording without the device, one that shares no time with the points, or points that
+// clearly fit it at another time (survey_clock.h). `time_offset` is added to the times of the
+// points; where it is stated, no other one is looked for unless no point has frames. Whether
 // recordings and places fit together is checked by check_calibration_inputs().
 Expected<CalibrationInputs> read_calibration_inputs(const Site& site,
                                                     const std::vector<CaptureArgument>& captures,
-                                                    const std::string& points_file);
+                                                    const std::string& points_file,
+                                                    std::optional<Duration> time_offset = {});
 
 }  // namespace rayloc::cli

@@ -68,7 +68,8 @@ Expected<void> Calibration::measure() {
   if (!options_.quiet) {
     print_scene_notes(*plan_.scene);
   }
-  auto inputs = read_calibration_inputs(with_bounds(site_, plan_), *captures, options_.points);
+  auto inputs = read_calibration_inputs(
+      with_bounds(site_, plan_), *captures, options_.points, options_.time_offset);
   if (!inputs) {
     return tl::make_unexpected(std::move(inputs.error()));
   }

@@ -7,6 +7,7 @@
 #include "daemon/calibrate/calibrate_rechain.h"
 #include "daemon/calibrate/unsurveyed/calibrate_unsurveyed.h"
 #include "daemon/command/verb.h"
+#include "daemon/survey/time_offset.h"
 #include "daemon/terminal/exit_status.h"
 
 namespace rayloc::cli {
@@ -15,6 +16,7 @@ namespace {
 struct CalibrateOptions {
   CalibrateArguments calibrate;
   PlanArguments plan;
+  std::string time_offset;
   bool make_plan = false;
   bool rechain = false;
   bool unsurveyed = false;
@@ -34,6 +36,13 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
     plan.quiet = calibrate.quiet;
     return done(run_plan(plan));
   }
+  if (!options.time_offset.empty()) {
+    const auto offset = parse_time_offset(options.time_offset);
+    if (!offset) {
+      return tl::make_unexpected(offset.error());
+    }
+    calibrate.time_offset = *offset;
+  }
   if (options.unsurveyed) {
     if (calibrate.out.empty() || !calibrate.points.empty()) {
       return make_error(ErrorKind::kUsage, "--unsurveyed needs --out, and no --points");
@@ -49,6 +58,7 @@ Expected<int> run_calibrate(const CalibrateOptions& options) {
     return done(run_rechain({calibrate.site,
                              calibrate.captures,
                              calibrate.points,
+                             calibrate.time_offset,
                              calibrate.out,
                              calibrate.force,
                              calibrate.quiet}));
@@ -85,6 +95,7 @@ RunVerb declare_calibrate(OptionParser& app) {
   app.add_option("--capture", options->calibrate.captures, "recordings of the survey: [AP=]FILE");
   app.add_option(
       "--points", options->calibrate.points, "where the device stood: t_start,t_end,x,y,z");
+  app.add_option("--time-offset", options->time_offset, kTimeOffsetHelp);
   app.add_option("--out",
                  options->calibrate.out,
                  "folder to create: the calibrated site; with --plan the csv (- is stdout)");

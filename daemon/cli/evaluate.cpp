@@ -13,7 +13,7 @@
 #include "daemon/evaluate/error_statistics.h"
 #include "daemon/evaluate/evaluate_report.h"
 #include "daemon/site/site_copy.h"
-#include "daemon/survey/csv_table.h"
+#include "daemon/survey/time_offset.h"
 
 namespace rayloc::cli {
 namespace {
@@ -49,17 +49,6 @@ void warn_of_several_targets(const std::vector<PublishedEstimate>& estimates) {
   }
 }
 
-Expected<Duration> time_offset(const std::string& text) {
-  const auto offset = parse_decimal_seconds(text);
-  constexpr auto kMostOffset = std::chrono::hours(24 * 365 * 100);
-  if (!offset || *offset > kMostOffset || *offset < -kMostOffset) {
-    return make_error(
-        ErrorKind::kUsage,
-        "--time-offset " + text + ": write seconds as a decimal number, at most a century");
-  }
-  return *offset;
-}
-
 Expected<void> write_plots(const EvaluateArguments& arguments, const Comparison& comparison) {
   if (auto prepared = prepare_output(arguments.plot, arguments.force); !prepared) {
     return prepared;
@@ -71,7 +60,7 @@ Expected<void> write_plots(const EvaluateArguments& arguments, const Comparison&
 }
 
 Expected<void> run_evaluate(const EvaluateArguments& arguments) {
-  const auto offset = time_offset(arguments.time_offset);
+  const auto offset = parse_time_offset(arguments.time_offset);
   if (!offset) {
     return tl::make_unexpected(offset.error());
   }

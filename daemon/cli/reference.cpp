@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "daemon/calibrate/report/refused_input.h"
+#include "daemon/calibrate/survey_clock.h"
 #include "daemon/cli/reference_report.h"
 #include "daemon/cli/verbs.h"
 #include "daemon/command/verb.h"
@@ -19,7 +20,7 @@
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 #include "daemon/site/site_copy.h"
-#include "daemon/survey/points_csv.h"
+#include "daemon/survey/time_offset.h"
 #include "engine/base/content_hash.h"
 #include "engine/person/calibrate/empty_room.h"
 #include "engine/person/calibrate/occupied_room.h"
@@ -45,6 +46,7 @@ struct ReferenceOptions {
   std::vector<std::string> captures;
   std::vector<std::string> people;
   std::string points;
+  std::string time_offset = "0";
   std::vector<std::string> people_empty;
   std::string out;
   bool occupied = false;
@@ -169,7 +171,7 @@ Expected<void> Reference::read() {
     return tl::make_unexpected(std::move(people.error()));
   }
   people_ = *std::move(people);
-  auto points = load_points_csv(options_.points);
+  auto points = load_points_csv(options_.points, options_.time_offset);
   if (!points) {
     return tl::make_unexpected(std::move(points.error()));
   }
@@ -341,6 +343,10 @@ Expected<void> Reference::learn_person() {
     }
     std::vector<std::vector<CsiFrame>> frames_of_spot;
     const auto spots = spots_of(reference, frames->second, frames_of_spot);
+    if (const auto trace = DeviceTrace::of(frames->second); spots.empty()) {
+      return bad_input("--people: heard " + to_string(reference.mac) + " " +
+                       explain_other_times(options_.points, points_, trace));
+    }
     auto fit = fit_person(people_room_, reference, spots);
     if (!fit) {
       return bad_input(options_.points + ": " + fit.error().message);
@@ -463,6 +469,7 @@ RunVerb declare_reference(OptionParser& app) {
                  "recordings of the empty room of the day of --people, where that is another day: "
                  "[AP=]FILE; chains may have turned since, and chairs moved");
   app.add_option("--points", options->points, "where and when: csv t_start,t_end,x,y,z");
+  app.add_option("--time-offset", options->time_offset, kTimeOffsetHelp);
   app.add_option("--out", options->out, "folder to create: the site with its reference")
       ->required();
   app.add_flag("--occupied",

@@ -24,6 +24,7 @@
 #include "daemon/site/site_copy.h"
 #include "daemon/site/training_file.h"
 #include "daemon/site/weights_file.h"
+#include "daemon/survey/time_offset.h"
 #include "engine/base/content_hash.h"
 #include "engine/baselines/settings.h"
 #include "engine/baselines/training.h"
@@ -39,6 +40,7 @@ struct TrainOptions {
   std::string site;
   std::string method;
   SurveyArguments survey;
+  std::string time_offset;
   std::string out;
   std::vector<std::string> baseline;
   double holdout = 0.2;
@@ -121,9 +123,16 @@ Expected<void> Train::read_survey() {
   if (!options_.survey.empty.empty() && method_.create_person == nullptr) {
     return make_error(ErrorKind::kUsage, "--empty is of methods that locate people; leave it out");
   }
-  auto survey = method_.create_device != nullptr
-                    ? read_device_survey(site_, *room_, options_.survey)
-                    : read_people_survey(site_, options_.survey);
+  SurveyArguments arguments = options_.survey;
+  if (!options_.time_offset.empty()) {
+    const auto offset = parse_time_offset(options_.time_offset);
+    if (!offset) {
+      return tl::make_unexpected(offset.error());
+    }
+    arguments.time_offset = *offset;
+  }
+  auto survey = method_.create_device != nullptr ? read_device_survey(site_, *room_, arguments)
+                                                 : read_people_survey(site_, arguments);
   if (!survey) {
     return tl::make_unexpected(std::move(survey.error()));
   }
@@ -346,6 +355,7 @@ RunVerb declare_train(OptionParser& app) {
                  options->survey.points,
                  "where the device, or the person, stood: t_start,t_end,x,y,z")
       ->required();
+  app.add_option("--time-offset", options->time_offset, kTimeOffsetHelp);
   app.add_option("--empty",
                  options->survey.empty,
                  "recordings of the empty room, of methods that locate people: [AP=]FILE");

@@ -6,8 +6,9 @@
 
 #include "daemon/arguments/capture_argument.h"
 #include "daemon/calibrate/calibration_inputs.h"
+#include "daemon/calibrate/survey_clock.h"
 #include "daemon/recordings/fixed_frames.h"
-#include "daemon/survey/points_csv.h"
+#include "daemon/survey/time_offset.h"
 #include "engine/base/content_hash.h"
 
 namespace rayloc::cli {
@@ -85,7 +86,8 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
   if (!captures) {
     return tl::make_unexpected(captures.error());
   }
-  auto read = read_calibration_inputs(with_bounds(site, room), *captures, arguments.points);
+  auto read = read_calibration_inputs(
+      with_bounds(site, room), *captures, arguments.points, arguments.time_offset);
   if (!read) {
     return tl::make_unexpected(std::move(read.error()));
   }
@@ -101,7 +103,8 @@ Expected<TrainSurvey> read_device_survey(const Site& site,
 }
 
 Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments& arguments) {
-  const auto points = load_points_csv(arguments.points);
+  const auto points =
+      load_points_csv(arguments.points, arguments.time_offset.value_or(Duration(0)));
   if (!points) {
     return tl::make_unexpected(points.error());
   }
@@ -116,6 +119,11 @@ Expected<TrainSurvey> read_people_survey(const Site& site, const SurveyArguments
       survey.points = std::move(heard);
       survey.transmitter = mac;
     }
+  }
+  if (!survey.transmitter && !frames->empty() && !frames->begin()->second.empty()) {
+    const auto& [mac, all] = *frames->begin();
+    return bad_input("--capture: heard " + to_string(mac) + " " +
+                     explain_other_times(arguments.points, *points, DeviceTrace::of(all)));
   }
   if (!survey.transmitter) {
     return bad_input(arguments.points +

@@ -22,9 +22,10 @@ struct TrainSurvey {
 };
 
 struct SurveyArguments {
-  std::vector<std::string> captures;  // [AP=]FILE
-  std::vector<std::string> empty;     // the same
-  std::string points;                 // t_start,t_end,x,y,z
+  std::vector<std::string> captures;    // [AP=]FILE
+  std::vector<std::string> empty;       // the same
+  std::string points;                   // t_start,t_end,x,y,z
+  std::optional<Duration> time_offset;  // added to the times of the points
 };
 
 // Of the device that was carried from point to point, as `rayloc calibrate` reads it.

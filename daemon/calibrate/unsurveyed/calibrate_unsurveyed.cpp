@@ -163,7 +163,7 @@ Expected<void> run_unsurveyed(const UnsurveyedArguments& arguments) {
   }
   const std::string learned = work.file("learned");
   if (auto done = run_rechain(
-          {arguments.site, arguments.captures, "", learned, true, arguments.quiet, true});
+          {arguments.site, arguments.captures, "", {}, learned, true, arguments.quiet, true});
       !done) {
     return done;
   }
