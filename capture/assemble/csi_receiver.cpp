@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "capture/assemble/chain_presence.h"
 #include "capture/assemble/channel_log.h"
 #include "capture/assemble/frame_assembler.h"
 #include "capture/assemble/frame_normalizer.h"
@@ -18,6 +19,7 @@ class CsiReceiver::Impl {
   Impl(CsiReceiverOptions options, std::span<const DecoderRow> formats)
       : access_point_(options.access_point),
         expected_cores_(options.expected_cores),
+        presence_(options.expected_cores),
         registry_(options.format, formats),
         assembler_(
             {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
@@ -190,11 +192,13 @@ class CsiReceiver::Impl {
     counters_.in_frames += datagrams;
     ++counters_.frames;
     counters_.partial += frame.complete ? 0U : 1U;
+    presence_.mark(frame, counters_.without_core);
     out.push_back(std::move(frame));
   }
 
   const int access_point_;
   const std::vector<std::uint8_t> expected_cores_;
+  ChainPresence presence_;
   DecoderRegistry registry_;
   FrameAssembler assembler_;
   FrameNormalizer normalizer_;

@@ -70,6 +70,8 @@ struct CsiReceiverCounters {
   std::uint64_t in_flight = 0;                    // part of a frame that is being assembled
   std::uint64_t frames = 0;                       // emitted, partial ones among them
   std::uint64_t partial = 0;
+  // Of these, those that lack an expected core, or hold nothing of it.
+  std::map<std::uint8_t, std::uint64_t> without_core;
 
   // The channel that the latest datagram states, and how often it changed.
   std::optional<RadioChannel> channel;

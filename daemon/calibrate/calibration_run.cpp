@@ -9,6 +9,7 @@
 
 #include "daemon/calibrate/calibrated_site.h"
 #include "daemon/calibrate/calibration_points.h"
+#include "daemon/calibrate/dead_chain_check.h"
 #include "daemon/calibrate/holdout.h"
 #include "daemon/calibrate/inputs_hash.h"
 #include "daemon/calibrate/level_stage.h"
@@ -348,6 +349,13 @@ Expected<CalibrationOutcome> Calibration::run() {
   const auto held = draw_holdout(inputs_.points.size(), options_.holdout, options_.seed);
   CombinedSurvey survey = combine_survey(plan_, held, options_.points, inputs_);
   points_ = std::move(survey.points);
+  if (const std::string dead = dead_chains_of(plan_, points_, inputs_); !dead.empty()) {
+    if (!options_.force) {
+      return bad_input(dead);
+    }
+    line_.clear();
+    std::fprintf(stderr, "%s\n", dead.c_str());
+  }
   line_.begin("comparing points and recordings");
   if (auto checked = check_inputs(); !checked) {
     return tl::make_unexpected(std::move(checked.error()));

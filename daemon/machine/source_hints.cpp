@@ -155,8 +155,7 @@ class Hints {
         add(Kind::kProblem,
             fmt::format("no frame has core {}, which site.toml names", core),
             "add it to the antennas of the extractor (RXANT of config5GHZ.sh, -C of "
-            "makecsiparams), "
-            "or correct site.toml");
+            "makecsiparams), check its antenna and pigtail, or correct site.toml");
       } else if (heard * 10 < frames_ * 9) {
         add(Kind::kWarning,
             fmt::format("core {} is in {} of {} frames only", core, heard, frames_),
@@ -167,7 +166,7 @@ class Hints {
             fmt::format("core {} hears {:.0f} dB less than the strongest: its antenna may be dead",
                         core,
                         found->below_strongest_db()),
-            "look at the antenna and its plug; without it, take the core out of site.toml");
+            "look at the antenna and its pigtail; without it, take the core out of site.toml");
       }
     }
     for (const v1::CoreReport& report : source_.cores()) {

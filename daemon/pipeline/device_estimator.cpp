@@ -209,6 +209,9 @@ void DeviceEstimator::state_warnings() {
       warnings.push_back(std::move(warning));
     }
   }
+  for (CalibrationWarning& warning : dead_chains_.warnings(room())) {
+    warnings.push_back(std::move(warning));
+  }
   const std::lock_guard lock(mutex_);
   warnings_ = std::move(warnings);
 }
@@ -287,6 +290,9 @@ void DeviceEstimator::snapshot(Work& work) {
 
 // What depends on the order of bursts. Nothing of a transmitter that is no device.
 std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, Estimates& out) {
+  if (dead_chains_.observe(burst.frames, room())) {
+    state_warnings();
+  }
   const SiteTransmitter* stated = find_transmitter(site_, burst.transmitter);
   if (stated != nullptr && stated->role == TransmitterRole::kFixed) {
     check_calibration(*stated, burst);
@@ -364,6 +370,9 @@ void DeviceEstimator::estimate_each(std::span<const Burst> bursts, std::span<Est
   publish_counters();
   for (const Work& work : works) {
     for (const CalibrationWarning& warning : work.warnings) {
+      if (warning.problem == CalibrationProblem::kDeadChain) {
+        continue;  // its own say so
+      }
       for (std::size_t i = work.first; i < work.out->locations.size(); ++i) {
         work.out->locations[i].estimate.warnings.push_back(warning.text);
       }
@@ -418,6 +427,7 @@ void DeviceEstimator::restart(const std::string& reason, Estimates& out) {
     warnings_.clear();
   }
   chains_.restart();
+  dead_chains_.restart();
   for (Room& room : rooms_) {
     std::vector<DeviceUpdate> updates;
     room.method->restart(reason, updates);

@@ -29,6 +29,7 @@
 #include "daemon/pipeline/estimates.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/track_numbers.h"
+#include "daemon/pipeline/watch/dead_chains.h"
 #include "daemon/publish/location.h"
 #include "daemon/publish/target_names.h"
 #include "daemon/site/site.h"
@@ -133,6 +134,7 @@ class DeviceEstimator : public Estimator {
   std::vector<Room> rooms_;                      // the first is that of unlisted devices
   std::unique_ptr<CalibrationMonitor> monitor_;  // the estimation thread's
   ChainKeeper chains_;                           // the estimation thread's, but for its news
+  DeadChains dead_chains_;                       // the estimation thread's
   ChannelWatch channels_;
   mutable std::mutex mutex_;
   std::vector<CalibrationWarning> warnings_;  // guarded by mutex_

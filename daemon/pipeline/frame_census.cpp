@@ -5,6 +5,8 @@
 #include <complex>
 #include <vector>
 
+#include "engine/channel/dead_row.h"
+
 namespace rayloc {
 namespace {
 
@@ -13,6 +15,9 @@ constexpr double kDeafestDb = 100.0;  // a core without any power
 
 double core_power(const CsiFrame& frame, std::size_t core) {
   double power = 0.0;
+  if (frame.csi.streams() == 0 || is_dead(frame.csi.row(core, 0))) {
+    return power;
+  }
   for (std::size_t stream = 0; stream < frame.csi.streams(); ++stream) {
     for (const std::complex<float> h : frame.csi.row(core, stream)) {
       power += static_cast<double>(std::norm(h));

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "capture/assemble/chain_presence.h"
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
 #include "capture/source/rejection_words.h"
@@ -115,6 +116,14 @@ void note_recording(const RecordedSource& source,
   }
   if (const std::string trouble = trouble_of(decoded); !trouble.empty()) {
     notes.push_back(what + trouble);
+  }
+  for (const auto& [core, frames] : decoded.without_core) {
+    if (frames >= ChainPresence::kFrames && 2 * frames > decoded.frames) {
+      notes.push_back(what + "core " + std::to_string(core) + " brings nothing in " +
+                      std::to_string(frames) + " of " + std::to_string(decoded.frames) +
+                      " frames: check its antenna and pigtail, and that the extractor is told to "
+                      "measure it");
+    }
   }
   if (const auto marks = read.rejected.find("gap_mark"); marks != read.rejected.end()) {
     notes.push_back(what + "gaps are marked in the recording: " + std::to_string(marks->second) +

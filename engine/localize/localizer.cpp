@@ -51,6 +51,7 @@ class Localizer::Impl {
  public:
   Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
       : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {
+    options_.burst.leaves_out_absent = true;
     if (compares_antennas(options_.likelihood)) {  // at the height that is assumed
       area_.grid.height_sigma = 0.0;
     }
@@ -137,10 +138,7 @@ std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
   const AccessPointMap* map = aps_[number].get();
   const RoomAccessPoint& ap = map->access_point();
   if (const auto dead = dead_chain(burst)) {
-    estimate.warnings.push_back("access point " + ap.id + ": the chain of core " +
-                                std::to_string(burst.cores[dead->row]) + " is dead (" +
-                                std::to_string(std::lround(dead->level_db)) +
-                                " dB of the others; an antenna is off?); it is left out");
+    estimate.warnings.push_back(dead_chain_text(ap, burst, *dead) + "; it is left out");
     if (map->antennas() <= least_antennas()) {
       return std::nullopt;
     }

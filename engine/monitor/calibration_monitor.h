@@ -37,12 +37,17 @@
 
 namespace rayloc {
 
-enum class CalibrationProblem { kChainPhaseJump, kAccessPointMoved, kResidualDrift };
+enum class CalibrationProblem {
+  kChainPhaseJump,
+  kAccessPointMoved,
+  kResidualDrift,
+  kDeadChain,  // by frames of anyone (daemon/pipeline/watch/dead_chains.h)
+};
 
 struct CalibrationWarning {
   CalibrationProblem problem = CalibrationProblem::kResidualDrift;
   std::size_t access_point = 0;  // of the room
-  int core = -1;                 // whose chain has jumped
+  int core = -1;                 // whose chain has jumped, or is dead
   double phase = 0.0;            // [rad], by how much
   ArrayMotion motion;            // of a moved access point
   double fit = 0.0;              // share of the measured power that the room explains now

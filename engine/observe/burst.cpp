@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/base/median.h"
+#include "engine/channel/dead_row.h"
 #include "engine/observe/alignment.h"
 #include "engine/observe/unit_power.h"
 
@@ -79,6 +80,9 @@ Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request)
       return bad_input("missing_core");
     }
     const auto row = frame.csi.row(static_cast<std::size_t>(found - frame.cores.begin()), 0);
+    if (is_dead(row)) {
+      return bad_input("dead_core");
+    }
     double power = 0.0;
     for (const std::size_t tone : *tones) {
       const Value value(static_cast<double>(row[tone].real()),
@@ -208,6 +212,74 @@ std::vector<const CsiFrame*> choose(std::span<const CsiFrame> frames,
   return chosen;
 }
 
+bool has_core(const CsiFrame& frame, std::uint8_t core) {
+  return std::find(frame.cores.begin(), frame.cores.end(), core) != frame.cores.end();
+}
+
+// Rows of the request that the frame brought no measurement of.
+std::vector<std::size_t> lacking(const CsiFrame& frame, const BurstRequest& request) {
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < request.cores.size(); ++row) {
+    if (!brings_core(frame, request.cores[row])) {
+      rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
+// Of a frame without a measurement of the core: its datagram came, or it has been absent for long.
+bool is_no_loss(const CsiFrame& frame, std::uint8_t core) {
+  return has_core(frame, core) ||
+         std::find(frame.flags.begin(), frame.flags.end(), "absent_core") != frame.flags.end();
+}
+
+// Nothing where a frame has all cores, or none lacks only one.
+std::optional<AbsentCore> absent_core(const std::vector<const CsiFrame*>& frames,
+                                      const BurstRequest& request) {
+  std::vector<std::size_t> alone(request.cores.size());  // frames that lack this row only
+  std::vector<std::size_t> lasting(request.cores.size());
+  for (const CsiFrame* frame : frames) {
+    if (frame->csi.streams() != 1) {
+      continue;
+    }
+    const std::vector<std::size_t> rows = lacking(*frame, request);
+    if (rows.empty()) {
+      return std::nullopt;
+    }
+    // With as many cores as are asked for they are others than stated, and none is dead.
+    const bool is_absent = rows.size() == 1 && (has_core(*frame, request.cores[rows.front()]) ||
+                                                frame->cores.size() < request.cores.size());
+    if (is_absent) {
+      ++alone[rows.front()];
+      lasting[rows.front()] += is_no_loss(*frame, request.cores[rows.front()]) ? 1U : 0U;
+    }
+  }
+  const auto most = std::max_element(alone.begin(), alone.end());
+  if (request.cores.size() < 2 || *most == 0) {
+    return std::nullopt;
+  }
+  const auto row = static_cast<std::size_t>(most - alone.begin());
+  return AbsentCore{row, lasting[row] == *most};
+}
+
+Expected<BurstObservation> without_absent(std::span<const CsiFrame> frames,
+                                          BurstRequest request,
+                                          AbsentCore absent) {
+  const auto at = static_cast<std::ptrdiff_t>(absent.row);
+  const std::uint8_t core = request.cores[absent.row];
+  request.options.leaves_out_absent = false;
+  request.cores.erase(request.cores.begin() + at);
+  auto burst = combine_burst(frames, request);
+  if (burst) {
+    const auto tones = request.grid.size();
+    burst->h.insert(burst->h.begin() + at * static_cast<std::ptrdiff_t>(tones), tones, Value());
+    burst->cores.insert(burst->cores.begin() + at, core);
+    burst->level_dbm.reset();
+    burst->absent = absent;
+  }
+  return burst;
+}
+
 }  // namespace
 
 Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
@@ -223,6 +295,11 @@ Expected<BurstObservation> combine_burst(std::span<const CsiFrame> frames,
   }
   if (request.grid.size() < 2 || request.cores.empty()) {
     return bad_input("nothing is asked for: the grid or the list of cores is empty");
+  }
+  if (request.options.leaves_out_absent) {
+    if (const auto absent = absent_core(chosen, request)) {
+      return without_absent(frames, request, *absent);
+    }
   }
   std::vector<Reading> readings;
   for (const CsiFrame* frame : chosen) {

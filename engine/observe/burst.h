@@ -34,6 +34,15 @@ struct BurstOptions {
   // A frame whose normalised correlation with the average is below this is refused: it is another
   // transmitter's, or a broken one.
   double min_correlation = 0.5;
+  // Where no frame has all of the cores, the one that most of them lack is left out: its row is
+  // zero then (BurstObservation::absent). Otherwise such a burst is refused.
+  bool leaves_out_absent = false;
+};
+
+// A core of which no frame of a burst brought a measurement.
+struct AbsentCore {
+  std::size_t row = 0;
+  bool is_lasting = false;  // nor did many frames before (capture/assemble/chain_presence.h)
 };
 
 struct BurstObservation {
@@ -50,6 +59,7 @@ struct BurstObservation {
   std::vector<std::complex<double>> h;
   // Variance of one value of h by noise, estimated from the differences between frames. With one
   // frame it is estimated from the differences between neighbouring tones, an upper bound.
+  // Without that of `absent`.
   double noise_variance = 0.0;
   double snr_db = 0.0;  // of one frame
   // Level as the receiver states it [dBm]: mean power of the cores asked for, median of the frames
@@ -58,6 +68,7 @@ struct BurstObservation {
   // What successive frames differ by beyond the noise: the share of the power that is not in the
   // principal component when early and late frames are compared; about 0 without motion.
   double motion_residual = 0.0;
+  std::optional<AbsentCore> absent;
 
   std::complex<double> value(std::size_t core, std::size_t tone) const {
     return h[core * grid.size() + tone];

@@ -78,7 +78,9 @@ class PersonLocalizer::Impl {
         reference_(std::move(reference)),
         options_(options),
         squares_(std::move(squares)),
-        places_(squares_.samples * squares_.samples) {}
+        places_(squares_.samples * squares_.samples) {
+    options_.burst.leaves_out_absent = true;
+  }
 
   PersonObservation hear(std::span<const CsiFrame> frames) const;
   PersonMap map(const PersonObservation& observation,
@@ -130,9 +132,9 @@ PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) 
       continue;
     }
     if (const auto dead = dead_chain(*burst)) {
-      estimate.warnings.push_back("access point " + room_->access_points[access_point].id +
-                                  ": the chain of core " + std::to_string(burst->cores[dead->row]) +
-                                  " is dead; the access point is left out");
+      estimate.warnings.push_back(
+          dead_chain_text(room_->access_points[access_point], *burst, *dead) +
+          "; the access point is left out");
       continue;
     }
     auto observed = link.likelihood.observe(burst->h);

@@ -79,6 +79,9 @@ std::optional<BurstObservation> hear(const RoomModel& room,
 }
 
 std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
+  if (burst.absent) {
+    return DeadChain{burst.absent->row, 10.0 * std::log10(kLeastShare), burst.absent};
+  }
   const std::size_t rows = burst.cores.size();
   if (rows < 2) {
     return std::nullopt;
@@ -94,7 +97,22 @@ std::optional<DeadChain> dead_chain(const BurstObservation& burst) {
   if (!(level_db < kDeadChain)) {
     return std::nullopt;
   }
-  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), level_db};
+  return DeadChain{static_cast<std::size_t>(weakest - power.begin()), level_db, {}};
+}
+
+std::string dead_chain_text(const RoomAccessPoint& access_point,
+                            const BurstObservation& burst,
+                            const DeadChain& dead) {
+  const std::string core = std::to_string(burst.cores[dead.row]);
+  const std::string begin = "access point " + access_point.id + ": ";
+  if (dead.absent && !dead.absent->is_lasting) {  // its datagrams may have been lost
+    return begin + "no frame of the burst has core " + core;
+  }
+  const std::string how = dead.absent
+                              ? "it brings nothing"
+                              : std::to_string(std::lround(dead.level_db)) + " dB of the others";
+  return begin + "the chain of core " + core + " is dead (" + how +
+         "; check its antenna and pigtail)";
 }
 
 BurstObservation without_row(BurstObservation burst, std::size_t row) {
@@ -103,6 +121,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
   burst.cores.erase(burst.cores.begin() + at);
   burst.level_dbm.reset();  // that of the others was not learned
+  burst.absent.reset();
   return burst;
 }
 

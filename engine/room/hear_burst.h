@@ -38,12 +38,18 @@ std::optional<BurstObservation> hear(const RoomModel& room,
 
 // The antenna whose chain is dead, as a row of the burst: 20 dB weaker than the others in the mean.
 // A fade that deep over a whole channel is rare, and a chain that is left out for one only widens
-// the region. Its chain gains must have been removed. `level_db`: how far below it is.
+// the region. Its chain gains must have been removed. Or the one that no frame of the burst has
+// (BurstObservation::absent).
 struct DeadChain {
   std::size_t row = 0;
-  double level_db = 0.0;
+  double level_db = 0.0;  // how far below it is
+  std::optional<AbsentCore> absent;
 };
 std::optional<DeadChain> dead_chain(const BurstObservation& burst);
+// "access point ap1: the chain of core 2 is dead (...)", without what follows from it.
+std::string dead_chain_text(const RoomAccessPoint& access_point,
+                            const BurstObservation& burst,
+                            const DeadChain& dead);
 // The burst without that row.
 BurstObservation without_row(BurstObservation burst, std::size_t row);
 

@@ -1,0 +1,18 @@
+// is_dead: whether the CSI of one receive chain holds no measurement: only zeros, one value at all
+// tones, or a number that is not finite.
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+
+#include "engine/channel/csi_frame.h"
+
+namespace rayloc {
+
+bool is_dead(std::span<const std::complex<float>> row);
+
+// Whether the frame brought a measurement of that receive chain, of its first stream.
+bool brings_core(const CsiFrame& frame, std::uint8_t core);
+
+}  // namespace rayloc
