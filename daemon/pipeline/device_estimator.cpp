@@ -7,6 +7,7 @@
 
 #include "daemon/pipeline/method_training.h"
 #include "daemon/pipeline/warm/carried.h"
+#include "daemon/pipeline/watch/stamp_check.h"
 #include "daemon/publish/topic.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
@@ -36,6 +37,18 @@ std::span<const CsiFrame> last_moment(std::span<const CsiFrame> frames) {
   const auto first = std::find_if(
       frames.begin(), frames.end(), [&](const CsiFrame& frame) { return frame.time >= begin; });
   return frames.subspan(static_cast<std::size_t>(first - frames.begin()));
+}
+
+LocationEstimate without_position(const Burst& burst,
+                                  const StuckStamp& stamp,
+                                  const RoomModel& room) {
+  LocationEstimate estimate;
+  estimate.time = estimate.capture_start = burst.first;
+  estimate.capture_end = burst.last;
+  estimate.reason = "access point " +
+                    room.access_points[static_cast<std::size_t>(stamp.access_point)].id + ": " +
+                    describe(stamp) + ", and frames that share one give no position";
+  return estimate;
 }
 
 }  // namespace
@@ -306,6 +319,12 @@ std::optional<DeviceEstimator::Work> DeviceEstimator::hear(const Burst& burst, E
   const auto room = std::find_if(rooms_.begin(), rooms_.end(), [&](const Room& candidate) {
     return candidate.device == device;
   });
+  if (const auto stamp = stuck_stamp(burst.frames)) {
+    LocationEstimate estimate = without_position(burst, *stamp, room->room());
+    Target target = target_of(burst.transmitter, estimate.time);
+    out.locations.push_back({std::move(estimate), std::move(target), context_of(*room)});
+    return std::nullopt;
+  }
   Work work;
   work.burst = &burst;
   work.out = &out;

@@ -6,6 +6,7 @@
 #include "daemon/pipeline/method_training.h"
 #include "daemon/pipeline/person_numbers.h"
 #include "daemon/pipeline/warm/carried.h"
+#include "daemon/pipeline/watch/stamp_check.h"
 #include "daemon/site/reference_file.h"
 #include "daemon/site/room_model.h"
 
@@ -120,7 +121,7 @@ void PersonEstimator::publish_counters() {
 
 void PersonEstimator::estimate(const Burst& burst, Estimates& out) {
   const SiteTransmitter* fixed = find_fixed_transmitter(site_, burst.transmitter);
-  if (fixed == nullptr) {
+  if (fixed == nullptr || stuck_stamp(burst.frames)) {
     return;
   }
   const std::uint64_t number = number_of(*fixed, site_);

@@ -32,6 +32,7 @@ bool SourceLane::step(Duration timeout) {
     tap->tap(batch_.datagrams);
     tap->advance(batch_.watermark);
   }
+  stamps_.add(batch_.datagrams);
   for (const Datagram& datagram : batch_.datagrams) {
     receiver_.push(datagram, frames_);
   }
@@ -74,6 +75,7 @@ void SourceLane::move(std::uint64_t number) {
 
 void SourceLane::show() {
   census_.add(frames_);
+  stamps_.add(frames_);
   if (frame_tap_ != nullptr && !frames_.empty()) {
     frame_tap_->tap(access_point_, frames_);
   }
@@ -87,6 +89,7 @@ void SourceLane::publish_report() {
   report_.source = std::move(source);
   report_.receiver = std::move(receiver);
   report_.frames = census_;
+  report_.stamps = stamps_.text();
   report_.ended = batch_.rests;
   report_.error = std::move(error);
   if (!batch_.datagrams.empty()) {

@@ -18,6 +18,7 @@
 #include "daemon/pipeline/frame_census.h"
 #include "daemon/pipeline/frame_mailbox.h"
 #include "daemon/pipeline/stage_progress.h"
+#include "daemon/pipeline/watch/stamp_check.h"
 
 namespace rayloc {
 
@@ -46,7 +47,8 @@ struct SourceReport {
   SourceCounters source;
   CsiReceiverCounters receiver;
   FrameCensus frames;
-  Timestamp last_datagram{};                             // event time; the epoch when none came
+  std::string stamps;         // what is wrong with its time stamps: StampTally::text()
+  Timestamp last_datagram{};  // event time; the epoch when none came
   std::chrono::steady_clock::time_point last_arrival{};  // of it: nobody can set this clock
   bool ended = false;  // for good, or until a recording that is played goes on elsewhere
   // Why it ended before its time, or, of a source that goes on, why nothing can be read now; empty
@@ -94,6 +96,7 @@ class SourceLane {
   DatagramBatch batch_;
   std::vector<CsiFrame> frames_;  // of the step
   FrameCensus census_;
+  StampTally stamps_;
   std::string failure_;  // why the source ended before its time
   StageProgress progress_;
   mutable std::mutex mutex_;

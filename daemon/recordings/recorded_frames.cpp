@@ -11,6 +11,7 @@
 #include "capture/assemble/csi_receiver.h"
 #include "capture/source/recorded_source.h"
 #include "capture/source/rejection_words.h"
+#include "daemon/pipeline/watch/stamp_check.h"
 #include "daemon/recordings/time_text.h"
 #include "daemon/site/receiver_options.h"
 #include "daemon/site/source_advice.h"
@@ -61,6 +62,7 @@ Expected<void> for_each_frame(const Site& site,
     return tl::make_unexpected(std::move(source.error()));
   }
   CsiReceiver receiver(receiver_options(site, *index));
+  StampTally stamps;
   DatagramBatch batch;
   std::vector<CsiFrame> frames;
   while (!batch.ended) {
@@ -68,12 +70,14 @@ Expected<void> for_each_frame(const Site& site,
     if (auto read = (*source)->read(batch, std::chrono::seconds(1)); !read) {
       return tl::make_unexpected(std::move(read.error()));
     }
+    stamps.add(batch.datagrams);
     for (const Datagram& datagram : batch.datagrams) {
       receiver.push(datagram, frames);
     }
     if (batch.ended) {
       receiver.flush(frames);
     }
+    stamps.add(frames);
     for (CsiFrame& frame : frames) {
       take(std::move(frame));
     }
@@ -84,6 +88,9 @@ Expected<void> for_each_frame(const Site& site,
                      "': " + trouble);
   }
   note_recording(**source, counters, recording.access_point, notes);
+  if (std::string text = stamps.text(); !text.empty()) {
+    notes.push_back(recording.access_point + ": " + (*source)->description() + ": " + text);
+  }
   return {};
 }
 

@@ -49,6 +49,9 @@ Expected<void> report_replay(const Pipeline& pipeline,
     const SourceReport& source = sources[i];
     std::vector<std::string> notes;
     note_recording(*recordings[i], source.receiver, source.access_point, notes);
+    if (!source.stamps.empty()) {
+      notes.push_back(source.access_point + ": " + source.description + ": " + source.stamps);
+    }
     if (!quiet) {
       report_source(source, notes);
     }
