@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "capture/assemble/chain_presence.h"
@@ -18,6 +19,8 @@ class CsiReceiver::Impl {
  public:
   Impl(CsiReceiverOptions options, std::span<const DecoderRow> formats)
       : access_point_(options.access_point),
+        only_devices_(options.only_devices),
+        stated_(std::move(options.stated_transmitters)),
         expected_cores_(options.expected_cores),
         presence_(options.expected_cores),
         registry_(options.format, formats),
@@ -47,6 +50,10 @@ class CsiReceiver::Impl {
       mixture_.add(*fragment, datagram.address, datagram.time);
     }
     if (!admit(is_expected_channel)) {
+      return;
+    }
+    if (const auto reason = no_device(fragment->transmitter)) {
+      reject(*reason);
       return;
     }
     switch (assembler_.push(*fragment, datagram.time)) {
@@ -102,6 +109,16 @@ class CsiReceiver::Impl {
   }
 
  private:
+  std::optional<RejectReason> no_device(const MacAddress& transmitter) const {
+    if (!only_devices_ || std::find(stated_.begin(), stated_.end(), transmitter) != stated_.end()) {
+      return std::nullopt;
+    }
+    if ((transmitter.octets[0] & 1U) != 0) {
+      return RejectReason::kGroupAddress;
+    }
+    return transmitter == MacAddress() ? std::optional(RejectReason::kZeroAddress) : std::nullopt;
+  }
+
   // Judges the source after a datagram of it; counts the datagram where it is rejected.
   bool admit(bool is_expected_channel) {
     held_.hold_from(mixture_.newest_beginning());
@@ -147,6 +164,11 @@ class CsiReceiver::Impl {
       mixture_.add(datagram.address, datagram.time);
     }
     if (!admit(is_expected_channel)) {
+      return;
+    }
+    // The short records of an Intel 5300 state no address at all.
+    if (const auto reason = no_device(frame->transmitter); reason == RejectReason::kGroupAddress) {
+      reject(*reason);
       return;
     }
     frame->time = frame->time_last = datagram.time;
@@ -197,6 +219,8 @@ class CsiReceiver::Impl {
   }
 
   const int access_point_;
+  const bool only_devices_;
+  const std::vector<MacAddress> stated_;
   const std::vector<std::uint8_t> expected_cores_;
   ChainPresence presence_;
   DecoderRegistry registry_;

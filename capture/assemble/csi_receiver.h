@@ -42,6 +42,11 @@ struct CsiReceiverOptions {
   Duration assembly_timeout = std::chrono::milliseconds(20);
   // Frames being assembled at one time; past that the oldest is emitted as it is.
   std::size_t max_pending = 256;
+  // Refuse frames whose transmitter's address no device has: a group address (broadcast is one), or
+  // zero where the format always has an address. Those of `stated_transmitters` are taken all the
+  // same.
+  bool only_devices = false;
+  std::vector<MacAddress> stated_transmitters;
   // Leave the CSI in FFT order with rotation and unusable tones, as on the wire (frames --raw).
   bool raw = false;
   // The site's channel: a datagram that states another one is rejected. Nothing: every channel.

@@ -36,6 +36,10 @@ std::string_view to_string(RejectReason reason) {
       return "other_channel";
     case RejectReason::kSeveralAccessPoints:
       return "several_access_points";
+    case RejectReason::kGroupAddress:
+      return "group_address";
+    case RejectReason::kZeroAddress:
+      return "zero_address";
   }
   RAYLOC_CHECK(false);
 }

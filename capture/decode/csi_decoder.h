@@ -45,8 +45,10 @@ enum class RejectReason : std::uint8_t {
   kFrameMismatch,        // the header contradicts the fragments of the same frame that came before
   kOtherChannel,         // the header states another channel than the site
   kSeveralAccessPoints,  // several access points send to the source (mixture_detector.h)
+  kGroupAddress,         // the transmitter's: no device has one
+  kZeroAddress,          // the transmitter's
 };
-inline constexpr std::size_t kRejectReasons = 15;
+inline constexpr std::size_t kRejectReasons = 17;
 std::string_view to_string(RejectReason reason);
 
 struct CsiFragment {

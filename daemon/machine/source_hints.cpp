@@ -26,14 +26,16 @@ constexpr std::string_view kInterfaceNotAllowed = "interface_not_allowed";
 constexpr std::string_view kOtherChannel = "other_channel";
 constexpr std::string_view kSeveralAccessPoints = "several_access_points";
 // What says nothing of the format: stamps and marks of a recording.
-constexpr std::array<std::string_view, 8> kNotOfTheFormat = {kSenderNotAllowed,
-                                                             kOtherChannel,
-                                                             kSeveralAccessPoints,
-                                                             kInterfaceNotAllowed,
-                                                             "damaged_time",
-                                                             "time_went_back",
-                                                             "gap_mark",
-                                                             "torn_record"};
+constexpr std::array<std::string_view, 10> kNotOfTheFormat = {kSenderNotAllowed,
+                                                              kOtherChannel,
+                                                              kSeveralAccessPoints,
+                                                              kInterfaceNotAllowed,
+                                                              "damaged_time",
+                                                              "time_went_back",
+                                                              "gap_mark",
+                                                              "group_address",
+                                                              "zero_address",
+                                                              "torn_record"};
 
 class Hints {
  public:
@@ -50,6 +52,7 @@ class Hints {
     rejected_as_a_whole(kOtherChannel);
     rejected_as_a_whole(kSeveralAccessPoints);
     rejections();
+    addresses();
     format();
     if (frames_ >= kEnoughFrames) {
       cores();
@@ -114,6 +117,23 @@ class Hints {
             fmt::format("{} {}", count, advice.what),
             advice.advice);
       }
+    }
+  }
+
+  void addresses() {
+    std::uint64_t refused = 0;
+    for (const char* reason : {"group_address", "zero_address"}) {
+      const auto found = source_.counters().rejected().find(reason);
+      refused += found == source_.counters().rejected().end() ? 0 : found->second;
+    }
+    if (refused > 0) {
+      add(frames_ == 0 ? Kind::kProblem : Kind::kWarning,
+          fmt::format("{} of {} datagrams state a group address or zero as their transmitter: no "
+                      "device is located by them",
+                      refused,
+                      source_.counters().received()),
+          "see the extractor's filter of addresses; a device that was given such an address on "
+          "purpose is stated as [[transmitter]] in site.toml");
     }
   }
 

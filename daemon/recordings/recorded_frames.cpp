@@ -9,6 +9,7 @@
 
 #include "capture/assemble/chain_presence.h"
 #include "capture/assemble/csi_receiver.h"
+#include "capture/decode/csi_decoder.h"
 #include "capture/source/recorded_source.h"
 #include "capture/source/rejection_words.h"
 #include "daemon/pipeline/watch/stamp_check.h"
@@ -94,6 +95,15 @@ Expected<void> for_each_frame(const Site& site,
   return {};
 }
 
+std::uint64_t addresses_refused(const CsiReceiverCounters& decoded) {
+  std::uint64_t refused = 0;
+  for (const RejectReason reason : {RejectReason::kGroupAddress, RejectReason::kZeroAddress}) {
+    const auto found = decoded.rejected.find(std::string(to_string(reason)));
+    refused += found == decoded.rejected.end() ? 0 : found->second;
+  }
+  return refused;
+}
+
 void note_recording(const RecordedSource& source,
                     const CsiReceiverCounters& decoded,
                     const std::string& access_point,
@@ -123,6 +133,12 @@ void note_recording(const RecordedSource& source,
   }
   if (const std::string trouble = trouble_of(decoded); !trouble.empty()) {
     notes.push_back(what + trouble);
+  }
+  if (const std::uint64_t refused = addresses_refused(decoded); refused > 0) {
+    notes.push_back(what + std::to_string(refused) +
+                    " packets state a group address or zero as their transmitter: no device has "
+                    "one; see the extractor's filter of addresses, or state it as [[transmitter]] "
+                    "in site.toml");
   }
   for (const auto& [core, frames] : decoded.without_core) {
     if (frames >= ChainPresence::kFrames && 2 * frames > decoded.frames) {

@@ -1,6 +1,7 @@
 // The frames of a recording, one after the other: for verbs that look at each and need no pipeline.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,6 +26,9 @@ Expected<void> for_each_frame(const Site& site,
                               const RecordingArgument& recording,
                               const std::function<void(CsiFrame&&)>& take,
                               std::vector<std::string>& notes);
+
+// Packets that a receiver rejected for an address that no device has.
+std::uint64_t addresses_refused(const CsiReceiverCounters& decoded);
 
 // The notes of a recording that was read to its end; of which access point, or empty.
 void note_recording(const RecordedSource& source,

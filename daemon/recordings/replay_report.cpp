@@ -44,6 +44,7 @@ Expected<void> report_replay(const Pipeline& pipeline,
   std::uint64_t received = 0;
   std::uint64_t frames = 0;
   bool is_rejected = false;  // CSI was recognised
+  std::uint64_t of_no_device = 0;
   const std::vector<SourceReport> sources = pipeline.source_reports();
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const SourceReport& source = sources[i];
@@ -61,13 +62,16 @@ Expected<void> report_replay(const Pipeline& pipeline,
     received += source.source.received;
     frames += source.receiver.frames;
     is_rejected = is_rejected || !source.receiver.troubles.empty();
+    of_no_device += addresses_refused(source.receiver);
     if (!source.error.empty()) {
       failed += (failed.empty() ? "" : "\n") + source.error;
     }
   }
   if (failed.empty() && received > 0 && frames == 0) {
-    return bad_input((is_rejected ? "the CSI was rejected of " : "no CSI in ") +
-                     std::to_string(received) + " packets" + without_csi);
+    const char* const what = is_rejected        ? "the CSI was rejected of "
+                             : of_no_device > 0 ? "no frame of a device in "
+                                                : "no CSI in ";
+    return bad_input(what + std::to_string(received) + " packets" + without_csi);
   }
   if (!quiet) {
     std::fprintf(

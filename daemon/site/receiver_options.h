@@ -22,6 +22,10 @@ inline CsiReceiverOptions receiver_options(const Site& site, int index) {
   if (site.carrier.bandwidth_mhz > 0) {
     options.channel = RadioChannel{site.carrier.grid.centre_hz, site.carrier.bandwidth_mhz};
   }
+  options.only_devices = true;
+  for (const SiteTransmitter& transmitter : site.transmitters) {
+    options.stated_transmitters.push_back(transmitter.mac);
+  }
   return options;
 }
 

@@ -169,6 +169,15 @@ TEST(SourceHints, TornFramesAndAnotherBandwidth) {
                           "80 MHz)"));
 }
 
+TEST(Field, HintsNameAddressesThatNoDeviceHas) {
+  v1::SourceState source = healthy();
+  auto& rejected = *source.mutable_counters()->mutable_rejected();
+  rejected["group_address"] = 1200;
+  rejected["zero_address"] = 3;
+  EXPECT_THAT(hints_of(source),
+              ElementsAre(::testing::AllOf(HasSubstr("1203 of 3000"), HasSubstr("group address"))));
+}
+
 TEST(FrameCensus, TellsTheDeafChainFromTheFaded) {
   FrameCensus census;
   for (int i = 0; i < 200; ++i) {
