@@ -26,6 +26,7 @@
 #include "daemon/site/site_copy.h"
 #include "engine/base/content_hash.h"
 #include "engine/calibrate/chain_refit.h"
+#include "engine/chains/chain_progress.h"
 #include "engine/observe/burst.h"
 
 namespace rayloc::cli {
@@ -300,11 +301,9 @@ std::string Rechain::why_not_learned(std::size_t access_point) const {
   for (const ChainState& state : states_) {
     if (state.access_point == access_point) {
       return fmt::format(
-          "what devices sent is not enough to learn its chains ({} bursts told "
-          "something{}); record a device that walks through the room for a minute",
-          state.bursts,
-          state.bursts_needed > 0 ? fmt::format(" of about {}", state.bursts_needed)
-                                  : std::string());
+          "what devices sent is not enough to learn its chains ({}); record a device that walks "
+          "through the room for a minute",
+          progress_text(state));
     }
   }
   return "its recording holds no frame of a device or of a fixed transmitter of the site";

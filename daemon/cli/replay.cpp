@@ -373,6 +373,9 @@ Expected<void> run_replay(const Options& options) {
     for (const std::string& line : estimators->devices->chain_news()) {
       std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
     }
+    if (const std::string progress = estimators->devices->chain_progress(); !progress.empty()) {
+      std::fprintf(stderr, "rayloc replay: at the end: %s\n", progress.c_str());
+    }
   }
   report_lacks(options, *site, *estimators, heard);
   return written;

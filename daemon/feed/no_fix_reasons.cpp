@@ -1,16 +1,32 @@
 #include "daemon/feed/no_fix_reasons.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace rayloc::cli {
+namespace {
+
+// Without the numbers that grow from burst to burst: it is one reason all the time.
+std::string without_progress(std::string reason) {
+  constexpr std::string_view kBegin = "learning the chains of ";
+  for (std::size_t at = reason.find(kBegin); at != std::string::npos;
+       at = reason.find(kBegin, at + 1)) {
+    const std::size_t colon = std::min(reason.find(':', at), reason.size());
+    reason.erase(colon, std::min(reason.find(';', colon), reason.size()) - colon);
+  }
+  return reason;
+}
+
+}  // namespace
 
 void NoFixReasons::count(const Location& location) {
   if (location.is_filtered() || location.estimate.position) {
     return;
   }
-  const std::string& reason = location.estimate.reason;
+  const std::string reason = without_progress(location.estimate.reason);
   ++all_;
   if (counts_.size() < kReasons || counts_.count(reason) > 0) {
     ++counts_[reason];

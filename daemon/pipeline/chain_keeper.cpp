@@ -6,16 +6,14 @@
 
 #include "daemon/pipeline/chain_file.h"
 #include "engine/base/constants.h"
+#include "engine/chains/chain_progress.h"
 
 namespace rayloc {
 namespace {
 
 std::string learning(const ChainState& state, const RoomModel& room) {
-  std::string text = "learning the chains of " + room.access_points[state.access_point].id + ": " +
-                     std::to_string(state.bursts);
-  return text + (state.bursts_needed > 0
-                     ? " of about " + std::to_string(state.bursts_needed) + " bursts"
-                     : " bursts");
+  return "learning the chains of " + room.access_points[state.access_point].id + ": " +
+         progress_text(state);
 }
 
 // "core 0 by 173 degrees +- 5, core 3 by 113 degrees +- 6"
@@ -51,12 +49,19 @@ void ChainKeeper::restore(const std::vector<ChainLearner*>& learners, const Room
     tell(states.error().message);
     return;
   }
-  for (const ChainState& state : *states) {
+  for (ChainState state : *states) {
+    const bool is_learned = state.knowledge == ChainKnowledge::kLearned;
+    if (!is_learned) {
+      state.bursts = 0;  // the file does not keep them
+    }
     for (ChainLearner* learner : learners) {
       learner->restore(state);
     }
     const RoomAccessPoint& ap = room.access_points[state.access_point];
-    tell("access point " + ap.id + ": its chains are as learned before: " + turns(state, ap));
+    tell("access point " + ap.id + ": " +
+         (is_learned ? "its chains are as learned before: " + turns(state, ap)
+                     : "its chains were not known when " + options_.read + " was written; " +
+                           learning(state, room)));
   }
   keep(learners.front()->states());
 }
@@ -153,7 +158,7 @@ std::vector<CalibrationWarning> ChainKeeper::warnings(const RoomModel& room) con
 
 std::string ChainKeeper::reason(const RoomModel& room) const {
   std::string text;
-  for (const ChainState& state : known_) {
+  for (const ChainState& state : states()) {
     if (state.knowledge == ChainKnowledge::kLearning) {
       text += (text.empty() ? "" : "; ") + learning(state, room);
     }

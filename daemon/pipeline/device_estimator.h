@@ -83,6 +83,8 @@ class DeviceEstimator : public Estimator {
   // thread.
   std::vector<ChainState> chain_states() const { return chains_.states(); }
   std::vector<std::string> chain_news() { return chains_.news(); }
+  // Of the chains that are being learned; empty: of none.
+  std::string chain_progress() const { return chains_.reason(room()); }
   TrackerCounters tracker_counters() const;  // of all trackers
 
   ChannelWatch& channels() { return channels_; }  // of devices, by a method with a Localizer

@@ -24,15 +24,12 @@ constexpr double kShaken = 0.9;     // the same: from here on nothing is refined
 constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
 constexpr double kWithdrawnLead = 5.0;     // [nat], by which another state explains more
 constexpr double kUndoubtedLead = 12.0;    // the same, while the belief sees no turn
-constexpr double kLearnedLead = 7.0;       // [nat], before all other states
 constexpr double kOthersWrong = 0.1;       // a probability, at least, that other access points are
 constexpr double kLeastEvidence = 3.0;     // [nat] of a burst that the room explains, in some state
 constexpr double kKnownPlaceSigma = 0.02;  // [m], on each axis: a place that was surveyed
 constexpr double kSameCorrelation = 0.9;   // correlation of bursts that say the same
 constexpr double kMostNoise = 2e-3;  // of a burst, share of its power: as ModelError::noise is
-constexpr double kMostSigma = 0.35;  // [rad], 20 degrees: of a phase that is believed
 // Counts of bursts, chosen.
-constexpr std::size_t kLeastLearned = 10;      // before anything is believed anew
 constexpr std::size_t kCompareAfter = 3;       // new ones, before states are compared again
 constexpr std::size_t kRefineAfterBursts = 8;  // new ones, before what was learned is refined
 constexpr std::size_t kMostNeeded = 200;       // stated at most
@@ -316,13 +313,14 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
     ap.forget_until_sure();
   }
   if (ap.heard.size() < ChainMemory::kLeastBursts ||
-      (ap.unrefined < kCompareAfter && ap.heard.size() != kLeastLearned)) {
+      (ap.unrefined < kCompareAfter && ap.heard.size() != kChainBurstsNeeded)) {
     return;
   }
   ap.unrefined = 0;
   const std::vector<ChainFactors> states = compare(map, ap);
   const ChainFactors& best = states.front();
-  const double lead = states.size() > 1 ? best.log_evidence - states[1].log_evidence : kLearnedLead;
+  const double lead =
+      states.size() > 1 ? best.log_evidence - states[1].log_evidence : kChainEvidenceNeeded;
   if (!is_learning) {
     const auto believed = std::find_if(states.begin(), states.end(), [&](const auto& one) {
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
@@ -345,17 +343,20 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
     ap.state.bursts = ap.heard.size();
   }
   const double sigma = *std::max_element(best.sigma.begin(), best.sigma.end());
-  if (ap.heard.size() >= kLeastLearned && lead >= kLearnedLead && sigma < kMostSigma) {
+  if (ap.heard.size() >= kChainBurstsNeeded && lead >= kChainEvidenceNeeded &&
+      sigma < kChainPhaseSigmaNeeded) {
     believe(best, ap);
     ap.know(ChainKnowledge::kLearned, time);
     ap.last_sure = time;
     return;
   }
+  ap.state.evidence = lead;
+  ap.state.phase_sigma = sigma;
   const auto bursts = static_cast<double>(ap.state.bursts);
-  ap.state.bursts_needed =
-      std::clamp(static_cast<std::size_t>(std::ceil(bursts * kLearnedLead / std::max(lead, 1.0))),
-                 std::max(ap.state.bursts + 1, kLeastLearned),
-                 ap.state.bursts + kMostNeeded);
+  ap.state.bursts_needed = std::clamp(
+      static_cast<std::size_t>(std::ceil(bursts * kChainEvidenceNeeded / std::max(lead, 1.0))),
+      std::max(ap.state.bursts + 1, kChainBurstsNeeded),
+      ap.state.bursts + kMostNeeded);
 }
 
 void ChainLearner::believe(const ChainFactors& refined, ChainMemory& ap) {

@@ -35,6 +35,8 @@ void ChainMemory::know(ChainKnowledge knowledge, Timestamp time) {
   state.since = time;
   state.bursts = 0;
   state.bursts_needed = 0;
+  state.evidence = 0.0;
+  state.phase_sigma = 0.0;
 }
 
 void ChainMemory::remember(RememberedBurst burst) {

@@ -138,6 +138,8 @@ void set_chains(const ChainState& state, v1::CarriedChains* message) {
   *message->mutable_since() = to_proto(state.since);
   message->set_bursts(state.bursts);
   message->set_bursts_needed(state.bursts_needed);
+  message->set_evidence(state.evidence);
+  message->set_evidence_phase_sigma(state.phase_sigma);
 }
 
 Expected<ChainState> chains_of(const v1::CarriedChains& message) {
@@ -156,6 +158,8 @@ Expected<ChainState> chains_of(const v1::CarriedChains& message) {
   state.since = from_proto(message.since());
   state.bursts = message.bursts();
   state.bursts_needed = message.bursts_needed();
+  state.evidence = message.evidence();
+  state.phase_sigma = message.evidence_phase_sigma();
   return state;
 }
 

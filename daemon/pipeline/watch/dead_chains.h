@@ -2,6 +2,7 @@
 // for the heartbeat, the log and the readiness. Locations name them by themselves.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <utility>

@@ -39,5 +39,18 @@ TEST(Field, ReasonsWithoutAFixThatNobodyWouldReadAreCountedTogether) {
   EXPECT_NE(text.find("; other reasons (92)"), std::string::npos) << text;
 }
 
+TEST(Field, ProgressOfLearningIsOneReasonWithoutAFix) {
+  NoFixReasons reasons;
+  for (int i = 0; i < 12; ++i) {
+    reasons.count(without_fix("learning the chains of ap1: " + std::to_string(i) +
+                              " of at least 10 bursts; learning the chains of ap3: " +
+                              std::to_string(2 * i) + " of at least 10 bursts"));
+  }
+  const std::string text = reasons.text();
+  EXPECT_NE(text.find("learning the chains of ap1; learning the chains of ap3 (12)"),
+            std::string::npos)
+      << text;
+}
+
 }  // namespace
 }  // namespace rayloc::cli::no_fix_reasons_test
