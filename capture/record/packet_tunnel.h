@@ -1,9 +1,6 @@
 // Packets inside packets: what a mirror port, an overlay network or a VPN puts around the access
 // point's datagrams. They are named, as the reason for which a packet is rejected ("tunnel_vxlan"),
 // and not read.
-//
-// References: RFC 2784 (GRE), 7348 (VXLAN), 8926 (GENEVE); draft-foschiano-erspan; TZSP as
-// Wireshark reads it.
 #pragma once
 
 #include <cstdint>
