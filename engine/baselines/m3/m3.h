@@ -12,7 +12,7 @@
 // larger of 1 ns and a tenth of the band's resolution. A mirror is a plane without an end or a
 // material, and nothing is mirrored twice: the method traces no rays.
 //
-// CsiFrame does not state its channel, so locate() of frames has one hop; others are given as such.
+// locate() of frames has one hop, the channel of the site; others are given as such.
 //
 // References: [M3] M3, IEEE Transactions on Mobile Computing, 2021.
 // Thread safety: const members may be used from many threads.
