@@ -15,6 +15,15 @@ tl::unexpected<Error> wrong_address(const std::string& text, const std::string& 
                     "'" + text + "': " + why + "; write HOST:PORT, for example 127.0.0.1:5500");
 }
 
+// In brackets or without, with or without a zone.
+bool is_ipv6(std::string host) {
+  if (host.size() > 2 && host.front() == '[') {
+    host = host.substr(1, host.find(']') - 1);
+  }
+  in6_addr address{};
+  return inet_pton(AF_INET6, host.substr(0, host.find('%')).c_str(), &address) == 1;
+}
+
 }  // namespace
 
 Expected<sockaddr_in> parse_udp_address(const std::string& text) {
@@ -36,6 +45,9 @@ Expected<sockaddr_in> parse_udp_address(const std::string& text) {
   if (host.empty() || host == "*") {
     address.sin_addr.s_addr = htonl(INADDR_ANY);
     return address;
+  }
+  if (is_ipv6(host) || is_ipv6(text)) {
+    return wrong_address(text, "an IPv6 address, and datagrams are received and sent by IPv4 only");
   }
   addrinfo hints{};
   hints.ai_family = AF_INET;

@@ -33,7 +33,9 @@ Expected<HttpServer::Options> server_options(const StudioArguments& arguments) {
   HttpServer::Options options;
   const auto address = parse_listen(arguments.listen);
   if (!address) {
-    return make_error(ErrorKind::kUsage, "--listen: write ADDRESS:PORT, as in 127.0.0.1:8481");
+    return make_error(ErrorKind::kUsage,
+                      "--listen: '" + arguments.listen + "' " + listen_fault(arguments.listen) +
+                          "; write ADDRESS:PORT, as in 127.0.0.1:8481");
   }
   options.host = address->host;
   options.port = address->port;

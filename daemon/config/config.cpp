@@ -311,8 +311,9 @@ void check_sources(const ConfigReading& reading) {
     if (source.kind == SourceKind::kUdp && source.listen_host.empty()) {
       if (table.has("listen")) {
         table.error_at("listen",
-                       "'listen' is no ADDRESS:PORT; write, for example: listen = "
-                       "\"0.0.0.0:5500\", or one address of this machine");
+                       "'listen' " + listen_fault(table.string("listen").value_or("")) +
+                           "; write, for example: listen = \"0.0.0.0:5500\", or one address of "
+                           "this machine");
       }
       continue;
     }

@@ -19,8 +19,8 @@ void check_listen(const TomlTable& root, const HttpConfig& http) {
   }
   if (http.host.empty()) {
     table->error_at("listen",
-                    "'listen' is no ADDRESS:PORT; write, for example: listen = "
-                    "\"127.0.0.1:8480\"");
+                    "'listen' " + listen_fault(table->string("listen").value_or("")) +
+                        "; write, for example: listen = \"127.0.0.1:8480\"");
   } else if (!is_loopback(http.host) && http.token_file.empty() && !http.insecure) {
     table->error_at("listen",
                     "'listen' can be reached from the network, where everyone could read who is "

@@ -9,6 +9,7 @@ namespace rayloc {
 namespace {
 
 constexpr std::string_view kEveryAddress = "0.0.0.0";
+constexpr std::string_view kLoopbackAddress = "127.0.0.1";
 
 std::optional<std::uint16_t> parse_port(std::string_view text) {
   std::uint16_t port = 0;
@@ -49,12 +50,24 @@ std::optional<ListenAddress> parse_listen(std::string_view text) {
   std::string host(text.substr(0, colon));
   if (host.empty() || host == "*") {
     host = kEveryAddress;
+  } else if (host == "localhost") {
+    host = kLoopbackAddress;
   }
   const std::optional<std::uint16_t> port = parse_port(text.substr(colon + 1));
   if (!port || !parse_ipv4(host)) {
     return std::nullopt;
   }
   return ListenAddress{std::move(host), *port};
+}
+
+std::string listen_fault(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  const bool bracketed = text.substr(0, 1) == "[" && text.find(']') != std::string_view::npos;
+  if (bracketed || is_ipv6(text) ||
+      (colon != std::string_view::npos && is_ipv6(text.substr(0, colon)))) {
+    return "is an IPv6 address, and raylocd listens on IPv4 only";
+  }
+  return "is no ADDRESS:PORT";
 }
 
 bool same_port(const ListenAddress& a, const ListenAddress& b) {

@@ -13,9 +13,12 @@ struct ListenAddress {
   std::uint16_t port = 0;
 };
 
-// "0.0.0.0:5500"; "*" and nothing stand for every address. Numeric, so that a start does not depend
-// on a name server.
+// "0.0.0.0:5500"; "*" and nothing stand for every address, "localhost" for 127.0.0.1. Else numeric,
+// so that a start does not depend on a name server.
 std::optional<ListenAddress> parse_listen(std::string_view text);
+
+// Why it cannot be parsed, to follow the name of a key: "is no ADDRESS:PORT".
+std::string listen_fault(std::string_view text);
 
 // Whether an address of this machine, or "localhost", reaches this machine only.
 bool is_loopback(const std::string& host);

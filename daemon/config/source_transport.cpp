@@ -46,7 +46,9 @@ std::string objection(const TransportAddress& url) {
     return "raylocd plays recordings of pcap only";
   }
   if (kind == SourceKind::kUdp && !parse_listen(url.address)) {
-    return "no ADDRESS:PORT of this machine follows the colon";
+    const std::string fault = listen_fault(url.address);
+    return fault == "is no ADDRESS:PORT" ? "no ADDRESS:PORT of this machine follows the colon"
+                                         : "what follows the colon " + fault;
   }
   return "";
 }

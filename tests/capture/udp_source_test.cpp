@@ -311,6 +311,16 @@ TEST(UdpSource, TakesOverASocketThatIsBoundToBothFamilies) {
   EXPECT_EQ(batch.datagrams[0].address.destination_ip, INADDR_LOOPBACK);
 }
 
+TEST(Field, AnIpv6AddressOfAUdpEndpointIsNamedAsSuch) {
+  for (const char* text : {"[::1]:5500", "[fe80::1%eth0]:5500", "::1:5500", "[::]:5500"}) {
+    const auto address = parse_udp_address(text);
+    ASSERT_FALSE(address) << text;
+    EXPECT_THAT(address.error().message, HasSubstr("IPv6")) << text;
+    EXPECT_THAT(address.error().message, HasSubstr("HOST:PORT")) << text;
+  }
+  EXPECT_EQ(to_string(*parse_udp_address("localhost:5500")), "127.0.0.1:5500");
+}
+
 TEST(UdpAddress, SaysWhatIsWrong) {
   for (const char* text : {"",
                            "5500",

@@ -19,7 +19,6 @@ TEST(ParseListen, TakesNumericAddresses) {
 TEST(ParseListen, RefusesEverythingElse) {
   for (const char* text : {"",
                            "5500",
-                           "localhost:5500",
                            "1.2.3:5500",
                            "1.2.3.4:",
                            "1.2.3.4:-1",
@@ -27,6 +26,17 @@ TEST(ParseListen, RefusesEverythingElse) {
                            "1.2.3.4:55x",
                            "[::1]:5500"}) {
     EXPECT_FALSE(parse_listen(text)) << text;
+  }
+}
+
+TEST(Field, ListenTakesLocalhostAndNamesIpv6) {
+  EXPECT_EQ(parse_listen("localhost:5500")->host, "127.0.0.1");
+  EXPECT_TRUE(same_port(*parse_listen("localhost:5500"), {"127.0.0.1", 5500}));
+  for (const char* text : {"[::1]:8581", "[::]:8581", "::1:8581", "::1", "[fe80::1%eth0]:8581"}) {
+    EXPECT_NE(listen_fault(text).find("IPv6"), std::string::npos) << text;
+  }
+  for (const char* text : {"", "8581", "lab:8581", "127.0.0.1", "127.0.0.1:99999"}) {
+    EXPECT_EQ(listen_fault(text).find("IPv6"), std::string::npos) << text;
   }
 }
 
