@@ -47,7 +47,7 @@ Expected<sockaddr_in> parse_udp_address(const std::string& text) {
     return address;
   }
   if (is_ipv6(host) || is_ipv6(text)) {
-    return wrong_address(text, "an IPv6 address, and datagrams are received and sent by IPv4 only");
+    return wrong_address(text, "an IPv6 address, and only IPv4 is supported");
   }
   addrinfo hints{};
   hints.ai_family = AF_INET;

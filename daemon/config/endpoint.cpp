@@ -65,7 +65,7 @@ std::string listen_fault(std::string_view text) {
   const bool bracketed = text.substr(0, 1) == "[" && text.find(']') != std::string_view::npos;
   if (bracketed || is_ipv6(text) ||
       (colon != std::string_view::npos && is_ipv6(text.substr(0, colon)))) {
-    return "is an IPv6 address, and raylocd listens on IPv4 only";
+    return "is an IPv6 address, and only IPv4 is supported";
   }
   return "is no ADDRESS:PORT";
 }
