@@ -57,7 +57,7 @@ class PcapFileSource final : public DatagramSource {
   std::string description() const override;
 
   // What was torn or is padding, where, once read() has come to it.
-  std::vector<std::string> warnings() const;
+  std::vector<std::string> warnings() const override;
 
   // Of a pipe: what its stamps have shown so far; for the thread that reads.
   RecordTimes streamed_times() const { return with_headers(streamed_); }

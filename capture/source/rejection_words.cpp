@@ -82,21 +82,43 @@ bool is_notable(std::uint64_t packets, std::uint64_t received) {
   return packets > 0 && packets * 10 >= received;
 }
 
+namespace {
+
+std::string rejected_line(std::string_view reason,
+                          std::uint64_t count,
+                          std::uint64_t received,
+                          const std::string& name) {
+  const RejectionAdvice advice = rejection_advice(reason);
+  const std::string begin = name + ": ";
+  if (reason == "monitor_mode") {
+    return begin + "a capture in monitor mode (" + std::to_string(count) +
+           " packets with radiotap or other 802.11 headers): it holds the frames of the air and no "
+           "CSI; " +
+           advice.advice;
+  }
+  if (advice.what.empty() || !is_notable(count, received)) {
+    return {};
+  }
+  return begin + std::to_string(count) + " of " + std::to_string(received) + " " + advice.what +
+         "; " + advice.advice;
+}
+
+std::string unwrapped_line(const std::string& tunnel,
+                           std::uint64_t count,
+                           const std::string& name) {
+  return name + ": " + std::to_string(count) + " datagrams came inside " + tunnel +
+         " and were read";
+}
+
+}  // namespace
+
 std::vector<std::string> rejection_words(const std::map<std::string, std::uint64_t>& rejected,
                                          std::uint64_t received,
                                          const std::string& name) {
   std::vector<std::string> words;
   for (const auto& [reason, count] : rejected) {
-    const RejectionAdvice advice = rejection_advice(reason);
-    const std::string packets = std::to_string(count);
-    if (reason == "monitor_mode") {
-      words.push_back(name + ": a capture in monitor mode (" + packets +
-                      " packets with radiotap or other 802.11 headers): it holds the frames of the "
-                      "air and no CSI; " +
-                      advice.advice);
-    } else if (!advice.what.empty() && is_notable(count, received)) {
-      words.push_back(name + ": " + packets + " of " + std::to_string(received) + " " +
-                      advice.what + "; " + advice.advice);
+    if (std::string line = rejected_line(reason, count, received, name); !line.empty()) {
+      words.push_back(std::move(line));
     }
   }
   return words;
@@ -112,8 +134,7 @@ std::vector<std::string> rejection_words(const SourceCounters& counters, const s
                     std::to_string(counters.cut_original) + " bytes were captured");
   }
   for (const auto& [tunnel, count] : counters.unwrapped) {
-    words.push_back(name + ": " + std::to_string(count) + " datagrams came inside " + tunnel +
-                    " and were read");
+    words.push_back(unwrapped_line(tunnel, count, name));
   }
   return words;
 }
