@@ -45,15 +45,15 @@ class CsiReceiver::Impl {
       reject(fragment.error());
       return;
     }
+    if (const auto reason = no_device(fragment->transmitter)) {
+      reject(*reason);
+      return;
+    }
     const bool is_expected_channel = channels_.add(fragment->channel, datagram.time);
     if (is_expected_channel) {
       mixture_.add(*fragment, datagram.address, datagram.time);
     }
     if (!admit(is_expected_channel)) {
-      return;
-    }
-    if (const auto reason = no_device(fragment->transmitter)) {
-      reject(*reason);
       return;
     }
     switch (assembler_.push(*fragment, datagram.time)) {

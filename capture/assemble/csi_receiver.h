@@ -56,6 +56,11 @@ struct CsiReceiverOptions {
   // datagram and after each jump of the frame counter.
   bool reject_mixture = false;
   Duration settle{};
+  // Where nothing is located and all CSI is wanted.
+  void accept_every_source() {
+    channel.reset();
+    reject_mixture = false;
+  }
 };
 
 // One change of the channel that the datagrams state.

@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "capture/source/source_advice.h"
 #include "daemon/health/saturation.h"
-#include "daemon/site/source_advice.h"
 
 namespace rayloc {
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "capture/source/rejection_words.h"
-#include "daemon/site/source_advice.h"
+#include "capture/source/source_advice.h"
 
 namespace rayloc {
 namespace {

@@ -12,10 +12,10 @@
 #include "capture/decode/csi_decoder.h"
 #include "capture/source/recorded_source.h"
 #include "capture/source/rejection_words.h"
+#include "capture/source/source_advice.h"
 #include "daemon/pipeline/watch/stamp_check.h"
 #include "daemon/recordings/time_text.h"
 #include "daemon/site/receiver_options.h"
-#include "daemon/site/source_advice.h"
 
 namespace rayloc::cli {
 namespace {

@@ -277,9 +277,8 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
     if (!input) {
       return tl::make_unexpected(input.error());
     }
-    if (config.engine.method == nullptr) {  // nothing is located, and CSI of any channel is wanted
-      input->receiver.channel.reset();
-      input->receiver.reject_mixture = false;
+    if (config.engine.method == nullptr) {
+      input->receiver.accept_every_source();
     }
     if (!config.record.directory.empty()) {
       recorders_.push_back(open_recorder(config.record, source.access_point));

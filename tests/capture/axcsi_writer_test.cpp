@@ -137,7 +137,7 @@ TEST_P(AxcsiLayout, EqualsTheIndependentWriterByteForByte) {
       encoding << 24U | 1U << 16U | (GetParam().phy == test::WirePhy::kHt ? 4U : 0x17U);
   frame.header.power_dbm = {-41, -42, -43, -44};
   frame.header.phy_status = 0x0843;
-  frame.header.chanspec = 0xd99f;
+  frame.header.chanspec = wire.chanspec = 0xd99f;
   for (const int core : wire.cores) {
     frame.cores.push_back(static_cast<std::uint8_t>(core));
     const auto tones = test::wire_tones(wire, core, 0);

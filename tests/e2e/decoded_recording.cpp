@@ -114,8 +114,12 @@ Decoded decode(const std::filesystem::path& recording) {
                       {"frames_complete", counts.frames - counts.partial},
                       {"frames_partial", counts.partial},
                       {"frames_processed", counts.frames}};
-  for (const char* const none :
-       {"kernel_drops", "ring_dropped", "in_flight", "frames_dropped", "frames_in_flight"}) {
+  for (const char* const none : {"kernel_drops",
+                                 "ring_dropped",
+                                 "in_flight",
+                                 "frames_dropped",
+                                 "frames_in_flight",
+                                 "channel_changes"}) {
     decoded.counters[none] = 0;
   }
   for (const auto& rejected : {source->counters().rejected, counts.rejected}) {

@@ -129,6 +129,22 @@ std::uint32_t ratespec_of(const WireFrame& frame) {
   return encoding << 24U | bandwidth << 16U | rate;
 }
 
+std::uint16_t chanspec_of(const WireFrame& frame) {
+  if (frame.chanspec != 0) {
+    return frame.chanspec;
+  }
+  switch (frame.channel_mhz) {
+    case 20:
+      return 0xd024;
+    case 40:
+      return 0xd826;
+    case 80:
+      return 0xe02a;
+    default:
+      return 0xe832;
+  }
+}
+
 }  // namespace
 
 WireChannel delayed_path(double delay, double spacing_hz) {
@@ -189,7 +205,7 @@ Recording write_axcsi(const WireFrame& frame, Timestamp time) {
           put(bytes, static_cast<std::uint64_t>(frame.power_dbm.at(i)), 1);
         }
         put(bytes, 0x0843, 4);
-        put(bytes, 0xd99f, 2);
+        put(bytes, chanspec_of(frame), 2);
         for (std::size_t i = first; i < first + count; ++i) {
           put(bytes, pack_float12(tones[i]), 4);
         }
@@ -213,7 +229,7 @@ Recording write_nexmon(const WireFrame& frame, NexmonChip chip, int version, Tim
       put(bytes, frame.sequence_control, 2);
       const auto configuration = static_cast<std::uint64_t>(core | stream << 3);
       put(bytes, chip == NexmonChip::k4366c0 ? configuration << 8U : configuration, 2);
-      put(bytes, 0xe02a, 2);
+      put(bytes, chanspec_of(frame), 2);
       put(bytes, static_cast<std::uint64_t>(chip), 2);
       for (std::size_t i = 0; i < tones.size(); ++i) {
         const std::size_t overwritten = tones.size() == 64 ? 28 : 0;
@@ -250,7 +266,7 @@ Recording write_ubilocate(const WireFrame& frame, Timestamp time) {
       put_address(bytes, frame.transmitter);
       put(bytes, frame.sequence_control, 2);
       put(bytes, static_cast<std::uint64_t>(core * 4 + stream), 2);
-      put(bytes, 0xd89f, 2);
+      put(bytes, chanspec_of(frame), 2);
       put(bytes, frame.sequence, 2);
       for (const std::complex<double> tone : wire_tones(frame, core, stream)) {
         put(bytes, pack_float12(tone), 4);

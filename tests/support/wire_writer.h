@@ -35,6 +35,8 @@ struct WireFrame {
   std::uint64_t transmitter = 0x02524c000001;
   std::uint16_t sequence = 1;
   std::uint16_t sequence_control = 0x10;
+  // Broadcom's; 0: the channel of that width which holds channel 36, at 40 MHz 5190 MHz.
+  std::uint16_t chanspec = 0;
   std::vector<int> power_dbm = {-41, -42, -43, -44};
   WireChannel channel = delayed_path(100e-9, 312'500.0);
   // What stands at the tones that carry nothing: 0 at most of them, this at the centre.

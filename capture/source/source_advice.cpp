@@ -1,4 +1,4 @@
-#include "daemon/site/source_advice.h"
+#include "capture/source/source_advice.h"
 
 namespace rayloc {
 
