@@ -179,7 +179,7 @@ class CsiReceiver::Impl {
         });
     if (!all_cores) {
       frame->complete = false;
-      frame->flags.push_back("missing_core");
+      frame->flags.emplace_back("missing_core");
     }
     finish(*std::move(frame), 1, out);
   }

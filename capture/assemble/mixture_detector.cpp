@@ -60,22 +60,27 @@ bool MixtureDetector::follow(Tracks& all,
                              Timestamp time) {
   std::erase_if(all.tracks,
                 [&](const Track& track) { return apart(track.time, time) > kTrackMemory; });
-  const auto found = std::find_if(all.tracks.begin(), all.tracks.end(), [&](const Track& track) {
-    return tolerance == 0 ? track.value == now.value
-                          : counter_distance(track.value, now.value) <= tolerance;
-  });
-  if (found != all.tracks.end()) {
-    // The newest track is the last of the list.
-    const bool returned = found + 1 != all.tracks.end();
-    std::rotate(found, found + 1, all.tracks.end());
-    all.tracks.back() = now;
-    return returned;
+  const bool is_first = all.tracks.empty();
+  bool has_newer = false;  // of the same transmitter
+  for (std::size_t i = all.tracks.size(); i-- > 0;) {
+    const Track& track = all.tracks[i];
+    if (track.transmitter != now.transmitter) {
+      continue;
+    }
+    if (track.value == now.value || counter_distance(track.value, now.value) < tolerance) {
+      all.tracks.erase(all.tracks.begin() + static_cast<std::ptrdiff_t>(i));
+      all.tracks.push_back(now);
+      return has_newer;
+    }
+    has_newer = true;
   }
-  if (all.tracks.size() == kTracks) {
+  if (all.tracks.size() == kMaxTracks) {
     all.tracks.erase(all.tracks.begin());
   }
   all.tracks.push_back(now);
-  newest_beginning_ = time;
+  if (is_first || has_newer) {
+    newest_beginning_ = time;
+  }
   return false;
 }
 
@@ -132,9 +137,9 @@ void MixtureDetector::add_recent(const CsiFragment& fragment, Timestamp time) {
   Recent& recent = recent_[fragment.sequence % kRecent];
   const bool same_counter = recent.used && recent.sequence == fragment.sequence &&
                             apart(recent.time, time) <= kCounterMemory;
-  const bool same_frame = same_counter && recent.transmitter == fragment.transmitter &&
-                          recent.sequence_control == fragment.sequence_control;
-  bool shared = same_counter && !same_frame;
+  const bool same_transmitter = same_counter && recent.transmitter == fragment.transmitter;
+  const bool same_frame = same_transmitter && recent.sequence_control == fragment.sequence_control;
+  bool shared = same_transmitter && !same_frame;
   if (!same_frame) {
     recent.used = true;
     recent.sequence = fragment.sequence;

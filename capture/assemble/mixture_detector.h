@@ -3,17 +3,19 @@
 // content. CSI of one array that is combined with CSI of another gives wrong positions.
 //
 // Evidence of a second access point:
-//   frame counters    two running counters alternate, or two counters of one 802.11 frame are far
-//   apart senders           two sender addresses alternate shared counter    one counter value
-//   belongs to two 802.11 frames, or to one frame with two CSIs sequence numbers  without a frame
-//   counter: every 802.11 sequence number comes equally often,
-//                     twice or more, with different CSI
+//   - two running frame counters alternate, or two counters of one 802.11 frame are far apart;
+//   - two sender addresses alternate;
+//   - one counter value belongs to two 802.11 frames, or to one frame with two CSIs;
+//   - without a counter: every 802.11 sequence number comes equally often, with different CSI.
+// Counters and sequence numbers are compared for each transmitter by itself: in a recording that
+// was put together of several devices, each device may have a counter of its own.
+//
 // Retransmissions repeat a sequence number but advance the counter by a few, and their number
 // varies. A restarted access point, a lossy link and a reordered datagram change the counter once
 // and do not return to the old one.
 //
-// A function of the fragments and their times. Memory is bounded: kTracks counters, kRecent frames.
-// Thread safety: one thread.
+// A function of the fragments and their times. Memory is bounded: kMaxTracks counters, kRecent
+// frames. Thread safety: one thread.
 #pragma once
 
 #include <array>
@@ -48,19 +50,19 @@ class MixtureDetector {
   // The latest evidence, kNone where the source has one access point.
   Evidence evidence() const { return evidence_; }
   bool is_mixture() const { return evidence_ != Evidence::kNone; }
-  // Time of the first fragment of the newest counter or sender: for some time after it a second
-  // access point may not have shown itself.
+  // Time of the first fragment, of the latest jump of a transmitter's counter, or of the newest
+  // sender: for some time after it a second access point may not have shown itself.
   Timestamp newest_beginning() const { return newest_beginning_; }
 
   // The input goes on elsewhere: drops all that was observed.
   void reset() { *this = {}; }
 
  private:
-  static constexpr std::size_t kTracks = 8;
+  static constexpr std::size_t kMaxTracks = 64;
   static constexpr std::size_t kRecent = 256;
   static constexpr std::size_t kRecentParts = 16;
 
-  // A frame counter that advances, or a sender address.
+  // A frame counter that advances for one transmitter, or a sender address.
   struct Track {
     std::uint32_t value = 0;  // last counter value; or the address
     Timestamp time;           // of its last fragment

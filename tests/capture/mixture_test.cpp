@@ -115,13 +115,6 @@ TEST(Field, TwoFrameCountersOnOneSourceGiveNoFrame) {
   expect_nothing_of_it(merged(axcsi({}, 20), axcsi(second, 20)), "frame counters");
 }
 
-TEST(Field, TwoAccessPointsThatReceiveDifferentDevicesGiveNoFrame) {
-  Stream second{.counter = 20'000, .begin = Milliseconds(50), .transmitter = 0x02524c000002};
-  const Received received = receive(merged(axcsi({}, 20), axcsi(second, 20)));
-  EXPECT_THAT(received.frames, IsEmpty());
-  EXPECT_THAT(received.counters.rejected, Contains(Key(kSeveral)));
-}
-
 TEST(Field, TwoAccessPointsWhoseCountersAreEqualGiveNoFrame) {
   Stream second{.delay = 40e-9, .begin = Milliseconds(1)};
   expect_nothing_of_it(merged(axcsi({}, 20), axcsi(second, 20)), "frame counter");
@@ -195,6 +188,14 @@ TEST(Field, OneAccessPointIsNoMixture) {
     lossy.insert(lossy.end(), part.begin(), part.end());
   }
   expect_all(lossy, "losses of hundreds of frames");
+  expect_all(merged(axcsi({}, 50),
+                    axcsi({.counter = 9'000,
+                           .begin = std::chrono::milliseconds(50),
+                           .transmitter = 0x02524c000002},
+                          50)),
+             "devices that were recorded one after the other and merged");
+  expect_all(merged(axcsi({}, 30), axcsi({.begin = std::chrono::seconds(3)}, 30)),
+             "a recording that is sent again");
   expect_all(nexmon({}, 60), "nexmon");
 }
 
