@@ -317,6 +317,18 @@ Expected<Site> site_of(const Options& options) {
   return site;
 }
 
+void report_chains(const Options& options, const Estimators& estimators) {
+  if (options.quiet || !estimators.devices) {
+    return;
+  }
+  for (const std::string& line : estimators.devices->chain_news()) {
+    std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
+  }
+  if (const std::string progress = estimators.devices->chain_progress(); !progress.empty()) {
+    std::fprintf(stderr, "rayloc replay: at the end: %s\n", progress.c_str());
+  }
+}
+
 Expected<void> run_replay(const Options& options) {
   if (options.fill && (options.stream.empty() || options.uninterrupted)) {
     return make_error(ErrorKind::kUsage, "--fill goes with --stream, and without --uninterrupted");
@@ -369,14 +381,7 @@ Expected<void> run_replay(const Options& options) {
   ZoneEstimator zones(estimators->all, site->zones, start->carried.get());
   const std::vector<int> heard = recordings->access_points;
   Expected<void> written = write_estimates(options, all, std::move(*recordings), zones);
-  if (estimators->devices && !options.quiet) {
-    for (const std::string& line : estimators->devices->chain_news()) {
-      std::fprintf(stderr, "rayloc replay: %s\n", line.c_str());
-    }
-    if (const std::string progress = estimators->devices->chain_progress(); !progress.empty()) {
-      std::fprintf(stderr, "rayloc replay: at the end: %s\n", progress.c_str());
-    }
-  }
+  report_chains(options, *estimators);
   report_lacks(options, *site, *estimators, heard);
   return written;
 }

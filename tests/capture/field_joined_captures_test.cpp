@@ -94,6 +94,7 @@ std::vector<Given> read_both(const ByteString& bytes) {
 
 std::vector<Timestamp> even_times(int seconds) {
   std::vector<Timestamp> times;
+  times.reserve(std::size_t{10} * static_cast<std::size_t>(seconds));
   for (int i = 0; i < 10 * seconds; ++i) {
     times.push_back(Timestamp(std::chrono::seconds(kStart)) +
                     std::chrono::milliseconds(100 * i + 7));

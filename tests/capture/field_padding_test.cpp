@@ -33,7 +33,7 @@ ByteString pcapng() {
   for (std::uint32_t i = 0; i < 10; ++i) {
     file += test::ng_enhanced(kLittle,
                               0,
-                              kStart * std::uint64_t{1'000'000} + 100'000 * i,
+                              kStart * std::uint64_t{1'000'000} + std::uint64_t{100'000} * i,
                               test::ethernet(test::ipv4({.payload = "csi"})));
   }
   return file;

@@ -27,7 +27,7 @@ constexpr std::int64_t kStart = 1'718'001'352 * kSecond + 459'123'000;
 Stamps walk(int frames, std::int64_t from = kStart, std::int64_t period = kSecond / 10) {
   Stamps stamps;
   for (int i = 0; i < 3 * frames; ++i) {
-    stamps.push_back(from + i / 3 * period + i % 3 * 10'000);
+    stamps.push_back(from + i / 3 * period + std::int64_t{10'000} * (i % 3));
   }
   return stamps;
 }

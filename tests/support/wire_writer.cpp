@@ -89,7 +89,7 @@ bool sounded(const WireFrame& frame, int tone) {
 std::size_t position(const WireFrame& frame, int tone, int total) {
   if (total == 512 && frame.phy != WirePhy::kHe) {
     const int in_half = tone < 0 ? tone + 128 : tone - 128;
-    return static_cast<std::size_t>((in_half + 256) % 256 + (tone < 0 ? 256 : 0));
+    return static_cast<std::size_t>((in_half + 256) % 256) + (tone < 0 ? 256U : 0U);
   }
   return static_cast<std::size_t>((tone + total) % total);
 }
@@ -265,7 +265,7 @@ Recording write_ubilocate(const WireFrame& frame, Timestamp time) {
       put(bytes, (std::uint64_t{1} << frame.streams) - 1, 1);
       put_address(bytes, frame.transmitter);
       put(bytes, frame.sequence_control, 2);
-      put(bytes, static_cast<std::uint64_t>(core * 4 + stream), 2);
+      put(bytes, 4 * static_cast<std::uint64_t>(core) + static_cast<std::uint64_t>(stream), 2);
       put(bytes, chanspec_of(frame), 2);
       put(bytes, frame.sequence, 2);
       for (const std::complex<double> tone : wire_tones(frame, core, stream)) {

@@ -44,7 +44,7 @@ std::string write_recording() {
     ++frame.sequence;
     frame.sequence_control = static_cast<std::uint16_t>(frame.sequence_control + 16);
   }
-  const std::string path = test::temporary_path("frames.pcap");
+  std::string path = test::temporary_path("frames.pcap");
   test::write_file(path, file);
   return path;
 }
