@@ -1,4 +1,6 @@
 // Surveys whose times were noted by another clock than that of the recordings.
+#include <unistd.h>
+
 #include <chrono>
 #include <complex>
 #include <filesystem>
@@ -29,7 +31,8 @@ const std::string kFolder = test::data_path("/sites/meeting_room");
 class ShiftedSurvey {
  public:
   ShiftedSurvey(Duration shift, std::size_t rows, std::size_t first = 0)
-      : file_(std::filesystem::path(::testing::TempDir()) / "shifted_survey.csv") {
+      : file_(std::filesystem::path(::testing::TempDir()) /
+              ("shifted_survey_" + std::to_string(::getpid()) + ".csv")) {
     const auto points = load_points_csv(kFolder + "/calibration.csv", shift);
     std::ofstream out(file_);
     out << "t_start,t_end,x,y,z\n";
@@ -93,7 +96,8 @@ TEST(Field, SurveyThatMatchesPartlyByAClockThatIsOffIsNoSurvey) {
 
 TEST(Field, SurveyWithoutRecordingOfItsFirstPointsIsStillRead) {
   const auto points = load_points_csv(kFolder + "/calibration.csv");
-  const auto file = std::filesystem::path(::testing::TempDir()) / "early_rows.csv";
+  const auto file = std::filesystem::path(::testing::TempDir()) /
+                    ("early_rows_" + std::to_string(::getpid()) + ".csv");
   std::ofstream out(file);
   out << "t_start,t_end,x,y,z\n";
   for (int i = 0; i < 8; ++i) {  // before the recording
