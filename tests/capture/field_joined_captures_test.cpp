@@ -2,11 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <numeric>
 
-#include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
+#include "tests/support/recording_answer.h"
 
 namespace rayloc::field_joined_captures_test {
 namespace {
@@ -15,6 +14,8 @@ using test::ByteString;
 using test::Endian;
 using test::ethernet;
 using test::ipv4;
+using test::read_both;
+using test::RecordingAnswer;
 using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -55,43 +56,6 @@ ByteString bytes_of(const Capture& capture, const std::string& payload) {
   return file;
 }
 
-struct Given {
-  std::vector<Timestamp> times;
-  std::vector<std::string> words;
-  std::map<std::string, std::uint64_t> rejected;
-  std::string error;
-};
-
-Given read_path(const std::string& path) {
-  Given given;
-  auto source = RecordedSource::open({path});
-  DatagramBatch batch;
-  while (source && !batch.ended && given.error.empty()) {
-    const auto read = (*source)->read(batch, std::chrono::seconds(1));
-    given.error = read ? "" : read.error().message;
-    for (const Datagram& datagram : batch.datagrams) {
-      given.times.push_back(datagram.time);
-    }
-  }
-  given.rejected = (*source)->counters().rejected;
-  given.words = words_of((*source)->plan());
-  const auto warnings = (*source)->warnings();
-  given.words.insert(given.words.end(), warnings.begin(), warnings.end());
-  return given;
-}
-
-// As a file, and as a pipe brings it.
-std::vector<Given> read_both(const ByteString& bytes) {
-  const std::string path = test::temporary_path("field_joined.pcap");
-  test::write_file(path, bytes);
-  std::vector<Given> both = {read_path(path)};
-  std::FILE* const pipe = popen(("cat " + path).c_str(), "r");
-  both.push_back(read_path("/dev/fd/" + std::to_string(fileno(pipe))));
-  pclose(pipe);
-  std::filesystem::remove(path);
-  return both;
-}
-
 std::vector<Timestamp> even_times(int seconds) {
   std::vector<Timestamp> times;
   times.reserve(std::size_t{10} * static_cast<std::size_t>(seconds));
@@ -117,10 +81,10 @@ TEST(Field, ACaptureBehindAnotherOneIsReadAsWell) {
       const ByteString b = bytes_of(second, "second");
       const ByteString plain = a + b;
       for (const ByteString& file : {plain, test::gzip(plain), test::gzip(a) + test::gzip(b)}) {
-        for (const Given& given : read_both(file)) {
+        for (const RecordingAnswer& given : read_both(file)) {
           EXPECT_EQ(given.error, "");
           EXPECT_EQ(given.times, even_times(2));
-          EXPECT_THAT(given.rejected, IsEmpty());
+          EXPECT_THAT(given.counters.rejected, IsEmpty());
           EXPECT_THAT(given.words,
                       ElementsAre(AllOf(HasSubstr("byte " + std::to_string(a.size()) + ": "),
                                         HasSubstr("another capture begins"))));
@@ -135,7 +99,7 @@ TEST(Field, ManyJoinedCapturesAreNotedOnce) {
   for (std::uint32_t i = 0; i < 5; ++i) {
     file += bytes_of({.start = kStart + i}, "x");
   }
-  const Given given = read_both(file).front();
+  const RecordingAnswer given = read_both(file).front();
   EXPECT_EQ(given.times, even_times(5));
   EXPECT_THAT(given.words, ElementsAre(HasSubstr("3 more")));
 }
@@ -143,7 +107,7 @@ TEST(Field, ManyJoinedCapturesAreNotedOnce) {
 // Joined in another order than that of time: no clock was set.
 TEST(Field, ACaptureBehindALaterOneIsNoClockThatWasSet) {
   const ByteString later = bytes_of({.start = kStart + 100}, "b");
-  const Given given = read_both(later + bytes_of({}, "a")).front();
+  const RecordingAnswer given = read_both(later + bytes_of({}, "a")).front();
   EXPECT_EQ(given.times.size(), 20U);
   EXPECT_THAT(given.words,
               Contains(AllOf(HasSubstr("begins at byte " + std::to_string(later.size())),
@@ -156,7 +120,7 @@ TEST(Field, ACaptureBehindALaterOneIsNoClockThatWasSet) {
 // 2055-12-18, when the seconds have the value of the magic number.
 TEST(Field, ARecordWithTheSecondsOfAMagicNumberIsARecord) {
   const ByteString file = bytes_of({.start = 0xa1b2c3d4}, "x");
-  for (const Given& given : read_both(file)) {
+  for (const RecordingAnswer& given : read_both(file)) {
     EXPECT_EQ(given.times.size(), 10U);
     EXPECT_THAT(given.words, IsEmpty());
   }

@@ -4,13 +4,14 @@
 
 #include <filesystem>
 
-#include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
+#include "tests/support/recording_answer.h"
 
 namespace rayloc::field_padding_test {
 namespace {
 
 using test::ByteString;
+using test::RecordingAnswer;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -39,39 +40,15 @@ ByteString pcapng() {
   return file;
 }
 
-struct Given {
-  std::size_t datagrams = 0;
-  std::map<std::string, std::uint64_t> rejected;
-  std::vector<std::string> words;
-  std::string error;
-};
-
-Given read_path(const std::string& path) {
-  Given given;
-  auto source = RecordedSource::open({path});
-  DatagramBatch batch;
-  while (source && !batch.ended && given.error.empty()) {
-    const auto read = (*source)->read(batch, std::chrono::seconds(1));
-    given.error = read ? "" : read.error().message;
-    given.datagrams += batch.datagrams.size();
-  }
-  given.rejected = (*source)->counters().rejected;
-  given.words = words_of((*source)->plan());
-  const auto warnings = (*source)->warnings();
-  given.words.insert(given.words.end(), warnings.begin(), warnings.end());
-  return given;
-}
-
-std::vector<Given> read_both(const ByteString& bytes) {
+// The last seven bytes come one by one in the pipe: the answer must not depend on how it splits
+// them.
+std::vector<RecordingAnswer> read_both(const ByteString& bytes) {
   const std::string path = test::temporary_path("field_padding.pcap");
   test::write_file(path, bytes);
-  std::vector<Given> both = {read_path(path)};
-  // Byte by byte at the end: what a pipe brings must not depend on how it comes.
-  const std::string command = "head -c -7 " + path + "; for i in 7 6 5 4 3 2 1; do tail -c $i " +
-                              path + " | head -c 1; done";
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  both.push_back(read_path("/dev/fd/" + std::to_string(fileno(pipe))));
-  pclose(pipe);
+  std::vector<RecordingAnswer> both = {
+      test::answer_of(path),
+      test::read_command("head -c -7 " + path + "; for i in 7 6 5 4 3 2 1; do tail -c $i " + path +
+                         " | head -c 1; done")};
   std::filesystem::remove(path);
   return both;
 }
@@ -86,10 +63,10 @@ TEST(Field, PaddingBehindGzipIsLeftOutAndNotedOnce) {
                                     ByteString("\n"),
                                     ByteString("\0\0garbage", 9),
                                     ByteString(3 << 16, '\x5a')}) {
-    for (const Given& given : read_both(packed + padding)) {
+    for (const RecordingAnswer& given : read_both(packed + padding)) {
       EXPECT_EQ(given.error, "");
-      EXPECT_EQ(given.datagrams, 10U);
-      EXPECT_THAT(given.rejected, IsEmpty());
+      EXPECT_EQ(given.times.size(), 10U);
+      EXPECT_THAT(given.counters.rejected, IsEmpty());
       EXPECT_THAT(given.words,
                   ElementsAre(AllOf(HasSubstr("byte " + std::to_string(packed.size()) + " of"),
                                     HasSubstr(std::to_string(padding.size()) + " bytes"),
@@ -104,10 +81,10 @@ TEST(Field, MembersAndCapturesBehindPaddingAreRead) {
   for (const ByteString& file : {packed + zeros + test::gzip(capture(kStart + 1)),
                                  packed + capture(kStart + 1),
                                  packed + zeros + capture(kStart + 1)}) {
-    for (const Given& given : read_both(file)) {
+    for (const RecordingAnswer& given : read_both(file)) {
       EXPECT_EQ(given.error, "");
-      EXPECT_EQ(given.datagrams, 20U);
-      EXPECT_THAT(given.rejected, IsEmpty());
+      EXPECT_EQ(given.times.size(), 20U);
+      EXPECT_THAT(given.counters.rejected, IsEmpty());
     }
   }
 }
@@ -115,10 +92,10 @@ TEST(Field, MembersAndCapturesBehindPaddingAreRead) {
 TEST(Field, ZerosBehindAPlainCaptureAreLeftOutAndNotedOnce) {
   for (const ByteString& whole : {capture(), pcapng()}) {
     for (const std::size_t zeros : {16U, 100U, 4096U}) {
-      for (const Given& given : read_both(whole + ByteString(zeros, '\0'))) {
+      for (const RecordingAnswer& given : read_both(whole + ByteString(zeros, '\0'))) {
         EXPECT_EQ(given.error, "");
-        EXPECT_EQ(given.datagrams, 10U);
-        EXPECT_THAT(given.rejected, IsEmpty());
+        EXPECT_EQ(given.times.size(), 10U);
+        EXPECT_THAT(given.counters.rejected, IsEmpty());
         EXPECT_THAT(given.words,
                     ElementsAre(AllOf(HasSubstr("byte " + std::to_string(whole.size()) + ":"),
                                       HasSubstr(std::to_string(zeros) + " zero bytes"))));

@@ -3,17 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <optional>
 
-#include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
+#include "tests/support/recording_answer.h"
 
 namespace rayloc::field_time_units_test {
 namespace {
 
 using test::ByteString;
 using test::Endian;
+using test::read_as_file;
+using test::read_as_pipe;
+using test::RecordingAnswer;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -65,54 +67,21 @@ ByteString pcapng(const Stamps& stamps, std::optional<char> resolution, Unit wri
   return file;
 }
 
-struct Given {
-  Stamps times;
-  std::vector<std::string> words;
-  std::map<std::string, std::uint64_t> rejected;
-};
-
-Given read_to_end(RecordedSource& source) {
-  Given given;
-  DatagramBatch batch;
-  while (!batch.ended && source.read(batch, std::chrono::seconds(1))) {
-    for (const Datagram& datagram : batch.datagrams) {
-      given.times.push_back(datagram.time.time_since_epoch().count());
-    }
+Stamps stamps_of(const RecordingAnswer& answer) {
+  Stamps stamps;
+  for (const Timestamp time : answer.times) {
+    stamps.push_back(time.time_since_epoch().count());
   }
-  given.rejected = source.counters().rejected;
-  given.words = words_of(source.plan());
-  const auto warnings = source.warnings();
-  given.words.insert(given.words.end(), warnings.begin(), warnings.end());
-  return given;
-}
-
-Given read_file(const ByteString& bytes) {
-  const std::string path = test::temporary_path("field_time_units.pcap");
-  test::write_file(path, bytes);
-  auto source = RecordedSource::open({path});
-  Given given = source ? read_to_end(**source) : Given{};
-  std::filesystem::remove(path);
-  return given;
-}
-
-Given read_piped(const ByteString& bytes) {
-  const std::string path = test::temporary_path("field_time_units.pipe");
-  test::write_file(path, bytes);
-  std::FILE* const pipe = popen(("cat " + path).c_str(), "r");
-  auto source = RecordedSource::open({"/dev/fd/" + std::to_string(fileno(pipe))});
-  Given given = source ? read_to_end(**source) : Given{};
-  pclose(pipe);
-  std::filesystem::remove(path);
-  return given;
+  return stamps;
 }
 
 TEST(Field, NanosecondsInAFileOfMicrosecondsAreReadAsSuch) {
   for (const Endian endian : {Endian::kLittle, Endian::kBig}) {
     const Stamps stamps = walk(40);
     const ByteString file = classic(stamps, Unit::kMicro, Unit::kNano, endian);
-    for (const Given& given : {read_file(file), read_piped(file)}) {
-      EXPECT_EQ(given.times, stamps);
-      EXPECT_THAT(given.rejected, IsEmpty());
+    for (const RecordingAnswer& given : test::read_both(file)) {
+      EXPECT_EQ(stamps_of(given), stamps);
+      EXPECT_THAT(given.counters.rejected, IsEmpty());
       EXPECT_THAT(given.words,
                   ElementsAre(AllOf(HasSubstr("byte 0: "),
                                     HasSubstr("states microseconds"),
@@ -124,19 +93,20 @@ TEST(Field, NanosecondsInAFileOfMicrosecondsAreReadAsSuch) {
 // A value below 1,000,000 may come first: the look through the file has the unit by then.
 TEST(Field, ANanosecondValueThatCouldBeMicrosecondsIsReadAsTheOthers) {
   const Stamps stamps = walk(40, 1'718'001'352 * kSecond + 400'000);
-  EXPECT_EQ(read_file(classic(stamps, Unit::kMicro, Unit::kNano, Endian::kLittle)).times, stamps);
+  EXPECT_EQ(stamps_of(read_as_file(classic(stamps, Unit::kMicro, Unit::kNano, Endian::kLittle))),
+            stamps);
 }
 
 TEST(Field, MicrosecondsInAFileOfNanosecondsAreReadAsSuch) {
   for (const std::int64_t period : {kSecond / 100, kSecond / 10, kSecond * 31 / 100}) {
     const Stamps stamps = walk(120, kStart, period);
     const ByteString file = classic(stamps, Unit::kNano, Unit::kMicro, Endian::kLittle);
-    const Given given = read_file(file);
-    EXPECT_EQ(given.times, stamps) << period;
+    const RecordingAnswer given = read_as_file(file);
+    EXPECT_EQ(stamps_of(given), stamps) << period;
     EXPECT_THAT(
         given.words,
         ElementsAre(AllOf(HasSubstr("states nanoseconds"), HasSubstr("read as microseconds"))));
-    const Given piped = read_piped(file);
+    const RecordingAnswer piped = read_as_pipe(file);
     ASSERT_FALSE(piped.words.empty());
     EXPECT_THAT(piped.words[0], AllOf(HasSubstr("hold microseconds"), HasSubstr("to a file")));
   }
@@ -154,8 +124,8 @@ TEST(Field, TheStatedUnitHoldsWhereNoValueContradictsIt) {
   for (const Stamps& stamps : recordings) {
     for (const Unit unit : {Unit::kMicro, Unit::kNano}) {
       const ByteString file = classic(stamps, unit, unit, Endian::kLittle);
-      for (const Given& given : {read_file(file), read_piped(file)}) {
-        EXPECT_EQ(given.times, stamps);
+      for (const RecordingAnswer& given : test::read_both(file)) {
+        EXPECT_EQ(stamps_of(given), stamps);
         EXPECT_THAT(given.words, IsEmpty());
       }
     }
@@ -168,7 +138,7 @@ TEST(Field, ADamagedSubsecondValueIsNoOtherUnit) {
     ByteString file = classic(walk(40), Unit::kMicro, Unit::kMicro, Endian::kLittle);
     const std::size_t record = 16 + packet().size();
     file[24 + where * record + 7] = '\x35';  // 889 to 905 s of microseconds
-    const Given given = read_file(file);
+    const RecordingAnswer given = read_as_file(file);
     EXPECT_EQ(given.times.size(), 119U) << where;
     for (const std::string& line : given.words) {
       EXPECT_THAT(line, HasSubstr("damaged_time"));
@@ -186,15 +156,15 @@ TEST(Field, AWrongResolutionOfAPcapngInterfaceIsNamedAndUndone) {
       {'\x94', Unit::kNano, "2^-20 s"}};
   for (const auto& [resolution, written, text] : cases) {
     const ByteString file = pcapng(stamps, resolution, written);
-    for (const Given& given : {read_file(file), read_piped(file)}) {
-      EXPECT_EQ(given.times, stamps);
+    for (const RecordingAnswer& given : test::read_both(file)) {
+      EXPECT_EQ(stamps_of(given), stamps);
       EXPECT_THAT(
           given.words,
           ElementsAre(AllOf(HasSubstr("interface 0"), HasSubstr(text), HasSubstr("if_tsresol"))));
     }
   }
-  EXPECT_THAT(read_file(pcapng(stamps, '\x09', Unit::kNano)).words, IsEmpty());
-  EXPECT_THAT(read_file(pcapng(stamps, std::nullopt, Unit::kMicro)).words, IsEmpty());
+  EXPECT_THAT(read_as_file(pcapng(stamps, '\x09', Unit::kNano)).words, IsEmpty());
+  EXPECT_THAT(read_as_file(pcapng(stamps, std::nullopt, Unit::kMicro)).words, IsEmpty());
 }
 
 }  // namespace

@@ -3,10 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
-#include "capture/source/recorded_source.h"
 #include "tests/support/pcap_files.h"
+#include "tests/support/recording_answer.h"
 
 namespace rayloc::field_tunnels_test {
 namespace {
@@ -15,6 +13,8 @@ using test::ByteString;
 using test::Endian;
 using test::ethernet;
 using test::ipv4;
+using test::read_as_file;
+using test::RecordingAnswer;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -39,32 +39,6 @@ ByteString of_protocol(std::uint8_t protocol, const ByteString& payload) {
 
 ByteString in_udp(std::uint16_t port, const ByteString& payload) {
   return ethernet(ipv4({.destination_port = port, .payload = payload}));
-}
-
-struct Given {
-  std::vector<ByteString> payloads;
-  SourceCounters counters;
-  std::vector<std::string> words;
-};
-
-Given read_file(const ByteString& file) {
-  const std::string path = test::temporary_path("field_tunnels.pcap");
-  test::write_file(path, file);
-  Given given;
-  auto source = RecordedSource::open({path});
-  DatagramBatch batch;
-  while (source && !batch.ended && (*source)->read(batch, std::chrono::seconds(1))) {
-    for (const Datagram& one : batch.datagrams) {
-      given.payloads.emplace_back(reinterpret_cast<const char*>(one.payload.data()),
-                                  one.payload.size());
-    }
-  }
-  given.counters = (*source)->counters();
-  given.words = words_of((*source)->plan());
-  const auto warnings = (*source)->warnings();
-  given.words.insert(given.words.end(), warnings.begin(), warnings.end());
-  std::filesystem::remove(path);
-  return given;
 }
 
 ByteString capture(const std::vector<ByteString>& packets,
@@ -108,7 +82,7 @@ TEST(Field, ATunnelIsNamed) {
       {"tunnel_macsec", "MACsec", ethernet(datagram(), 0x88e5)},
       {"tunnel_mpls", "MPLS", ethernet(bytes({0, 0x10, 1, 64, 0, 0, 0, 0}) + inner, 0x8847)}};
   for (const auto& [reason, name, packet] : cases) {
-    const Given given = read_file(capture({packet, packet}));
+    const RecordingAnswer given = read_as_file(capture({packet, packet}));
     EXPECT_EQ(given.counters.rejected, (Counts{{reason, 2}}));
     EXPECT_THAT(given.words,
                 ElementsAre(AllOf(HasSubstr("2 of 2 packets came through a tunnel"),
@@ -128,13 +102,13 @@ TEST(Field, DatagramsInMplsAndPppoeAreReadAndTheTunnelIsNoted) {
       {"PPPoE", ethernet(session, 0x8864), 1},
       {"PPPoE", session, 51}};
   for (const auto& [name, packet, link_type] : cases) {
-    const Given given = read_file(capture({packet, packet}, 65535, link_type));
+    const RecordingAnswer given = read_as_file(capture({packet, packet}, 65535, link_type));
     EXPECT_THAT(given.payloads, ElementsAre(ByteString(100, 'c'), ByteString(100, 'c')));
     EXPECT_THAT(given.words, ElementsAre(AllOf(HasSubstr("2 datagrams"), HasSubstr(name))));
   }
   for (std::size_t size = 0; size < 40; ++size) {  // whatever a snapshot length leaves of them
     for (const auto& [name, packet, link_type] : cases) {
-      EXPECT_EQ(read_file(capture({packet}, size, link_type)).counters.rejected,
+      EXPECT_EQ(read_as_file(capture({packet}, size, link_type)).counters.rejected,
                 (Counts{{"truncated_capture", 1}}));
     }
   }
@@ -145,7 +119,7 @@ TEST(Field, ATunnelOfAnotherProgramIsCountedOnly) {
   std::vector<ByteString> packets(30, ethernet(datagram()));
   packets.push_back(ethernet(of_protocol(50, ByteString(60, 'e'))));
   packets.push_back(ethernet(ipv4({.payload = "x", .fragment = 0x2000})));
-  const Given given = read_file(capture(packets));
+  const RecordingAnswer given = read_as_file(capture(packets));
   EXPECT_EQ(given.counters.rejected, (Counts{{"ip_fragment", 1}, {"tunnel_ipsec", 1}}));
   EXPECT_EQ(given.payloads.size(), 30U);
   EXPECT_THAT(given.words, IsEmpty());
@@ -154,7 +128,7 @@ TEST(Field, ATunnelOfAnotherProgramIsCountedOnly) {
 TEST(Field, FragmentsSayWhatToRaise) {
   const ByteString first = ethernet(ipv4({.payload = ByteString(64, 'x'), .fragment = 0x2000}));
   const ByteString second = ethernet(ipv4({.payload = ByteString(30, 'x'), .fragment = 9}));
-  const Given given = read_file(capture({first, second}));
+  const RecordingAnswer given = read_as_file(capture({first, second}));
   EXPECT_EQ(given.counters.rejected, (Counts{{"ip_fragment", 2}}));
   EXPECT_THAT(given.words, ElementsAre(AllOf(HasSubstr("fragments"), HasSubstr("MTU"))));
 }
@@ -162,7 +136,7 @@ TEST(Field, FragmentsSayWhatToRaise) {
 TEST(Field, ACutCaptureSaysHowMuchItHoldsAndWhatToCapture) {
   const ByteString longer = ethernet(ipv4({.payload = ByteString(500, 'x')}));
   const ByteString shorter = ethernet(ipv4({.payload = ByteString(20, 'x')}));
-  const Given given = read_file(capture({longer, shorter, longer}, 96));
+  const RecordingAnswer given = read_as_file(capture({longer, shorter, longer}, 96));
   EXPECT_EQ(given.payloads.size(), 1U);
   EXPECT_THAT(given.words,
               ElementsAre(AllOf(HasSubstr("2 of 3 packets"), HasSubstr("tcpdump -s 0")),
