@@ -91,7 +91,7 @@ std::string dead_chains_of(const RoomModel& room,
       if (presence.frames >= kFewestSurveyFrames && 10 * presence.with_core < presence.frames) {
         add(a,
             cores[row],
-            fmt::format("brings nothing in {} of {} frames",
+            fmt::format("has no CSI in {} of {} frames",
                         presence.frames - presence.with_core,
                         presence.frames));
       } else if (weak.heard >= kFewestWeakPoints && 4 * weak.weak >= 3 * weak.heard) {

@@ -109,7 +109,7 @@ std::string dead_chain_text(const RoomAccessPoint& access_point,
     return begin + "no frame of the burst has core " + core;
   }
   const std::string how = dead.absent
-                              ? "it brings nothing"
+                              ? "it has no CSI"
                               : std::to_string(std::lround(dead.level_db)) + " dB of the others";
   return begin + "the chain of core " + core + " is dead (" + how +
          "; check its antenna and pigtail)";
