@@ -52,7 +52,8 @@ endfunction()
 #   WHOLE       one entry of ctest, for a program whose tests share what takes them most of their time
 #   CALIBRATED_SITE  its tests share the bundled site, calibrated once (tests/e2e/make_calibrated_site)
 #   CONTRACT    the real-time tests of the program that the gate runs; its others are `nightly`
-#   NIGHTLY     the tests of the program that only tests/run --all runs
+#   NIGHTLY     the tests of the program that only tests/run --all runs: regular expressions, or globs of GoogleTest
+#               where it is WHOLE
 #   DAILY       the real-time tests that tests/run --fast runs as well
 #   SANITIZED_NIGHTLY  the tests (globs of GoogleTest) that only tests/run --all runs under a sanitizer, where each
 #                      takes several seconds; "*" for the whole program
@@ -87,12 +88,16 @@ function(rayloc_test name)
     set(cost 10)  # ctest begins with what takes longest
   endif()
   if(RAYLOC_SANITIZE OR ARG_WHOLE)  # a start under a sanitizer takes longer than most tests
-    if(NOT RAYLOC_SANITIZE OR NOT ARG_SANITIZED_NIGHTLY)
+    set(only_nightly ${ARG_NIGHTLY})
+    if(RAYLOC_SANITIZE)
+      set(only_nightly ${ARG_SANITIZED_NIGHTLY})
+    endif()
+    if(NOT only_nightly)
       rayloc_whole_program(${name} "${name}" "*" ${cost} ${labels})
-    elseif(ARG_SANITIZED_NIGHTLY STREQUAL "*")
+    elseif(only_nightly STREQUAL "*")
       rayloc_whole_program(${name} "${name}" "*" ${cost} ${labels} nightly)
     else()
-      list(JOIN ARG_SANITIZED_NIGHTLY ":" long)
+      list(JOIN only_nightly ":" long)
       rayloc_whole_program(${name} "${name}" "-${long}" ${cost} ${labels})
       rayloc_whole_program(${name} "${name}.long" "${long}" ${cost} ${labels} nightly)
     endif()
