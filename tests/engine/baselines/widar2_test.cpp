@@ -22,6 +22,7 @@
 #include "engine/baselines/motion/range_smoother.h"
 #include "engine/baselines/widar2/path_link.h"
 #include "tests/support/synthetic_room.h"
+#include "tests/support/walking_echo.h"
 
 namespace rayloc::widar2_test {
 namespace {
@@ -220,34 +221,8 @@ const Widar2Link kLink = {kPlug, {1.0, -0.6, 1.2}, {0, 1, 2}};
 
 Timestamp at(double seconds) { return Timestamp(from_seconds(seconds)); }
 
-// What the access points hear of a transmitter in the open and of its echo from a person.
 std::vector<CsiFrame> walk(double seconds, double step, const std::function<Vec3d(double)>& place) {
-  std::vector<CsiFrame> frames;
-  unsigned seed = 1;
-  for (double t = 0.0; t < seconds; t += step) {
-    const Vec3d person = place(t);
-    std::vector<std::vector<std::complex<double>>> channels;
-    for (const RoomAccessPoint& ap : room()->access_points) {
-      auto& h = channels.emplace_back();
-      for (std::size_t m = 0; m < ap.cores.size(); ++m) {
-        const Vec3d antenna = element_position(ap.array, m);
-        const double direct = norm(kLink.position - antenna);
-        const double echo = norm(kLink.position - person) + norm(person - antenna);
-        for (std::size_t k = 0; k < room()->grid.size(); ++k) {
-          const double wave = kTwoPi * room()->grid.frequency_hz(k) / 299'792'458.0;
-          h.push_back(1.0 / direct * std::polar(1.0, -wave * direct) +
-                      0.5 / echo * std::polar(1.0, -wave * echo));
-        }
-      }
-    }
-    for (CsiFrame& frame :
-         test::frames_of(*room(), channels, {.count = 1, .snr_db = 40.0, .seed = seed++})) {
-      frame.time = frame.time_last = at(t);
-      frame.transmitter = kPlug;
-      frames.push_back(std::move(frame));
-    }
-  }
-  return frames;
+  return test::frames_past(*room(), {kPlug, kLink.position}, seconds, step, place);
 }
 
 std::vector<LocationEstimate> heard(Widar2& widar2, const std::vector<CsiFrame>& frames) {

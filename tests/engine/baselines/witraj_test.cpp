@@ -16,6 +16,7 @@
 #include "engine/baselines/motion/path_rate.h"
 #include "engine/baselines/witraj/plan_step.h"
 #include "tests/support/synthetic_room.h"
+#include "tests/support/walking_echo.h"
 
 namespace rayloc::witraj_test {
 namespace {
@@ -132,37 +133,12 @@ double fade_on_one_side(std::size_t antenna, std::size_t /*tone*/) {
   return 1.0 + 0.6 * static_cast<double>(antenna);
 }
 
-// What the access points hear of a transmitter in the open and of its echo from a person.
 std::vector<CsiFrame> walk(double seconds,
                            double step,
                            const std::function<Vec3d(double)>& place,
                            const Share& share = fade_on_one_side) {
-  std::vector<CsiFrame> frames;
-  unsigned seed = 1;
-  for (double t = 0.0; t < seconds; t += step) {
-    const Vec3d person = place(t);
-    std::vector<std::vector<std::complex<double>>> channels;
-    for (const RoomAccessPoint& ap : room()->access_points) {
-      auto& h = channels.emplace_back();
-      for (std::size_t m = 0; m < ap.cores.size(); ++m) {
-        const Vec3d antenna = element_position(ap.array, m);
-        const double direct = norm(kLink.position - antenna);
-        const double echo = norm(kLink.position - person) + norm(person - antenna);
-        for (std::size_t k = 0; k < room()->grid.size(); ++k) {
-          const double wave = kTwoPi * room()->grid.frequency_hz(k) / 299'792'458.0;
-          h.push_back(share(m, k) / direct * std::polar(1.0, -wave * direct) +
-                      0.3 / echo * std::polar(1.0, -wave * echo));
-        }
-      }
-    }
-    auto now = test::frames_of(*room(), channels, {.count = 1, .snr_db = 40.0, .seed = seed++});
-    for (CsiFrame& frame : now) {
-      frame.time = frame.time_last = at(t);
-      frame.transmitter = kPlug;
-      frames.push_back(std::move(frame));
-    }
-  }
-  return frames;
+  return test::frames_past(
+      *room(), {kPlug, kLink.position, 0.3, 40.0, share}, seconds, step, place);
 }
 
 std::vector<LocationEstimate> heard(Witraj& witraj, const std::vector<CsiFrame>& frames) {
