@@ -21,6 +21,7 @@
 namespace rayloc::places_test {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
@@ -333,6 +334,52 @@ TEST(Dscp, MergesPlacesToAreas) {
   const auto other = make_dscp(room(), {{"cell_m", 1.0}}, 1, 0.95, *training);
   ASSERT_FALSE(other);
   EXPECT_THAT(other.error().message, HasSubstr("trained with cell_m=0.5"));
+}
+
+using MakeClassifier = decltype(&make_cifi);
+using TrainClassifier = decltype(&train_cifi);
+struct Classifier {
+  std::string name;
+  MakeClassifier make;
+  TrainClassifier train;
+};
+
+class EachClassifier : public ::testing::TestWithParam<Classifier> {};
+INSTANTIATE_TEST_SUITE_P(Places,
+                         EachClassifier,
+                         ::testing::Values(Classifier{"cifi", &make_cifi, &train_cifi},
+                                           Classifier{"dscp", &make_dscp, &train_dscp}),
+                         [](const auto& row) { return row.param.name; });
+
+TEST_P(EachClassifier, RefusesASiteWithoutATraining) {
+  const auto made = GetParam().make(room(), {}, 1, 0.95, nullptr);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::kConfiguration);
+  EXPECT_THAT(made.error().message, HasSubstr("rayloc train SITE --method " + GetParam().name));
+}
+
+TEST_P(EachClassifier, RefusesASurveyOfTooFewPlaces) {
+  TrainingInput input = input_of(0.5);
+  input.points.resize(9);
+  const auto trained = GetParam().train(input);
+  ASSERT_FALSE(trained);
+  EXPECT_THAT(trained.error().message,
+              AllOf(HasSubstr(GetParam().name), HasSubstr("10 places"), HasSubstr("has 9")));
+}
+
+TEST_P(EachClassifier, RefusesAccessPointsOfOneAntenna) {
+  auto one = std::make_shared<RoomModel>(*room());
+  one->access_points.resize(1);
+  one->access_points[0].cores.resize(1);
+  one->access_points[0].array.element_offset.resize(1);
+  one->access_points[0].gains = test::make_gains(*one, 0);
+  TrainingInput input = input_of(0.5);
+  input.room = one;
+  const auto trained = GetParam().train(input);
+  ASSERT_FALSE(trained);
+  EXPECT_EQ(trained.error().kind, ErrorKind::kConfiguration);
+  EXPECT_THAT(trained.error().message,
+              AllOf(HasSubstr(GetParam().name), HasSubstr("two antennas")));
 }
 
 // Nothing that a radio may send takes the process down.
