@@ -20,6 +20,7 @@ using C = Condition;
 
 constexpr std::array<std::string_view, 2> kKinds = {"device", "person"};
 constexpr std::array<std::string_view, 3> kSights = {"any", "los", "nlos"};
+constexpr std::array<std::string_view, 2> kMotions = {"still", "walk"};
 constexpr std::array<std::string_view, 2> kChains = {"known", "first_day"};
 
 // The methods of the registry, then the controls.
@@ -183,6 +184,34 @@ const std::array kKeys = std::to_array<ConditionKey>({
      "at which methods that learn, and controls, are trained",
      true},
     {"frames", &C::frames, "4", {1, 64, {}}, true, kAny, true, "heard of each spot"},
+    {"motion",
+     &C::motion,
+     "still",
+     {},
+     false,
+     kMotions,
+     true,
+     "of people; walk: spots are walks, judged each 0.1 s",
+     true},
+    {"walk_s", &C::walk_s, "10", {1, 600, "s"}, false, kAny, true, "duration of a walk", true},
+    {"walk_speed_m_s",
+     &C::walk_speed_m_s,
+     "0.8",
+     {0.1, 3, "m/s"},
+     false,
+     kAny,
+     true,
+     "of a walk, constant",
+     true},
+    {"rate_hz",
+     &C::rate_hz,
+     "400",
+     {10, 2000, "Hz"},
+     false,
+     kAny,
+     true,
+     "of the frames heard during a walk",
+     true},
     {"depth", &C::depth, "3", kDepth, true, kAny, true, "reflections of the simulated paths"},
     {"plan_error_m",
      &C::plan_error_m,
@@ -292,6 +321,8 @@ void set_preset(const ConditionKey& key, Condition& condition) {
 }  // namespace
 
 std::span<const ConditionKey> condition_keys() { return kKeys; }
+
+bool is_walking(const Condition& condition) { return condition.motion == "walk"; }
 
 bool is_control(const Condition& condition) { return find_method(condition.method) == nullptr; }
 

@@ -41,6 +41,10 @@ struct Condition {
   double spots = 0;                   // in each layout
   double survey_points = 0;           // at which methods that learn, and controls, were trained
   double frames = 0;                  // of each spot
+  std::string motion;                 // of people: still or walk; then spots are walks
+  double walk_s = 0.0;                // duration of a walk
+  double walk_speed_m_s = 0.0;        // constant
+  double rate_hz = 0.0;               // of frames during a walk
   double depth = 0;                   // reflections of the simulated paths
   double plan_error_m = 0.0;          // deviation of walls and boxes from what the model believes
   std::string impairments;            // of the radio: default, none or a file
@@ -74,6 +78,8 @@ struct ConditionKey {
   // reports of experiments that do not know the key stay as they are.
   bool only_where_used = false;
 };
+
+bool is_walking(const Condition& condition);
 
 // Whether the condition's method is a control: what it takes nothing, or only the survey, to reach.
 bool is_control(const Condition& condition);

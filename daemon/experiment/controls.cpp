@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::array kControlNames = std::to_array<ControlName>({
     {"centre", "the middle of the room"},
+    {"start", "the place where a walk begins"},
     {"nearest", "the surveyed point that sounds most alike"},
     {"level", "levels alone, as SpotFi has them"},
     {"oracle", "SpotFi's bearing at the true range and the nearest alias"},
@@ -158,6 +159,12 @@ Expected<Locate> make_control(std::string_view name,
   }
   if (name == "oracle") {
     return oracle(std::move(room), layout, seed);
+  }
+  if (name == "start") {
+    if (layout.walks.empty()) {
+      return refuse("nobody walks: motion is still");
+    }
+    return [](const StudySpot& spot, std::size_t) { return at(spot.position); };
   }
   const Vec3d centre = 0.5 * (room->bounds_min + room->bounds_max);
   return [centre](const StudySpot&, std::size_t) { return at(centre); };

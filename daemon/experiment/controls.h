@@ -22,7 +22,8 @@ struct ControlName {
 
 std::span<const ControlName> control_names();
 
-// An estimate for a spot and the number of the repeat.
+// An estimate for a spot and the number of the repeat. Of a walk a spot is a burst, at the place
+// where the walk begins.
 using Locate = std::function<LocationEstimate(const StudySpot& spot, std::size_t repeat)>;
 
 // An Error where the layout has not what the control needs, in words. `constant_power`: levels may

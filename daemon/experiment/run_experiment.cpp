@@ -7,153 +7,12 @@
 #include <string>
 #include <utility>
 
-#include "daemon/experiment/controls.h"
+#include "daemon/evaluate/truth.h"
+#include "daemon/experiment/study_method.h"
 #include "daemon/experiment/study_world.h"
-#include "daemon/methods/device_method.h"
-#include "daemon/methods/method_registry.h"
-#include "daemon/methods/person_method.h"
-#include "engine/baselines/settings.h"
-#include "engine/baselines/training.h"
-#include "engine/person/calibrate/empty_room.h"
-#include "engine/room/hear_burst.h"
 
 namespace rayloc {
 namespace {
-
-// What the condition says to its method.
-MethodOptions options_of(const Condition& condition, const Method& method, std::uint64_t seed) {
-  MethodValues all = {{"likelihood", condition.likelihood}, {"multi_start", condition.multi_start}};
-  for (const auto& [key, value] : condition.paper) {
-    all.emplace(key, value);
-  }
-  if (condition.epochs > 0.0) {
-    all.emplace("epochs", condition.epochs);
-  }
-  std::erase_if(all, [&](const auto& entry) { return !method.has_setting(entry.first); });
-  MethodOptions options;
-  options.seed = seed;
-  options.values = std::move(all);
-  return options;
-}
-
-// A person of whom the radius is believed and the empty room was heard (METHODS B5).
-Expected<PersonReference> refer(const RoomModel& room, const StudyLayout& layout) {
-  std::vector<EmptyRoom> empty;
-  std::vector<std::string> warnings;
-  for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
-    auto burst = hear(room, ap, layout.empty, {}, warnings);
-    if (burst) {
-      empty.push_back({ap, std::move(burst->h)});
-    }
-  }
-  if (empty.empty()) {
-    return bad_input("no access point hears the fixed transmitter of the empty room");
-  }
-  auto reference = fit_empty_room(room, *layout.transmitter, empty);
-  if (!reference) {
-    return tl::make_unexpected(std::move(reference.error()));
-  }
-  reference->mac = kStudyTransmitter;
-  return reference;
-}
-
-// What the method learns of the layout's survey; null: nothing.
-Expected<std::shared_ptr<const Training>> learn(const Condition& condition,
-                                                const Method& method,
-                                                const std::shared_ptr<const RoomModel>& room,
-                                                const MethodOptions& options,
-                                                const StudyLayout& layout) {
-  if (method.train == nullptr || layout.survey.empty()) {
-    if (method.needs_training) {
-      return make_error(ErrorKind::kConfiguration, "no survey: survey_points is 0");
-    }
-    return nullptr;
-  }
-  TrainingInput input;
-  input.room = room;
-  input.seed = options.seed;
-  for (const auto& [key, value] : options.values) {
-    const auto& known = method.baseline_settings;
-    if (std::any_of(known.begin(), known.end(), [&, &wanted = key](const auto& one) {
-          return one.key == wanted;
-        })) {
-      input.values.insert_or_assign(key, value);
-    }
-  }
-  for (const StudySpot& point : layout.survey) {
-    input.points.push_back({point.position, point.frames});
-  }
-  if (layout.transmitter) {
-    input.transmitter = kStudyTransmitter;
-    input.empty = layout.empty;
-  }
-  if (condition.constant_power > 0.0) {
-    input.constant_power.push_back(kStudyTransmitter);
-  }
-  return method.train(input);
-}
-
-Expected<Locate> locate_people_by(const Method& method,
-                                  std::shared_ptr<const RoomModel> room,
-                                  MethodOptions options,
-                                  std::shared_ptr<const Training> training,
-                                  const StudyLayout& layout) {
-  if (method.needs_every_frame) {
-    return make_error(ErrorKind::kConfiguration,
-                      std::string(method.name) + " follows who walks; here people stand");
-  }
-  auto reference = refer(*room, layout);
-  if (!reference) {
-    return tl::make_unexpected(std::move(reference.error()));
-  }
-  PersonMethodInput input{std::move(room), *std::move(reference), std::move(options)};
-  input.training = std::move(training);
-  auto made = method.create_person(std::move(input));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
-  const std::shared_ptr<const PersonMethod> people = *std::move(made);
-  return [people](const StudySpot& spot, std::size_t repeat) {
-    return people->locate(spot.frames, repeat).front();
-  };
-}
-
-Expected<Locate> make_method(const Condition& condition,
-                             const StudyLayout& layout,
-                             std::uint64_t seed) {
-  RoomModel told = layout.model;
-  told.trace.max_depth = static_cast<int>(condition.model_depth);
-  if (condition.chains == "first_day") {
-    for (std::size_t ap = 0; ap < told.access_points.size(); ++ap) {
-      told.access_points[ap].gains = layout.first_day_chains[ap];
-    }
-  }
-  auto room = std::make_shared<const RoomModel>(std::move(told));
-  if (is_control(condition)) {
-    return make_control(
-        condition.method, std::move(room), layout, condition.constant_power > 0.0, seed);
-  }
-  const Method& method = *find_method(condition.method);
-  MethodOptions options = options_of(condition, method, seed);
-  auto training = learn(condition, method, room, options, layout);
-  if (!training) {
-    return tl::make_unexpected(std::move(training.error()));
-  }
-  if (layout.transmitter) {
-    return locate_people_by(
-        method, std::move(room), std::move(options), *std::move(training), layout);
-  }
-  DeviceMethodInput input{std::move(room), std::move(options)};
-  input.training = *std::move(training);
-  auto made = method.create_device(std::move(input));
-  if (!made) {
-    return tl::make_unexpected(std::move(made.error()));
-  }
-  const std::shared_ptr<const DeviceMethod> devices = *std::move(made);
-  return [devices](const StudySpot& spot, std::size_t repeat) {
-    return devices->locate(spot.frames, repeat);
-  };
-}
 
 // Why no spot was located, where all say the same.
 class CommonReason {
@@ -169,32 +28,75 @@ class CommonReason {
   std::string text_;
 };
 
+Vec3d centre_of(const StudyLayout& layout) {
+  return 0.5 * (layout.model.bounds_min + layout.model.bounds_max);
+}
+
+void locate_spots(const StudyLayout& layout,
+                  std::uint64_t seed,
+                  ConditionResult& result,
+                  CommonReason& reasons) {
+  const auto locate = make_locate(result.condition, layout, seed);
+  if (!locate) {
+    result.refusal = locate.error().message;
+  }
+  for (const StudySpot& spot : layout.spots) {
+    TruthPoint truth;
+    truth.position = spot.position;
+    for (std::size_t repeat = 0; repeat < static_cast<std::size_t>(result.condition.repeats);
+         ++repeat) {
+      if (locate) {
+        const LocationEstimate estimate = (*locate)(spot, repeat);
+        result.points.push_back(evaluate_point(truth, &estimate));
+        reasons.add(estimate);
+      } else {
+        result.points.push_back(evaluate_point(truth, nullptr));
+      }
+      result.room_centre.push_back(horizontal_distance(centre_of(layout), spot.position));
+    }
+  }
+}
+
+void follow_walks(const StudyLayout& layout,
+                  std::uint64_t seed,
+                  ConditionResult& result,
+                  CommonReason& reasons) {
+  const auto follow = make_follow(result.condition, layout, seed);
+  if (!follow) {
+    result.refusal = follow.error().message;
+  }
+  for (const StudyWalk& walk : layout.walks) {
+    std::vector<PublishedEstimate> estimates;
+    if (follow) {
+      auto followed = (*follow)(walk);
+      if (followed) {
+        estimates = *std::move(followed);
+      } else {
+        result.refusal = followed.error().message;
+      }
+    }
+    for (const PublishedEstimate& one : estimates) {
+      reasons.add(one.estimate);
+    }
+    const std::vector<const LocationEstimate*> answers = match(walk.truth, estimates);
+    for (std::size_t i = 0; i < walk.truth.size(); ++i) {
+      result.points.push_back(evaluate_point(walk.truth[i], answers[i]));
+      result.room_centre.push_back(horizontal_distance(centre_of(layout), walk.truth[i].position));
+    }
+  }
+}
+
 ConditionResult run_condition(const Condition& condition,
                               const std::vector<StudyLayout>& layouts,
                               std::uint64_t seed) {
   ConditionResult result;
   result.condition = condition;
   CommonReason reasons;
-  const auto repeats = static_cast<std::size_t>(condition.repeats);
   for (const StudyLayout& layout : layouts) {
-    const auto locate = make_method(condition, layout, seed);
-    if (!locate) {
-      result.refusal = locate.error().message;
-    }
-    const Vec3d centre = 0.5 * (layout.model.bounds_min + layout.model.bounds_max);
-    for (const StudySpot& spot : layout.spots) {
-      TruthPoint truth;
-      truth.position = spot.position;
-      for (std::size_t repeat = 0; repeat < repeats; ++repeat) {
-        if (locate) {
-          const LocationEstimate estimate = (*locate)(spot, repeat);
-          result.points.push_back(evaluate_point(truth, &estimate));
-          reasons.add(estimate);
-        } else {
-          result.points.push_back(evaluate_point(truth, nullptr));
-        }
-        result.room_centre.push_back(horizontal_distance(centre, spot.position));
-      }
+    if (is_walking(condition)) {
+      follow_walks(layout, seed, result, reasons);
+    } else {
+      locate_spots(layout, seed, result, reasons);
     }
   }
   if (result.refusal.empty()) {
@@ -206,7 +108,11 @@ ConditionResult run_condition(const Condition& condition,
 void summarise(ConditionResult& result, std::uint64_t seed) {
   BootstrapOptions options;
   options.seed = seed;
-  options.together = static_cast<std::size_t>(result.condition.repeats);
+  const Condition& condition = result.condition;
+  options.together =
+      is_walking(condition)
+          ? result.points.size() / static_cast<std::size_t>(condition.layouts * condition.spots)
+          : static_cast<std::size_t>(condition.repeats);
   result.statistics = compute_statistics(result.points, {result.room_centre, {}}, options);
 }
 

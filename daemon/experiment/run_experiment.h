@@ -17,8 +17,9 @@ namespace rayloc {
 
 struct ConditionResult {
   Condition condition;
-  std::vector<PointResult> points;  // by layout, spot, repeat
-  ErrorStatistics statistics;       // spots are drawn for the intervals, with all their repeats
+  std::vector<PointResult> points;  // by layout, spot, repeat; of walks by layout, walk, instant
+  // Spots are drawn for the intervals, with all their repeats; walks with all their instants.
+  ErrorStatistics statistics;
   // Why the method locates nothing here, in its words: it is out of its domain. Empty: it is not.
   std::string refusal = {};
   std::vector<double> room_centre = {};  // [m], error of answering the room's centre, by point

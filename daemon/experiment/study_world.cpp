@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "capture/assemble/csi_receiver.h"
+#include "daemon/experiment/study_places.h"
 #include "daemon/experiment/study_room.h"
+#include "daemon/experiment/study_walk.h"
 #include "daemon/scene/room_plan.h"
 #include "daemon/simulate/capture_simulator.h"
 #include "daemon/simulate/handling.h"
@@ -25,179 +27,20 @@ namespace {
 
 constexpr Duration kSpotInterval = std::chrono::seconds(1);
 constexpr Duration kFrameInterval = std::chrono::milliseconds(10);
-constexpr double kClearOfWalls = 0.3;         // [m]
-constexpr double kClearOfBoxes = 0.05;        // [m]
-constexpr double kDistanceTolerance = 0.25;   // [m]
-constexpr double kClearOfDevices = 0.2;       // [m], of people
-constexpr double kClearOfAccessPoints = 1.0;  // [m], of fixed transmitters
 constexpr std::size_t kEmptyFrames = 20;
 constexpr double kPersonHeight = 1.7;  // [m]
 
-struct Place {
-  const RoomPlan& plan;
-  const Scene& scene;
-  const Condition& condition;
-  std::optional<Vec3d> transmitter;     // of people
-  const SolidObjects* moved = nullptr;  // objects where they are on a second day
-
-  bool is_clear(const Vec3d& spot) const {
-    if (moved != nullptr && moved->contain(spot)) {
-      return false;
-    }
-    if (condition.kind != "person") {
-      return !is_in_box(plan, spot, kClearOfBoxes);
-    }
-    // A person is as high as furniture, and stands in nothing.
-    const double clear = condition.person_radius_m + kClearOfBoxes;
-    const bool in_box = std::any_of(plan.boxes.begin(), plan.boxes.end(), [&](const PlanBox& box) {
-      RoomPlan one;
-      one.boxes = {box};
-      return is_in_box(one, {spot.x, spot.y, box.centre.z}, clear);
-    });
-    const auto is_close = [&](const Vec3d& device) {
-      return std::hypot(spot.x - device.x, spot.y - device.y) < clear + kClearOfDevices;
-    };
-    return !in_box && !(transmitter && is_close(*transmitter)) &&
-           std::none_of(plan.access_points.begin(), plan.access_points.end(), [&](const auto& ap) {
-             return is_close(ap.array.pose.position);
-           });
-  }
-
-  bool suits(const Vec3d& spot) const {
-    const Vec3d& ap = plan.access_points.front().array.pose.position;
-    const double distance = std::hypot(spot.x - ap.x, spot.y - ap.y);
-    if (condition.distance_m > 0.0 &&
-        std::abs(distance - condition.distance_m) > kDistanceTolerance) {
-      return false;
-    }
-    const bool is_blocked = scene.is_blocked({ap, spot});
-    return is_clear(spot) &&
-           (condition.sight == "any" || is_blocked == (condition.sight == "nlos"));
-  }
-};
-
-// A place anywhere in the room, at the height of devices.
-class AnyPlace {
- public:
-  explicit AnyPlace(const Place& place)
-      : along_x_(place.plan.lower.x + margin(place), place.plan.upper.x - margin(place)),
-        along_y_(place.plan.lower.y + margin(place), place.plan.upper.y - margin(place)),
-        height_(place.condition.device_height_m) {}
-
-  Vec3d draw(RandomStream& random) {
-    const double x = along_x_(random);
-    const double y = along_y_(random);
-    return {x, y, height_};
-  }
-
- private:
-  static double margin(const Place& place) {
-    const Vec3d size = place.plan.upper - place.plan.lower;
-    return std::min({kClearOfWalls, 0.25 * size.x, 0.25 * size.y});
-  }
-
-  std::uniform_real_distribution<double> along_x_;
-  std::uniform_real_distribution<double> along_y_;
-  double height_;
-};
-
-// Heights of devices have a stream of their own: with another deviation they are held elsewhere at
-// the same places.
-class Heights {
- public:
-  Heights(const Place& place, std::uint64_t seed, std::size_t layout)
-      : sigma_(place.condition.height_sigma_m),
-        lower_(place.plan.lower.z + kHeightMargin),
-        upper_(place.plan.upper.z - kHeightMargin),
-        random_(random_stream(seed, "heights", layout)) {}
-
-  // Raises or lowers the place; not out of the room.
-  void change(Vec3d& place) {
-    if (sigma_ <= 0.0) {
-      return;
-    }
-    constexpr int kAttempts = 1000;
-    double height = place.z + sigma_ * normal_(random_);
-    for (int n = 0; n < kAttempts && (height < lower_ || height > upper_); ++n) {
-      height = place.z + sigma_ * normal_(random_);
-    }
-    place.z = std::clamp(height, lower_, upper_);
-  }
-
- private:
-  double sigma_;
-  double lower_;
-  double upper_;
-  RandomStream random_;
-  std::normal_distribution<double> normal_;
-};
-
-// Where a fixed transmitter of people stands: clear of boxes and not beside an access point.
-Expected<Vec3d> draw_transmitter(const Place& place, std::uint64_t seed, std::size_t layout) {
-  RandomStream random = random_stream(seed, "transmitter", layout);
-  AnyPlace any(place);
-  constexpr int kAttempts = 20'000;
-  for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const Vec3d at = any.draw(random);
-    const bool beside = std::any_of(
-        place.plan.access_points.begin(), place.plan.access_points.end(), [&](const auto& ap) {
-          const Vec3d& device = ap.array.pose.position;
-          return std::hypot(at.x - device.x, at.y - device.y) < kClearOfAccessPoints;
-        });
-    if (!beside && !is_in_box(place.plan, at, kClearOfBoxes)) {
-      return at;
-    }
-  }
-  return make_error(ErrorKind::kConfiguration,
-                    place.condition.room.string() +
-                        ": no place for a fixed transmitter 1 m from every access point");
-}
-
-Expected<std::vector<Vec3d>> draw_spots(const Place& place,
-                                        std::uint64_t seed,
-                                        std::size_t layout) {
-  const RoomPlan& plan = place.plan;
-  const Condition& condition = place.condition;
-  RandomStream random = random_stream(seed, "spots", layout);
-  AnyPlace any(place);
-  Heights heights(place, seed, layout);
-  const auto count = static_cast<std::size_t>(condition.spots);
-  constexpr std::size_t kAttempts = 20'000;  // of each spot
-  std::vector<Vec3d> spots;
-  for (std::size_t attempt = 0; spots.size() < count; ++attempt) {
-    if (attempt == count * kAttempts) {
-      return make_error(
-          ErrorKind::kConfiguration,
-          condition.room.string() + ": the room has hardly a place with sight \"" +
-              condition.sight + "\" of access point '" + plan.access_points.front().id + "'" +
-              (condition.distance_m > 0.0 ? " at " + condition_text(condition, "distance_m") + " m"
-                                          : "") +
-              ": " + std::to_string(spots.size()) + " of " + std::to_string(count) +
-              " were found; change 'sight', 'distance_m' or the plan");
-    }
-    Vec3d spot = any.draw(random);
-    heights.change(spot);
-    if (place.suits(spot)) {
-      spots.push_back(spot);
-    }
-  }
-  return spots;
-}
-
-// Where the survey stood: anywhere in the room that is clear, whatever is asked of the spots.
-std::vector<Vec3d> draw_survey(const Place& place, std::uint64_t seed, std::size_t layout) {
-  RandomStream random = random_stream(seed, "survey", layout);
-  AnyPlace any(place);
-  const auto count = static_cast<std::size_t>(place.condition.survey_points);
-  constexpr std::size_t kAttempts = 1000;  // of each point
-  std::vector<Vec3d> points;
-  for (std::size_t attempt = 0; points.size() < count && attempt < count * kAttempts; ++attempt) {
-    const Vec3d at = any.draw(random);
-    if (place.is_clear(at)) {
-      points.push_back(at);
-    }
-  }
-  return points;
+// The n-th frame of a spot.
+Transmission transmission(std::size_t spot,
+                          std::size_t n,
+                          Duration interval,
+                          RandomStream& traffic) {
+  constexpr std::uint16_t kFirstFragment = 16;  // numbers count from bit 4
+  const Timestamp begin =
+      Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(spot) * kSpotInterval;
+  return {begin + static_cast<Duration::rep>(n) * interval,
+          static_cast<std::uint16_t>((n + 1) * kFirstFragment),
+          traffic()};
 }
 
 SimulatedSpot transmissions(const Vec3d& position,
@@ -206,12 +49,8 @@ SimulatedSpot transmissions(const Vec3d& position,
                             RandomStream& traffic) {
   SimulatedSpot spot;
   spot.position = position;
-  const Timestamp begin =
-      Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(number) * kSpotInterval;
-  for (Duration::rep n = 0; n < static_cast<Duration::rep>(frames); ++n) {
-    constexpr std::uint16_t kFirstFragment = 16;  // numbers count from bit 4
-    const auto control = static_cast<std::uint16_t>((n + 1) * kFirstFragment);
-    spot.frames.push_back({begin + n * kFrameInterval, control, traffic()});
+  for (std::size_t n = 0; n < frames; ++n) {
+    spot.frames.push_back(transmission(number, n, kFrameInterval, traffic));
   }
   return spot;
 }
@@ -261,8 +100,9 @@ void sort_by_time(std::vector<CsiFrame>& frames) {
 // What is simulated, all of it drawn.
 struct Transmissions {
   LivedInRoom truth;
-  SimulatedSpot empty;               // of people
-  std::vector<SimulatedSpot> spots;  // of the layout
+  SimulatedSpot empty;                            // of people
+  std::vector<SimulatedSpot> spots;               // of the layout
+  std::vector<std::vector<SimulatedSpot>> walks;  // of the layout; a spot is a frame
   std::vector<SimulatedSpot> survey;
 };
 
@@ -301,6 +141,13 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
         return heard;
       }
     }
+    for (std::size_t i = 0; i < sent.walks.size(); ++i) {
+      for (const SimulatedSpot& frame : sent.walks[i]) {
+        if (auto heard = listen(simulator, frame, layout.walks[i].frames); !heard) {
+          return heard;
+        }
+      }
+    }
     // Last: without a survey all else is the same.
     for (std::size_t i = 0; i < sent.survey.size(); ++i) {
       if (auto heard = listen(simulator, sent.survey[i], layout.survey[i].frames); !heard) {
@@ -313,6 +160,9 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
     for (StudySpot& spot : *spots) {
       sort_by_time(spot.frames);
     }
+  }
+  for (StudyWalk& walk : layout.walks) {
+    sort_by_time(walk.frames);
   }
   return {};
 }
@@ -347,38 +197,74 @@ Expected<LivedInRoom> make_truth(const RoomPlan& plan,
   return room ? live_in(*room, *day, seed) : tl::make_unexpected(room.error());
 }
 
+Expected<void> add_spots(const StudyPlaces& places,
+                         std::uint64_t seed,
+                         std::size_t layout,
+                         RandomStream& traffic,
+                         std::size_t& after,
+                         Transmissions& sent) {
+  const auto spots = draw_spots(places, seed, layout);
+  if (!spots) {
+    return tl::make_unexpected(spots.error());
+  }
+  const auto frames = static_cast<std::size_t>(places.condition.frames);
+  for (const Vec3d& at : *spots) {
+    sent.spots.push_back(transmissions(at, after++, frames, traffic));
+  }
+  return {};
+}
+
+// A frame at each place of a walk.
+Expected<void> add_walks(const StudyPlaces& places,
+                         std::uint64_t seed,
+                         std::size_t layout,
+                         RandomStream& traffic,
+                         std::size_t& after,
+                         Transmissions& sent) {
+  const auto walks = draw_walks(places, seed, layout);
+  if (!walks) {
+    return tl::make_unexpected(walks.error());
+  }
+  const Duration interval(std::llround(1e9 / places.condition.rate_hz));
+  for (const std::vector<Vec3d>& walk : *walks) {
+    std::vector<SimulatedSpot>& frames = sent.walks.emplace_back();
+    for (std::size_t n = 0; n < walk.size(); ++n) {
+      SimulatedSpot& frame = frames.emplace_back();
+      frame.position = walk[n];
+      frame.frames.push_back(transmission(after, n, interval, traffic));
+    }
+    after += 1U + static_cast<std::size_t>(std::ceil(places.condition.walk_s));
+  }
+  return {};
+}
+
 // Where somebody is, and what is sent meanwhile.
-Expected<void> draw_transmissions(const Place& place,
+Expected<void> draw_transmissions(const StudyPlaces& places,
                                   std::uint64_t seed,
                                   std::size_t number,
                                   Transmissions& sent) {
-  const auto places = draw_spots(place, seed, number);
-  if (!places) {
-    return tl::make_unexpected(places.error());
-  }
+  const auto frames = static_cast<std::size_t>(places.condition.frames);
   RandomStream traffic = random_stream(seed, "traffic", number);
-  if (place.transmitter) {
-    sent.empty = transmissions(*place.transmitter, 0, kEmptyFrames, traffic);
+  std::size_t after = 0;  // spots that came before
+  if (places.transmitter) {
+    sent.empty = transmissions(*places.transmitter, after++, kEmptyFrames, traffic);
   }
-  for (const Vec3d& at : *places) {
-    const std::size_t after = sent.spots.size() + (place.transmitter ? 1U : 0U);
-    const auto frames = static_cast<std::size_t>(place.condition.frames);
-    sent.spots.push_back(transmissions(at, after, frames, traffic));
+  auto drawn = is_walking(places.condition) ? add_walks(places, seed, number, traffic, after, sent)
+                                            : add_spots(places, seed, number, traffic, after, sent);
+  if (!drawn) {
+    return drawn;
   }
   RandomStream survey_traffic = random_stream(seed, "survey traffic", number);
-  for (const Vec3d& at : draw_survey(place, seed, number)) {
-    const std::size_t after =
-        sent.spots.size() + sent.survey.size() + (place.transmitter ? 1U : 0U);
-    const auto frames = static_cast<std::size_t>(place.condition.frames);
-    sent.survey.push_back(transmissions(at, after, frames, survey_traffic));
+  for (const Vec3d& at : draw_survey(places, seed, number)) {
+    sent.survey.push_back(transmissions(at, after++, frames, survey_traffic));
   }
-  const Handling handling{0.0, place.condition.tilt_deg, place.condition.power_sigma_db};
+  const Handling handling{0.0, places.condition.tilt_deg, places.condition.power_sigma_db};
   return handle_devices(sent.spots,
                         false,
                         handling,
                         sent.truth.room,
                         random_stream(seed, "handling", number)(),
-                        place.condition.room.string());
+                        places.condition.room.string());
 }
 
 CaptureOptions capture_options(const Condition& condition,
@@ -399,6 +285,19 @@ CaptureOptions capture_options(const Condition& condition,
   return options;
 }
 
+// An instant each 0.1 s, at the frame that was sent next.
+std::vector<TruthPoint> truth_of(const std::vector<SimulatedSpot>& walk) {
+  constexpr Duration kInterval = std::chrono::milliseconds(100);
+  std::vector<TruthPoint> truth;
+  for (const SimulatedSpot& frame : walk) {
+    const Timestamp time = frame.frames.front().time;
+    if (truth.empty() || time >= truth.back().begin + kInterval) {
+      truth.push_back({time, time, true, frame.position});
+    }
+  }
+  return truth;
+}
+
 Expected<StudyLayout> simulate_layout(const RoomPlan& original,
                                       const Condition& condition,
                                       std::uint64_t seed,
@@ -417,10 +316,10 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   if (!model || !truth) {
     return tl::make_unexpected(model ? truth.error() : model.error());
   }
-  StudyLayout layout{*std::move(model), {}, {}, {}, std::nullopt, {}};
-  Transmissions sent{*std::move(truth), {}, {}, {}};
+  StudyLayout layout{*std::move(model), {}, {}, {}, {}, std::nullopt, {}};
+  Transmissions sent{*std::move(truth), {}, {}, {}, {}};
   const SolidObjects objects(sent.truth.room);
-  Place place{*plan, *sent.truth.room.scene, condition, std::nullopt};
+  StudyPlaces place{*plan, *sent.truth.room.scene, condition, std::nullopt};
   place.moved = sent.truth.moved.empty() ? nullptr : &objects;
   if (condition.kind == "person") {
     const auto at = draw_transmitter(place, seed, number);
@@ -436,6 +335,9 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   }
   for (const SimulatedSpot& spot : sent.spots) {
     layout.spots.push_back({spot.position, {}});
+  }
+  for (const std::vector<SimulatedSpot>& walk : sent.walks) {
+    layout.walks.push_back({truth_of(walk), {}});
   }
   for (const SimulatedSpot& point : sent.survey) {
     layout.survey.push_back({point.position, {}});
@@ -460,6 +362,11 @@ Expected<std::vector<StudyLayout>> simulate_world(const Condition& condition, st
     return make_error(ErrorKind::kConfiguration,
                       condition.room.string() +
                           ": studies move the walls of a room of four; write 'size', no outline");
+  }
+  if (is_walking(condition) && condition.kind != "person") {
+    return make_error(ErrorKind::kConfiguration,
+                      "motion = \"walk\": only people walk; state kind = \"person\", or motion = "
+                      "\"still\"");
   }
   std::vector<StudyLayout> layouts;
   for (std::size_t i = 0; i < static_cast<std::size_t>(condition.layouts); ++i) {

@@ -33,6 +33,8 @@ std::string short_form() {
   replace("^room = .*$",
           "room = \"" + test::source_path("/deploy/experiments/rooms/meeting_room.toml") + "\"");
   replace("^spots = .*$", "spots = 2");
+  replace("^walk_s = .*$", "walk_s = 2.5");
+  replace("^rate_hz = .*$", "rate_hz = 200");
   replace("^survey_points = .*$", "survey_points = 12\nepochs = 1");
   replace("^depth = .*$", "depth = 1\nmodel_depth = 1\npaper.iterations = 2\npaper.positions = 2");
   return text;
@@ -50,6 +52,8 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
                                               "Fig. 9: devices, four rooms, in sight",
                                               "--study",
                                               "Fig. 9: people, four rooms",
+                                              "--study",
+                                              "Widar2.0's own antennas and rates",
                                               "--study",
                                               "Fig. 13: access points, power unknown"};
   const Finished finished = RaylocProcess(arguments).wait();
@@ -80,6 +84,7 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
                                    "paper",
                                    "rayloc",
                                    "spotfi",
+                                   "start",
                                    "widar2",
                                    "witraj"}));
   EXPECT_EQ(refused["widar2"], "widar2 follows who walks; here people stand");

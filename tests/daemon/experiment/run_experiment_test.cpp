@@ -109,6 +109,59 @@ paper.iterations = 2
   EXPECT_NE(papers.points[0].error, papers.points[1].error);
 }
 
+// Of somebody who walks each 0.1 s is judged; a method that needs more frames says so.
+TEST_F(RunExperiment, FollowsPeopleWhoWalk) {
+  const auto walking = parse_experiment(R"(name = "walking"
+[defaults]
+room = "room.toml"
+kind = "person"
+motion = "walk"
+walk_s = 2.5
+spots = 1
+depth = 1
+model_depth = 1
+access_points = 2
+[[study]]
+name = "who walks"
+rate_hz = 200
+method = ["start", "centre", "rayloc", "witraj", "widar2"]
+[[study]]
+name = "too few frames"
+rate_hz = 50
+method = "witraj"
+)",
+                                        folder_.path() / "experiment.toml");
+  ASSERT_TRUE(walking) << walking.error().message;
+  const auto results = run(*walking);
+  ASSERT_EQ(results.size(), 2U);
+  const std::vector<ConditionResult>& of = results[0].conditions;
+  ASSERT_EQ(of.size(), 5U);
+  for (const ConditionResult& one : of) {
+    EXPECT_EQ(one.points.size(), 25U) << one.condition.method;
+    EXPECT_EQ(one.refusal, "") << one.condition.method;
+  }
+  // Standing at the start is right at the start, and ever less.
+  const std::vector<PointResult>& start = of[0].points;
+  EXPECT_LT(start[0].error, 1e-9);
+  EXPECT_GT(start[10].error, start[1].error);
+  EXPECT_EQ(of[0].statistics.missed, 0U);
+  EXPECT_EQ(of[1].statistics.median_m, *of[1].statistics.room_centre_median_m);
+  EXPECT_LT(of[2].statistics.median_m, 0.3);
+  EXPECT_LT(of[3].statistics.missed, 25U);
+  EXPECT_LT(of[4].statistics.missed, 25U);
+  const ConditionResult& seldom = results[1].conditions[0];
+  EXPECT_EQ(seldom.statistics.missed, 25U);
+  EXPECT_NE(seldom.refusal.find("witraj needs"), std::string::npos) << seldom.refusal;
+}
+
+TEST_F(RunExperiment, RefusesADeviceThatWalks) {
+  Experiment file = experiment();
+  file.studies[0].conditions[0].motion = "walk";
+  const auto results = run_experiment(file, [](const Study&, std::size_t, const auto&) {});
+  ASSERT_FALSE(results);
+  EXPECT_NE(results.error().message.find("motion"), std::string::npos);
+}
+
 TEST_F(RunExperiment, NamesThePlanThatIsMissing) {
   Experiment file = experiment();
   file.studies[0].conditions[0].room = "nowhere.toml";
