@@ -13,6 +13,8 @@ const v1::Target* target_of(const v1::Envelope& envelope) {
   switch (envelope.body_case()) {
     case v1::Envelope::kLocation:
       return &envelope.location().target();
+    case v1::Envelope::kCompared:
+      return &envelope.compared().target();
     case v1::Envelope::kTrack:
       return &envelope.track().target();
     case v1::Envelope::kZone:

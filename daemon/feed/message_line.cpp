@@ -40,10 +40,10 @@ std::string name_of(const v1::Target& target) {
   return target.name().empty() ? name : target.name() + " (" + name + ")";
 }
 
-std::string describe(const v1::Location& location) {
+std::string describe(const v1::Location& location, const char* topics = "location") {
   const bool filtered = location.kind() == v1::LOCATION_KIND_FILTERED;
   std::string text = fmt::format(
-      "location   {} {}", name_of(location.target()), filtered ? "filtered" : "snapshot");
+      "{:<10} {} {}", topics, name_of(location.target()), filtered ? "filtered" : "snapshot");
   if (!location.has_position()) {
     return text + ": no fix: " + location.quality().no_fix_reason();
   }
@@ -108,6 +108,9 @@ std::string describe(const v1::Envelope& envelope) {
   switch (envelope.body_case()) {
     case v1::Envelope::kLocation:
       return describe(envelope.location());
+    case v1::Envelope::kCompared:
+      return describe(envelope.compared(), "compared") + ", by " +
+             envelope.compared().quality().method();
     case v1::Envelope::kTrack:
       return fmt::format("track      {} {}: {}",
                          name_of(envelope.track().target()),

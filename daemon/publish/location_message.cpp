@@ -177,6 +177,12 @@ v1::Location location_message(const Location& location, Duration clock_ahead) {
   return message;
 }
 
+v1::Location compared_message(const Location& location, Duration clock_ahead) {
+  v1::Location message = location_message(location, clock_ahead);
+  message.set_event_id(message.event_id() + "-" + location.context.method);
+  return message;
+}
+
 v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead) {
   RAYLOC_CHECK(event.target.track);
   const TrackTransition& transition = event.transition;

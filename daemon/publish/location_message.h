@@ -15,6 +15,8 @@ namespace rayloc {
 
 // With NO_FIX there is neither a position nor an accuracy, and `quality.no_fix_reason` says why.
 v1::Location location_message(const Location& location, Duration clock_ahead = {});
+// Of a method that is compared with the site's own: event_id ends in its name.
+v1::Location compared_message(const Location& location, Duration clock_ahead = {});
 
 // REQUIRES: event.target.track.
 v1::TrackEvent event_message(const TrackEvent& event, Duration clock_ahead = {});

@@ -13,6 +13,9 @@ std::string subject_of(const std::string& topic, const v1::Envelope& envelope) {
   if (envelope.has_location()) {
     return topic + std::to_string(envelope.location().kind());
   }
+  if (envelope.has_compared()) {
+    return topic + std::to_string(envelope.compared().kind());
+  }
   if (envelope.has_track() || envelope.has_zone()) {
     return topic + std::to_string(envelope.sequence() % kEventsKept);
   }

@@ -233,6 +233,16 @@ void Publisher::publish(const v1::Location& location, Timestamp sent, std::uint3
       make_topic("location", impl_->site(), target_component(location.target())), sent, coalesced);
 }
 
+void Publisher::publish_compared(const v1::Location& location,
+                                 Timestamp sent,
+                                 std::uint32_t coalesced) {
+  *impl_->envelope().mutable_compared() = location;
+  impl_->send(compared_topic(
+                  impl_->site(), location.quality().method(), target_component(location.target())),
+              sent,
+              coalesced);
+}
+
 void Publisher::publish(const v1::TrackEvent& event, Timestamp sent) {
   *impl_->envelope().mutable_track() = event;
   impl_->send(make_topic("track", impl_->site()), sent, 0);

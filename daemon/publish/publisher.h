@@ -99,6 +99,8 @@ class Publisher {
   // `sent`: now, by the caller's clock. `coalesced`: updates merged into this one before.
   // REQUIRES: what the topic is made of (target, zone, access point) is not empty.
   void publish(const v1::Location& location, Timestamp sent, std::uint32_t coalesced = 0);
+  // Of a method that is compared with the site's own. REQUIRES: quality.method is not empty, too.
+  void publish_compared(const v1::Location& location, Timestamp sent, std::uint32_t coalesced = 0);
   void publish(const v1::TrackEvent& event, Timestamp sent);
   void publish(const v1::ZoneEvent& event, Timestamp sent);
   void publish(const v1::SourceState& state, Timestamp sent);

@@ -49,6 +49,14 @@ std::string make_topic(std::string_view topic_class, std::string_view site, std:
   return topic;
 }
 
+std::string compared_topic(std::string_view site,
+                           std::string_view method,
+                           std::string_view target) {
+  std::string topic = make_topic("compared", site, method);
+  append_component(topic, target);
+  return topic;
+}
+
 std::string_view topic_prefix(std::string_view topic) {
   std::size_t end = 0;
   for (int component = 0; component < 3; ++component) {

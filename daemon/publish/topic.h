@@ -23,6 +23,9 @@ inline constexpr const char* kHeartbeatTopics = "v1/heartbeat/";
 std::string make_topic(std::string_view topic_class, std::string_view site);
 std::string make_topic(std::string_view topic_class, std::string_view site, std::string_view leaf);
 
+// "v1/compared/SITE/METHOD/TARGET/", of an estimate of a method that is compared.
+std::string compared_topic(std::string_view site, std::string_view method, std::string_view target);
+
 // "v1/CLASS/SITE/" of any topic made by make_topic; the topic itself when it is shorter.
 std::string_view topic_prefix(std::string_view topic);
 

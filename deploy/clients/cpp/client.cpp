@@ -52,6 +52,8 @@ std::string Message::target() const {
   switch (envelope.body_case()) {
     case v1::Envelope::kLocation:
       return target_component(envelope.location().target());
+    case v1::Envelope::kCompared:
+      return target_component(envelope.compared().target());
     case v1::Envelope::kTrack:
       return target_component(envelope.track().target());
     case v1::Envelope::kZone:

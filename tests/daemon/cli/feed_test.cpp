@@ -92,6 +92,24 @@ TEST(FeedWriter, SaysWhatAZoneEventIs) {
   EXPECT_FALSE(writer.next());
 }
 
+TEST(FeedWriter, NamesTheMethodThatIsCompared) {
+  const v1::Envelope compared = parsed(R"(sent { seconds: 0 } compared {
+      target { mac: "02:52:4c:00:00:01" } kind: LOCATION_KIND_SNAPSHOT
+      position { x: 1 y: 2 z: 3 } quality { method: "spotfi" } })");
+  FeedWriter writer(FeedFormat::kText);
+  writer.add(compared);
+  const std::string text = writer.next().value_or("");
+  EXPECT_NE(text.find("compared   02:52:4c:00:00:01 snapshot: 1.00, 2.00, 3.00 m"),
+            std::string::npos)
+      << text;
+  EXPECT_TRUE(text.ends_with(", by spotfi")) << text;
+  EXPECT_TRUE(MessageFilter{.targets = {"02:52:4c:00:00:01"}}.passes(compared));
+  EXPECT_FALSE(MessageFilter{.kind = "snapshot"}.passes(compared)) << "of locations alone";
+  FeedWriter csv(FeedFormat::kCsv);
+  csv.add(compared);
+  EXPECT_EQ(csv.without_form(), 1U);
+}
+
 TEST(FeedWriter, SaysWhatToDoubt) {
   v1::Envelope doubtful = location();
   v1::Quality& quality = *doubtful.mutable_location()->mutable_quality();

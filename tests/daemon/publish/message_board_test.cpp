@@ -45,6 +45,20 @@ TEST_F(MessageBoardTest, KeepsTheLatestOfEachTargetAndKind) {
   EXPECT_EQ(board_.revision(), 4U);
 }
 
+TEST_F(MessageBoardTest, KeepsTheLatestOfEachMethodThatIsCompared) {
+  const auto compare = [&](const std::string& method, v1::LocationKind kind, const char* bytes) {
+    v1::Envelope envelope;
+    envelope.mutable_compared()->set_kind(kind);
+    board_.put("v1/compared/room/" + method + "/a/", envelope, bytes);
+  };
+  locate("a", v1::LOCATION_KIND_SNAPSHOT, "a1");
+  compare("x", v1::LOCATION_KIND_SNAPSHOT, "x2");
+  compare("x", v1::LOCATION_KIND_FILTERED, "x3");
+  compare("y", v1::LOCATION_KIND_SNAPSHOT, "y4");
+  compare("x", v1::LOCATION_KIND_SNAPSHOT, "x5");
+  EXPECT_THAT(after(0), ElementsAre("a1", "x3", "y4", "x5"));
+}
+
 TEST_F(MessageBoardTest, KeepsTheLastEventsOfATopicOneByOne) {
   v1::Envelope envelope;
   envelope.mutable_track();

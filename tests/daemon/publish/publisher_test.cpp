@@ -114,6 +114,26 @@ TEST(Publisher, NumbersEachTopicFromOne) {
   EXPECT_EQ(seen, expected);
 }
 
+TEST(Publisher, ComparedMethodsHaveTopicsThatNobodySubscribesToForLocations) {
+  auto publisher = Publisher::bind(on_loopback());
+  auto locations = Subscriber::connect(publisher->endpoint(), {"v1/location/"});
+  auto all = Subscriber::connect(publisher->endpoint(), {"v1/"});
+  wait_for_subscriptions(*publisher, 2);
+  v1::Location compared = location_of("a", 1.5);
+  compared.mutable_quality()->set_method("spotfi");
+  publisher->publish_compared(compared, kNow, 2);
+  publisher->publish(location_of("a", 2.5), kNow);
+  std::string topic;
+  const v1::Envelope first = receive(*all, &topic);
+  EXPECT_EQ(topic, "v1/compared/office/spotfi/a/");
+  EXPECT_EQ(first.body_case(), v1::Envelope::kCompared);
+  EXPECT_EQ(first.compared().position().x(), 1.5);
+  EXPECT_EQ(first.coalesced(), 2U);
+  const v1::Envelope second = receive(*locations, &topic);
+  EXPECT_EQ(topic, "v1/location/office/a/");
+  EXPECT_EQ(second.location().position().x(), 2.5);
+}
+
 TEST(Publisher, MatchesWholeComponentsOnly) {
   auto publisher = Publisher::bind(on_loopback());
   auto subscriber = Subscriber::connect(publisher->endpoint(), {"v1/source/office/ap1/"});

@@ -207,7 +207,8 @@ TEST(Stability, RecordedBytesDecodeAndPrintAsBefore) {
                          v1::Envelope::kSource,
                          v1::Envelope::kHeartbeat,
                          v1::Envelope::kCsi,
-                         v1::Envelope::kGoodbye}) {
+                         v1::Envelope::kGoodbye,
+                         v1::Envelope::kCompared}) {
     EXPECT_TRUE(seen[static_cast<std::size_t>(body)]) << "no recorded envelope with body " << body;
   }
 }

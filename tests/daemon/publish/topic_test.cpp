@@ -12,6 +12,8 @@ TEST(Topic, EndsInASlash) {
   EXPECT_EQ(make_topic("heartbeat", "office"), "v1/heartbeat/office/");
   EXPECT_EQ(make_topic("location", "office", "02:52:4c:00:00:01"),
             "v1/location/office/02:52:4c:00:00:01/");
+  EXPECT_EQ(compared_topic("2nd floor", "spotfi", "person-1"),
+            "v1/compared/2nd%20floor/spotfi/person-1/");
 }
 
 TEST(Topic, EscapesWhatCouldEndAComponent) {

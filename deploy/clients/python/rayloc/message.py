@@ -33,8 +33,9 @@ class Message:
 
     @property
     def kind(self) -> str:
-        """ "location", "track", "zone", "source", "heartbeat", "csi" or "goodbye"; "" when a
-        later version of raylocd said something that this one does not know."""
+        """ "location", "track", "zone", "source", "heartbeat", "csi", "goodbye" or "compared" (an
+        estimate of a method that is compared with the site's own); "" when a later version of
+        raylocd said something that this one does not know."""
         return body_of(self.envelope)
 
     @property
@@ -73,6 +74,8 @@ def target_of(envelope: Envelope) -> str:
     target: Target
     if kind == "location":
         target = envelope.location.target
+    elif kind == "compared":
+        target = envelope.compared.target
     elif kind == "track":
         target = envelope.track.target
     elif kind == "zone":
