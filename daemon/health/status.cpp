@@ -154,6 +154,19 @@ void fill_person_tracker(const PersonEstimator& estimator, v1::PersonTrackerCoun
   counters->set_frames_passed_over(tracker.passed_over);
 }
 
+void fill_compared(const ComparedMethod& method, v1::ComparedCounters* counters) {
+  const ComparedMethodCounters now = method.counters();
+  counters->set_method(method.name());
+  counters->set_bursts(now.bursts);
+  counters->set_bursts_explained(now.explained);
+  counters->set_bursts_dropped(now.dropped);
+  counters->set_bursts_in_flight(now.in_flight);
+  counters->set_fixes(now.fixes);
+  counters->set_no_fixes(now.no_fixes);
+  counters->set_filtered(now.filtered);
+  counters->set_coalesced(now.coalesced);
+}
+
 void fill_recorder(const StatusSources& sources, v1::RecorderCounters* counters) {
   for (const RecorderStage* recorder : sources.recorders) {
     const RecorderStageCounters recorded = recorder->counters();
@@ -273,6 +286,9 @@ StatusMessages status_messages(const StatusSources& sources, Timestamp now) {
   }
   if (sources.people != nullptr) {
     fill_person_tracker(*sources.people, heartbeat.mutable_person_tracker());
+  }
+  for (const ComparedMethod* method : sources.compared) {
+    fill_compared(*method, heartbeat.add_compared());
   }
   // The mailbox first: a receiving thread reports its frames before it puts them there, so that
   // what it reports afterwards contains whatever the mailbox had.

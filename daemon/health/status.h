@@ -9,6 +9,7 @@
 
 #include "daemon/http/http_server.h"
 #include "daemon/pipeline/clock_offset.h"
+#include "daemon/pipeline/compare/compared_method.h"
 #include "daemon/pipeline/device_estimator.h"
 #include "daemon/pipeline/output/site_output.h"
 #include "daemon/pipeline/person_estimator.h"
@@ -25,8 +26,9 @@ namespace rayloc {
 struct StatusSources {
   const Pipeline* pipeline = nullptr;
   const SiteOutput* output = nullptr;
-  const DeviceEstimator* estimator = nullptr;  // none: nothing is located
-  const PersonEstimator* people = nullptr;     // none: nobody is looked for
+  const DeviceEstimator* estimator = nullptr;   // none: nothing is located
+  const PersonEstimator* people = nullptr;      // none: nobody is looked for
+  std::vector<const ComparedMethod*> compared;  // none with one method
   std::vector<const RecorderStage*> recorders;
   std::uint64_t recordings_repaired = 0;          // at the start
   const SnapshotServer* snapshots = nullptr;      // of last messages

@@ -213,6 +213,9 @@ void add_site(const SiteHeartbeat& one, Families& families) {
   for (const v1::ChainReport& chains : heartbeat.chains()) {
     add_chains(chains, site, families);
   }
+  for (const v1::ComparedCounters& compared : heartbeat.compared()) {
+    families.add_counters("rayloc_compared_", compared, with(site, {"method", compared.method()}));
+  }
 }
 
 }  // namespace

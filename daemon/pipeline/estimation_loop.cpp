@@ -217,13 +217,14 @@ std::vector<Burst> EstimationLoop::next_of_waiting() {
   return waiting_.pop(is_live() ? options_.bursts_at_once : 1);
 }
 
-void EstimationLoop::explain(std::span<const Burst> bursts) {
+void EstimationLoop::explain(std::vector<Burst> bursts) {
   std::vector<Estimates> estimates(bursts.size());
   estimator_.estimate_each(bursts, estimates);
   for (std::size_t i = 0; i < bursts.size(); ++i) {
     count(bursts[i], estimates[i]);
     publish(estimates[i]);
   }
+  estimator_.release(std::move(bursts));
 }
 
 void EstimationLoop::count(const Burst& burst, const Estimates& estimates) {

@@ -52,7 +52,7 @@ class EstimationLoop {
   void carry(Timestamp done);
   void count_collected(std::uint64_t passed_over);
   std::vector<Burst> next_of_waiting();
-  void explain(std::span<const Burst> bursts);
+  void explain(std::vector<Burst> bursts);
   void count(const Burst& burst, const Estimates& estimates);
   void go_elsewhere();
   void finish();

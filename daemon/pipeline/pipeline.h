@@ -45,6 +45,8 @@ class Estimator {
   // [burst]: the same as of one after the other, sooner where cores can share them. REQUIRES: every
   // burst is of another transmitter.
   virtual void estimate_each(std::span<const Burst> bursts, std::span<Estimates> out);
+  // Bursts that it was given, once what it said of them is given out.
+  virtual void release(std::vector<Burst>&& /*bursts*/) {}
   // No burst that comes later has a frame before `time`: appends what silence says.
   virtual void advance(Timestamp /*time*/, Estimates& /*out*/) {}
   // A recording goes on elsewhere, perhaps earlier: every track ends, for that `reason`. Appends

@@ -118,6 +118,10 @@ void PublisherStage::publish_waiting(SiteOutput& output) {
     publisher_.publish(csi_message(one.frame, one.access_point, site.name(one.frame)),
                        options_.now());
   }
+  for (const SiteOutput::WaitingLocation& one : waiting.compared) {
+    publisher_.publish_compared(
+        compared_message(one.location, ahead), options_.now(), one.coalesced);
+  }
 }
 
 void PublisherStage::publish_status(const SiteOutput& output,

@@ -7,26 +7,43 @@
 
 namespace rayloc {
 
+// True: there were `most`, and one was replaced.
+bool SiteOutput::keep(Location&& location, std::size_t most, std::deque<WaitingLocation>& waiting) {
+  std::uint32_t coalesced = 0;
+  const bool is_full = waiting.size() >= most;
+  if (is_full) {
+    const auto same = std::find_if(waiting.begin(), waiting.end(), [&](const WaitingLocation& one) {
+      return one.location.is_filtered() == location.is_filtered() &&
+             one.location.context.method == location.context.method &&
+             target_component(one.location.target) == target_component(location.target);
+    });
+    // With more targets than places the oldest of another one has to go: it counts as well.
+    const auto replaced = same == waiting.end() ? waiting.begin() : same;
+    coalesced = same == waiting.end() ? 0 : replaced->coalesced + 1;
+    waiting.erase(replaced);
+  }
+  waiting.push_back({std::move(location), coalesced});
+  return is_full;
+}
+
 void SiteOutput::location(Location&& location) {
   {
     const std::lock_guard lock(mutex_);
-    std::uint32_t coalesced = 0;
-    auto& waiting = waiting_.locations;
-    if (waiting.size() >= options_.max_waiting) {
-      const auto same =
-          std::find_if(waiting.begin(), waiting.end(), [&](const WaitingLocation& one) {
-            return one.location.is_filtered() == location.is_filtered() &&
-                   target_component(one.location.target) == target_component(location.target);
-          });
-      // With more targets than places the oldest of another one has to go: it counts as well.
-      const auto replaced = same == waiting.end() ? waiting.begin() : same;
-      coalesced = same == waiting.end() ? 0 : replaced->coalesced + 1;
-      waiting.erase(replaced);
+    if (keep(std::move(location), options_.max_waiting, waiting_.locations)) {
       ++counters_.coalesced;
     }
-    waiting.push_back({std::move(location), coalesced});
   }
   wake_();
+}
+
+bool SiteOutput::compared(Location&& location) {
+  bool is_replaced = false;
+  {
+    const std::lock_guard lock(compared_mutex_);
+    is_replaced = keep(std::move(location), options_.max_waiting, compared_);
+  }
+  wake_();
+  return is_replaced;
 }
 
 void SiteOutput::keep(Event&& event) {
@@ -68,8 +85,16 @@ void SiteOutput::tap(const std::string& access_point, std::span<const CsiFrame> 
 }
 
 SiteOutput::Waiting SiteOutput::take() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(waiting_, {});
+  Waiting waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    waiting = std::exchange(waiting_, {});
+  }
+  // Where the lock is held somebody is about to call wake_().
+  if (const std::unique_lock lock(compared_mutex_, std::try_to_lock); lock.owns_lock()) {
+    waiting.compared = std::exchange(compared_, {});
+  }
+  return waiting;
 }
 
 std::optional<StatusMessages> SiteOutput::report(Timestamp now) {

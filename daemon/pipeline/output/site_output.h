@@ -5,8 +5,9 @@
 // events the oldest is dropped, and counted. Queues are of one site alone: one that says much
 // displaces nothing of another.
 //
-// Thread safety: location() and event() from one thread; tap() and counters() from any; take() and
-// report() from the publisher's.
+// Thread safety: location() and event() from one thread; compared(), tap() and counters() from any;
+// take() and report() from the publisher's. compared() has a lock of its own that nobody waits for:
+// its callers have the lowest priority.
 #pragma once
 
 #include <cstdint>
@@ -66,6 +67,9 @@ class SiteOutput : public LocationSink, public FrameTap {
   void on_something(std::function<void()> wake) { wake_ = std::move(wake); }
 
   void location(Location&& location) override;
+  // Of a method that is compared with the site's own; these displace nothing but each other. True:
+  // an older one was replaced.
+  bool compared(Location&& location);
   void event(TrackEvent&& event) override { keep(std::move(event)); }
   void event(ZoneEvent&& event) override { keep(std::move(event)); }
   // Of messages that somebody else has made; as events, but in their order.
@@ -87,6 +91,7 @@ class SiteOutput : public LocationSink, public FrameTap {
     std::deque<Event> events;
     std::deque<Message> messages;
     std::deque<WaitingCsi> csi;
+    std::deque<WaitingLocation> compared;
   };
   // What waits, and nothing afterwards.
   Waiting take();
@@ -100,14 +105,17 @@ class SiteOutput : public LocationSink, public FrameTap {
 
  private:
   void keep(Event&& event);
+  static bool keep(Location&& location, std::size_t most, std::deque<WaitingLocation>& waiting);
 
   const Options options_;
   std::function<void()> wake_;
   mutable std::mutex mutex_;
-  Waiting waiting_;              // guarded by mutex_
-  SiteOutputCounters counters_;  // guarded by mutex_
-  std::mutex status_mutex_;      // held while the site is asked
-  bool closed_ = false;          // guarded by status_mutex_
+  Waiting waiting_;  // guarded by mutex_
+  std::mutex compared_mutex_;
+  std::deque<WaitingLocation> compared_;  // guarded by compared_mutex_
+  SiteOutputCounters counters_;           // guarded by mutex_
+  std::mutex status_mutex_;               // held while the site is asked
+  bool closed_ = false;                   // guarded by status_mutex_
 };
 
 }  // namespace rayloc

@@ -35,6 +35,8 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   next = number_all(*heartbeat.mutable_publisher(), next);
   next = number_all(*heartbeat.mutable_reloads(), next);
   next = number_all(*heartbeat.mutable_capture(), next);
+  next = number_all(*heartbeat.add_compared(), next);
+  heartbeat.mutable_compared(0)->set_method("spotfi");
   v1::SourceReport& source = *heartbeat.add_sources();
   source.set_access_point("ap \"1\"\n");
   next = number_all(*source.mutable_counters(), next);
@@ -49,6 +51,8 @@ TEST(Metrics, HoldEveryCounterOfTheHeartbeat) {
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_person_tracker_tracks gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_cluster_kept gauge\n"));
   EXPECT_THAT(text, HasSubstr("# TYPE rayloc_cluster_sent_total counter\n"));
+  EXPECT_THAT(text, HasSubstr("rayloc_compared_fixes_total{method=\"spotfi\"} "));
+  EXPECT_THAT(text, HasSubstr("# TYPE rayloc_compared_bursts_in_flight gauge\n"));
   EXPECT_THAT(text,
               HasSubstr("rayloc_source_rejected_total{access_point=\"ap \\\"1\\\"\\n\","
                         "reason=\"too_short\"} " +
