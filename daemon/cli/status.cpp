@@ -122,6 +122,13 @@ void print_state(const StatusJson& ready, const StatusJson& status, const std::s
       count_of(estimation, "bursts_merged"),
       count_of(estimation, "bursts_dropped"),
       end);
+  for (const StatusJson& compared : status.value("compared", StatusJson::array())) {
+    fmt::print("compared {}: {} fixes, {} without a position; {} bursts were left out\n",
+               compared.value("method", ""),
+               count_of(compared, "fixes"),
+               count_of(compared, "no_fixes"),
+               count_of(compared, "bursts_dropped"));
+  }
   const StatusJson reloads = status.value("reloads", StatusJson::object());
   if (count_of(reloads, "exchanges") > 0) {
     fmt::print("prepared anew {} times since the start: {} datagrams lost, {} frames left\n",

@@ -7,6 +7,7 @@
 #include "capture/transport/address_range.h"
 #include "daemon/config/config_cluster.h"
 #include "daemon/config/config_http.h"
+#include "daemon/config/config_methods.h"
 #include "daemon/config/config_reader.h"
 #include "daemon/config/endpoint.h"
 #include "daemon/config/secrets.h"
@@ -79,6 +80,8 @@ std::optional<ConfigValue> read_value(const TomlTable& table, const ConfigOption
       return read_paths(table, option);
     case ConfigType::kSpeed:
       return read_speed(table, option);
+    case ConfigType::kMethods:
+      return read_methods(table, option);
     case ConfigType::kTexts: {
       std::vector<std::string> texts = table.strings(option.key);
       return texts.empty() ? std::nullopt : std::optional(ConfigValue(std::move(texts)));
@@ -445,6 +448,7 @@ ConfigReading read_config(TomlDocument& document) {
   check_curve(root, reading.config.curve);
   check_http(root, reading.config.http);
   check_cluster(root, reading.config.cluster);
+  check_methods(root, reading);
   return reading;
 }
 

@@ -65,15 +65,17 @@ struct SiteConfig {
   std::string name;                // empty: as in site.toml
   bool has_method = false;         // else that of [engine]
   const Method* method = nullptr;  // null: nothing is located
-  bool record = true;              // where [record] says so
-  std::string place;               // of its table: "raylocd.toml:4:1: ", for messages
+  std::vector<const Method*> compared = {};
+  bool record = true;  // where [record] says so
+  std::string place;   // of its table: "raylocd.toml:4:1: ", for messages
 };
 
 struct EngineConfig {
-  const Method* method = nullptr;    // null: nothing is located
-  Duration burst{};                  // length of a burst
-  double accuracy_confidence = 0.0;  // of Location.accuracy_m
-  bool snapshots_always = true;      // also of devices that a track follows
+  const Method* method = nullptr;       // null: nothing is located
+  std::vector<const Method*> compared;  // with it, on the same bursts
+  Duration burst{};                     // length of a burst
+  double accuracy_confidence = 0.0;     // of Location.accuracy_m
+  bool snapshots_always = true;         // also of devices that a track follows
 };
 
 struct LimitsConfig {
@@ -209,6 +211,8 @@ struct SiteSetup {
   std::string folder;
   // Why its files cannot be used; then `site` has its name alone (see load_daemon_setup).
   std::string trouble;
+  // Where its methods are stated, its own first: "raylocd.toml:4:11: "; empty of a default.
+  std::vector<std::string> method_places = {};
 
   // "site 'office': " with [[site]], else empty: how lines about it begin.
   std::string label() const { return folder.empty() ? "" : "site '" + site.name + "': "; }

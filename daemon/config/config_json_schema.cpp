@@ -16,6 +16,24 @@ Json bounds(const ConfigOption& option, const char* type) {
   return {{"type", type}, {"minimum", option.range.min}, {"maximum", option.range.max}};
 }
 
+Json names_of(std::span<const std::string_view> choices) {
+  Json names = Json::array();
+  for (const std::string_view name : choices) {
+    names.push_back(std::string(name));
+  }
+  return {{"type", "string"}, {"enum", names}};
+}
+
+// A name, or several: "none" stands by itself, and is the last.
+Json methods_of(const ConfigOption& option) {
+  const Json several = {{"type", "array"},
+                        {"items", names_of(option.choices.first(option.choices.size() - 1))},
+                        {"minItems", 1},
+                        {"maxItems", kMaxMethods},
+                        {"uniqueItems", true}};
+  return {{"anyOf", Json::array({names_of(option.choices), several})}};
+}
+
 std::string url_pattern() {
   std::string schemes;
   for (const TransportScheme& row : transport_schemes()) {
@@ -38,13 +56,10 @@ Json type_of(const ConfigOption& option) {
     case ConfigType::kFolder:
     case ConfigType::kFile:
       return {{"type", "string"}, {"minLength", 1}};
-    case ConfigType::kChoice: {
-      Json names = Json::array();
-      for (const std::string_view name : option.choices) {
-        names.push_back(std::string(name));
-      }
-      return {{"type", "string"}, {"enum", names}};
-    }
+    case ConfigType::kChoice:
+      return names_of(option.choices);
+    case ConfigType::kMethods:
+      return methods_of(option);
     case ConfigType::kSpeed:
       return {{"anyOf", Json::array({bounds(option, "number"), {{"const", "max"}}})}};
     case ConfigType::kFiles: {

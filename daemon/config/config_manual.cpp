@@ -69,6 +69,7 @@ std::string_view type_text(const ConfigOption& option) {
     case ConfigType::kText:
       return "text";
     case ConfigType::kChoice:
+    case ConfigType::kMethods:
       return "";
     case ConfigType::kFolder:
       return "a folder";

@@ -32,6 +32,7 @@ using config_rows::engine_methods;
 using config_rows::input_options;
 using config_rows::mebibytes;
 using config_rows::number;
+using config_rows::store_methods;
 using config_rows::T;
 using config_rows::text;
 using config_rows::texts;
@@ -49,14 +50,16 @@ void store_http_listen(DaemonConfig& config, const ConfigValue& value) {
 }
 
 const std::array kDaemonOptions = {
-    ConfigOption{.section = "engine",
-                 .key = "method",
-                 .type = T::kChoice,
-                 .preset = "\"rayloc\"",
-                 .choices = engine_methods(),
-                 .description = "How targets are located; \"none\" receives, records and publishes "
-                                "CSI only",
-                 .store = [](C& c, const V& v) { c.engine.method = find_method(text(v)); }},
+    ConfigOption{
+        .section = "engine",
+        .key = "method",
+        .type = T::kMethods,
+        .preset = "\"rayloc\"",
+        .choices = engine_methods(),
+        .description = "How targets are located; \"none\" receives, records and publishes "
+                       "CSI only; the first of an array locates, and the others are "
+                       "compared with it",
+        .store = [](C& c, const V& v) { store_methods(v, c.engine.method, c.engine.compared); }},
     ConfigOption{.section = "engine",
                  .key = "burst_s",
                  .type = T::kNumber,

@@ -5,6 +5,7 @@
 // stores the value, so that there can be no key that is documented and not read.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -22,14 +23,17 @@ enum class ConfigType {
   kInteger,
   kNumber,
   kText,
-  kChoice,  // one of `choices`
-  kFolder,  // a path
-  kFile,    // a path, or "-" for standard input
-  kFiles,   // an array of paths and patterns of them, or one; or "-"
-  kSpeed,   // a number, or "max"
-  kTexts,   // an array of texts, or one
-  kUrl,     // of a transport (capture/source/transport_schemes.h)
+  kChoice,   // one of `choices`
+  kFolder,   // a path
+  kFile,     // a path, or "-" for standard input
+  kFiles,    // an array of paths and patterns of them, or one; or "-"
+  kSpeed,    // a number, or "max"
+  kTexts,    // an array of texts, or one
+  kUrl,      // of a transport (capture/source/transport_schemes.h)
+  kMethods,  // one of `choices`, or an array of different ones (config_methods.h)
 };
+
+inline constexpr std::size_t kMaxMethods = 4;  // of ConfigType::kMethods
 
 // Paths as text, joined with the folder of the file.
 using ConfigValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;

@@ -56,13 +56,13 @@ const std::array kInputOptions = {
         .store_site = [](L& l, const V& v) { l.name = text(v); }},
     ConfigOption{.section = "site",
                  .key = "method",
-                 .type = T::kChoice,
+                 .type = T::kMethods,
                  .example = "\"none\"",
                  .choices = engine_methods(),
                  .description = "How targets are located here; as in [engine] when left out",
                  .store_site =
                      [](L& l, const V& v) {
-                       l.method = find_method(text(v));
+                       store_methods(v, l.method, l.compared);
                        l.has_method = true;
                      }},
     ConfigOption{.section = "site",

@@ -45,6 +45,10 @@ Enum chosen(const ConfigValue& value, const std::array<std::string_view, kCount>
 
 // The methods for a daemon, and "none", which locates nothing.
 std::span<const std::string_view> engine_methods();
+// The first locates; the others are compared with it.
+void store_methods(const ConfigValue& value,
+                   const Method*& first,
+                   std::vector<const Method*>& compared);
 
 // The top of the file, [site] and [[source]].
 std::span<const ConfigOption> input_options();

@@ -50,7 +50,7 @@ std::string config_limits(const ConfigOption& option) {
       names += i == 0 ? "" : last ? " or " : ", ";
       names += text_in_toml(option.choices[i]);
     }
-    return names;
+    return names + (option.type == ConfigType::kMethods ? "; or several as an array" : "");
   }
   if (option.type == ConfigType::kUrl) {
     return transport_syntax(transport_schemes(), TransportUse::kSource);

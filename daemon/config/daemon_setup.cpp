@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/config/config_methods.h"
 #include "daemon/config/config_reader.h"
 #include "daemon/publish/topic.h"
 #include "engine/base/suggestion.h"
@@ -22,6 +23,7 @@ struct ReadSite {
   std::string trouble;  // why it could not be read
   bool is_read = false;
   Site site;
+  std::vector<std::string> method_places = {};
 };
 
 std::vector<ReadSite> read_site_folders(const DaemonConfig& config, const RunningSetup* running) {
@@ -200,10 +202,12 @@ SiteSetup setup_of(const DaemonConfig& config, std::size_t index, ReadSite&& rea
   setup.config = config;
   setup.site = std::move(read.site);
   setup.trouble = std::move(read.trouble);
+  setup.method_places = std::move(read.method_places);
   const SiteConfig& stated = config.sites[index];
   setup.directory = stated.directory;
   if (stated.has_method) {
     setup.config.engine.method = stated.method;
+    setup.config.engine.compared = stated.compared;
   }
   std::erase_if(setup.config.sources, [&](const SourceConfig& source) {
     return source.site_index != static_cast<int>(index);
@@ -237,6 +241,11 @@ Expected<DaemonSetup> load(const fs::path& file, const RunningSetup* running) {
     add_stream_sources(sites, reading.config);
   } else if (role != ClusterRole::kGateway) {
     resolve_sources(sites, reading);
+  }
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    if (sites[i].is_read) {
+      sites[i].method_places = check_methods_of((*document)->root(), reading, sites[i].site, i);
+    }
   }
   const bool tolerant = running != nullptr && reading.config.has_site_list;
   std::string errors;

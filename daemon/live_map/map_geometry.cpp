@@ -179,12 +179,16 @@ Json calibration_json(const Site& site, const RoomModel& room) {
 
 }  // namespace
 
-std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses) {
+std::string map_geometry_json(const Site& site,
+                              const RoomModel& room,
+                              const std::vector<std::string>& methods,
+                              bool addresses) {
   Json map = {
       {"site", site.name},
       {"crs", "local"},
       {"scene_hash", room.scene_hash},
       {"calibration_id", room.calibration_id},
+      {"methods", methods},
       {"bounds", {{"min", exact_point(room.bounds_min)}, {"max", exact_point(room.bounds_max)}}},
       {"plan", plan_json(*room.scene)},
       {"access_points", access_points_json(room)},

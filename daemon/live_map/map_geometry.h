@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "daemon/site/site.h"
 #include "engine/room/room_model.h"
@@ -9,8 +10,12 @@
 
 namespace rayloc {
 
-// `room`: with its scene. `addresses`: of fixed transmitters, else empty.
-std::string map_geometry_json(const Site& site, const RoomModel& room, bool addresses = true);
+// `room`: with its scene. `methods`: by name, the site's own before those that are compared with
+// it. `addresses`: of fixed transmitters, else empty.
+std::string map_geometry_json(const Site& site,
+                              const RoomModel& room,
+                              const std::vector<std::string>& methods,
+                              bool addresses = true);
 
 // The "plan" of it alone: what the scene looks like from above.
 std::string map_plan_json(const Scene& scene);

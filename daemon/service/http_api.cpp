@@ -65,9 +65,10 @@ HttpReply sources(const StatusMessages& status) {
   return array.reply();
 }
 
-HttpReply targets(const LastMessages& last, const std::string& site) {
+// `topics`: their class.
+HttpReply targets(const LastMessages& last, const std::string& topics, const std::string& site) {
   JsonArray array;
-  for (const auto& [topic, bytes] : last.matching({"v1/location/" + site + "/"})) {
+  for (const auto& [topic, bytes] : last.matching({"v1/" + topics + "/" + site + "/"})) {
     v1::Envelope envelope;
     if (envelope.ParseFromString(bytes)) {
       array.add(envelope);
@@ -94,6 +95,7 @@ HttpReply ask_a_site() {
 constexpr std::array kPathsOfSites = {"/api/v1/status",
                                       "/api/v1/sources",
                                       "/api/v1/targets",
+                                      "/api/v1/compared",
                                       "/api/v1/map",
                                       "/api/v1/solid",
                                       "/api/v1/calibration",
@@ -104,7 +106,8 @@ HttpRoutes routes_of(const std::shared_ptr<const SiteApi>& api) {
   HttpRoutes routes;
   routes["/api/v1/status"] = {[api] { return json_of(api->status().heartbeat); }};
   routes["/api/v1/sources"] = {[api] { return sources(api->status()); }};
-  routes["/api/v1/targets"] = {[api] { return targets(*api->last, api->component); }};
+  routes["/api/v1/targets"] = {[api] { return targets(*api->last, "location", api->component); }};
+  routes["/api/v1/compared"] = {[api] { return targets(*api->last, "compared", api->component); }};
   routes["/api/v1/map"] = {[api] { return json_text(api->map); }};
   routes["/api/v1/solid"] = {[api] { return json_text(api->solid); }};
   routes["/api/v1/calibration"] = {[api] { return json_text(api->calibration); }};

@@ -115,6 +115,15 @@ std::vector<ExtraMetric> cluster_metrics(const Broker& broker,
   return metrics;
 }
 
+// That of the site, and those that are compared with it.
+std::vector<std::string> names_of_methods(const EngineConfig& engine) {
+  std::vector<std::string> names{std::string(engine.method->name)};
+  for (const Method* method : engine.compared) {
+    names.emplace_back(method->name);
+  }
+  return names;
+}
+
 // AP=FILE of what its sources wrote since then, as `rayloc calibrate --capture` takes it.
 Expected<std::vector<std::string>> recorded_captures(const DaemonConfig& config, Timestamp since) {
   if (config.record.directory.empty()) {
@@ -196,20 +205,23 @@ void Service::open_api(RunningSite& running) const {
   api.events = std::make_shared<MapEvents>(running.board, epoch_, system_now);
   api.presence = [board = running.board] { return map_presence_json(*board, system_now()); };
   const Site& site = runtime.setup().site;
-  if (DeviceEstimator* const estimator = runtime.estimator(); estimator != nullptr) {
-    api.map = map_geometry_json(site, estimator->room(), !runtime.names_hashed());
-    api.solid = map_solid_json(*estimator->room().scene);
-    api.calibration = map_calibration_json(site, estimator->room());
-    const auto channel = std::make_shared<MapChannel>(estimator->channels());
-    running.channel = std::make_shared<BackgroundText>(
-        [keep = running.runtime, channel] { return channel->json(); }, "[]\n");
-    api.channel = [text = running.channel] { return text->ask(); };
+  api.channel = [] { return std::string("[]\n"); };
+  if (const RoomModel* const room = runtime.room(); room != nullptr) {
+    const EngineConfig& engine = runtime.setup().config.engine;
+    api.map = map_geometry_json(site, *room, names_of_methods(engine), !runtime.names_hashed());
+    api.solid = map_solid_json(*room->scene);
+    api.calibration = map_calibration_json(site, *room);
   } else {
     const std::string reason = "nothing is located here ([engine] method is \"none\")";
     api.map = map_without_room_json(site, reason);
     api.solid = map_without_room_json(site, reason);
     api.calibration = map_without_calibration_json(reason);
-    api.channel = [] { return std::string("[]\n"); };
+  }
+  if (DeviceEstimator* const estimator = runtime.estimator(); estimator != nullptr) {
+    const auto channel = std::make_shared<MapChannel>(estimator->channels());
+    running.channel = std::make_shared<BackgroundText>(
+        [keep = running.runtime, channel] { return channel->json(); }, "[]\n");
+    api.channel = [text = running.channel] { return text->ask(); };
   }
   if (setup_.config.http.edit) {
     offer_editor(running, api);
@@ -289,7 +301,7 @@ std::string Service::sites_json(const std::string& root) const {
                     {"ready", now.ready()},
                     {"reasons", now.reasons},
                     {"warnings", now.warnings},
-                    {"located", site->runtime->estimator() != nullptr},
+                    {"located", site->runtime->room() != nullptr},
                     {"sources", heartbeat.sources_size()},
                     {"sources_receiving", receiving},
                     {"fixes", heartbeat.estimation().fixes()},

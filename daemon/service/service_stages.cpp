@@ -38,7 +38,11 @@ Expected<void> Service::check_resources(bool estimators_ready) const {
   // Of libzmq some 20, of HTTP two; the others are for clients.
   constexpr std::size_t kDescriptors = 48;
   const std::size_t estimations = setup_.sites.size() - 1;  // besides that of the first
-  return check_start_resources(kThreads + tracing + 2 * sources + estimations,
+  std::size_t compared = 0;
+  for (const SiteSetup& site : setup_.sites) {
+    compared += site.config.engine.compared.size();
+  }
+  return check_start_resources(kThreads + tracing + 2 * sources + estimations + compared,
                                kDescriptors + 4 * sources);
 }
 

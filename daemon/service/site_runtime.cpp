@@ -110,6 +110,9 @@ void SiteRuntime::end() {
     pipeline_->hurry();
     pipeline_->stop();
   }
+  if (estimators_) {
+    estimators_->stop_compared();
+  }
 }
 
 Expected<std::unique_ptr<SiteRuntime>> SiteRuntime::prepare(SiteSetup setup,
@@ -124,13 +127,6 @@ Expected<std::unique_ptr<SiteRuntime>> SiteRuntime::prepare(SiteSetup setup,
   return runtime;
 }
 
-MethodOptions SiteRuntime::method_options() const {
-  MethodOptions settings;
-  settings.accuracy_confidence = setup_.config.engine.accuracy_confidence;
-  settings.path_grids = surroundings_.path_grids;
-  return settings;
-}
-
 Expected<void> SiteRuntime::open_estimators() {
   make_folders(setup_);
   auto names = open_target_names(setup_.config);
@@ -138,73 +134,43 @@ Expected<void> SiteRuntime::open_estimators() {
     return tl::make_unexpected(names.error());
   }
   names_ = std::move(*names);
-  zones_ = std::make_unique<ZoneEstimator>(estimators_, setup_.site.zones);
-  const EngineConfig& engine = setup_.config.engine;
-  const Method* method = engine.method;
-  if (method == nullptr) {
-    return {};
+  SiteEstimators::Options options{surroundings_.path_grids, names_, {}};
+  // What a worker knows comes from the stream alone: others are to compute the same.
+  if (const auto folder = state_folder(setup_);
+      !folder.empty() && setup_.config.cluster.role != ClusterRole::kWorker) {
+    options.chain_file = (folder / kChainFile).string();
   }
-  if (method->create_device != nullptr) {
-    DeviceEstimator::Options devices;
-    devices.method = method;
-    devices.settings = method_options();
-    devices.names = names_;
-    devices.snapshots = engine.snapshots_always ? Snapshots::kAlways : Snapshots::kAcquire;
-    // What a worker knows comes from the stream alone: others are to compute the same.
-    if (const auto folder = state_folder(setup_);
-        !folder.empty() && setup_.config.cluster.role != ClusterRole::kWorker) {
-      devices.chains = {(folder / kChainFile).string(), (folder / kChainFile).string()};
-    }
-    auto estimator = DeviceEstimator::create(setup_.site, devices);
-    if (!estimator) {
-      return tl::make_unexpected(estimator.error());
-    }
-    estimator_ = std::move(*estimator);
-    estimators_.add(*estimator_);
+  auto estimators = SiteEstimators::create(setup_, std::move(options));
+  if (!estimators) {
+    return tl::make_unexpected(std::move(estimators.error()));
   }
-  if (method->create_person != nullptr && setup_.site.reference_file) {
-    if (Expected<void> people = open_people(nullptr); !people) {
-      return people;
-    }
-    estimators_.add(*people_);
-  }
-  return {};
-}
-
-Expected<void> SiteRuntime::open_people(const std::shared_ptr<const Carried>& before) {
-  PersonEstimator::Options options;
-  options.method = setup_.config.engine.method;
-  options.settings = method_options();
-  options.before = before;
-  auto people = PersonEstimator::create(setup_.site, options);
-  if (!people) {
-    return tl::make_unexpected(people.error());
-  }
-  people_ = std::move(*people);
+  estimators_ = std::move(*estimators);
   return {};
 }
 
 void SiteRuntime::describe_room() {
-  status_.people = people_.get();
-  if (!estimator_) {
+  status_.people = estimators_->people();
+  status_.estimator = estimators_->devices();
+  for (const auto& compared : estimators_->compared()) {
+    status_.compared.push_back(compared.get());
+  }
+  if (room() == nullptr) {
     return;
   }
-  status_.estimator = estimator_.get();
-  const RoomModel& room = estimator_->room();
-  status_.scene_hash = room.scene_hash;
-  status_.calibration_id = room.calibration_id;
-  for (const SceneNote& note : room.scene->notes()) {
+  status_.scene_hash = room()->scene_hash;
+  status_.calibration_id = room()->calibration_id;
+  for (const SceneNote& note : room()->scene->notes()) {
     surroundings_.log(setup_.label() + to_line(note));
   }
-  for (const std::string& warning : room_warnings(*room.scene, setup_.site)) {
+  for (const std::string& warning : room_warnings(*room()->scene, setup_.site)) {
     surroundings_.log(setup_.label() + warning);
   }
 }
 
 // What it cannot locate is said at the start, and as long as it runs.
 void SiteRuntime::look_at_site() {
-  if (estimator_) {
-    lacks_ = lacks_of(setup_, estimator_->room());
+  if (room() != nullptr) {
+    lacks_ = lacks_of(setup_, *room());
   }
   for (const std::string& text : lacks_.all()) {
     log_event({LogLevel::kWarning, setup_.label() + text});
@@ -247,8 +213,13 @@ Expected<void> SiteRuntime::open(const Opened& before, SiteOutput& output) {
   const bool playback = recording_clock_.playback != nullptr;
   PipelineOptions options = pipeline_options(setup_.config, playback);
   LocationSink& sink = results_ ? go_on(options) : output;
-  pipeline_ = std::make_unique<Pipeline>(options, std::move(inputs), *zones_, sink);
+  pipeline_ =
+      std::make_unique<Pipeline>(options, std::move(inputs), estimators_->estimator(), sink);
   status_.pipeline = pipeline_.get();
+  for (const auto& compared : estimators_->compared()) {
+    compared->start(
+        [&output](Location&& location) { return output.compared(std::move(location)); });
+  }
   return sender_ ? sender_->start() : Expected<void>();
 }
 
@@ -342,8 +313,8 @@ Expected<std::vector<std::string>> SiteRuntime::snapshot() {
 
 std::vector<std::string> SiteRuntime::news() {
   auto lines = snapshots_of_rings_ ? snapshots_of_rings_->news() : std::vector<std::string>();
-  if (estimator_) {
-    const auto chains = estimator_->chain_news();
+  if (estimator() != nullptr) {
+    const auto chains = estimator()->chain_news();
     lines.insert(lines.end(), chains.begin(), chains.end());
   }
   if (results_) {
@@ -386,6 +357,9 @@ std::vector<Stage> SiteRuntime::stages() const {
 
 std::vector<SiteRuntime::Closing> SiteRuntime::closings() {
   std::vector<Closing> closings;
+  for (const auto& compared : estimators_->compared()) {
+    closings.push_back({"method " + compared->name(), [one = compared.get()] { one->stop(); }});
+  }
   for (std::size_t i = 0; i < recorders_.size(); ++i) {
     closings.push_back({"recorder " + setup_.config.sources[i].access_point,
                         [recorder = recorders_[i].get()] { recorder->finish(); }});
@@ -423,10 +397,10 @@ std::vector<std::string> SiteRuntime::source_descriptions() const {
 std::vector<std::string> SiteRuntime::new_warnings() {
   const auto now = std::chrono::steady_clock::now();
   std::vector<std::string> fresh;
-  if (!estimator_) {
+  if (estimator() == nullptr) {
     return fresh;
   }
-  for (const CalibrationWarning& warning : estimator_->calibration_warnings()) {
+  for (const CalibrationWarning& warning : estimator()->calibration_warnings()) {
     const auto told =
         std::find_if(told_warnings_.begin(), told_warnings_.end(), [&](const ToldWarning& one) {
           return one.warning.same_as(warning);

@@ -24,15 +24,12 @@
 #include "daemon/health/readiness.h"
 #include "daemon/health/saturation.h"
 #include "daemon/health/status.h"
-#include "daemon/pipeline/device_estimator.h"
-#include "daemon/pipeline/estimator_list.h"
 #include "daemon/pipeline/output/site_output.h"
-#include "daemon/pipeline/person_estimator.h"
 #include "daemon/pipeline/pipeline.h"
 #include "daemon/pipeline/record/recorder_stage.h"
 #include "daemon/pipeline/record/ring_snapshots.h"
-#include "daemon/pipeline/zones/zone_estimator.h"
 #include "daemon/publish/target_names.h"
+#include "daemon/service/estimators/site_estimators.h"
 #include "daemon/service/sources/source_factory.h"
 #include "daemon/site/path_grid_files.h"
 #include "engine/base/expected.h"
@@ -117,8 +114,9 @@ class SiteRuntime {
   // What of ServiceHealth is of this site; from any thread.
   ServiceHealth health() const;
   StatusSources& status_sources() { return status_; }
-  const DeviceEstimator* estimator() const { return estimator_.get(); }
-  DeviceEstimator* estimator() { return estimator_.get(); }  // null: nothing is located
+  // Null: no devices are located.
+  DeviceEstimator* estimator() const { return estimators_->devices(); }
+  const RoomModel* room() const { return estimators_->room(); }  // null: nothing is located
   bool names_hashed() const { return names_->hashed(); }
   std::shared_ptr<Playback> playback() const { return recording_clock_.playback; }
   const BatchSender* sender() const { return sender_.get(); }  // null: no capture node
@@ -137,9 +135,7 @@ class SiteRuntime {
 
  private:
   SiteRuntime(SiteSetup setup, const Surroundings& surroundings);
-  MethodOptions method_options() const;
   Expected<void> open_estimators();
-  Expected<void> open_people(const std::shared_ptr<const Carried>& before);
   void describe_room();
   void look_at_site();
   Expected<void> open_sources(const Opened& before,
@@ -157,11 +153,8 @@ class SiteRuntime {
   const Surroundings surroundings_;
   LossWatch losses_;
   std::shared_ptr<TargetNames> names_;
-  std::unique_ptr<DeviceEstimator> estimator_;  // none with method "none"
-  std::unique_ptr<PersonEstimator> people_;     // none without a reference of the empty room
-  EstimatorList estimators_;                    // both
-  std::unique_ptr<ZoneEstimator> zones_;        // over them
-  SiteLacks lacks_;                             // none where nothing is to be located
+  std::unique_ptr<SiteEstimators> estimators_;
+  SiteLacks lacks_;  // none where nothing is to be located
   RecordingClock recording_clock_;
   std::vector<std::unique_ptr<RecorderStage>> recorders_;
   std::vector<std::unique_ptr<DatagramRing>> rings_;

@@ -69,22 +69,9 @@ std::optional<OutStage::Standby> SiteRuntime::standby() const {
 
 // Its room was prepared before anybody knew from where it would go on.
 Expected<void> SiteRuntime::tell_estimators(const std::shared_ptr<const Carried>& before) {
-  if (estimator_) {
-    estimator_->go_on(*before);
-  }
-  if (people_) {
-    if (Expected<void> people = open_people(before); !people) {
-      return people;
-    }
-    status_.people = people_.get();
-    estimators_ = {};
-    if (estimator_) {
-      estimators_.add(*estimator_);
-    }
-    estimators_.add(*people_);
-  }
-  zones_ = std::make_unique<ZoneEstimator>(estimators_, setup_.site.zones, before.get());
-  return {};
+  Expected<void> told = estimators_->go_on(before);
+  status_.people = estimators_->people();
+  return told;
 }
 
 // What it is of a cluster, where it is of one.

@@ -71,7 +71,17 @@ TomlPosition TomlTable::position(std::string_view key) const {
   return node != nullptr ? begin_of(*node) : position();
 }
 
+TomlPosition TomlTable::position(std::string_view key, std::size_t entry) const {
+  const toml::array* array = table_->get_as<toml::array>(key);
+  const toml::node* node = array != nullptr ? array->get(entry) : nullptr;
+  return node != nullptr ? begin_of(*node) : position(key);
+}
+
 std::string TomlTable::place() const { return document_->place(position()); }
+
+std::string TomlTable::place(std::string_view key, std::size_t entry) const {
+  return document_->place(position(key, entry));
+}
 
 const std::filesystem::path& TomlTable::file() const { return document_->file(); }
 
@@ -106,6 +116,10 @@ void TomlTable::require(std::initializer_list<RequiredKey> keys) const {
 
 void TomlTable::error_at(std::string_view key, std::string message) const {
   document_->error(position(key), std::move(message));
+}
+
+void TomlTable::error_at(std::string_view key, std::size_t entry, std::string message) const {
+  document_->error(position(key, entry), std::move(message));
 }
 
 void TomlTable::error(std::string message) const {

@@ -60,6 +60,8 @@ class TomlTable {
   const std::string& name() const { return name_; }   // "[carrier]", for messages
   TomlPosition position() const;                      // of its header
   TomlPosition position(std::string_view key) const;  // of the key's value, else of the table
+  // Of an entry, from 0, of the key's array; else as position(key).
+  TomlPosition position(std::string_view key, std::size_t entry) const;
   bool has(std::string_view key) const { return table_->contains(key); }
   bool is_string(std::string_view key) const;
   // Makes the key known without reading it.
@@ -112,9 +114,11 @@ class TomlTable {
   const std::filesystem::path& file() const;  // of the document
   // "raylocd.toml:4:1: ", as errors begin.
   std::string place() const;
+  std::string place(std::string_view key, std::size_t entry) const;  // as position()
 
   // Notes an error at the key's value, or at the table's header.
   void error_at(std::string_view key, std::string message) const;
+  void error_at(std::string_view key, std::size_t entry, std::string message) const;
   void error(std::string message) const;
 
  private:

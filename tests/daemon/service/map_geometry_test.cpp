@@ -45,10 +45,11 @@ double doubled_area(const json& corners) {
 }
 
 TEST_F(MapGeometryTest, HoldsTheRoomAndWhatStandsInIt) {
-  const json map = json::parse(map_geometry_json(site_, room_));
+  const json map = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"}));
   EXPECT_EQ(map.at("site"), "meeting_room");
   EXPECT_EQ(map.at("bounds").at("min"), json({-1.765, -1.425, 0.0}));
   EXPECT_EQ(map.at("bounds").at("max"), json({1.765, 1.425, 2.7}));
+  EXPECT_EQ(map.at("methods"), json({"rayloc", "spotfi"}));
   EXPECT_FALSE(map.contains("georeference"));
   std::map<std::string, int> kinds;
   double floor = 0.0;
@@ -70,7 +71,7 @@ TEST_F(MapGeometryTest, HoldsTheRoomAndWhatStandsInIt) {
 
 // Corner by corner, from the hinge along the side of the room.
 TEST_F(MapGeometryTest, DrawsDoorsAndWindowsAsGapsInTheirWalls) {
-  const json plan = json::parse(map_geometry_json(site_, room_)).at("plan");
+  const json plan = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"})).at("plan");
   const auto corners = [&](const std::string& name, const std::string& kind) {
     std::vector<std::vector<double>> found;
     for (const json& shape : plan) {
@@ -114,7 +115,7 @@ TEST_F(MapGeometryTest, HoldsTheRoomAsASolid) {
 }
 
 TEST_F(MapGeometryTest, HoldsAccessPointsAndWhatTransmitsAllTheTime) {
-  const json map = json::parse(map_geometry_json(site_, room_));
+  const json map = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"}));
   ASSERT_EQ(map.at("access_points").size(), 3U);
   const json& ap2 = map.at("access_points").at(1);
   EXPECT_EQ(ap2.at("id"), "ap2");
@@ -131,7 +132,7 @@ TEST_F(MapGeometryTest, HoldsZonesAndWhereTheSiteIsOnEarth) {
   zone.name = "desk \xff";
   zone.polygon = {{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}};
   site_.georeference = {52.5, 13.25, 34.0, M_PI / 2.0};
-  const json map = json::parse(map_geometry_json(site_, room_));
+  const json map = json::parse(map_geometry_json(site_, room_, {"rayloc", "spotfi"}));
   EXPECT_EQ(map.at("zones").at(0).at("polygon"), json({{0.0, 0.0}, {1.0, 0.0}, {1.0, 1.0}}));
   EXPECT_EQ(map.at("zones").at(0).at("name"), "desk \xef\xbf\xbd") << "bytes that are no text";
   EXPECT_EQ(map.at("georeference").at("latitude"), 52.5);
