@@ -24,8 +24,8 @@ CONTRAST = """(() => {
 })()"""
 
 # Of what is drawn on the map, by the computed style with all its opacities, to each ground that it may lie
-# on. Drawn besides what is there: targets of every colour, live and stale, with other places, a dot of each
-# step, and a zone of each kind. A mark counts by its outline or its filling, what is seen better; text by its
+# on. Drawn besides what is there: targets of every colour, live and stale, with other places, the marks of
+# three compared methods, a dot of each step, and a zone of each kind. A mark counts by its outline or its filling, what is seen better; text by its
 # filling. Of a trail the last seconds count: the rest is to fade.
 DRAWN = """(async () => {
   const {Targets} = await import('/map/targets.js');
@@ -36,8 +36,10 @@ DRAWN = """(async () => {
   const view = {scale: 100, unit: 1, toPixel: (x, y) => [100 * x, 100 * y]};
   view.mark = view.flat = (x, y) => `translate(${100 * x} ${100 * y})`;
   const sample = new Targets();
+  sample.methods.names = ['own', 'a', 'b', 'c'];
+  const compared = ['a', 'b', 'c'].map((method) => ({method, location, stale: null}));
   sample.show(Array.from({length: 16}, (_, i) => ({target: {key: `sample ${i}`, name: 'sample', colour: i % 8},
-    location, stale: i < 8 ? null : 1, trail: [{x: 0, y: 0}, {x: 1, y: 1}], zones: []})), view);
+    location, stale: i < 8 ? null : 1, trail: [{x: 0, y: 0}, {x: 1, y: 1}], zones: [], compared: i ? [] : compared})), view);
   const dots = [0.1, 0.3, 0.5, 0.7, 0.9].map((share) => dotOf({share}));
   document.querySelector('#residuals').append(...dots);
   const {svg} = await import('/map/draw.js');
@@ -64,7 +66,7 @@ DRAWN = """(async () => {
     return Math.min(...on.map((one) => seen(style[what], opacity(e) * Number(style[`${what}Opacity`]), one)));
   };
   const found = [];
-  for (const e of document.querySelectorAll('#map :is(circle, ellipse, path, polygon, polyline, rect, text)')) {
+  for (const e of document.querySelectorAll('#map :is(circle, ellipse, line, path, polygon, polyline, rect, text)')) {
     const style = getComputedStyle(e);
     if (style.display === 'none' || e.matches('.floor, .ceiling') || e.closest('#solid') || e.matches('.old-1, .old-2, .old-3, .old-4') || e.getAttribute('visibility') === 'hidden') continue;
     const text = e.tagName === 'text';
@@ -78,7 +80,7 @@ DRAWN = """(async () => {
 })()"""
 MARKS = ("circle dot", "circle region outer", "ellipse region part", "ellipse ghost", "circle ghost",
          "polyline old-0", "polygon furniture", "path leaf", "path pane", "text zone-name", "text object-name", "path", "text", "circle residual fit-0",
-         "circle residual fit-4")
+         "circle residual fit-4", "path shape", "line tie", "circle ring")
 
 
 def show_theme(page, theme):

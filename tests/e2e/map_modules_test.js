@@ -375,6 +375,34 @@
       targets.show([], null);
     },
 
+    'methods that are compared are drawn beside the target, of the moment shown'() {
+      const compared = (sent, x, change = {}) => ({sent: new Date(sent).toISOString(), compared:
+        {...location(sent).location, event_id: `${sent}-spotfi`, kind: 'LOCATION_KIND_SNAPSHOT', track_state: '',
+          position: {x, y: 2, z: 1}, accuracy_m: 0.5, quality: {method: 'spotfi'}, ...change}});
+      const {model, tell} = begin([location(NOW - 3000), compared(NOW - 3000, 2), location(NOW)]);
+      tell(NOW, [compared(NOW, 3), compared(NOW, 9, {target: {mac: '02:00:00:00:00:09'}})]);
+      same(model.at(NOW).map(({target}) => target.key), ['02:00:00:00:00:01'], 'of targets that the site\'s method knows');
+      const targets = new Targets();
+      const drawn = (time) => {
+        targets.show(model.at(time), VIEW);
+        return [...document.querySelectorAll('#compared > g > g')].map((one) => [one.getAttribute('class'),
+          one.querySelector('g').getAttribute('transform'), one.querySelector('text').textContent]);
+      };
+      same(drawn(NOW), [], 'before the methods are named');
+      targets.methods.show(['rayloc', 'spotfi']);
+      const legend = document.querySelector('#methods');
+      same([legend.hidden, [...legend.children].map((one) => one.textContent.trim().split(',')[0])], [false, ['rayloc', 'spotfi']], 'the legend');
+      same(drawn(NOW), [['compared m0', 'translate(300 200)', 'spotfi']], 'now');
+      same(drawn(NOW - 2900), [['compared m0', 'translate(200 200)', 'spotfi']], 'under review');
+      same(drawn(NOW + 5000)[0][0], 'compared m0 stale', 'later');
+      same(document.querySelector('tr[data-target]').textContent.includes('spotfi: 3.00, 2.00 (2.00 m away)'), true, 'in the list');
+      tell(NOW + 100, [compared(NOW + 100, 3, {position: undefined})]);
+      same(drawn(NOW + 100), [], 'without a place');
+      targets.methods.show(['rayloc']);
+      same([legend.hidden, legend.children.length], [true, 0], 'of one method');
+      targets.show([], null);
+    },
+
     'names do not cover one another'() {
       const text = (content) => {
         const made = document.createElementNS('http://www.w3.org/2000/svg', 'text');

@@ -5,7 +5,7 @@ Chromium, and the pixels that it shows.
     map_test.py BIN_DIR OUT_DIR [--picture FILE.png] [--only PART ...]
 
 Screenshots go to OUT_DIR. --picture also writes the picture of the README (deploy/map_picture).
-PART: live, places, recording, walk, reload, editor, first-hour, no-room; all of them unless told.
+PART: live, places, compared, recording, walk, reload, editor, first-hour, no-room; all of them unless told.
 """
 
 import argparse
@@ -48,6 +48,7 @@ PIXELS = 3.0
 # daemon/http/map/map.css: the first target, and one without a newer estimate.
 LIVE_COLOUR = (0x00, 0x67, 0xB8)
 STALE_COLOUR = (0x66, 0x71, 0x7C)
+OTHER_COLOUR = (0xB8, 0x47, 0x00)  # the first of the methods that are compared
 
 
 def eventually(what, condition, seconds=PATIENCE):
@@ -127,6 +128,14 @@ class Daemon:
         """Of the device, as located() tells it; None while it has none."""
         place = (self.located(DEVICE) or {}).get("position")
         return place and (place["x"], place["y"])
+
+    def compared(self, method):
+        """The last estimate of the device by a method that is compared; None while there is none."""
+        status, text, _ = self.get("api/v1/compared")
+        assert status == 200, status
+        found = [one["compared"] for one in json.loads(text) if one["compared"]["target"].get("mac") == DEVICE
+                 and one["compared"]["quality"]["method"] == method]
+        return found[0] if found else None
 
     def located(self, mac, site=""):
         """The last filtered estimate of it, as a new viewer is told it. `site`: its path."""
@@ -800,6 +809,39 @@ class PlacesTest(MapTest):
         return places
 
 
+class ComparedTest(MapTest):
+    """Two methods on one map: the second has a colour and a shape of its own, and the legend names both."""
+
+    MARK = "document.querySelector('#compared [data-method=spotfi]')"
+    LEGEND = "[...document.querySelectorAll('#methods li')].map((one) => one.textContent.trim())"
+
+    def run(self):
+        page = self.open(1280, 800)
+        names = page.wait(f"(({self.LEGEND}).length > 0) && {self.LEGEND}")
+        assert [name.split(",")[0] for name in names] == ["rayloc", "spotfi"], names
+        truth = self.recording.spots[0]
+        with Sending(self.recording, 0, self.daemon):
+            eventually("the device is located", lambda: (p := self.daemon.position())
+                       and math.dist(p, (truth["x"], truth["y"])) < 0.3)
+            page.wait(f"{self.MARK} !== null")
+            assert_shown(page, self.daemon, LIVE_COLOUR, "by the site's method")
+            eventually("the mark of spotfi in its colour, where it is", lambda: self.is_shown(page))
+            page.wait(f"{CELLS}[2].textContent.includes('spotfi: ')")
+            self.artefact(page, "compared")
+        accessibility.check_contrast(page, "dark")
+        accessibility.check_contrast(page, "light")
+        self.check(page)
+        self.close(page)
+
+    def is_shown(self, page):
+        place = (self.daemon.compared("spotfi") or {}).get("position")
+        if not place:
+            return False
+        expected = expected_pixel((place["x"], place["y"]), map_box(page))
+        shown = shown_at(page, expected, OTHER_COLOUR)
+        return shown is not None and math.dist(shown, expected) <= PIXELS
+
+
 def apart(location):
     """Weight and middle of the places that are not the mark's, of hypotheses of which none are at the
     edge of the rule (places.js): linked where nearer than 0.65 m."""
@@ -1356,6 +1398,8 @@ def calibrate(folder, binaries):
 PARTS = {
     "live": (MapTest, Daemon),
     "places": (PlacesTest, Daemon),
+    "compared": (ComparedTest, lambda folder, binaries, site:
+                 Daemon(folder, binaries, site, extra='[engine]\nmethod = ["rayloc", "spotfi"]\n')),
     "recording": (PlaybackTest, of_spots),
     "walk": (WalkTest, of_walk),
     "reload": (ReloadTest, of_sites),

@@ -53,6 +53,7 @@ async function fetchPlan(start) {
 function showPlan(map, report) {
   setText(byId('site'), map.site);
   document.title = `${map.site}: RayLoc live map`;
+  targets.methods.show(map.methods);
   if (map.available === false) {
     plan = null;
     setText(byId('empty'), `There is no floor plan: ${map.reason}.`);

@@ -95,6 +95,7 @@ export class Model {
     for (const message of body.messages) {
       const sent = Date.parse(message.sent);
       if (message.location) this.location(message.location, sent);
+      else if (message.compared) this.compared(message.compared, sent);
       else if (message.source) this.source(message.source, sent);
       else if (message.heartbeat) this.beat(message.heartbeat, sent);
       else if (message.track) this.event(trackText(message.track), sent);
@@ -180,19 +181,32 @@ export class Model {
     const key = keyOf(location.target);
     let target = this.targets.get(key);
     if (!target) {
-      target = {key, name: targetName(location.target), colour: this.colours++ % 8, past: [], filtered: -Infinity};
+      target = {key, name: targetName(location.target), colour: this.colours++ % 8, past: [], filtered: -Infinity, compared: new Map()};
       this.targets.set(key, target);
       if (this.now() - sent < FRESH_MS) this.told(`${target.name} appeared`);
     }
     target.last = sent;
+    if (this.keep(target, location, sent)) this.latest = Math.max(this.latest ?? sent, sent);
+  }
+
+  // Of a method that is compared with the site's own: where it puts a target that this one knows.
+  compared(location, sent) {
+    const methods = this.targets.get(keyOf(location.target))?.compared;
+    const method = location.quality?.method;
+    if (!methods || !method) return;
+    if (!methods.has(method)) methods.set(method, {past: [], filtered: -Infinity});
+    this.keep(methods.get(method), location, sent);
+  }
+
+  // of: {past, filtered}. False for a snapshot beside estimates of a tracker.
+  keep(of, location, sent) {
     // A recording that is played slowly says less often where it is.
     const pace = Math.min(1, this.playback?.speed || 1);
-    if (location.kind === 'LOCATION_KIND_FILTERED') target.filtered = Math.max(target.filtered, sent);
-    else if (sent - target.filtered < PREFER_FILTERED_MS / pace) return;
+    if (location.kind === 'LOCATION_KIND_FILTERED') of.filtered = Math.max(of.filtered, sent);
+    else if (sent - of.filtered < PREFER_FILTERED_MS / pace) return false;
     const until = sent + (1000 * seconds(location.valid_for)) / pace;
-    const entry = {id: location.event_id, sent, until, location: drawn(location)};
-    insert(target.past, entry);
-    this.latest = Math.max(this.latest ?? sent, sent);
+    insert(of.past, {id: location.event_id, sent, until, location: drawn(location)});
+    return true;
   }
 
   zone(event, sent) {
@@ -237,9 +251,10 @@ export class Model {
     for (const [key, target] of this.targets) {
       if (now - target.last > (isGone(target) ? FORGET_LOST_MS : FORGET_MS)) this.targets.delete(key);
     }
-    const share = Math.max(1, Math.floor(PAST / this.targets.size));
+    const compared = [...this.targets.values()].flatMap((target) => [...target.compared.values()]);
+    const share = Math.max(1, Math.floor(PAST / (this.targets.size + compared.length)));
     this.first = null;
-    for (const {past} of this.targets.values()) {
+    for (const {past} of [...this.targets.values(), ...compared]) {
       // The last one before stays: it says where the target was when that time began.
       const old = Math.max(latest(past, now - PAST_MS), past.length - share);
       if (old > 0) past.splice(0, old);
@@ -248,7 +263,7 @@ export class Model {
   }
 
   // Each target as it was known at that time: its latest estimate, whether that was stale, its trail, the
-  // zones that it was in.
+  // zones that it was in, and the latest estimate of each method that is compared.
   at(time) {
     const shown = [];
     const inside = [...this.inside(time)];
@@ -265,10 +280,16 @@ export class Model {
         if (position) trail.push({...position, age: sent - target.past[i].sent});
       }
       const zones = inside.filter(([, keys]) => keys.has(target.key)).map(([name]) => name);
-      shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail, zones});
+      shown.push({target, location, sent, stale: staleSince(target.past[end], time), trail, zones, compared: comparedAt(target, time)});
     }
     return shown;
   }
+}
+
+function comparedAt(target, time) {
+  return [...target.compared].map(([method, {past}]) => [method, past[latest(past, time)]])
+    .filter(([, entry]) => entry)
+    .map(([method, entry]) => ({method, location: entry.location, stale: staleSince(entry, time)}));
 }
 
 const isLost = (location) => location.track_state === 'TRACK_STATE_LOST';

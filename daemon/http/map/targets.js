@@ -1,6 +1,7 @@
 // Targets on the map and in the table.
 import {byId, clock, html, number, setText, svg} from './draw.js';
 import {placesOf} from './places.js';
+import {Methods} from './methods.js';
 import {trackStateText} from './words.js';
 
 const LIKELY = 0.2;  // drawn wider
@@ -13,6 +14,7 @@ export class Targets {
     this.selected = null;
     this.onMap = new Map();
     this.rows = new Map();
+    this.methods = new Methods();
   }
 
   select(key) {
@@ -44,6 +46,7 @@ export class Targets {
     const trail = svg('g');
     const regions = svg('g');
     const ghosts = svg('g');
+    const others = svg('g');
     const dot = svg('circle', {class: 'dot', r: 8});
     const text = svg('text', {x: 13, y: 5});
     const title = svg('title');
@@ -53,11 +56,12 @@ export class Targets {
     byId('trails').append(trail);
     byId('regions').append(regions);
     byId('ghosts').append(ghosts);
+    byId('compared').append(others);
     byId('markers').append(marker);
-    return {trail, regions, ghosts, marker, drop, text, title, parts: [trail, regions, ghosts, marker]};
+    return {trail, regions, ghosts, others, marker, drop, text, title, parts: [trail, regions, ghosts, others, marker]};
   }
 
-  draw({target, location, stale, trail}, view) {
+  draw({target, location, stale, trail, compared = []}, view) {
     if (!this.onMap.has(target.key)) this.onMap.set(target.key, this.make(target));
     const one = this.onMap.get(target.key);
     const classes = `c${target.colour}${stale ? ' stale' : ''}`;
@@ -75,11 +79,12 @@ export class Targets {
     one.regions.replaceChildren(...regions(location, view));
     one.ghosts.setAttribute('class', classes);
     one.ghosts.replaceChildren(...ghosts(location, view));
+    one.others.replaceChildren(...this.methods.marks(target, at, compared, view));
   }
 
-  write({target, location, stale, zones}) {
+  write({target, location, stale, zones, compared = []}) {
     if (!this.rows.has(target.key)) this.rows.set(target.key, this.makeRow(target));
-    const {button, cells, warnings, place, elsewhere} = this.rows.get(target.key);
+    const {button, cells, warnings, place, elsewhere, others} = this.rows.get(target.key);
     button.setAttribute('aria-pressed', String(this.selected === target.key));
     const p = location.position;
     const state = stale ? `stale since ${clock(stale)}` : p ? trackStateText(location.track_state) || 'snapshot' : 'no fix';
@@ -88,6 +93,7 @@ export class Targets {
     setText(warnings, doubts(location).join('; '));
     setText(place, p ? coordinates(p) : location.quality.no_fix_reason || '');
     setText(elsewhere, placesOf(location).others.map((one) => `or ${coordinates(one.at)} (${percent(one.weight)})`).join('; '));
+    setText(others, this.methods.text(p, compared));
     setText(cells[2], location.accuracy_m === undefined ? ''
       : `${number(location.accuracy_m)} m (${percent(location.accuracy_confidence)})`);
     setText(cells[3], zones.join(', '));
@@ -102,10 +108,11 @@ export class Targets {
     const warnings = html('p', {class: 'warn'});
     const place = html('span');
     const elsewhere = html('p', {class: 'quiet'});
-    cells[1].append(place, elsewhere);
+    const others = html('p', {class: 'quiet'});
+    cells[1].append(place, elsewhere, others);
     const row = html('tr', {'data-target': target.key}, [html('th', {scope: 'row'}, [button, warnings]), ...cells]);
     byId('target-rows').append(row);
-    return {row, button, cells, warnings, place, elsewhere};
+    return {row, button, cells, warnings, place, elsewhere, others};
   }
 }
 
