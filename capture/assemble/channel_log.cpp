@@ -13,11 +13,22 @@ bool ChannelLog::add(const std::optional<RadioChannel>& channel, Timestamp time)
     }
   }
   latest_ = channel;
-  return !expected_ || is_same_channel(*expected_, *channel);
+  if (!is_expected(*channel)) {
+    return false;
+  }
+  if (accepts_hops_) {
+    ++hops_[*channel];
+  }
+  return true;
+}
+
+bool ChannelLog::is_expected(const RadioChannel& channel) const {
+  return !expected_ || is_same_channel(*expected_, channel) ||
+         (accepts_hops_ && is_hop(*expected_, channel));
 }
 
 std::string ChannelLog::trouble() const {
-  if (!expected_ || !latest_ || is_same_channel(*expected_, *latest_)) {
+  if (!latest_ || is_expected(*latest_)) {
     return "";
   }
   return "its datagrams are of the channel at " + to_string(*latest_) + ", the site states " +
@@ -28,6 +39,7 @@ void ChannelLog::report(CsiReceiverCounters& counters) const {
   counters.channel = latest_;
   counters.channel_changes = changes_;
   counters.first_changes = first_changes_;
+  counters.hops = hops_;
 }
 
 }  // namespace rayloc

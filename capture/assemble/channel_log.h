@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,22 +16,28 @@ namespace rayloc {
 
 class ChannelLog {
  public:
-  // `expected`: the site's channel; nothing: every channel is.
-  explicit ChannelLog(std::optional<RadioChannel> expected) : expected_(expected) {}
+  // `expected`: the site's channel; nothing: every channel is. `accepts_hops`: channels that a
+  // device reaches from it by a hop (is_hop()) are as well.
+  ChannelLog(std::optional<RadioChannel> expected, bool accepts_hops)
+      : expected_(expected), accepts_hops_(accepts_hops) {}
 
-  // Returns whether a frame of that channel may be used: it states none, or the expected one.
+  // Returns whether a frame of that channel may be used: it states none, or an expected one.
   bool add(const std::optional<RadioChannel>& channel, Timestamp time);
 
   std::uint64_t changes() const { return changes_ + (latest_ ? 1U : 0U); }
-  // The latest channel is not the expected one: names both. Empty otherwise.
+  // The latest channel is not an expected one: names it and the site's. Empty otherwise.
   std::string trouble() const;
   void report(CsiReceiverCounters& counters) const;
 
  private:
+  bool is_expected(const RadioChannel& channel) const;
+
   std::optional<RadioChannel> expected_;
+  bool accepts_hops_;
   std::optional<RadioChannel> latest_;
   std::uint64_t changes_ = 0;
   std::vector<ChannelChange> first_changes_;
+  std::map<RadioChannel, std::uint64_t> hops_;
 };
 
 }  // namespace rayloc

@@ -27,7 +27,7 @@ class CsiReceiver::Impl {
         assembler_(
             {std::move(options.expected_cores), options.assembly_timeout, options.max_pending}),
         normalizer_(options.access_point, options.raw),
-        channels_(options.channel),
+        channels_(options.channel, options.accepts_hops),
         reject_mixture_(options.reject_mixture),
         held_(options.reject_mixture ? options.settle : Duration::zero()) {}
 

@@ -51,6 +51,9 @@ struct CsiReceiverOptions {
   bool raw = false;
   // The site's channel: a datagram that states another one is rejected. Nothing: every channel.
   std::optional<RadioChannel> channel;
+  // Accept the other channels of its band and width as well, for a method that separates frames by
+  // CsiFrame::channel.
+  bool accepts_hops = false;
   // Reject what several access points send to the one source (mixture_detector.h). A second one
   // shows itself with its first frames, so frames are held back for `settle` after the first
   // datagram and after each jump of the frame counter.
@@ -88,6 +91,8 @@ struct CsiReceiverCounters {
   std::uint64_t channel_changes = 0;
   std::vector<ChannelChange> first_changes;  // at most kListedChanges
   static constexpr std::size_t kListedChanges = 4;
+  // With CsiReceiverOptions::accepts_hops: the datagrams of each channel that is taken.
+  std::map<RadioChannel, std::uint64_t> hops;
   // The reason why datagrams are rejected at present, for an operator: another channel, or several
   // access points. Empty where none is. `troubles` has each reason that there has been, once.
   std::string trouble;

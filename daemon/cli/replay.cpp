@@ -83,6 +83,7 @@ Expected<ReplayRecordings> open_captures(const Options& options,
   if (!speed) {
     return tl::make_unexpected(speed.error());
   }
+  const Method& method = *find_method(options.method.name);
   PcapFileOptions file_options;
   file_options.max_gap = from_seconds(options.max_gap);
   const auto pace = *speed ? std::make_shared<Pace>(**speed, file_options.max_gap) : nullptr;
@@ -105,6 +106,7 @@ Expected<ReplayRecordings> open_captures(const Options& options,
       input.source = std::make_unique<PacedSource>(std::move(input.source), pace);
     }
     input.receiver = receiver_options(site, index);
+    input.receiver.accepts_hops = method.uses_every_channel;
     all.inputs.push_back(std::move(input));
   }
   return all;
@@ -282,6 +284,7 @@ Expected<void> run_stream(const Options& options,
       inputs[i].access_point = site.access_points[i].id;
       inputs[i].source = std::move(sources[i]);
       inputs[i].receiver = receiver_options(site, static_cast<int>(i));
+      inputs[i].receiver.accepts_hops = method.uses_every_channel;
     }
     PipelineOptions all = pipeline_options(method, burst);
     all.from = start.from;

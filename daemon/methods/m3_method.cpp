@@ -40,6 +40,7 @@ const Method& m3_method() {
       .reference = "M3, IEEE TMC 2021",
       .domain = "chain gains; a plan with walls; a device that hops over channels to be itself",
       .is_live = false,
+      .uses_every_channel = true,
       .baseline_settings = m3_settings(),
       .create_device = &create_device};
   return kRow;

@@ -35,6 +35,9 @@ struct Method {
   bool takes_start = false;         // MethodOptions::start means something to it
   // Each frame of a burst tells something; others are told by some of many.
   bool needs_every_frame = false;
+  // It uses frames of other channels than the site's, by CsiFrame::channel. For every other method
+  // the receiver rejects them.
+  bool uses_every_channel = false;
   Duration lag{};  // by which its tracks may be behind the end of the burst before
   std::span<const MethodSetting> settings = {};
   std::span<const BaselineSetting> baseline_settings = {};  // by --baseline

@@ -53,17 +53,17 @@ void BurstCollector::add(CsiFrame&& frame, std::vector<Burst>& ended) {
 }
 
 void BurstCollector::keep(Burst& burst, CsiFrame&& frame) const {
-  Burst::Sampling& sampling = burst.sampling[frame.access_point];
+  Burst::Sampling& sampling = burst.sampling[{frame.access_point, frame.channel}];
   if (sampling.seen++ % sampling.stride != 0) {
     ++burst.surplus;
     return;
   }
   if (sampling.kept == options_.max_frames) {
-    // Leaves out every second frame of this access point, the first one stays.
-    const int access_point = frame.access_point;
+    // Leaves out every second frame of this access point and channel, the first one stays.
     std::size_t index = 0;
     const auto left_out = [&](const CsiFrame& kept) {
-      return kept.access_point == access_point && index++ % 2 == 1;
+      return kept.access_point == frame.access_point && kept.channel == frame.channel &&
+             index++ % 2 == 1;
     };
     burst.surplus += std::erase_if(burst.frames, left_out);
     sampling.kept -= sampling.kept / 2;

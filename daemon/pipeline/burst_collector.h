@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,9 +21,9 @@ namespace rayloc {
 struct CollectorOptions {
   Duration length = std::chrono::milliseconds(200);
   Duration gap = std::chrono::milliseconds(250);
-  // Frames kept per burst and access point. When a transmitter sends more, every second one is
-  // left out, then every fourth ..., so that what is kept spans the burst evenly; the others are
-  // counted in Burst::surplus.
+  // Frames kept per burst, access point and radio channel. When a transmitter sends more, every
+  // second one is left out, then every fourth ..., so that what is kept spans the burst evenly; the
+  // others are counted in Burst::surplus.
   std::size_t max_frames = 64;
   // Transmitters with an open burst; a frame of a further one is refused (`refused()`), so that a
   // flood of made-up addresses costs no memory.
@@ -56,13 +57,14 @@ struct Burst {
   std::vector<CsiFrame> frames;  // by (time, access point)
   std::uint64_t surplus = 0;
 
-  // How densely the frames of one access point are kept.
+  // How densely the frames of one access point on one channel are kept: of a device that hops in
+  // turn, every second frame of all would be the same channels' again.
   struct Sampling {
     std::uint64_t seen = 0;
     std::uint64_t stride = 1;
     std::size_t kept = 0;
   };
-  std::map<int, Sampling> sampling;  // by access point
+  std::map<std::pair<int, std::optional<RadioChannel>>, Sampling> sampling;
 };
 
 class BurstCollector {

@@ -195,7 +195,7 @@ void DeviceEstimator::check_calibration(const SiteTransmitter& fixed, const Burs
   const auto looked_at = watched_before_.find(burst.transmitter);
   if (looked_at == watched_before_.end() || burst.last > looked_at->second) {
     if (all.empty() || all.front()->leaves_alone()) {
-      monitor_->observe(placed(fixed), burst.frames);
+      monitor_->observe(placed(fixed), frames_on(room().grid, burst.frames));
     } else {
       monitor_->observe(placed(fixed), all.front()->undone(burst.frames));
     }

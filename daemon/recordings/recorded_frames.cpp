@@ -35,7 +35,15 @@ std::string trouble_of(const CsiReceiverCounters& counters) {
   return text;
 }
 
+// The channels of a device that hops, or the changes of a channel that should stay.
 std::vector<std::string> channel_changes(const CsiReceiverCounters& counters) {
+  if (counters.hops.size() > 1) {
+    std::string text;
+    for (const auto& [channel, datagrams] : counters.hops) {
+      text += (text.empty() ? "" : ", ") + std::to_string(datagrams) + " of " + to_string(channel);
+    }
+    return {"packets of " + std::to_string(counters.hops.size()) + " channels are used: " + text};
+  }
   std::vector<std::string> lines;
   for (const ChannelChange& change : counters.first_changes) {
     lines.push_back("the channel changed at " + time_text(change.time) + " from " +

@@ -9,12 +9,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "engine/base/timestamp.h"
 #include "engine/channel/csi.h"
 #include "engine/channel/mac_address.h"
+#include "engine/channel/ofdm_grid.h"
 #include "engine/channel/radio_channel.h"
 
 namespace rayloc {
@@ -45,5 +47,10 @@ struct CsiFrame {
   // Names for people and scripts, static storage: "retry", "subband", "missing_core", ...
   std::vector<std::string_view> flags;
 };
+
+// Whether the frame is of the channel about the centre of `grid`: it states that one, or none. A
+// receiver takes others only for a device that hops (CsiReceiverOptions::accepts_hops).
+bool is_on(const OfdmGrid& grid, const CsiFrame& frame);
+std::vector<CsiFrame> frames_on(const OfdmGrid& grid, std::span<const CsiFrame> frames);
 
 }  // namespace rayloc

@@ -2,6 +2,7 @@
 // either.
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -268,6 +269,38 @@ TEST(Field, AHopInARecordingIsAnEventWithItsTime) {
   EXPECT_EQ(received.counters.first_changes[0].to, (RadioChannel{5755e6, 40}));
   EXPECT_TRUE(received.counters.trouble.empty()) << "the site's channel again";
   EXPECT_THAT(received.counters.troubles, SizeIs(1));
+}
+
+// A device that hops: one access point, one counter, channels of the site's band and width.
+TEST(CsiReceiver, TakesTheHopsOfADeviceAndNoOtherChannel) {
+  constexpr std::uint16_t k2437At40 = 0x1806;
+  Recording hopping;
+  for (int hop = 0; hop < 4; ++hop) {
+    hopping = merged(hopping,
+                     on_channel(axcsi({.counter = 1 + 5 * hop,
+                                       .first_number = 1 + 5 * hop,
+                                       .begin = std::chrono::seconds(hop)},
+                                      5),
+                                hop % 2 == 0 ? k5190At40 : k5755At40));
+  }
+  CsiReceiverOptions options = strict();
+  options.channel = RadioChannel{5190e6, 40};
+  EXPECT_EQ(receive(hopping, options).frames.size(), 10U);
+  options.accepts_hops = true;
+  const Received all = receive(hopping, options);
+  EXPECT_EQ(all.frames.size(), 20U);
+  EXPECT_THAT(all.counters.rejected, IsEmpty());
+  EXPECT_THAT(all.counters.troubles, IsEmpty());
+  const std::uint64_t datagrams = hopping.size() / 2;
+  EXPECT_EQ(all.counters.hops,
+            (std::map<RadioChannel, std::uint64_t>{{{5190e6, 40}, datagrams},
+                                                   {{5755e6, 40}, datagrams}}));
+  for (const std::uint16_t other : {k5210At80, k2437At40}) {
+    const Received rejected = receive(on_channel(axcsi({}, 5), other), options);
+    EXPECT_THAT(rejected.frames, IsEmpty());
+    EXPECT_EQ(rejected.counters.rejected.at("other_channel"), rejected.counters.received);
+    EXPECT_THAT(rejected.counters.trouble, HasSubstr("5190 MHz (40 MHz wide)"));
+  }
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "engine/base/constants.h"
 #include "engine/baselines/m3/reflectors.h"
-#include "engine/baselines/paths/living_line.h"
 #include "engine/baselines/paths/turn.h"
 #include "engine/baselines/plan_map.h"
 #include "engine/baselines/two_pi.h"
@@ -43,6 +42,32 @@ Eigen::MatrixXcd aligned(const OfdmGrid& grid, Rows reference, const Eigen::Matr
 std::string one_decimal(double value) {
   const auto tenths = std::llround(10.0 * value);
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
+}
+
+// Warnings of the number of channels, and of the resolution of a single one.
+void describe_hops(const RoomModel& room,
+                   std::span<const M3Heard> heard,
+                   std::vector<std::string>& warnings) {
+  const OfdmGrid& site = room.grid;
+  bool hops = false;
+  for (const M3Heard& one : heard) {
+    hops = hops || one.hops.size() > 1;
+  }
+  if (!hops) {
+    const double width = site.offset_hz(site.size() - 1) - site.offset_hz(0);
+    warnings.push_back("m3 without channel hopping: in " + one_decimal(1e-6 * width) +
+                       " MHz it separates paths that differ by " +
+                       one_decimal(kSpeedOfLight / width) + " m");
+  }
+  for (const M3Heard& one : heard) {
+    if (hops || one.hops.front().grid.centre_hz != site.centre_hz) {
+      warnings.push_back("access point " + room.access_points[one.access_point].id +
+                         ": m3 hops over " + std::to_string(one.hops.size()) +
+                         (one.hops.size() == 1 ? " channel" : " channels") +
+                         ", with the chain gains of the one at " +
+                         one_decimal(1e-6 * site.centre_hz) + " MHz in all");
+    }
+  }
 }
 
 // The bearing that all hops have most of.
@@ -190,20 +215,13 @@ LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {
     estimate.reason = "no frames";
     return estimate;
   }
-  const OfdmGrid& grid = room_->grid;
-  std::vector<std::size_t> tones(grid.size());
-  std::iota(tones.begin(), tones.end(), std::size_t{0});
+  const std::vector<ChannelFrames> channels = by_channel(room_->grid, frames);
   ObservationTally tally;
-  std::vector<M3Paths> heard;
+  std::vector<M3Heard> heard;
   for (const std::size_t i : usable_) {
-    const RoomAccessPoint& ap = room_->access_points[i];
-    const auto burst = hear(*room_, i, frames, {}, estimate.warnings);
-    if (!burst) {
-      continue;
-    }
-    if (auto line = living_line(ap, *burst, estimate.warnings)) {
-      tally.add(ap, *burst);
-      heard.push_back(find_paths({i, *line, {{grid, along(*line, *burst, tones)}}}));
+    if (auto hops = observe_hops(*room_, i, channels, estimate.warnings)) {
+      tally.add(room_->access_points[i], hops->burst);
+      heard.push_back(std::move(hops->heard));
     }
   }
   tally.fill(frames, estimate);
@@ -211,11 +229,12 @@ LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {
     estimate.reason = nothing_heard(*room_, estimate.warnings);
     return estimate;
   }
-  const double width = grid.offset_hz(grid.size() - 1) - grid.offset_hz(0);
-  estimate.warnings.push_back("m3 without channel hopping: in " + one_decimal(1e-6 * width) +
-                              " MHz it separates paths that differ by " +
-                              one_decimal(kSpeedOfLight / width) + " m");
-  summarise(heard, estimate);
+  describe_hops(*room_, heard, estimate.warnings);
+  std::vector<M3Paths> paths;
+  for (const M3Heard& one : heard) {
+    paths.push_back(find_paths(one));
+  }
+  summarise(paths, estimate);
   return estimate;
 }
 

@@ -12,7 +12,7 @@
 // larger of 1 ns and a tenth of the band's resolution. A mirror is a plane without an end or a
 // material, and nothing is mirrored twice: the method traces no rays.
 //
-// locate() of frames has one hop, the channel of the site; others are given as such.
+// locate() makes a hop of each channel that the frames state (m3_hops.h).
 //
 // References: [M3] M3, IEEE Transactions on Mobile Computing, 2021.
 // Thread safety: const members may be used from many threads.
@@ -23,9 +23,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "engine/base/expected.h"
+#include "engine/baselines/m3/m3_hops.h"
 #include "engine/baselines/m3/m3_options.h"
 #include "engine/baselines/paths/bearing.h"
 #include "engine/baselines/paths/sage.h"
@@ -35,19 +34,6 @@
 #include "engine/scene/surface.h"
 
 namespace rayloc {
-
-// One radio channel as an access point heard it, up to a factor and a delay: [antenna][tone].
-struct M3Hop {
-  OfdmGrid grid;
-  Eigen::MatrixXcd h;
-};
-
-// What one access point heard.
-struct M3Heard {
-  std::size_t access_point = 0;
-  AntennaLine line;
-  std::vector<M3Hop> hops;
-};
 
 // The paths of that, the first in time at the front, and their band [Hz].
 struct M3Paths {
@@ -63,7 +49,8 @@ class M3 {
   // An Error where the room cannot be modelled at all, or no plane bounds it.
   static Expected<M3> create(std::shared_ptr<const RoomModel> room, const M3Options& options);
 
-  // `frames`: one transmitter, any access points, in order of time.
+  // `frames`: one transmitter, any access points, in order of time; of channels as wide as the
+  // site's.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
 
   // The steps of it: for hops, studies and tests. REQUIRES: a hop, and at least one access point.

@@ -1,5 +1,8 @@
 #include "daemon/pipeline/burst_collector.h"
 
+#include <map>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 namespace rayloc::burst_collector_test {
@@ -83,6 +86,27 @@ TEST_F(BurstCollectorTest, ThinsManyFramesEvenlyAndCountsTheRest) {
     EXPECT_EQ(first[i], Timestamp(milliseconds(16 * static_cast<int>(i))));
   }
   EXPECT_EQ(ended_[0].surplus + ended_[0].frames.size(), 104U);
+}
+
+// With every second frame of all left out, a device that hops to and fro would stay on one channel.
+TEST_F(BurstCollectorTest, ThinsEachChannelOfADeviceThatHops) {
+  options_.max_frames = 8;
+  BurstCollector collector(options_);
+  const RadioChannel one{5190e6, 40};
+  const RadioChannel other{5230e6, 40};
+  for (int ms = 0; ms < 100; ++ms) {
+    CsiFrame frame = frame_at(ms);
+    frame.channel = ms % 2 == 0 ? one : other;
+    collector.add(std::move(frame), ended_);
+  }
+  collector.advance(Timestamp(milliseconds(1000)), ended_);
+  ASSERT_EQ(ended_.size(), 1U);
+  std::map<RadioChannel, int> kept;
+  for (const CsiFrame& frame : ended_[0].frames) {
+    ++kept[*frame.channel];
+  }
+  EXPECT_EQ(kept, (std::map<RadioChannel, int>{{one, 7}, {other, 7}}));
+  EXPECT_EQ(ended_[0].surplus + ended_[0].frames.size(), 100U);
 }
 
 TEST_F(BurstCollectorTest, RefusesTransmittersBeyondTheLimit) {
