@@ -1,4 +1,5 @@
 // rayloc simulate: what the access points of a site would record of a device on given points.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -14,6 +15,7 @@
 #include "daemon/command/verb.h"
 #include "daemon/scene/scene_notes.h"
 #include "daemon/simulate/capture_simulator.h"
+#include "daemon/simulate/channel_list.h"
 #include "daemon/simulate/handling.h"
 #include "daemon/simulate/second_day.h"
 #include "daemon/simulate/simulate_report.h"
@@ -32,6 +34,7 @@ struct SimulateArguments {
   std::vector<std::string> out;
   std::string impairments = "default";
   std::string transmitter;
+  std::string channels;
   TransmissionOptions transmissions;
   Handling handling;
   std::string second_day;
@@ -80,7 +83,8 @@ Expected<SiteTransmitter> find_sender(const Site& site, const std::string& wante
 
 // What is simulated, all of it read and checked.
 struct Simulation {
-  RoomModel room;
+  std::vector<RadioChannel> channels;  // that the device hops over; empty: the site's
+  std::vector<RoomModel> rooms;        // of each, of the site's channel without
   bool is_walk = false;
   std::vector<SimulatedSpot> spots;
   std::vector<CaptureArgument> outputs;
@@ -111,6 +115,13 @@ Expected<void> read_spots(const SimulateArguments& arguments,
   }
   TransmissionOptions options = arguments.transmissions;
   options.walk = simulation.is_walk;
+  options.channels = std::max<std::size_t>(simulation.channels.size(), 1);
+  if (!simulation.is_walk && options.frames < options.channels) {
+    return make_error(ErrorKind::kUsage,
+                      "--frames " + std::to_string(options.frames) + " is less than the " +
+                          std::to_string(options.channels) +
+                          " channels of --channels, of which each point is to have every one");
+  }
   options.retry_share = simulation.options.impairments.retry_share;
   auto spots = plan_transmissions(*points, options, arguments.points);
   if (!spots) {
@@ -142,20 +153,65 @@ Expected<void> live(const SimulateArguments& arguments, Simulation& simulation) 
     if (!day) {
       return tl::make_unexpected(day.error());
     }
-    auto lived = live_in(simulation.room, *day, simulation.options.seed);
-    if (!lived) {
-      return tl::make_unexpected(std::move(lived.error()));
+    for (RoomModel& room : simulation.rooms) {  // by one seed: the same things are moved
+      auto lived = live_in(room, *day, simulation.options.seed);
+      if (!lived) {
+        return tl::make_unexpected(std::move(lived.error()));
+      }
+      simulation.lived = *std::move(lived);
+      room = simulation.lived.room;
     }
     simulation.day = *day;
-    simulation.lived = *std::move(lived);
-    simulation.room = simulation.lived.room;
   }
   return handle_devices(simulation.spots,
                         simulation.is_walk,
                         arguments.handling,
-                        simulation.room,
+                        simulation.rooms.front(),
                         simulation.options.seed,
                         arguments.points);
+}
+
+// Nothing where the site's channel is the only one.
+Expected<std::vector<RadioChannel>> read_channels(const std::string& argument, const Site& site) {
+  if (argument.empty()) {
+    return std::vector<RadioChannel>();
+  }
+  auto channels =
+      parse_channels(argument, {site.carrier.grid.centre_hz, site.carrier.bandwidth_mhz});
+  if (!channels) {
+    return make_error(ErrorKind::kUsage,
+                      "--channels " + argument + ": " + channels.error().message);
+  }
+  return channels;
+}
+
+// The room on each channel.
+Expected<void> read_rooms(const SimulateArguments& arguments,
+                          const Site& site,
+                          Simulation& simulation) {
+  auto room = load_room_model(site);
+  if (!room) {
+    return tl::make_unexpected(std::move(room.error()));
+  }
+  if (!arguments.quiet) {
+    print_scene_notes(*room->scene);
+  }
+  if (arguments.trace.diffuse) {
+    if (auto scatters = check_scatters(*room->scene); !scatters) {
+      return tl::make_unexpected(std::move(scatters.error()));
+    }
+  }
+  for (const RadioChannel& channel : simulation.channels) {
+    auto other = room_on_channel(site, *room, channel.centre_hz);
+    if (!other) {
+      return tl::make_unexpected(std::move(other.error()));
+    }
+    simulation.rooms.push_back(*std::move(other));
+  }
+  if (simulation.channels.empty()) {
+    simulation.rooms.push_back(*std::move(room));
+  }
+  return {};
 }
 
 Expected<Simulation> prepare(const SimulateArguments& arguments) {
@@ -177,28 +233,23 @@ Expected<Simulation> prepare(const SimulateArguments& arguments) {
   simulation.options.bandwidth_mhz = site->carrier.bandwidth_mhz;
   simulation.options.trace = arguments.trace;
   simulation.options.seed = arguments.transmissions.seed;
+  auto channels = read_channels(arguments.channels, *site);
+  if (!channels) {
+    return tl::make_unexpected(std::move(channels.error()));
+  }
+  simulation.channels = *std::move(channels);
   if (auto read = read_spots(arguments, *site, simulation); !read) {
     return tl::make_unexpected(std::move(read.error()));
   }
-  auto room = load_room_model(*site);
-  if (!room) {
-    return tl::make_unexpected(std::move(room.error()));
-  }
-  simulation.room = *std::move(room);
-  if (!arguments.quiet) {
-    print_scene_notes(*simulation.room.scene);
-  }
-  if (arguments.trace.diffuse) {
-    if (auto scatters = check_scatters(*simulation.room.scene); !scatters) {
-      return tl::make_unexpected(std::move(scatters.error()));
-    }
+  if (auto read = read_rooms(arguments, *site, simulation); !read) {
+    return tl::make_unexpected(std::move(read.error()));
   }
   if (auto lived = live(arguments, simulation); !lived) {
     return tl::make_unexpected(std::move(lived.error()));
   }
   simulation.options.model_error = arguments.model_error;
   if (arguments.model_error) {
-    simulation.options.trace = simulation.room.trace;
+    simulation.options.trace = simulation.rooms.front().trace;
   }
   return simulation;
 }
@@ -215,7 +266,7 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
                                  const CaptureArgument& output,
                                  bool force) {
   std::size_t index = 0;
-  while (simulation.room.access_points[index].id != output.access_point) {
+  while (simulation.rooms.front().access_points[index].id != output.access_point) {
     ++index;
   }
   auto recorder = create(output.file, force);
@@ -226,7 +277,7 @@ Expected<CaptureReport> simulate(const Simulation& simulation,
   if (simulation.day) {
     options.chain_changes = simulation.lived.access_points[index].chain_changes;
   }
-  CaptureSimulator simulator(simulation.room, index, options);
+  CaptureSimulator simulator(simulation.rooms, index, options);
   CaptureReport report{output.access_point, output.file, 0, 0, {}, simulator.chains()};
   for (const SimulatedSpot& spot : simulation.spots) {
     const auto heard = simulator.hear(spot);
@@ -299,6 +350,7 @@ Expected<void> run_simulate(const SimulateArguments& arguments) {
     captures.push_back(*std::move(capture));
   }
   SimulatedTruth truth{simulation->options, simulation->spots, captures, arguments.handling};
+  truth.channels = simulation->channels;
   if (simulation->day) {
     truth.day = &*simulation->day;
     truth.lived = &simulation->lived;
@@ -376,6 +428,10 @@ RunVerb declare_simulate(OptionParser& app) {
       ->capture_default_str();
   app.add_option(
       "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
+  app.add_option("--channels",
+                 arguments->channels,
+                 "The device hops, each frame on the next channel: " +
+                     std::string(kChannelListMeaning) + ". --frames are at least as many");
   ParserOption* const person = app.add_flag(
       "--person",
       arguments->person,
@@ -421,6 +477,7 @@ const Verb kSimulate = {
     "ap1=people.pcap\n"
     "  rayloc simulate office --points survey.csv --out a.pcap --impairments none --frames 1\n"
     "  rayloc simulate CALIBRATED --points spots.csv --out a.pcap --model-error\n"
+    "  rayloc simulate CALIBRATED --points spots.csv --out hops.pcap --channels 36-64\n"
     "  rayloc simulate office --points walk.csv --out ap1=day2.pcap --second-day default "
     "--height-sigma 0.3 --tilt-deg 35 --power-sigma-db 4 --truth truth.csv\n\n"
     "For tests, planning and studies: made with the model that locates, the recordings say nothing "

@@ -58,6 +58,15 @@ Transmitter transmitter_at(const Pose& pose, const CaptureOptions& options) {
   return Transmitter{{pose.position, pose.orientation, options.pattern, options.polarization}};
 }
 
+void change_power(double decibels, std::vector<std::complex<double>>& h) {
+  if (decibels != 0.0) {
+    const double factor = std::pow(10.0, decibels / 20.0);
+    for (std::complex<double>& value : h) {
+      value *= factor;
+    }
+  }
+}
+
 std::vector<TargetLink> links_past_person(const RoomModel& room,
                                           const AntennaArray& array,
                                           const CaptureOptions& options) {
@@ -85,22 +94,42 @@ std::optional<ChannelDraw> draw_of(const RoomModel& room,
 
 }  // namespace
 
+CaptureSimulator::OnChannel::OnChannel(const RoomModel& room,
+                                       std::size_t access_point,
+                                       const CaptureOptions& options,
+                                       std::size_t number)
+    : tracer(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
+      past_person(links_past_person(room, room.access_points[access_point].array, options)),
+      diffuse(diffuse_of(room, room.access_points[access_point].array, options)),
+      draw(draw_of(room, access_point, options)),
+      radio(setup_of(room, access_point, options.bandwidth_mhz),
+            options.impairments,
+            room.access_points[access_point].gains,
+            random_stream(options.seed, "radio", access_point)),
+      chanspec(chanspec_of(room.grid.centre_hz, options.bandwidth_mhz)) {
+  radio.turn_chains(options.chain_changes);
+  if (number > 0) {
+    constexpr std::size_t kMostAccessPoints = 1024;
+    radio.draw_frames_from(
+        random_stream(options.seed, "hop", number * kMostAccessPoints + access_point));
+  }
+}
+
 CaptureSimulator::CaptureSimulator(const RoomModel& room,
                                    std::size_t access_point,
                                    const CaptureOptions& options)
+    : CaptureSimulator(std::span(&room, 1), access_point, options) {}
+
+CaptureSimulator::CaptureSimulator(std::span<const RoomModel> rooms,
+                                   std::size_t access_point,
+                                   const CaptureOptions& options)
     : options_(options),
-      tracer_(PathTracer(room.scene, options.trace), room.access_points.at(access_point).array),
-      past_person_(links_past_person(room, room.access_points[access_point].array, options)),
-      diffuse_(diffuse_of(room, room.access_points[access_point].array, options)),
-      draw_(draw_of(room, access_point, options)),
-      radio_(setup_of(room, access_point, options.bandwidth_mhz),
-             options.impairments,
-             room.access_points[access_point].gains,
-             random_stream(options.seed, "radio", access_point)),
-      cores_(room.access_points[access_point].cores),
-      header_(header_of(options, setup_of(room, access_point, options.bandwidth_mhz))),
+      cores_(rooms.front().access_points.at(access_point).cores),
+      header_(header_of(options, setup_of(rooms.front(), access_point, options.bandwidth_mhz))),
       losses_(random_stream(options.seed, "losses", access_point)) {
-  radio_.turn_chains(options.chain_changes);
+  for (const RoomModel& room : rooms) {
+    channels_.emplace_back(room, access_point, options, channels_.size());
+  }
 }
 
 std::optional<CaptureSimulator::Diffuse> CaptureSimulator::diffuse_of(
@@ -117,38 +146,39 @@ std::optional<CaptureSimulator::Diffuse> CaptureSimulator::diffuse_of(
   return diffuse;
 }
 
-Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const SimulatedSpot& spot,
-                                                                         std::size_t& count) {
+Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(OnChannel& on,
+                                                                         const SimulatedSpot& spot,
+                                                                         std::size_t& count) const {
   const Pose device{spot.position, spot.orientation};
-  if (draw_) {
-    ChannelDraw::Channel drawn = draw_->at(device, radio_.grid());
-    count = drawn.rays;
+  if (on.draw) {
+    ChannelDraw::Channel drawn = on.draw->at(device, on.radio.grid());
+    count += drawn.rays;
     return std::move(drawn.h);
   }
   const Pose sender = options_.person ? Pose{options_.person->transmitter, {}} : device;
   const Transmitter transmitter = transmitter_at(sender, options_);
-  const std::vector<Paths> paths = tracer_.trace(transmitter);
+  const std::vector<Paths> paths = on.tracer.trace(transmitter);
   for (const Paths& of_element : paths) {
     count += of_element.size();
   }
-  auto h = array_csi(paths, radio_.grid());
+  auto h = array_csi(paths, on.radio.grid());
   const auto add = [&](std::size_t antenna, const Paths& added) {
-    const auto row = added.cfr(radio_.grid());
+    const auto row = added.cfr(on.radio.grid());
     for (std::size_t k = 0; k < row.size(); ++k) {
       h[antenna * row.size() + k] += row[k];
     }
   };
-  for (std::size_t antenna = 0; antenna < past_person_.size(); ++antenna) {
-    const auto added = past_person_[antenna].trace({spot.position.x, spot.position.y});
+  for (std::size_t antenna = 0; antenna < on.past_person.size(); ++antenna) {
+    const auto added = on.past_person[antenna].trace({spot.position.x, spot.position.y});
     if (!added) {
       return tl::make_unexpected(added.error());
     }
     add(antenna, *added);
   }
-  if (diffuse_) {
-    const DiffuseField::End lit = diffuse_->field.lit_by(transmitter);
-    for (std::size_t antenna = 0; antenna < diffuse_->antennas.size(); ++antenna) {
-      add(antenna, diffuse_->field.between(lit, diffuse_->antennas[antenna]));
+  if (on.diffuse) {
+    const DiffuseField::End lit = on.diffuse->field.lit_by(transmitter);
+    for (std::size_t antenna = 0; antenna < on.diffuse->antennas.size(); ++antenna) {
+      add(antenna, on.diffuse->field.between(lit, on.diffuse->antennas[antenna]));
     }
   }
   return h;
@@ -156,20 +186,21 @@ Expected<std::vector<std::complex<double>>> CaptureSimulator::channel_at(const S
 
 Expected<SpotCapture> CaptureSimulator::hear(const SimulatedSpot& spot) {
   SpotCapture capture;
-  auto h = channel_at(spot, capture.paths);
-  if (!h) {
-    return tl::make_unexpected(h.error());
-  }
-  if (spot.power_db != 0.0) {
-    const double factor = std::pow(10.0, spot.power_db / 20.0);
-    for (std::complex<double>& value : *h) {
-      value *= factor;
-    }
-  }
+  std::vector<std::vector<std::complex<double>>> h(channels_.size());  // of those in use
   std::uniform_real_distribution<double> uniform;
   for (const Transmission& sent : spot.frames) {
-    RadioFrame heard = radio_.receive(*h, sent.error_seed);
+    OnChannel& on = channels_.at(sent.channel);
+    if (h[sent.channel].empty()) {
+      auto traced = channel_at(on, spot, capture.paths);
+      if (!traced) {
+        return tl::make_unexpected(traced.error());
+      }
+      h[sent.channel] = *std::move(traced);
+      change_power(spot.power_db, h[sent.channel]);
+    }
+    RadioFrame heard = on.radio.receive(h[sent.channel], sent.error_seed);
     ++header_.sequence;
+    header_.chanspec = on.chanspec;
     header_.sequence_control = sent.sequence_control;
     header_.power_dbm = heard.power_dbm;
     Timestamp time = sent.time;

@@ -8,7 +8,9 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "capture/decode/axcsi_decoder.h"
@@ -65,30 +67,50 @@ class CaptureSimulator {
   // REQUIRES: access_point < room.access_points.size(), a bandwidth of tone_plan.h.
   // The body of CaptureOptions::person can be traced (TargetTracer::create).
   CaptureSimulator(const RoomModel& room, std::size_t access_point, const CaptureOptions& options);
+  // For a device that hops: a room for each channel (Transmission::channel), the same but for its
+  // frequency and what materials are there. The radio is one: chains, coupling, counter.
+  // REQUIRES: as above of each; there is one.
+  CaptureSimulator(std::span<const RoomModel> rooms,
+                   std::size_t access_point,
+                   const CaptureOptions& options);
 
   // Spots in order of time. An Error when a person would stand on a device.
   Expected<SpotCapture> hear(const SimulatedSpot& spot);
 
-  const ChainGains& chains() const { return radio_.chains(); }
+  // As on that channel, by tone from its centre.
+  const ChainGains& chains(std::size_t channel = 0) const {
+    return channels_.at(channel).radio.chains();
+  }
 
  private:
-  // [antenna][tone] on the radio's grid; adds to `count` the paths that it is made of.
-  Expected<std::vector<std::complex<double>>> channel_at(const SimulatedSpot& spot,
-                                                         std::size_t& count);
-
-  CaptureOptions options_;
-  ArrayTracer tracer_;
-  std::vector<TargetLink> past_person_;  // of each antenna; empty without a person
   struct Diffuse {
     DiffuseField field;
     std::vector<DiffuseField::End> antennas;
   };
+  // What is traced and received on one radio channel.
+  struct OnChannel {
+    OnChannel(const RoomModel& room,
+              std::size_t access_point,
+              const CaptureOptions& options,
+              std::size_t number);
+
+    ArrayTracer tracer;
+    std::vector<TargetLink> past_person;  // of each antenna; empty without a person
+    std::optional<Diffuse> diffuse;
+    std::optional<ChannelDraw> draw;
+    SimulatedRadio radio;
+    std::uint16_t chanspec = 0;
+  };
   static std::optional<Diffuse> diffuse_of(const RoomModel& room,
                                            const AntennaArray& array,
                                            const CaptureOptions& options);
-  std::optional<Diffuse> diffuse_;
-  std::optional<ChannelDraw> draw_;
-  SimulatedRadio radio_;
+  // [antenna][tone] on the radio's grid; adds to `count` the paths that it is made of.
+  Expected<std::vector<std::complex<double>>> channel_at(OnChannel& on,
+                                                         const SimulatedSpot& spot,
+                                                         std::size_t& count) const;
+
+  CaptureOptions options_;
+  std::deque<OnChannel> channels_;
   std::vector<std::uint8_t> cores_;
   AxcsiHeader header_;  // of the last frame
   RandomStream losses_;

@@ -37,6 +37,7 @@ struct Impairments {
   bool calibrated_chains = false;
   double chain_gain_db = 0.0;
   double chain_phase_deg = 0.0;
+  double chain_delay_ns = 0.0;
   double ripple_db = 0.0;
   double ripple_deg = 0.0;
   double coupling_db = 0.0;

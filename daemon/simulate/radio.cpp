@@ -76,17 +76,24 @@ void SimulatedRadio::draw_chains(const ChainGains& calibrated) {
     const double phase = impairments_.chain_phase_deg * (2.0 * uniform_(random_) - 1.0);
     const double start_db = kTurn * uniform_(random_);
     const double start_deg = kTurn * uniform_(random_);
+    // Drawn where it is asked for only: all else is then as without.
+    const double cable = impairments_.chain_delay_ns > 0.0
+                             ? 1e-9 * impairments_.chain_delay_ns * normal_(random_)
+                             : 0.0;
     for (const std::int16_t tone : chains_.grid.tone_index) {
       if (known) {
+        const double hop = chains_.grid.centre_hz - calibrated.grid.centre_hz;
         chains_.gain.push_back(
-            calibrated.gain[core * calibrated.grid.size() + nearest_tone(calibrated.grid, tone)]);
+            calibrated.gain[core * calibrated.grid.size() + nearest_tone(calibrated.grid, tone)] *
+            std::polar(1.0, -kTurn * hop * cable));
         continue;
       }
       // One period over the band.
       const double x = std::numbers::pi * tone / half;
-      chains_.gain.push_back(
-          std::polar(amplitude(level + impairments_.ripple_db * std::sin(x + start_db)),
-                     kDegree * (phase + impairments_.ripple_deg * std::sin(x + start_deg))));
+      chains_.gain.push_back(std::polar(
+          amplitude(level + impairments_.ripple_db * std::sin(x + start_db)),
+          kDegree * (phase + impairments_.ripple_deg * std::sin(x + start_deg)) -
+              kTurn * (chains_.grid.centre_hz + tone * chains_.grid.spacing_hz) * cable));
     }
   }
 }
@@ -113,6 +120,11 @@ void SimulatedRadio::turn_chains(std::span<const Value> factors) {
   for (std::size_t i = 0; i < factors.size() * tones; ++i) {
     chains_.gain[i] *= factors[i / tones];
   }
+}
+
+void SimulatedRadio::draw_frames_from(RandomStream random) {
+  random_ = random;
+  normal_.reset();
 }
 
 Value SimulatedRadio::normal() {

@@ -53,6 +53,9 @@ class SimulatedRadio {
   // What another power cycle leaves: each chain times its factor, ripple, coupling and image as
   // they were. REQUIRES: none, or one of each chain.
   void turn_chains(std::span<const std::complex<double>> factors);
+  // Phases, offsets, levels and noise of frames come from here on: those of two radios with the
+  // same chains are not the same.
+  void draw_frames_from(RandomStream random);
 
   // `h`: [core][tone] on grid(), of the field at the antennas. REQUIRES: that size.
   RadioFrame receive(std::span<const std::complex<double>> h, std::uint64_t transmit_error_seed);

@@ -138,6 +138,10 @@ std::string simulation_json(const SimulatedTruth& truth) {
   if (options.trace.diffuse) {
     json["diffuse"] = true;
   }
+  for (const RadioChannel& channel : truth.channels) {
+    json["channels"].push_back(
+        {{"centre_hz", channel.centre_hz}, {"bandwidth_mhz", channel.bandwidth_mhz}});
+  }
   if (truth.handling.changes_anything()) {
     json["handling"] = handling_json(truth.handling);
   }

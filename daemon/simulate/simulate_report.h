@@ -9,6 +9,7 @@
 #include "daemon/simulate/capture_simulator.h"
 #include "daemon/simulate/handling.h"
 #include "daemon/simulate/second_day.h"
+#include "engine/channel/radio_channel.h"
 #include "engine/observe/chain_gains.h"
 
 namespace rayloc::cli {
@@ -30,6 +31,7 @@ struct SimulatedTruth {
   Handling handling = {};
   const SecondDay* day = nullptr;  // with the room as it was then; nullptr: the first day
   const LivedInRoom* lived = nullptr;
+  std::span<const RadioChannel> channels = {};  // that the device hops over; empty: the site's
 };
 
 // One object on a line: `seed, transmitter, depth, transmission, frames, impairments{key: value},
@@ -37,10 +39,11 @@ struct SimulatedTruth {
 // points[{line, x, y, z}]`, the points as the device really stood. Gain and phase of a chain are
 // means over the tones against the access point's first chain, as `rayloc calibrate` reports them.
 //
-// Of devices that are handled, `handling{height_sigma_m, tilt_deg, power_sigma_db}` and, of each
-// point, `tilt_deg, tilt_towards_deg, power_db`. Of a second day, `second_day{key: value,
-// things[{objects[], by[3]}], access_points[{id, moved_m[3], yaw_deg, pitch_deg, roll_deg}]}`; the
-// turns are what was added to those angles of the pose.
+// For a device that hops, `channels[{centre_hz, bandwidth_mhz}]`; the chains are then as on the
+// first of them. Of devices that are handled, `handling{height_sigma_m, tilt_deg, power_sigma_db}`
+// and, of each point, `tilt_deg, tilt_towards_deg, power_db`. Of a second day, `second_day{key:
+// value, things[{objects[], by[3]}], access_points[{id, moved_m[3], yaw_deg, pitch_deg,
+// roll_deg}]}`; the turns are what was added to those angles of the pose.
 std::string simulation_json(const SimulatedTruth& truth);
 
 // The points as a file that `rayloc evaluate --truth` reads: `t_start,t_end,x,y,z`, of a walk

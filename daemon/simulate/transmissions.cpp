@@ -74,6 +74,7 @@ Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPo
   std::uniform_real_distribution<double> uniform;
   std::normal_distribution<double> normal;
   auto number = static_cast<std::uint16_t>(traffic() % kSequenceNumbers);
+  std::size_t sent = 0;
   std::vector<SimulatedSpot> spots;
   for (std::size_t i = 0; i < ordered.size(); ++i) {
     const SurveyPoint& point = ordered[i];
@@ -91,7 +92,8 @@ Expected<std::vector<SimulatedSpot>> plan_transmissions(std::span<const SurveyPo
     for (const Timestamp time : times_at(point, options)) {
       const bool retry = uniform(traffic) < options.retry_share;
       number = static_cast<std::uint16_t>((number + (retry ? 0 : 1)) % kSequenceNumbers);
-      spot.frames.push_back({time, static_cast<std::uint16_t>(number << 4U), traffic()});
+      spot.frames.push_back(
+          {time, static_cast<std::uint16_t>(number << 4U), traffic(), sent++ % options.channels});
     }
     spots.push_back(std::move(spot));
   }

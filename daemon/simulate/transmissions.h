@@ -20,6 +20,7 @@ struct Transmission {
   Timestamp time;
   std::uint16_t sequence_control = 0;  // of 802.11: number << 4
   std::uint64_t error_seed = 0;        // of the transmitter's own error in this frame
+  std::size_t channel = 0;             // of those that the device hops over, a position
 };
 
 struct SimulatedSpot {
@@ -38,6 +39,8 @@ struct TransmissionOptions {
   double retry_share = 0.0;
   // The points are instants of a walk: the device sends one frame at each, and stands where stated.
   bool walk = false;
+  // That the device hops over: each frame is on the next one, after the last on the first again.
+  std::size_t channels = 1;
   std::uint64_t seed = 0;
 };
 

@@ -145,6 +145,19 @@ Expected<RoomModel> load_room_model(const Site& site) {
   return room_model_of(site, std::make_shared<const Scene>(*std::move(scene)));
 }
 
+Expected<RoomModel> room_on_channel(const Site& site, const RoomModel& room, double centre_hz) {
+  SceneOptions options = scene_options(site);
+  options.carrier_hz = centre_hz;
+  auto scene = load_scene(site.scene_file, options);
+  if (!scene) {
+    return tl::make_unexpected(std::move(scene.error()));
+  }
+  RoomModel other = room;
+  other.scene = std::make_shared<const Scene>(*std::move(scene));
+  other.grid.centre_hz = centre_hz;
+  return other;
+}
+
 Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene> scene) {
   if (auto checked = check_room(*scene, site); !checked) {
     return tl::make_unexpected(std::move(checked.error()));

@@ -19,6 +19,10 @@ Expected<RoomModel> load_room_model(const Site& site);
 // The same with a scene that has been read, be it of the site's file or what is to stand there.
 Expected<RoomModel> room_model_of(const Site& site, std::shared_ptr<const Scene> scene);
 
+// The room on another channel, `centre_hz` its centre: materials are evaluated there. All else, the
+// calibration of the site's channel among it, is as in `room`, which is of the site.
+Expected<RoomModel> room_on_channel(const Site& site, const RoomModel& room, double centre_hz);
+
 // Of a transmitter of the site; that of a fixed one is at the height of its position for certain.
 DeviceModel device_model(const SiteTransmitter& transmitter);
 // Of a device that the site does not list.

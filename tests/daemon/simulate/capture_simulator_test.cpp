@@ -1,6 +1,7 @@
 // From the tracer through the radio, the wire and the product's decoder back to the channel.
 #include "daemon/simulate/capture_simulator.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <complex>
@@ -76,6 +77,55 @@ TEST(CaptureSimulator, WithoutImpairmentsTheDecoderGivesTheTracersChannel) {
       }
     }
   }
+}
+
+// Each frame has the scene's channel at its frequency. There is one radio: its counter goes on.
+TEST(CaptureSimulator, HopsGiveTheChannelAtEachFrequency) {
+  std::vector<RoomModel> rooms(3, test::make_room());
+  for (std::size_t i = 0; i < rooms.size(); ++i) {
+    rooms[i].grid.centre_hz += 40e6 * static_cast<double>(i);
+    const Scene& scene = *rooms[i].scene;
+    auto other = Scene::create({scene.objects(), scene.materials(), rooms[i].grid.centre_hz});
+    ASSERT_TRUE(other);
+    rooms[i].scene = std::make_shared<const Scene>(*std::move(other));
+  }
+  SimulatedSpot spot = spot_with(6);
+  for (std::size_t n = 0; n < spot.frames.size(); ++n) {
+    spot.frames[n].channel = n % 3;
+  }
+  CaptureSimulator simulator(rooms, 0, options_with(no_impairments()));
+  auto frames = receive(*simulator.hear(spot));
+  std::sort(frames.begin(), frames.end(), [](const CsiFrame& a, const CsiFrame& b) {
+    return a.time < b.time;  // the first ones wait for a time-out
+  });
+  ASSERT_EQ(frames.size(), 6U);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const RoomModel& room = rooms[n % 3];
+    EXPECT_EQ(frames[n].channel, (RadioChannel{room.grid.centre_hz, 40}));
+    EXPECT_EQ(frames[n].sequence, frames[0].sequence + static_cast<int>(n));
+    SimulatedSpot alone = spot_with(1);
+    const auto there =
+        receive(*CaptureSimulator(room, 0, options_with(no_impairments())).hear(alone));
+    ASSERT_EQ(there.size(), 1U);
+    for (std::size_t core = 0; core < 3; ++core) {
+      const auto row = frames[n].csi.row(core, 0);
+      const auto expected = there[0].csi.row(core, 0);
+      EXPECT_TRUE(std::equal(row.begin(), row.end(), expected.begin())) << n;
+    }
+  }
+}
+
+TEST(CaptureSimulator, FramesOfAHopHaveNoiseOfTheirOwn) {
+  const std::vector<RoomModel> rooms(2, test::make_room());
+  SimulatedSpot spot = spot_with(2);
+  spot.frames[1].channel = 1;
+  CaptureSimulator simulator(rooms, 0, options_with(default_impairments()));
+  EXPECT_EQ(simulator.chains(0).gain, simulator.chains(1).gain);
+  const auto frames = receive(*simulator.hear(spot));
+  ASSERT_EQ(frames.size(), 2U);
+  const auto first = frames[0].csi.row(0, 0);
+  const auto second = frames[1].csi.row(0, 0);
+  EXPECT_FALSE(std::equal(first.begin(), first.end(), second.begin()));
 }
 
 TEST(CaptureSimulator, TellsTheDecoderWhatItSent) {

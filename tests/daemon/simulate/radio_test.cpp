@@ -283,6 +283,45 @@ TEST(SimulatedRadio, ChainsAreDrawnOnceAPowerCycle) {
   EXPECT_LT(std::abs(resultant), 0.1);
 }
 
+// A cable turns the phase by its delay times the frequency, so on each channel otherwise.
+TEST(SimulatedRadio, CablesTurnTheChainsFromChannelToChannel) {
+  Impairments impairments = no_impairments();
+  impairments.calibrated_chains = true;
+  const ChainGains calibrated = Radio(impairments)->chains();
+  impairments.chain_delay_ns = 0.3;
+  RadioSetup away = kSetup;
+  away.centre_hz = kCentre + 130e6;
+  std::vector<double> delay_ns;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const SimulatedRadio here(kSetup, impairments, calibrated, random_stream(seed, "test"));
+    EXPECT_EQ(here.chains().gain, calibrated.gain) << "the channel of the calibration";
+    const SimulatedRadio there(away, impairments, calibrated, random_stream(seed, "test"));
+    const SimulatedRadio drawn_here(kSetup, impairments, {}, random_stream(seed, "test"));
+    const SimulatedRadio drawn_there(away, impairments, {}, random_stream(seed, "test"));
+    for (std::size_t core = 0; core < 3; ++core) {
+      const auto turn = [&](const SimulatedRadio& a, const SimulatedRadio& b) {
+        return b.chains().gain[core * 114] / a.chains().gain[core * 114];
+      };
+      EXPECT_NEAR(std::abs(turn(here, there) - turn(drawn_here, drawn_there)), 0.0, 1e-6);
+      delay_ns.push_back(-std::arg(turn(here, there)) / (2.0 * std::numbers::pi * 0.130));
+    }
+  }
+  EXPECT_NEAR(standard_deviation(delay_ns), 0.3, 0.03);
+}
+
+TEST(SimulatedRadio, FramesAreDrawnAnewFromAnotherStream) {
+  Impairments impairments = no_impairments();
+  impairments.snr_db = 20.0;
+  Radio one(impairments);
+  Radio same(impairments);
+  Radio other(impairments);
+  other->draw_frames_from(random_stream(1, "hop", 7));
+  EXPECT_EQ(other->chains().gain, one->chains().gain);
+  const auto first = one.receive();
+  EXPECT_EQ(same.receive(), first);
+  EXPECT_NE(other.receive(), first);
+}
+
 TEST(SimulatedRadio, RippleReachesItsAmplitudeWithinTheBand) {
   Impairments impairments = no_impairments();
   impairments.ripple_db = 0.3;

@@ -34,6 +34,19 @@ TEST(Transmissions, AreSpreadEvenlyOverThePointsTime) {
                                     Timestamp(milliseconds(1875))}));
 }
 
+TEST(Transmissions, TakeTheChannelsInTurn) {
+  const std::vector<SurveyPoint> points = {point(0, 1000, {}, 2), point(1000, 2000, {}, 3)};
+  const auto spots = plan_transmissions(points, {.frames = 4, .channels = 3}, "f.csv");
+  ASSERT_TRUE(spots);
+  std::vector<std::size_t> channels;
+  for (const SimulatedSpot& spot : *spots) {
+    for (const Transmission& frame : spot.frames) {
+      channels.push_back(frame.channel);
+    }
+  }
+  EXPECT_EQ(channels, (std::vector<std::size_t>{0, 1, 2, 0, 1, 2, 0, 1}));
+}
+
 TEST(Transmissions, FollowTheClockNotTheFile) {
   const std::vector<SurveyPoint> points = {point(5000, 6000, {}, 2), point(1000, 2000, {}, 3)};
   const auto spots = plan_transmissions(points, {}, "f.csv");

@@ -1,0 +1,23 @@
+// The radio channels that a device hops over, as people write them: "36", "36-48",
+// "36-64,100-144".
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/base/expected.h"
+#include "engine/channel/radio_channel.h"
+
+namespace rayloc {
+
+// For --help, without a full stop.
+inline constexpr std::string_view kChannelListMeaning =
+    "numbers of 20 MHz channels, as 36, 36-48 or 36-64,100-144; they name every channel of the "
+    "site's band and bandwidth that holds one of them: at 40 MHz 36-48 are those at 5190 and 5230 "
+    "MHz";
+
+// Ascending, each once. An Error names the part of the text that is no such list, or that no
+// channel of the site's band and width holds, and which there are. `site`: the site's channel.
+Expected<std::vector<RadioChannel>> parse_channels(std::string_view text, const RadioChannel& site);
+
+}  // namespace rayloc
