@@ -27,6 +27,7 @@ struct Condition {
   double access_points = 0;        // the first ones of the plan
   double ap_height_m = 0.0;        // 0: that of the plan
   double antenna_spacing_m = 0.0;  // of access points; 0: that of the plan
+  std::string channels;            // that devices hop over; "plan": they do not
   double device_height_m = 0.0;
   double height_sigma_m = 0.0;        // of devices about it
   double model_height_sigma_m = 0.0;  // the same, as the model expects it

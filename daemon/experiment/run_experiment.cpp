@@ -10,9 +10,32 @@
 #include "daemon/evaluate/truth.h"
 #include "daemon/experiment/study_method.h"
 #include "daemon/experiment/study_world.h"
+#include "daemon/methods/method_registry.h"
+#include "engine/channel/csi_frame.h"
 
 namespace rayloc {
 namespace {
+
+// The layout without the frames of other channels than the plan's, which a receiver rejects for a
+// method that does not use them; nothing where the method takes all frames.
+std::optional<StudyLayout> own_channel(const Condition& condition, const StudyLayout& layout) {
+  const Method* method = find_method(condition.method);
+  if (condition.channels == "plan" || (method != nullptr && method->uses_every_channel)) {
+    return std::nullopt;
+  }
+  StudyLayout own = layout;
+  const OfdmGrid& grid = layout.model.grid;
+  own.empty = frames_on(grid, own.empty);
+  for (std::vector<StudySpot>* spots : {&own.spots, &own.survey}) {
+    for (StudySpot& spot : *spots) {
+      spot.frames = frames_on(grid, spot.frames);
+    }
+  }
+  for (StudyWalk& walk : own.walks) {
+    walk.frames = frames_on(grid, walk.frames);
+  }
+  return own;
+}
 
 // Why no spot was located, where all say the same.
 class CommonReason {
@@ -92,7 +115,9 @@ ConditionResult run_condition(const Condition& condition,
   ConditionResult result;
   result.condition = condition;
   CommonReason reasons;
-  for (const StudyLayout& layout : layouts) {
+  for (const StudyLayout& simulated : layouts) {
+    const std::optional<StudyLayout> own = own_channel(condition, simulated);
+    const StudyLayout& layout = own ? *own : simulated;
     if (is_walking(condition)) {
       follow_walks(layout, seed, result, reasons);
     } else {

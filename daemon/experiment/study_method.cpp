@@ -94,6 +94,16 @@ Expected<std::shared_ptr<const Training>> learn(const Condition& condition,
   return method.train(input);
 }
 
+bool has_frames(const StudyLayout& layout) {
+  const auto has = [](const auto& one) { return !one.frames.empty(); };
+  return std::any_of(layout.spots.begin(), layout.spots.end(), has) ||
+         std::any_of(layout.walks.begin(), layout.walks.end(), has);
+}
+
+tl::unexpected<Error> no_frames() {
+  return make_error(ErrorKind::kConfiguration, "no frame is of the plan's channel");
+}
+
 // The room model that the method gets.
 std::shared_ptr<const RoomModel> model_room(const Condition& condition, const StudyLayout& layout) {
   RoomModel model = layout.model;
@@ -262,6 +272,9 @@ std::vector<PublishedEstimate> held(std::vector<PublishedEstimate> estimates) {
 Expected<Locate> make_locate(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed) {
+  if (!has_frames(layout)) {
+    return no_frames();
+  }
   if (is_control(condition)) {
     return make_control(condition.method,
                         model_room(condition, layout),
@@ -296,6 +309,9 @@ Expected<Locate> make_locate(const Condition& condition,
 Expected<Follow> make_follow(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed) {
+  if (!has_frames(layout)) {
+    return no_frames();
+  }
   if (is_control(condition)) {
     auto locate = make_locate(condition, layout, seed);
     if (!locate) {

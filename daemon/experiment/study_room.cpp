@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "daemon/scene/build_room.h"
+#include "daemon/simulate/channel_list.h"
 #include "daemon/simulate/random_stream.h"
 #include "engine/em/radio_material.h"
 #include "engine/scene/scene.h"
@@ -185,6 +186,30 @@ RoomPlan misplace(RoomPlan plan,
     opening.upper[1] = std::min(opening.upper[1], plan.upper.z);
   }
   return plan;
+}
+
+Expected<std::vector<RoomPlan>> on_channels(const RoomPlan& plan, const Condition& condition) {
+  if (condition.channels == "plan") {
+    return std::vector<RoomPlan>{plan};
+  }
+  const auto channels =
+      parse_channels(condition.channels, {plan.carrier.grid.centre_hz, plan.carrier.bandwidth_mhz});
+  const std::string place = condition.room.string() + ": channels \"" + condition.channels + "\": ";
+  if (!channels) {
+    return make_error(ErrorKind::kConfiguration, place + channels.error().message);
+  }
+  if (condition.frames < static_cast<double>(channels->size())) {
+    return make_error(ErrorKind::kConfiguration,
+                      place + std::to_string(channels->size()) +
+                          " channels take as many 'frames' at least, there are " +
+                          condition_text(condition, "frames"));
+  }
+  std::vector<RoomPlan> plans;
+  for (const RadioChannel& channel : *channels) {
+    plans.push_back(plan);
+    plans.back().carrier.grid.centre_hz = channel.centre_hz;
+  }
+  return plans;
 }
 
 Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "daemon/experiment/condition.h"
 #include "daemon/scene/room_plan.h"
@@ -25,6 +26,10 @@ RoomPlan misplace(RoomPlan plan,
                   const Condition& condition,
                   std::uint64_t seed,
                   std::size_t layout);
+
+// The plan on each radio channel that devices of the condition hop over, or the plan alone. Errors
+// name the plan: text that is no list of its channels, fewer frames than channels.
+Expected<std::vector<RoomPlan>> on_channels(const RoomPlan& plan, const Condition& condition);
 
 // Nothing calibrated: no chain gains. REQUIRES: a plan that was read without error.
 Expected<RoomModel> make_room(const RoomPlan& plan, const Condition& condition);

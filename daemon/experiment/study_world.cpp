@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "capture/assemble/csi_receiver.h"
 #include "daemon/experiment/study_places.h"
+#include "daemon/experiment/study_radio.h"
 #include "daemon/experiment/study_room.h"
 #include "daemon/experiment/study_walk.h"
 #include "daemon/scene/room_plan.h"
@@ -34,61 +34,28 @@ constexpr double kPersonHeight = 1.7;  // [m]
 Transmission transmission(std::size_t spot,
                           std::size_t n,
                           Duration interval,
+                          std::size_t channels,
                           RandomStream& traffic) {
   constexpr std::uint16_t kFirstFragment = 16;  // numbers count from bit 4
   const Timestamp begin =
       Timestamp(std::chrono::hours(1)) + static_cast<Duration::rep>(spot) * kSpotInterval;
   return {begin + static_cast<Duration::rep>(n) * interval,
           static_cast<std::uint16_t>((n + 1) * kFirstFragment),
-          traffic()};
+          traffic(),
+          n % channels};
 }
 
 SimulatedSpot transmissions(const Vec3d& position,
                             std::size_t number,
                             std::size_t frames,
+                            std::size_t channels,
                             RandomStream& traffic) {
   SimulatedSpot spot;
   spot.position = position;
   for (std::size_t n = 0; n < frames; ++n) {
-    spot.frames.push_back(transmission(number, n, kFrameInterval, traffic));
+    spot.frames.push_back(transmission(number, n, kFrameInterval, channels, traffic));
   }
   return spot;
-}
-
-// Before each chain was multiplied by its change, if any was.
-ChainGains before(ChainGains gains, const std::vector<std::complex<double>>& changes) {
-  const std::size_t tones = gains.grid.size();
-  for (std::size_t i = 0; i < changes.size() * tones; ++i) {
-    gains.gain[i] /= changes[i / tones];
-  }
-  return gains;
-}
-
-// The gains on the tones that the model knows.
-ChainGains on_grid(const ChainGains& all, const OfdmGrid& grid) {
-  ChainGains gains{grid, all.cores, {}, all.coupling};
-  for (std::size_t core = 0; core < all.cores.size(); ++core) {
-    for (const std::int16_t tone : grid.tone_index) {
-      const auto found =
-          std::lower_bound(all.grid.tone_index.begin(), all.grid.tone_index.end(), tone);
-      gains.gain.push_back(all.gain[core * all.grid.size() +
-                                    static_cast<std::size_t>(found - all.grid.tone_index.begin())]);
-    }
-  }
-  return gains;
-}
-
-std::vector<CsiFrame> decode(const SpotCapture& capture, const RoomAccessPoint& ap, int index) {
-  CsiReceiverOptions options;
-  options.access_point = index;
-  options.expected_cores = ap.cores;
-  CsiReceiver receiver(options);
-  std::vector<CsiFrame> frames;
-  for (const SimulatedDatagram& datagram : capture.datagrams) {
-    receiver.push({datagram.time, {}, datagram.payload}, frames);
-  }
-  receiver.flush(frames);
-  return frames;
 }
 
 void sort_by_time(std::vector<CsiFrame>& frames) {
@@ -100,6 +67,7 @@ void sort_by_time(std::vector<CsiFrame>& frames) {
 // What is simulated, all of it drawn.
 struct Transmissions {
   LivedInRoom truth;
+  std::vector<RoomModel> rooms;                   // the same on each channel that devices hop over
   SimulatedSpot empty;                            // of people
   std::vector<SimulatedSpot> spots;               // of the layout
   std::vector<std::vector<SimulatedSpot>> walks;  // of the layout; a spot is a frame
@@ -120,18 +88,19 @@ Expected<void> hear(const Transmissions& sent, CaptureOptions options, StudyLayo
       if (!heard) {
         return tl::make_unexpected(std::move(heard.error()));
       }
-      append(decode(*heard, truth.access_points[ap], static_cast<int>(ap)), frames);
+      append(decoded_frames(*heard, truth.access_points[ap], static_cast<int>(ap)), frames);
       return {};
     };
     options.chain_changes = sent.truth.access_points[ap].chain_changes;
-    CaptureSimulator simulator(truth, ap, options);
+    CaptureSimulator simulator(sent.rooms, ap, options);
     ChainGains& chains = layout.model.access_points[ap].gains;
-    chains = on_grid(simulator.chains(), layout.model.grid);
-    layout.first_day_chains.push_back(before(chains, options.chain_changes));
+    chains = gains_on_grid(simulator.chains(nearest_channel(sent.rooms, layout.model)),
+                           layout.model.grid);
+    layout.first_day_chains.push_back(before_changes(chains, options.chain_changes));
     if (options.person) {
       CaptureOptions alone = options;
       alone.person.reset();
-      CaptureSimulator empty(truth, ap, alone);  // the same radio: it has the same seed
+      CaptureSimulator empty(sent.rooms, ap, alone);  // the same radio: it has the same seed
       if (auto heard = listen(empty, sent.empty, layout.empty); !heard) {
         return heard;
       }
@@ -197,6 +166,26 @@ Expected<LivedInRoom> make_truth(const RoomPlan& plan,
   return room ? live_in(*room, *day, seed) : tl::make_unexpected(room.error());
 }
 
+// The same on each channel.
+Expected<void> make_rooms(const RoomPlan& plan,
+                          const Condition& condition,
+                          std::uint64_t seed,
+                          Transmissions& sent) {
+  const auto plans = on_channels(plan, condition);
+  if (!plans) {
+    return tl::make_unexpected(plans.error());
+  }
+  for (const RoomPlan& on_channel : *plans) {
+    auto truth = make_truth(on_channel, condition, seed);
+    if (!truth) {
+      return tl::make_unexpected(std::move(truth.error()));
+    }
+    sent.truth = *std::move(truth);
+    sent.rooms.push_back(sent.truth.room);
+  }
+  return {};
+}
+
 Expected<void> add_spots(const StudyPlaces& places,
                          std::uint64_t seed,
                          std::size_t layout,
@@ -209,7 +198,7 @@ Expected<void> add_spots(const StudyPlaces& places,
   }
   const auto frames = static_cast<std::size_t>(places.condition.frames);
   for (const Vec3d& at : *spots) {
-    sent.spots.push_back(transmissions(at, after++, frames, traffic));
+    sent.spots.push_back(transmissions(at, after++, frames, sent.rooms.size(), traffic));
   }
   return {};
 }
@@ -231,7 +220,7 @@ Expected<void> add_walks(const StudyPlaces& places,
     for (std::size_t n = 0; n < walk.size(); ++n) {
       SimulatedSpot& frame = frames.emplace_back();
       frame.position = walk[n];
-      frame.frames.push_back(transmission(after, n, interval, traffic));
+      frame.frames.push_back(transmission(after, n, interval, sent.rooms.size(), traffic));
     }
     after += 1U + static_cast<std::size_t>(std::ceil(places.condition.walk_s));
   }
@@ -247,7 +236,8 @@ Expected<void> draw_transmissions(const StudyPlaces& places,
   RandomStream traffic = random_stream(seed, "traffic", number);
   std::size_t after = 0;  // spots that came before
   if (places.transmitter) {
-    sent.empty = transmissions(*places.transmitter, after++, kEmptyFrames, traffic);
+    sent.empty =
+        transmissions(*places.transmitter, after++, kEmptyFrames, sent.rooms.size(), traffic);
   }
   auto drawn = is_walking(places.condition) ? add_walks(places, seed, number, traffic, after, sent)
                                             : add_spots(places, seed, number, traffic, after, sent);
@@ -256,7 +246,7 @@ Expected<void> draw_transmissions(const StudyPlaces& places,
   }
   RandomStream survey_traffic = random_stream(seed, "survey traffic", number);
   for (const Vec3d& at : draw_survey(places, seed, number)) {
-    sent.survey.push_back(transmissions(at, after++, frames, survey_traffic));
+    sent.survey.push_back(transmissions(at, after++, frames, sent.rooms.size(), survey_traffic));
   }
   const Handling handling{0.0, places.condition.tilt_deg, places.condition.power_sigma_db};
   return handle_devices(sent.spots,
@@ -312,12 +302,12 @@ Expected<StudyLayout> simulate_layout(const RoomPlan& original,
   }
   auto model = make_room(*plan, condition);
   const std::uint64_t radios = random_stream(seed, "radios", number)();
-  auto truth = make_truth(misplace(*plan, condition, seed, number), condition, radios);
-  if (!model || !truth) {
-    return tl::make_unexpected(model ? truth.error() : model.error());
+  Transmissions sent;
+  auto made = make_rooms(misplace(*plan, condition, seed, number), condition, radios, sent);
+  if (!model || !made) {
+    return tl::make_unexpected(model ? made.error() : model.error());
   }
   StudyLayout layout{*std::move(model), {}, {}, {}, {}, std::nullopt, {}};
-  Transmissions sent{*std::move(truth), {}, {}, {}, {}};
   const SolidObjects objects(sent.truth.room);
   StudyPlaces place{*plan, *sent.truth.room.scene, condition, std::nullopt};
   place.moved = sent.truth.moved.empty() ? nullptr : &objects;

@@ -55,17 +55,21 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
                                               "--study",
                                               "Widar2.0's own antennas and rates",
                                               "--study",
-                                              "Fig. 13: access points, power unknown"};
+                                              "Fig. 13: access points, power unknown",
+                                              "--study",
+                                              "M3's own channels"};
   const Finished finished = RaylocProcess(arguments).wait();
   ASSERT_EQ(finished.status, 0) << finished.err;
   const std::string report = content(out + "/report.json");
   std::map<std::string, std::string> refused;  // the texts of each method
   std::set<std::string> methods;
+  std::set<std::string> hops;
   const auto json = nlohmann::json::parse(report);
   for (const auto& study : json["studies"]) {
     EXPECT_FALSE(study["claim"].get<std::string>().empty());
     for (const auto& condition : study["conditions"]) {
       const std::string name = condition["values"]["method"];
+      hops.insert(condition["values"]["channels"].get<std::string>());
       methods.insert(name);
       if (condition.contains("refused")) {
         refused[name] += condition["refused"].get<std::string>();
@@ -87,6 +91,8 @@ TEST(PaperFigures, HaveARowOfEverySystem) {
                                    "start",
                                    "widar2",
                                    "witraj"}));
+  EXPECT_EQ(hops, (std::set<std::string>{"36", "36-48", "36-64", "36-64,100-144", "plan"}));
+  EXPECT_EQ(refused.count("m3"), 0U);
   EXPECT_EQ(refused["widar2"], "widar2 follows who walks; here people stand");
   EXPECT_EQ(refused["witraj"], "witraj follows who walks; here people stand");
   EXPECT_NE(

@@ -1,5 +1,8 @@
 #include "daemon/experiment/run_experiment.h"
 
+#include <algorithm>
+#include <string>
+
 #include <gtest/gtest.h>
 
 #include "daemon/experiment/experiment_report.h"
@@ -160,6 +163,50 @@ TEST_F(RunExperiment, RefusesADeviceThatWalks) {
   const auto results = run_experiment(file, [](const Study&, std::size_t, const auto&) {});
   ASSERT_FALSE(results);
   EXPECT_NE(results.error().message.find("motion"), std::string::npos);
+}
+
+// As behind a receiver: m3 has all frames of a device that hops, other methods have those of the
+// plan's channel.
+TEST_F(RunExperiment, DevicesHopForTheMethodThatUsesTheirChannels) {
+  const auto file = [&](const std::string& frames) {
+    return *parse_experiment(R"(name = "hops"
+[defaults]
+room = "room.toml"
+spots = 3
+depth = 1
+model_depth = 1
+impairments = "none"
+access_points = 2
+frames = )" + frames + R"(
+[[study]]
+name = "hops"
+channels = ["plan", "36-48", "100"]
+method = ["rayloc", "m3"]
+)",
+                             folder_.path() / "experiment.toml");
+  };
+  const Experiment hops = file("4");
+  const auto results = run(hops);
+  ASSERT_EQ(results.size(), 1U);
+  const auto find = [&](const std::string& channels, const std::string& method) {
+    return *std::find_if(results[0].conditions.begin(),
+                         results[0].conditions.end(),
+                         [&](const ConditionResult& result) {
+                           return result.condition.channels == channels &&
+                                  result.condition.method == method;
+                         });
+  };
+  EXPECT_LT(find("36-48", "rayloc").statistics.median_m, 0.15);
+  EXPECT_NE(find("100", "rayloc").refusal.find("channel"), std::string::npos);
+  EXPECT_EQ(find("100", "m3").refusal, "");
+  EXPECT_NE(find("36-48", "m3").points[0].error, find("plan", "m3").points[0].error);
+  EXPECT_NE(experiment_csv(results).find("36-48"), std::string::npos);
+
+  const Experiment few = file("1");
+  const auto refused = run_experiment(few, [](const Study&, std::size_t, const auto&) {});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::kConfiguration);
+  EXPECT_NE(refused.error().message.find("36-48"), std::string::npos) << refused.error().message;
 }
 
 TEST_F(RunExperiment, NamesThePlanThatIsMissing) {
