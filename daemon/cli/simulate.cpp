@@ -400,6 +400,15 @@ void declare_life(OptionParser& app, SimulateArguments& arguments, ParserOption*
                  "Write where the device really was, as rayloc evaluate --truth reads it");
 }
 
+void declare_sender(OptionParser& app, SimulateArguments& arguments) {
+  app.add_option(
+      "--transmitter", arguments.transmitter, "Address or name; default: the site's first device");
+  app.add_option("--channels",
+                 arguments.channels,
+                 "The device hops, each frame on the next channel: " +
+                     std::string(kChannelListMeaning) + ". --frames are at least as many");
+}
+
 RunVerb declare_simulate(OptionParser& app) {
   const auto arguments = std::make_shared<SimulateArguments>();
   app.add_option("SITE", arguments->site, "Directory with site.toml; may be calibrated")
@@ -426,12 +435,7 @@ RunVerb declare_simulate(OptionParser& app) {
                  "The device stands off each point by this standard deviation along each axis [m]")
       ->check(in_range(0.0, 10.0))
       ->capture_default_str();
-  app.add_option(
-      "--transmitter", arguments->transmitter, "Address or name; default: the site's first device");
-  app.add_option("--channels",
-                 arguments->channels,
-                 "The device hops, each frame on the next channel: " +
-                     std::string(kChannelListMeaning) + ". --frames are at least as many");
+  declare_sender(app, *arguments);
   ParserOption* const person = app.add_flag(
       "--person",
       arguments->person,

@@ -231,6 +231,7 @@ LocationEstimate M3::locate(std::span<const CsiFrame> frames) const {
   }
   describe_hops(*room_, heard, estimate.warnings);
   std::vector<M3Paths> paths;
+  paths.reserve(heard.size());
   for (const M3Heard& one : heard) {
     paths.push_back(find_paths(one));
   }

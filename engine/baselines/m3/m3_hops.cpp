@@ -55,6 +55,7 @@ std::vector<ChannelFrames> by_channel(const OfdmGrid& site, std::span<const CsiF
     channels[is_on(site, frame) ? site.centre_hz : frame.channel->centre_hz].push_back(frame);
   }
   std::vector<ChannelFrames> all;
+  all.reserve(channels.size());
   for (auto& [centre_hz, own] : channels) {
     all.push_back({{centre_hz, site.spacing_hz, site.tone_index}, std::move(own)});
   }

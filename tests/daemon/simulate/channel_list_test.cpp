@@ -1,5 +1,6 @@
 #include "daemon/simulate/channel_list.h"
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,7 @@ std::vector<int> centres(std::string_view text, const RadioChannel& site) {
   std::vector<int> all;
   for (const RadioChannel& channel : channels ? *channels : std::vector<RadioChannel>()) {
     EXPECT_EQ(channel.bandwidth_mhz, site.bandwidth_mhz);
-    all.push_back(static_cast<int>(channel.centre_hz / 1e6 + 0.5));
+    all.push_back(static_cast<int>(std::lround(channel.centre_hz / 1e6)));
   }
   return all;
 }

@@ -72,6 +72,7 @@ TEST(Transmissions, RetriesRepeatTheNumberOfTheFrameBefore) {
 
 TEST(Transmissions, TheSurveyErrorIsItsDeviationAlongEachAxis) {
   std::vector<SurveyPoint> points;
+  points.reserve(2000);
   for (int i = 0; i < 2000; ++i) {
     points.push_back(point(100 * i, 100 * i + 90, {1, 2, 3}, i + 2));
   }
