@@ -26,6 +26,7 @@ constexpr std::chrono::seconds kPatience{240};
 // As in live_test.cpp: each spot is one burst.
 const double kSpeed = 8.0 / slower();
 const double kBurst = 0.2 * slower();  // [s]
+const double kSent = 3.0 * slower();   // [s]
 
 class Compared : public ::testing::Test {
  protected:
@@ -41,9 +42,10 @@ class Compared : public ::testing::Test {
     }
     return files;
   }
-  // The recordings of all access points as one; false when that fails.
+  // The first spots of the recordings of all access points as one; false when that fails.
   bool send_device(const LiveDaemon& daemon) const {
-    std::vector<std::string> arguments = {"--speed", std::to_string(kSpeed)};
+    std::vector<std::string> arguments = {
+        "--speed", std::to_string(kSpeed), "--duration", std::to_string(kSent)};
     for (const std::string access_point : kAccessPoints) {
       arguments.push_back(bundled_recording("device_los", access_point));
     }
