@@ -65,10 +65,12 @@ HttpReply sources(const StatusMessages& status) {
   return array.reply();
 }
 
-// `topics`: their class.
-HttpReply targets(const LastMessages& last, const std::string& topics, const std::string& site) {
+// `topics`: what they begin with. `site`: as it stands in them.
+HttpReply targets(const LastMessages& last, std::string topics, const std::string& site) {
   JsonArray array;
-  for (const auto& [topic, bytes] : last.matching({"v1/" + topics + "/" + site + "/"})) {
+  topics += site;
+  topics += '/';
+  for (const auto& [topic, bytes] : last.matching({std::move(topics)})) {
     v1::Envelope envelope;
     if (envelope.ParseFromString(bytes)) {
       array.add(envelope);
@@ -106,8 +108,10 @@ HttpRoutes routes_of(const std::shared_ptr<const SiteApi>& api) {
   HttpRoutes routes;
   routes["/api/v1/status"] = {[api] { return json_of(api->status().heartbeat); }};
   routes["/api/v1/sources"] = {[api] { return sources(api->status()); }};
-  routes["/api/v1/targets"] = {[api] { return targets(*api->last, "location", api->component); }};
-  routes["/api/v1/compared"] = {[api] { return targets(*api->last, "compared", api->component); }};
+  routes["/api/v1/targets"] = {
+      [api] { return targets(*api->last, "v1/location/", api->component); }};
+  routes["/api/v1/compared"] = {
+      [api] { return targets(*api->last, "v1/compared/", api->component); }};
   routes["/api/v1/map"] = {[api] { return json_text(api->map); }};
   routes["/api/v1/solid"] = {[api] { return json_text(api->solid); }};
   routes["/api/v1/calibration"] = {[api] { return json_text(api->calibration); }};
@@ -167,7 +171,7 @@ void add_absent(const DaemonApi& daemon,
       "application/json",
       error.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
   for (const char* const asked : kPathsOfSites) {
-    routes[path + asked] = {[reply] { return reply; }};
+    routes[path + asked] = {[reply] { return HttpReply(reply); }};
   }
   routes[path + "/readyz"] = {[why] { return readyz({{why}, {}}); }, true};
   routes[path + "/api/v1/sites"] = {[ask = daemon.sites] { return json_text(ask("../../")); }};

@@ -37,6 +37,7 @@ class Compared : public ::testing::Test {
   }
   static std::vector<std::string> captures(const std::string& name) {
     std::vector<std::string> files;
+    files.reserve(kAccessPoints.size());
     for (const std::string access_point : kAccessPoints) {
       files.push_back(access_point + "=" + bundled_recording(name, access_point));
     }
@@ -214,6 +215,7 @@ TEST_F(Compared, DscpRunsLiveOnceItIsTrained) {
   };
   const auto all = [&](const std::string& name) {
     std::vector<std::string> files;
+    files.reserve(kAccessPoints.size());
     for (const std::string access_point : kAccessPoints) {
       files.push_back(access_point + "=" + capture(name, access_point));
     }
@@ -227,10 +229,12 @@ TEST_F(Compared, DscpRunsLiveOnceItIsTrained) {
   {
     std::ofstream points(folder() / "people.csv");
     points << "t_start,t_end,x,y,z\n";
-    for (int i = 0; i < 12; ++i) {
-      const double begin = 1000.0 + 2.0 * i;
-      points << begin << ',' << begin + 0.9 << ',' << -0.9 + 0.6 * (i % 4) << ','
-             << -0.7 + 0.7 * (i / 4) << ",0\n";
+    double begin = 1000.0;
+    for (const double y : {-0.7, 0.0, 0.7}) {
+      for (const double x : {-0.9, -0.3, 0.3, 0.9}) {
+        points << begin << ',' << begin + 0.9 << ',' << x << ',' << y << ",0\n";
+        begin += 2.0;
+      }
     }
   }
   for (const std::string name : {"empty", "people"}) {
@@ -271,6 +275,7 @@ TEST_F(Compared, DscpRunsLiveOnceItIsTrained) {
                     {.site = folder() / "site", .more_configuration = engine("\"dscp\"")});
   ASSERT_TRUE(daemon.ready()) << daemon.errors();
   std::vector<std::string> files;
+  files.reserve(kAccessPoints.size());
   for (const std::string access_point : kAccessPoints) {
     files.push_back(capture("people", access_point));
   }

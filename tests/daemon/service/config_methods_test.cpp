@@ -29,11 +29,14 @@ using ::testing::StartsWith;
 const std::string kSite = test::data_path("/sites/meeting_room");
 
 class MethodsOfAConfig : public ::testing::Test {
- protected:
+ public:
   MethodsOfAConfig()
       : file_(fs::path(::testing::TempDir()) / ("methods-" + std::to_string(getpid()) + ".toml")) {}
   ~MethodsOfAConfig() override { fs::remove(file_); }
+  MethodsOfAConfig(const MethodsOfAConfig&) = delete;
+  MethodsOfAConfig& operator=(const MethodsOfAConfig&) = delete;
 
+ protected:
   // `method`: the value; `site`: keys of [site].
   Expected<DaemonSetup> load(const std::string& method, const std::string& site = "") {
     std::ofstream(file_) << text(method, site);
