@@ -2,6 +2,7 @@
 #include "daemon/pipeline/compare/compared_method.h"
 
 #include <future>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -123,11 +124,11 @@ TEST(ComparedMethod, GetsTheBurstsOfTheFirstWhichStatesWhatItStatesAlone) {
   ASSERT_GT(reference.size(), 20U);
 
   std::vector<std::unique_ptr<ComparedMethod>> others;
-  others.push_back(make_method(std::make_unique<DescribingEstimator>("a")));
-  others.push_back(make_method(std::make_unique<DescribingEstimator>("b")));
-  std::vector<std::vector<Location>> found(others.size());
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    others[i]->start([&mine = found[i]](Location&& location) {
+  others.push_back(make_method(std::make_unique<DescribingEstimator>("a"), {.name = "a"}));
+  others.push_back(make_method(std::make_unique<DescribingEstimator>("b"), {.name = "b"}));
+  std::map<std::string, std::vector<Location>> found;
+  for (const auto& other : others) {
+    other->start([&mine = found[other->name()]](Location&& location) {
       mine.push_back(std::move(location));
       return false;
     });
@@ -136,11 +137,11 @@ TEST(ComparedMethod, GetsTheBurstsOfTheFirstWhichStatesWhatItStatesAlone) {
   first.wait_for(others);
   ComparedEstimator estimator(first, others);
   EXPECT_EQ(bytes_of(replay(estimator)), bytes_of(reference));
-  for (std::size_t i = 0; i < others.size(); ++i) {
-    EXPECT_TRUE(eventually(kPatience, [&] { return others[i]->counters().in_flight == 0; }));
-    others[i]->stop();
-    EXPECT_EQ(texts_of(found[i]), texts_of(reference));
-    const ComparedMethodCounters counters = others[i]->counters();
+  for (const auto& other : others) {
+    EXPECT_TRUE(eventually(kPatience, [&] { return other->counters().in_flight == 0; }));
+    other->stop();
+    EXPECT_EQ(texts_of(found[other->name()]), texts_of(reference));
+    const ComparedMethodCounters counters = other->counters();
     EXPECT_EQ(counters.bursts, reference.size());
     EXPECT_EQ(counters.explained, reference.size());
     EXPECT_EQ(counters.no_fixes, reference.size());
