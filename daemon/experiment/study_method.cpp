@@ -231,6 +231,7 @@ std::vector<PublishedEstimate> follow_by_track(PersonMethod& method,
     return snapshots;
   }
   std::vector<PublishedEstimate> filtered;
+  filtered.reserve(updates.size());
   for (PersonUpdate& update : updates) {
     filtered.push_back(published(std::move(update.estimate.location), true));
   }
