@@ -1,7 +1,6 @@
 #include "daemon/experiment/study_method.h"
 
 #include <algorithm>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include "daemon/methods/device_method.h"
 #include "daemon/methods/method_registry.h"
 #include "daemon/methods/person_method.h"
+#include "daemon/pipeline/burst_collector.h"
 #include "engine/baselines/settings.h"
 #include "engine/baselines/training.h"
 #include "engine/person/calibrate/empty_room.h"
@@ -17,9 +17,6 @@
 
 namespace rayloc {
 namespace {
-
-constexpr Duration kBurst = std::chrono::milliseconds(200);  // as `rayloc replay` has them
-constexpr std::size_t kMostFrames = 64;  // of a burst and an access point, where some of many do
 
 // Options of the method, from the condition's keys.
 MethodOptions options_of(const Condition& condition, const Method& method, std::uint64_t seed) {
@@ -170,41 +167,15 @@ Expected<Locate> locate_people(const Condition& condition,
   };
 }
 
-// Every second frame of each access point is left out until there are at most kMostFrames, as
-// BurstCollector does it.
-std::vector<CsiFrame> thinned(std::span<const CsiFrame> frames) {
-  std::map<int, std::size_t> counts;
-  for (const CsiFrame& frame : frames) {
-    ++counts[frame.access_point];
+// The bursts that `rayloc replay` would give the method.
+std::vector<Burst> bursts_of(const StudyWalk& walk, const CollectorOptions& options) {
+  BurstCollector collector(options);
+  std::vector<Burst> bursts;
+  for (const CsiFrame& frame : walk.frames) {
+    collector.add(CsiFrame(frame), bursts);
   }
-  std::map<int, std::size_t> strides;
-  for (const auto& [ap, count] : counts) {
-    std::size_t& stride = strides[ap] = 1;
-    while ((count + stride - 1) / stride > kMostFrames) {
-      stride *= 2;
-    }
-  }
-  std::map<int, std::size_t> numbers;
-  std::vector<CsiFrame> kept;
-  for (const CsiFrame& frame : frames) {
-    if (numbers[frame.access_point]++ % strides[frame.access_point] == 0) {
-      kept.push_back(frame);
-    }
-  }
-  return kept;
-}
-
-std::vector<std::vector<CsiFrame>> bursts_of(const StudyWalk& walk, bool needs_every_frame) {
-  std::vector<std::vector<CsiFrame>> bursts;
-  auto begin = walk.frames.begin();
-  while (begin != walk.frames.end()) {
-    const auto end = std::find_if(begin, walk.frames.end(), [&](const CsiFrame& frame) {
-      return frame.time >= begin->time + kBurst;
-    });
-    const std::span<const CsiFrame> burst(begin, end);
-    bursts.push_back(needs_every_frame ? std::vector<CsiFrame>(burst.begin(), burst.end())
-                                       : thinned(burst));
-    begin = end;
+  if (!walk.frames.empty()) {
+    collector.advance(walk.frames.back().time + options.length + options.gap, bursts);
   }
   return bursts;
 }
@@ -213,42 +184,49 @@ PublishedEstimate published(LocationEstimate estimate, bool filtered) {
   return {true, filtered, "person-1", std::move(estimate)};
 }
 
-std::vector<PublishedEstimate> follow_by_track(PersonMethod& method,
-                                               const Method& row,
-                                               const StudyWalk& walk) {
-  std::vector<PublishedEstimate> snapshots;
-  std::vector<PersonUpdate> updates;
-  method.restart("another walk", updates);
-  updates.clear();  // of the walk before
-  for (const std::vector<CsiFrame>& burst : bursts_of(walk, row.needs_every_frame)) {
-    for (LocationEstimate& estimate : method.locate(burst, 0)) {
-      snapshots.push_back(published(std::move(estimate), false));
+// The track of a method that has tracks; else, or where it tracks nobody, an estimate of each
+// burst.
+std::vector<PublishedEstimate> follow_by_method(PersonMethod& method,
+                                                const Method& row,
+                                                const StudyWalk& walk) {
+  CollectorOptions options;
+  if (row.needs_every_frame) {
+    options.max_frames = walk.frames.size();
+  }
+  const std::vector<Burst> bursts = bursts_of(walk, options);
+  std::vector<PublishedEstimate> estimates;
+  if (method.track_number()) {
+    std::vector<PersonUpdate> updates;
+    method.restart("another walk", updates);
+    updates.clear();  // the end of the walk before
+    for (const Burst& burst : bursts) {
+      method.track(burst.frames, burst.heard_since, updates);
+      method.advance(burst.last, updates);
     }
-    method.track(burst, walk.frames.front().time, updates);
-    method.advance(burst.back().time, updates);
+    for (PersonUpdate& update : updates) {
+      estimates.push_back(published(std::move(update.estimate.location), true));
+    }
+    if (!estimates.empty()) {
+      return estimates;
+    }
   }
-  if (!method.track_number()) {
-    return snapshots;
+  for (const Burst& burst : bursts) {
+    for (LocationEstimate& estimate : method.locate(burst.frames, 0)) {
+      if (method.track_number()) {  // it states why there is no track
+        estimate.position.reset();
+      }
+      estimates.push_back(published(std::move(estimate), false));
+    }
   }
-  std::vector<PublishedEstimate> filtered;
-  filtered.reserve(updates.size());
-  for (PersonUpdate& update : updates) {
-    filtered.push_back(published(std::move(update.estimate.location), true));
-  }
-  if (filtered.empty()) {  // no track: the snapshots state the reasons
-    std::erase_if(snapshots, [](const auto& one) { return one.estimate.position.has_value(); });
-    return snapshots;
-  }
-  return filtered;
+  return estimates;
 }
 
 // Locates each burst alone; the position of its spot is the start of the walk.
 std::vector<PublishedEstimate> follow_by_bursts(const Locate& locate, const StudyWalk& walk) {
   std::vector<PublishedEstimate> estimates;
-  for (std::vector<CsiFrame>& burst : bursts_of(walk, false)) {
-    const Timestamp time = burst.front().time + (burst.back().time - burst.front().time) / 2;
-    LocationEstimate estimate = locate({walk.truth.front().position, std::move(burst)}, 0);
-    estimate.time = time;
+  for (Burst& burst : bursts_of(walk, {})) {
+    LocationEstimate estimate = locate({walk.truth.front().position, std::move(burst.frames)}, 0);
+    estimate.time = burst.first + (burst.last - burst.first) / 2;
     estimates.push_back(published(std::move(estimate), false));
   }
   return estimates;
@@ -310,9 +288,6 @@ Expected<Locate> make_locate(const Condition& condition,
 Expected<Follow> make_follow(const Condition& condition,
                              const StudyLayout& layout,
                              std::uint64_t seed) {
-  if (!has_frames(layout)) {
-    return no_frames();
-  }
   if (is_control(condition)) {
     auto locate = make_locate(condition, layout, seed);
     if (!locate) {
@@ -321,6 +296,9 @@ Expected<Follow> make_follow(const Condition& condition,
     return [locate = *std::move(locate)](const StudyWalk& walk) {
       return held(follow_by_bursts(locate, walk));
     };
+  }
+  if (!has_frames(layout)) {
+    return no_frames();
   }
   auto prepared = prepare_people(condition, layout, seed);
   if (!prepared) {
@@ -340,7 +318,7 @@ Expected<Follow> make_follow(const Condition& condition,
       }
       *made = *std::move(method);
     }
-    std::vector<PublishedEstimate> estimates = follow_by_track(**made, row, walk);
+    std::vector<PublishedEstimate> estimates = follow_by_method(**made, row, walk);
     const bool is_filtered = !estimates.empty() && estimates.front().filtered;
     return is_filtered ? std::move(estimates) : held(std::move(estimates));
   };
