@@ -8,6 +8,8 @@
 #include <string>
 #include <system_error>
 
+#include "engine/channel/wifi_band.h"
+
 namespace rayloc {
 namespace {
 
@@ -30,8 +32,6 @@ constexpr std::array kBlocksOf5GHz = {Block{36, 64, 4}, Block{100, 144, 4}, Bloc
 constexpr std::array kBlocksOf2GHz = {Block{1, 13, 1}};
 constexpr Band kBand5GHz = {5e9, 160, "36 to 64, 100 to 144 and 149 to 177", kBlocksOf5GHz};
 constexpr Band kBand2GHz = {2.407e9, 20, "1 to 13, 20 MHz wide", kBlocksOf2GHz};
-constexpr double kEndOf2GHz = 2.5e9;    // [Hz]
-constexpr double kEndOf5GHz = 5.925e9;  // [Hz]
 
 struct Numbers {
   int first = 0;
@@ -77,11 +77,13 @@ std::vector<RadioChannel> channels_of(const Band& band, const Numbers& numbers, 
 
 Expected<std::vector<RadioChannel>> parse_channels(std::string_view text,
                                                    const RadioChannel& site) {
-  if (site.centre_hz > kEndOf5GHz) {
+  const WifiBand of = band_of(site.centre_hz);
+  if (of == WifiBand::k6GHz) {
     return bad_input("the site's channel at " + to_string(site) +
-                     " is of a band in which AX-CSI states no channels; 2.4 and 5 GHz it does");
+                     " lies in a band for which AX-CSI has no channel numbers; they exist at 2.4 "
+                     "and 5 GHz");
   }
-  const Band& band = site.centre_hz < kEndOf2GHz ? kBand2GHz : kBand5GHz;
+  const Band& band = of == WifiBand::k2GHz ? kBand2GHz : kBand5GHz;
   std::vector<RadioChannel> channels;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
@@ -89,7 +91,8 @@ Expected<std::vector<RadioChannel>> parse_channels(std::string_view text,
     begin = end + 1;
     const auto numbers = numbers_of(part);
     if (!numbers) {
-      return bad_input("'" + part + "' is no channel and no range; write 36 or 36-64,100-144");
+      return bad_input("'" + part +
+                       "' is neither a channel nor a range; write 36 or 36-64,100-144");
     }
     const bool is_wide = site.bandwidth_mhz > band.widest_mhz;
     const auto found =

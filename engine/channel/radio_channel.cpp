@@ -2,18 +2,9 @@
 
 #include <cmath>
 
+#include "engine/channel/wifi_band.h"
+
 namespace rayloc {
-namespace {
-
-// Upper ends of the bands of 2.4 and 5 GHz [Hz], IEEE 802.11-2020 annex E.
-constexpr double kEndOf2GHz = 2.5e9;
-constexpr double kEndOf5GHz = 5.925e9;
-
-int band_of(const RadioChannel& channel) {
-  return channel.centre_hz < kEndOf2GHz ? 2 : channel.centre_hz < kEndOf5GHz ? 5 : 6;
-}
-
-}  // namespace
 
 std::string to_string(const RadioChannel& channel) {
   constexpr double kHzPerMHz = 1e6;
@@ -27,7 +18,7 @@ bool is_same_channel(const RadioChannel& a, const RadioChannel& b) {
 }
 
 bool is_hop(const RadioChannel& a, const RadioChannel& b) {
-  return a.bandwidth_mhz == b.bandwidth_mhz && band_of(a) == band_of(b);
+  return a.bandwidth_mhz == b.bandwidth_mhz && band_of(a.centre_hz) == band_of(b.centre_hz);
 }
 
 }  // namespace rayloc
