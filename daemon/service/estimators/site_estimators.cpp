@@ -49,20 +49,12 @@ Expected<std::unique_ptr<SiteEstimators>> SiteEstimators::create(const SiteSetup
   std::unique_ptr<SiteEstimators> made(new SiteEstimators(setup, std::move(options)));
   const EngineConfig& engine = setup.config.engine;
   if (const Method* method = engine.method; method != nullptr) {
-    if (method->create_device != nullptr) {
-      auto devices = made->make_devices(*method);
-      if (!devices) {
-        return tl::make_unexpected(std::move(devices.error()));
-      }
-      made->devices_ = std::move(*devices);
+    auto both = made->make_both(*method);
+    if (!both) {
+      return tl::make_unexpected(std::move(both.error()));
     }
-    if (method->create_person != nullptr && setup.site.reference_file) {
-      auto people = made->make_people(*method, nullptr);
-      if (!people) {
-        return tl::make_unexpected(std::move(people.error()));
-      }
-      made->people_ = std::move(*people);
-    }
+    made->devices_ = std::move(both->devices);
+    made->people_ = std::move(both->people);
   }
   for (std::size_t i = 0; i < engine.compared.size(); ++i) {
     const Method& method = *engine.compared[i];
@@ -112,22 +104,37 @@ Expected<std::unique_ptr<PersonEstimator>> SiteEstimators::make_people(
   return PersonEstimator::create(setup_.site, people);
 }
 
-Expected<std::unique_ptr<ComparedMethod>> SiteEstimators::make_compared(
-    const Method& method) const {
-  std::vector<std::unique_ptr<Estimator>> estimators;
+Expected<SiteEstimators::Both> SiteEstimators::make_both(const Method& method) const {
+  Both both;
   if (method.create_device != nullptr) {
     auto devices = make_devices(method);
     if (!devices) {
       return tl::make_unexpected(std::move(devices.error()));
     }
-    estimators.push_back(std::move(*devices));
+    both.devices = std::move(*devices);
   }
   if (method.create_person != nullptr && setup_.site.reference_file) {
     auto people = make_people(method, nullptr);
     if (!people) {
       return tl::make_unexpected(std::move(people.error()));
     }
-    estimators.push_back(std::move(*people));
+    both.people = std::move(*people);
+  }
+  return both;
+}
+
+Expected<std::unique_ptr<ComparedMethod>> SiteEstimators::make_compared(
+    const Method& method) const {
+  auto both = make_both(method);
+  if (!both) {
+    return tl::make_unexpected(std::move(both.error()));
+  }
+  std::vector<std::unique_ptr<Estimator>> estimators;
+  if (both->devices) {
+    estimators.push_back(std::move(both->devices));
+  }
+  if (both->people) {
+    estimators.push_back(std::move(both->people));
   }
   return std::make_unique<ComparedMethod>(compared_options(method, setup_), std::move(estimators));
 }

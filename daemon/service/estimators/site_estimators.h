@@ -50,6 +50,12 @@ class SiteEstimators {
   Expected<std::unique_ptr<DeviceEstimator>> make_devices(const Method& method) const;
   Expected<std::unique_ptr<PersonEstimator>> make_people(
       const Method& method, const std::shared_ptr<const Carried>& before) const;
+  // The estimators of a method, null for the kind that it or the site does not have.
+  struct Both {
+    std::unique_ptr<DeviceEstimator> devices;
+    std::unique_ptr<PersonEstimator> people;
+  };
+  Expected<Both> make_both(const Method& method) const;
   Expected<std::unique_ptr<ComparedMethod>> make_compared(const Method& method) const;
   MethodOptions method_options() const;
   void assemble(const Carried* before);
