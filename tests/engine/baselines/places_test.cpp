@@ -5,7 +5,9 @@
 #include <complex>
 #include <memory>
 #include <numbers>
+#include <ostream>
 #include <random>
+#include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -343,6 +345,8 @@ struct Classifier {
   MakeClassifier make;
   TrainClassifier train;
 };
+
+std::ostream& operator<<(std::ostream& out, const Classifier& one) { return out << one.name; }
 
 class EachClassifier : public ::testing::TestWithParam<Classifier> {};
 INSTANTIATE_TEST_SUITE_P(Places,
