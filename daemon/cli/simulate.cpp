@@ -118,9 +118,9 @@ Expected<void> read_spots(const SimulateArguments& arguments,
   options.channels = std::max<std::size_t>(simulation.channels.size(), 1);
   if (!simulation.is_walk && options.frames < options.channels) {
     return make_error(ErrorKind::kUsage,
-                      "--frames " + std::to_string(options.frames) + " is less than the " +
-                          std::to_string(options.channels) +
-                          " channels of --channels, of which each point is to have every one");
+                      "--frames " + std::to_string(options.frames) +
+                          ": each point needs a frame on each of the " +
+                          std::to_string(options.channels) + " channels of --channels");
   }
   options.retry_share = simulation.options.impairments.retry_share;
   auto spots = plan_transmissions(*points, options, arguments.points);

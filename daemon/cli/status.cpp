@@ -123,7 +123,7 @@ void print_state(const StatusJson& ready, const StatusJson& status, const std::s
       count_of(estimation, "bursts_dropped"),
       end);
   for (const StatusJson& compared : status.value("compared", StatusJson::array())) {
-    fmt::print("compared {}: {} fixes, {} without a position; {} bursts were left out\n",
+    fmt::print("compared {}: {} fixes, {} without a position; {} bursts dropped\n",
                compared.value("method", ""),
                count_of(compared, "fixes"),
                count_of(compared, "no_fixes"),

@@ -24,7 +24,7 @@ std::string fault_of(const std::vector<std::string>& names,
       std::find(option.choices.begin(), option.choices.end(), name) != option.choices.end();
   if (!is_choice && find_method(name) != nullptr) {
     return fmt::format(
-        "method '{0}' locates in recordings alone (rayloc replay --method {0}); the live ones are: "
+        "method '{0}' works on recordings only (rayloc replay --method {0}); live methods are: "
         "{1}",
         name,
         list_of(option.choices));
@@ -39,11 +39,11 @@ std::string fault_of(const std::vector<std::string>& names,
   }
   const auto end = names.begin() + static_cast<std::ptrdiff_t>(entry);
   if (std::find(names.begin(), end, name) != end) {
-    return fmt::format("method '{}' stands twice in '{}'; keep one", name, option.key);
+    return fmt::format("method '{}' is listed twice in '{}'; keep one", name, option.key);
   }
   if (entry == kMaxMethods) {
     return fmt::format(
-        "'{}' lists {} methods; {} is the most", option.key, names.size(), kMaxMethods);
+        "'{}' lists {} methods; at most {} are allowed", option.key, names.size(), kMaxMethods);
   }
   return {};
 }

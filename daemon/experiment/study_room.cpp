@@ -200,8 +200,8 @@ Expected<std::vector<RoomPlan>> on_channels(const RoomPlan& plan, const Conditio
   }
   if (condition.frames < static_cast<double>(channels->size())) {
     return make_error(ErrorKind::kConfiguration,
-                      place + std::to_string(channels->size()) +
-                          " channels take as many 'frames' at least, there are " +
+                      place + "each spot needs a frame on each of the " +
+                          std::to_string(channels->size()) + " channels; 'frames' is " +
                           condition_text(condition, "frames"));
   }
   std::vector<RoomPlan> plans;

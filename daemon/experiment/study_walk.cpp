@@ -134,8 +134,8 @@ Expected<std::vector<std::vector<Vec3d>>> draw_walks(const StudyPlaces& places,
     if (walks.back().empty()) {
       return make_error(ErrorKind::kConfiguration,
                         condition.room.string() +
-                            ": no place has room for a person to turn on a circle of 0.7 m; use "
-                            "fewer boxes or another plan");
+                            ": a person has no room to turn around anywhere; use fewer boxes or "
+                            "another plan");
     }
   }
   return walks;

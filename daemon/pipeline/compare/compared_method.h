@@ -5,7 +5,7 @@
 // What waits for it is bounded as in a BurstQueue: a newer burst of a transmitter takes the place
 // of the older, which is counted. The estimation thread waits for it no longer than
 // Options::patience: where the queue is in use for longer, as a thread of lowest priority may hold
-// it, the burst is dropped and counted, too.
+// it, the burst is dropped and counted, too. restart(), a seek in a recording, waits for the lock.
 //
 // Thread safety: add(), advance() and restart() for the estimation thread; start() and stop() for
 // one other; counters() from any.

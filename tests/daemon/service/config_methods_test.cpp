@@ -99,7 +99,7 @@ TEST_F(MethodsOfAConfig, WhatCannotStandThereIsNamedAtItsPlace) {
   EXPECT_THAT(errors(R"(["rayloc", "spotfy"])"), StartsWith("methods.toml:2:21: 'spotfy'"));
   EXPECT_THAT(errors(R"(["rayloc", "spotfy"])"), HasSubstr("did you mean 'spotfi'?"));
   EXPECT_THAT(errors(R"(["rayloc", "spotfi", "rayloc"])"),
-              StartsWith("methods.toml:2:31: method 'rayloc' stands twice"));
+              StartsWith("methods.toml:2:31: method 'rayloc' is listed twice"));
   EXPECT_THAT(errors(R"(["rayloc", "m3"])"), StartsWith("methods.toml:2:21: method 'm3'"));
   EXPECT_THAT(errors(R"(["rayloc", "m3"])"), HasSubstr("rayloc replay --method m3"));
   EXPECT_THAT(errors("\"witraj\""), StartsWith("methods.toml:2:10: method 'witraj'"));
@@ -107,7 +107,7 @@ TEST_F(MethodsOfAConfig, WhatCannotStandThereIsNamedAtItsPlace) {
   EXPECT_THAT(errors("[]"), StartsWith("methods.toml:2:10: 'method' is an empty array"));
   EXPECT_THAT(errors(R"(["rayloc", 1])"), StartsWith("methods.toml:2:21: 'method'"));
   EXPECT_THAT(errors("\"rayloc\"", "method = [\"spotfi\", \"spotfi\"]\n"),
-              StartsWith("methods.toml:5:21: method 'spotfi' stands twice"));
+              StartsWith("methods.toml:5:21: method 'spotfi' is listed twice"));
 }
 
 TEST_F(MethodsOfAConfig, AMethodThatHasLearnedNothingOfTheSiteIsRefused) {
