@@ -71,6 +71,7 @@ class HttpServerTest : public ::testing::Test {
     return client.receive();
   }
 
+  std::atomic<int> rounds_ = 0;  // of the server's thread, which ends with server_
   std::unique_ptr<HttpServer> server_;
 };
 
@@ -129,9 +130,8 @@ TEST_F(HttpServerTest, AsksForTheTokenBeforeTheBody) {
 
 // Whoever waits for a descriptor costs no processor, and is answered when there is one.
 TEST_F(HttpServerTest, RestsWhenNobodyCanBeAccepted) {
-  std::atomic<int> rounds = 0;
   HttpServer::Options options;
-  options.on_round = [&] { ++rounds; };
+  options.on_round = [this] { ++rounds_; };
   start(options);
   const int next = dup(STDIN_FILENO);
   close(next);
@@ -144,7 +144,7 @@ TEST_F(HttpServerTest, RestsWhenNobodyCanBeAccepted) {
   // machine makes them longer only.
   const auto begin = std::chrono::steady_clock::now();
   const bool came_round =
-      eventually(kPatience, [&, first = rounds.load()] { return rounds >= first + 20; });
+      eventually(kPatience, [&, first = rounds_.load()] { return rounds_ >= first + 20; });
   const auto took = std::chrono::steady_clock::now() - begin;
   ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
   ASSERT_TRUE(came_round);
