@@ -6,7 +6,9 @@ bool ChannelLog::add(const std::optional<RadioChannel>& channel, Timestamp time)
   if (!channel) {
     return true;
   }
-  if (latest_ && *latest_ != *channel) {
+  const bool is_accepted_hop =
+      accepts_hops_ && latest_ && is_expected(*latest_) && is_expected(*channel);
+  if (latest_ && *latest_ != *channel && !is_accepted_hop) {
     ++changes_;
     if (first_changes_.size() < CsiReceiverCounters::kListedChanges) {
       first_changes_.push_back({time, *latest_, *channel});

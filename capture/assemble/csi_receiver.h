@@ -86,7 +86,8 @@ struct CsiReceiverCounters {
   // Of these, those that lack an expected core, or hold nothing of it.
   std::map<std::uint8_t, std::uint64_t> without_core;
 
-  // The channel that the latest datagram states, and how often it changed.
+  // The channel that the latest datagram states, and how often it changed: a hop that is accepted
+  // is no change.
   std::optional<RadioChannel> channel;
   std::uint64_t channel_changes = 0;
   std::vector<ChannelChange> first_changes;  // at most kListedChanges

@@ -291,6 +291,7 @@ TEST(CsiReceiver, TakesTheHopsOfADeviceAndNoOtherChannel) {
   EXPECT_EQ(all.frames.size(), 20U);
   EXPECT_THAT(all.counters.rejected, IsEmpty());
   EXPECT_THAT(all.counters.troubles, IsEmpty());
+  EXPECT_EQ(all.counters.channel_changes, 0U);
   const std::uint64_t datagrams = hopping.size() / 2;
   EXPECT_EQ(all.counters.hops,
             (std::map<RadioChannel, std::uint64_t>{{{5190e6, 40}, datagrams},
