@@ -41,6 +41,14 @@ std::string fault_of(const std::vector<std::string>& names,
   if (std::find(names.begin(), end, name) != end) {
     return fmt::format("method '{}' is listed twice in '{}'; keep one", name, option.key);
   }
+  if (const Method* first = find_method(names.front());
+      first != nullptr && first->uses_every_channel && !find_method(name)->uses_every_channel) {
+    return fmt::format(
+        "'{0}' takes frames of every channel and '{1}' locates by the site's alone: list '{1}' "
+        "before '{0}', which then has the frames of that channel",
+        names.front(),
+        name);
+  }
   if (entry == kMaxMethods) {
     return fmt::format(
         "'{}' lists {} methods; at most {} are allowed", option.key, names.size(), kMaxMethods);

@@ -39,7 +39,6 @@ const Method& m3_method() {
       .summary = "the direct path and its reflections at walls that are known",
       .reference = "M3, IEEE TMC 2021",
       .domain = "chain gains; a plan with walls; a device that hops over channels to be itself",
-      .is_live = false,
       .uses_every_channel = true,
       .baseline_settings = m3_settings(),
       .create_device = &create_device};

@@ -250,6 +250,8 @@ Expected<void> SiteRuntime::open_sources(const Opened& before,
     }
     if (config.engine.method == nullptr) {
       input->receiver.accept_every_source();
+    } else {
+      input->receiver.accepts_hops = config.engine.method->uses_every_channel;
     }
     if (!config.record.directory.empty()) {
       recorders_.push_back(open_recorder(config.record, source.access_point));

@@ -52,6 +52,28 @@ class Compared : public ::testing::Test {
     }
     return send(folder(), "send", daemon, arguments) == 0;
   }
+  // Estimates of what raylocd recorded there.
+  std::vector<json> replayed(const std::filesystem::path& site,
+                             const std::filesystem::path& recordings,
+                             const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments = {
+        "replay", site.string(), "--burst", std::to_string(kBurst) + "s"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    for (const std::string access_point : kAccessPoints) {
+      for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
+        if (entry.path().filename().string().find(access_point) != std::string::npos) {
+          arguments.push_back(access_point + "=" + entry.path().string());
+        }
+      }
+    }
+    Process replay(folder(), "replay", "rayloc", arguments);
+    EXPECT_EQ(replay.wait(kPatience), 0) << replay.errors();
+    std::vector<json> estimates;
+    for (const std::string& line : read_lines(replay.out())) {
+      estimates.push_back(json::parse(line));
+    }
+    return estimates;
+  }
   static std::string engine(const std::string& method) {
     return "[engine]\nburst_s = " + std::to_string(kBurst) + "\nmethod = " + method + "\n";
   }
@@ -126,22 +148,7 @@ TEST_F(Compared, BothLocateTheDeviceAndTheFirstStatesWhatItStatesAlone) {
             number(counters.at("bursts_explained")) + number(counters.at("bursts_dropped")) +
                 number(counters.at("bursts_in_flight")));
 
-  std::vector<std::string> arguments = {
-      "replay", site.string(), "--burst", std::to_string(kBurst) + "s"};
-  for (const std::string access_point : kAccessPoints) {
-    for (const auto& entry : std::filesystem::directory_iterator(recordings)) {
-      if (entry.path().filename().string().find(access_point) != std::string::npos) {
-        arguments.push_back(access_point + "=" + entry.path().string());
-      }
-    }
-  }
-  Process replay(folder(), "replay", "rayloc", arguments);
-  ASSERT_EQ(replay.wait(kPatience), 0) << replay.errors();
-  std::vector<json> replayed;
-  for (const std::string& line : read_lines(replay.out())) {
-    replayed.push_back(json::parse(line));
-  }
-  EXPECT_EQ(sorted(replayed), sorted(first)) << "of rayloc alone";
+  EXPECT_EQ(sorted(replayed(site, recordings, {})), sorted(first)) << "of rayloc alone";
 }
 
 TEST_F(Compared, SpotfiAloneIsTheMethodOfTheSite) {
@@ -157,6 +164,54 @@ TEST_F(Compared, SpotfiAloneIsTheMethodOfTheSite) {
   }
   EXPECT_TRUE(daemon.bodies("compared").empty());
   EXPECT_TRUE(counters_of(daemon).empty());
+}
+
+// A device that hops over four channels of 40 MHz, and a site calibrated on one of them.
+TEST_F(Compared, M3LocatesADeviceThatHopsAsAReplayDoes) {
+  const std::filesystem::path site = calibrated_site(folder());
+  const std::filesystem::path recordings = folder() / "recordings";
+  std::filesystem::create_directory(recordings);
+  std::ofstream(folder() / "places.csv") << "t_start,t_end,x,y,z\n"
+                                            "1000,1000.1,0.5,0.5,1.2\n"
+                                            "1001,1001.1,-0.4,-0.3,1.2\n";
+  std::ofstream(folder() / "radio.toml") << "retry_share = 0\n";
+  std::vector<std::string> simulate = {"simulate",
+                                       site.string(),
+                                       "--quiet",
+                                       "--points",
+                                       (folder() / "places.csv").string(),
+                                       "--channels",
+                                       "36-64",
+                                       "--frames",
+                                       "8",
+                                       "--impairments",
+                                       (folder() / "radio.toml").string(),
+                                       "--out"};
+  std::vector<std::string> files;
+  for (const std::string access_point : kAccessPoints) {
+    files.push_back((folder() / ("hops-" + access_point + ".pcap")).string());
+    simulate.push_back(access_point + "=" + files.back());
+  }
+  run("simulate", simulate);
+  LiveDaemon daemon(folder(),
+                    {.site = site,
+                     .more_configuration = engine("\"m3\"") + "[record]\ndirectory = \"" +
+                                           recordings.string() + "\"\n"});
+  ASSERT_TRUE(daemon.ready()) << daemon.errors();
+  files.insert(files.begin(), {"--speed", std::to_string(1.0 / slower())});
+  ASSERT_EQ(send(folder(), "send", daemon, files), 0);
+  EXPECT_TRUE(eventually(kPatience, [&] { return daemon.bodies("location").size() == 2; }));
+  ASSERT_EQ(daemon.stop(), 0) << daemon.errors();
+
+  const std::vector<json> live = daemon.bodies("location");
+  EXPECT_EQ(located(live), 2U);
+  for (const json& location : live) {
+    EXPECT_EQ(location.at("quality").at("method"), "m3");
+    EXPECT_EQ(location.at("quality").at("frames"), 24) << location;
+    EXPECT_THAT(location.at("quality").at("warnings").dump(), HasSubstr("hops over 4 channels"));
+  }
+  EXPECT_EQ(sorted(replayed(site, recordings, {"--method", "m3", "--kind", "device"})),
+            sorted(live));
 }
 
 TEST_F(Compared, AMethodThatCannotBeMadeEndsTheStartAtItsPlace) {

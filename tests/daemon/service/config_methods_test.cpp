@@ -90,6 +90,7 @@ TEST_F(MethodsOfAConfig, ASiteHasItsOwn) {
   ASSERT_TRUE(setup) << setup.error().message;
   EXPECT_EQ(engine_of(setup).method, find_method("spotfi"));
   EXPECT_THAT(engine_of(setup).compared, ElementsAre(find_method("rayloc")));
+  EXPECT_TRUE(load(R"(["rayloc", "m3"])"));
   const auto single = load(R"(["rayloc", "spotfi"])", "method = \"rayloc\"\n");
   ASSERT_TRUE(single) << single.error().message;
   EXPECT_THAT(engine_of(single).compared, IsEmpty());
@@ -100,8 +101,9 @@ TEST_F(MethodsOfAConfig, WhatCannotStandThereIsNamedAtItsPlace) {
   EXPECT_THAT(errors(R"(["rayloc", "spotfy"])"), HasSubstr("did you mean 'spotfi'?"));
   EXPECT_THAT(errors(R"(["rayloc", "spotfi", "rayloc"])"),
               StartsWith("methods.toml:2:31: method 'rayloc' is listed twice"));
-  EXPECT_THAT(errors(R"(["rayloc", "m3"])"), StartsWith("methods.toml:2:21: method 'm3'"));
-  EXPECT_THAT(errors(R"(["rayloc", "m3"])"), HasSubstr("rayloc replay --method m3"));
+  EXPECT_THAT(errors(R"(["rayloc", "paper"])"), StartsWith("methods.toml:2:21: method 'paper'"));
+  EXPECT_THAT(errors(R"(["rayloc", "paper"])"), HasSubstr("rayloc replay --method paper"));
+  EXPECT_THAT(errors(R"(["m3", "rayloc"])"), StartsWith("methods.toml:2:17: 'm3' takes frames"));
   EXPECT_THAT(errors("\"witraj\""), StartsWith("methods.toml:2:10: method 'witraj'"));
   EXPECT_THAT(errors(R"(["none", "rayloc"])"), StartsWith("methods.toml:2:11: 'none'"));
   EXPECT_THAT(errors("[]"), StartsWith("methods.toml:2:10: 'method' is an empty array"));
