@@ -10,7 +10,9 @@
 //
 //   crowd_bench SITE SECONDS DEVICES[,DEVICES...] AP=RECORDING.pcap...
 //   crowd_bench SITE SECONDS DEVICES AP=RECORDING.pcap... --rounds N
-// The second keeps the daemon for N rounds: each time half of the devices go, and others come.
+//   crowd_bench SITE SECONDS DEVICES AP=RECORDING.pcap... --methods rayloc,spotfi
+// The second keeps the daemon for N rounds: each time half of the devices go, and others come. The
+// third compares methods: the first one's estimates are measured.
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,6 +47,7 @@ struct Setting {
   std::vector<std::string> access_points;
   std::vector<test::Recording> recordings;
   int rounds = 1;
+  std::string methods = "\"rayloc\"";  // separated by commas, each in quotes
 };
 
 struct State {
@@ -226,13 +229,23 @@ void listen(const Setting& setting, const e2e::LiveDaemon& daemon, Ear& ear, Cro
   }
 }
 
+// a,b becomes "a", "b".
+std::string quoted(const std::string& list) {
+  std::istringstream items(list);
+  std::string text;
+  for (std::string item; std::getline(items, item, ',');) {
+    text.append(text.empty() ? "\"" : ", \"").append(item).append("\"");
+  }
+  return text;
+}
+
 bool measure(const Setting& setting, int devices) {
   const e2e::TemporaryFolder folder;
   e2e::LiveDaemonOptions options{.site = setting.site, .access_points = setting.access_points};
   options.subscriptions = {"v1/heartbeat/"};
   options.more_configuration =
-      "heartbeat_s = 0.1\n[engine]\nsnapshots = \"acquire\"\n[limits]\n"
-      "max_targets = " +
+      "heartbeat_s = 0.1\n[engine]\nsnapshots = \"acquire\"\nmethod = [" + setting.methods +
+      "]\n[limits]\nmax_targets = " +
       std::to_string(devices + 1) + "\n";
   e2e::LiveDaemon daemon(folder.path(), options);
   if (!daemon.ready()) {
@@ -268,6 +281,10 @@ int main(int argc, char** argv) {
     const std::string argument = argv[i];
     if (argument == "--rounds" && i + 1 < argc) {
       setting.rounds = std::atoi(argv[++i]);
+      continue;
+    }
+    if (argument == "--methods" && i + 1 < argc) {
+      setting.methods = rayloc::bench::quoted(argv[++i]);
       continue;
     }
     const std::size_t equals = argument.find('=');
