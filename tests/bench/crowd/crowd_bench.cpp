@@ -243,10 +243,9 @@ bool measure(const Setting& setting, int devices) {
   const e2e::TemporaryFolder folder;
   e2e::LiveDaemonOptions options{.site = setting.site, .access_points = setting.access_points};
   options.subscriptions = {"v1/heartbeat/"};
-  options.more_configuration =
-      "heartbeat_s = 0.1\n[engine]\nsnapshots = \"acquire\"\nmethod = [" + setting.methods +
-      "]\n[limits]\nmax_targets = " +
-      std::to_string(devices + 1) + "\n";
+  options.more_configuration = "heartbeat_s = 0.1\n[engine]\nsnapshots = \"acquire\"\nmethod = [" +
+                               setting.methods +
+                               "]\n[limits]\nmax_targets = " + std::to_string(devices + 1) + "\n";
   e2e::LiveDaemon daemon(folder.path(), options);
   if (!daemon.ready()) {
     std::fprintf(stderr, "%s\n", daemon.errors().c_str());
