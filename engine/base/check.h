@@ -1,6 +1,6 @@
-// RAYLOC_CHECK(condition): stops the program when one of our own assumptions is broken.
+// RAYLOC_CHECK(condition): stops the program when an internal assumption is violated.
 //
-// Never for input: that is an Error (expected.h).
+// It is not for input: invalid input is an Error (expected.h).
 #pragma once
 
 namespace rayloc {

@@ -29,7 +29,7 @@ T abs2(Complex<T> z) {
   return z.re * z.re + z.im * z.im;
 }
 
-// Principal square root, Re > 0. Not for z on the negative real axis.
+// Principal square root, Re > 0. Undefined for z on the negative real axis.
 //
 // The imaginary part is im / (2 Re sqrt(z)), not the textbook
 // sqrt((|z| - re) / 2): the latter has an infinite derivative at im = 0, which

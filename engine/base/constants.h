@@ -1,4 +1,4 @@
-// Physical constants and units of angles, SI. The only place where they are written.
+// Physical constants and units of angles, SI, defined only here.
 #pragma once
 
 #include <numbers>

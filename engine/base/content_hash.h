@@ -1,6 +1,6 @@
-// ContentHash: a 64-bit FNV-1a hash that tells apart scenes, calibrations, caches and their inputs.
+// ContentHash: a 64-bit FNV-1a hash to distinguish scenes, calibrations, caches and their inputs.
 //
-// Against mistakes, not against forgery.
+// It protects against mistakes, not against forgery.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@ namespace rayloc {
 class ContentHash {
  public:
   void add(std::string_view bytes) {
-    add(static_cast<std::uint64_t>(bytes.size()));  // so that "ab", "c" is not "a", "bc"
+    add(static_cast<std::uint64_t>(bytes.size()));  // distinguishes "ab", "c" from "a", "bc"
     for (const char c : bytes) {
       mix(static_cast<unsigned char>(c));
     }
@@ -34,7 +34,7 @@ class ContentHash {
 
   std::uint64_t value() const { return state_; }
 
-  // The same in 16 hexadecimal digits.
+  // The hash in 16 hexadecimal digits.
   std::string text() const {
     // Base 16, as content hashes are usually written.
     constexpr std::string_view kDigits = "0123456789abcdef";

@@ -14,14 +14,14 @@ namespace {
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 
-// A null byte is in no text but UTF-16, nor are these marks in UTF-8.
+// Null bytes occur only in UTF-16, and these marks never in UTF-8.
 bool is_utf16(std::string_view text) {
   const std::string_view mark = text.substr(0, 2);
   return mark == "\xff\xfe" || mark == "\xfe\xff" ||
          text.substr(0, 64).find('\0') != std::string_view::npos;
 }
 
-// Of the cells of the first line, outside of quotes, what most are parted by.
+// The most frequent separator in the first line, outside of quotes.
 char separator_of(std::string_view text) {
   // RFC 4180 has the comma; spreadsheets also write the others.
   constexpr std::array<char, 3> kSeparators = {',', ';', '\t'};
@@ -86,9 +86,9 @@ void CsvReader::skip_lines_without_cells() {
   }
 }
 
-// "sep=;" before the header is how spreadsheets are told.
+// Spreadsheets accept "sep=;" before the header.
 void CsvReader::read_separator() {
-  // A spreadsheet's own line before the header.
+  // A line that spreadsheets write before the header.
   constexpr std::string_view kStatedSeparator = "sep=";
   const std::size_t end = std::min(text_.find_first_of("\r\n", at_), text_.size());
   const std::string_view line = text_.substr(at_, end - at_);
@@ -123,7 +123,7 @@ void CsvReader::read_plain(Record& record) {
   add(record, begin, end);
 }
 
-// At the first quote.
+// Reads a quoted cell from its first quote.
 Expected<void> CsvReader::read_quoted(Record& record) {
   const int line = line_;
   const std::size_t first = column();

@@ -1,9 +1,9 @@
-// CsvReader: the records of a table as text, one after another, as scripts, spreadsheets and people
-// write them. What the cells mean is for the caller.
+// CsvReader: reads the records of a table as text, one after another, as scripts, spreadsheets and
+// people write them. The caller interprets the cells.
 //
 // RFC 4180: cells in quotes hold separators, line ends and "" for a quote. Beyond it: blanks around
-// cells; LF, CRLF or CR; a byte order mark; semicolons or tabs for commas (the first line tells, or
-// "sep=;" before it); empty lines and lines that begin with '#' are left out. UTF-16 is refused.
+// cells; LF, CRLF or CR; a byte order mark; semicolons or tabs for commas (by the first line, or
+// "sep=;" before it); empty lines and lines that begin with '#' are skipped. UTF-16 is refused.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ namespace rayloc {
 
 class CsvReader {
  public:
-  // The cells of a record; their texts one after another, so that a cell takes few bytes.
+  // The cells of a record; their texts are concatenated, so that a cell takes few bytes.
   struct Record {
     struct Cell {
-      std::uint32_t end = 0;     // of its text in `text`, which begins where the one before ends
+      std::uint32_t end = 0;     // end in `text`; the start is the previous end
       std::int32_t line = 0;     // of the file, from 1
       std::uint32_t column = 0;  // byte in the line, from 1
     };
@@ -36,14 +36,14 @@ class CsvReader {
     }
   };
 
-  // `name` stands for the file in errors, which are of `kind`. A record with more than `most_cells`
-  // is an error. REQUIRES: `text` outlives the reader and is shorter than 4 GiB.
+  // `name` denotes the file in errors, which are of `kind`. A record with more than `most_cells`
+  // cells is an error. REQUIRES: `text` outlives the reader and is shorter than 4 GiB.
   CsvReader(std::string_view text, std::string name, ErrorKind kind, std::size_t most_cells);
 
   // Replaces `record` by the next one; false at the end. Errors: "NAME:LINE:COLUMN: message".
   Expected<bool> next(Record& record);
 
-  // ',', ';' or a tab; known after the first record.
+  // ',', ';' or a tab; set after the first record.
   char separator() const { return separator_; }
 
  private:
@@ -65,13 +65,13 @@ class CsvReader {
   std::size_t at_ = 0;
   std::size_t line_begin_ = 0;
   int line_ = 1;
-  char separator_ = '\0';  // not known yet
+  char separator_ = '\0';  // not yet determined
 };
 
-// A number as a table with that separator writes it: where commas do not part cells they may part
-// decimals ("1,25"). Nothing where it is not one, or not finite.
+// A number as a table with that separator writes it: where the separator is no comma, a comma may
+// be the decimal point ("1,25"). Nothing where it is no number, or not finite.
 std::optional<double> parse_csv_number(std::string_view text, char separator);
-// The same text with a decimal point.
+// The same text with a point as decimal separator.
 std::string with_decimal_point(std::string_view text, char separator);
 
 // The beginning of a cell for a message: in quotes, without control characters.

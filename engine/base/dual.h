@@ -1,7 +1,7 @@
 // Dual numbers: ceres::Jet<double, N>, a value with its derivatives by N parameters.
 //
-// Most code needs nothing of this, being written in a scalar T. This is for functions of one
-// variable whose value and slope come from elsewhere.
+// Most code does not depend on this, being written in a scalar T. This file is for functions of one
+// variable whose value and slope are computed by other means.
 #pragma once
 
 #include <ceres/jet.h>

@@ -1,6 +1,6 @@
-// Expected<T>: a value, or an Error that says what is wrong, where, and what to do about it.
+// Expected<T>: a value, or an Error that states the fault, its place and the remedy.
 //
-// Everything that input can cause is returned as an Error. Our own mistakes are RAYLOC_CHECK.
+// Every fault caused by input is returned as an Error. Internal faults are RAYLOC_CHECK.
 #pragma once
 
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace rayloc {
 
-// What kind of failure it is; the command line turns it into the exit status (INTERFACE 1).
+// The kind of failure; the command line maps it to the exit status (INTERFACE 1).
 enum class ErrorKind {
   kUsage,          // the call itself is wrong (exit 64)
-  kBadInput,       // data that was given is wrong (exit 65)
+  kBadInput,       // input data are invalid (exit 65)
   kUnavailable,    // a device, port or file cannot be opened (exit 69)
-  kInternal,       // our own fault (exit 70)
-  kConfiguration,  // a configuration or site file is wrong (exit 78)
+  kInternal,       // an internal fault (exit 70)
+  kConfiguration,  // a configuration or site file is invalid (exit 78)
 };
 
 // `message` begins with the place ("site.toml:12:3: ...", "x.pcap: byte 1204: ...") where there is
-// one, names what is wrong and says what to write or do instead. No trailing newline.
+// one, names the fault and what to write or do instead. No trailing newline.
 struct Error {
   ErrorKind kind = ErrorKind::kBadInput;
   std::string message;

@@ -1,4 +1,4 @@
-// fixed_text: a number with two digits behind the point, as correlations and places are told.
+// fixed_text: a number with two decimals, for correlations and positions in messages.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace rayloc {
 
 inline std::string fixed_text(double value) {
   std::array<char, 32> text{};
-  constexpr int kDigits = 2;  // a count behind the point, chosen: a correlation or centimetres
+  constexpr int kDigits = 2;  // number of decimals, chosen: a correlation or centimetres
   const auto end = std::to_chars(
       text.data(), text.data() + text.size(), value, std::chars_format::fixed, kDigits);
   return {text.data(), end.ptr};

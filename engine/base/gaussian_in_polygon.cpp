@@ -14,13 +14,13 @@ using Point = std::array<double, 2>;
 constexpr double kLeastDeviation = 1e-4;  // [m]
 // Beyond this many deviations there is less than 1e-15 of a normal distribution.
 constexpr double kFar = 8.0;
-// Nodes and weights of Gauss and Legendre's rule with eight points, of one half: the other mirrors.
+// Nodes and weights of the Gauss-Legendre rule with eight points, one half; the other mirrors it.
 constexpr std::array<double, 4> kNodes = {
     0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 // The weights of kNodes, in the same order.
 constexpr std::array<double, 4> kWeights = {
     0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-// Longest piece of an edge that the rule is used on, in deviations: 1e-11 of error each.
+// Longest piece of an edge for one rule, in deviations: an error of 1e-11 each.
 constexpr double kPiece = 1.0;
 
 double normal_density(double x) {
@@ -60,8 +60,8 @@ void keep_near(const Point& a, const Point& b, std::size_t axis, double& low, do
   high = std::clamp(std::max(first, second), low, high);
 }
 
-// The same integral for any edge. Far to the left there is nothing, far to the right `below` is 1,
-// far above and below the density is 0: what is left is short, and smooth on the scale of 1.
+// The same integral for any edge. It vanishes far to the left; far to the right `below` is 1; far
+// above and below the density is 0. The remainder is short, and smooth on the scale of 1.
 double along(const Point& a, const Point& b) {
   double low = 0.0;
   double high = 1.0;
@@ -96,8 +96,8 @@ double along(const Point& a, const Point& b) {
 
 }  // namespace
 
-// In coordinates in which the distribution is the standard one, Green's theorem makes the integral
-// over the polygon one along its edges: of density(y) * below(x) dy.
+// In coordinates in which the distribution is standard normal, Green's theorem turns the integral
+// over the polygon into one along its edges: of density(y) * below(x) dy.
 double gaussian_in_polygon(const PlanarGaussian& gaussian, std::span<const Point> corners) {
   RAYLOC_CHECK(corners.size() >= 3);
   constexpr double kLeastVariance = kLeastDeviation * kLeastDeviation;  // [m^2], of kLeastDeviation

@@ -1,8 +1,8 @@
 // Probability that a normally distributed point of the plane lies inside a polygon.
 //
-// Exact but for quadrature: the error is below 1e-9 for every polygon and every covariance. A
+// Exact except for quadrature: the error is below 1e-9 for every polygon and every covariance. A
 // covariance that is not positive definite, or has a deviation below a tenth of a millimetre, is
-// taken with that deviation: a known place is one that nearly all the probability is at.
+// used with that deviation: nearly all the probability is then at one point.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ struct PlanarGaussian {
   double variance_y = 0.0;
 };
 
-// `corners`: of a simple polygon, in either direction; at least three. In [0, 1]. REQUIRES: all
-// numbers are finite.
+// `corners`: of a simple polygon, in either direction; at least three. The result is in [0, 1].
+// REQUIRES: all numbers are finite.
 double gaussian_in_polygon(const PlanarGaussian& gaussian,
                            std::span<const std::array<double, 2>> corners);
 

@@ -1,4 +1,4 @@
-// highest: which of many numbers are the highest.
+// highest: the indices of the highest of many numbers.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// Indices of the `most` highest numbers, or of all; the highest first, of equal ones the first.
+// Indices of the `most` highest numbers, or of all; the highest first, equal ones in order.
 inline std::vector<std::size_t> highest(const std::vector<double>& numbers, std::size_t most) {
   std::vector<std::size_t> order(numbers.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

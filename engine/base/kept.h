@@ -1,5 +1,5 @@
-// Lazy, Kept and Tally: what several threads ask for and one of them makes. No oneTBB: headers may
-// include this one (parallel.h has the loops).
+// Lazy, Kept and Tally: values that several threads request and one of them makes. No oneTBB:
+// headers may include this file (parallel.h has the loops).
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace rayloc {
 
-// A value that whoever asks first makes. Threads that ask at the same time may each make one; all
-// use the one that is kept. No lock is held meanwhile.
+// A value that the first caller makes. Threads that ask at the same time may each make one; all use
+// the one that is kept. No lock is held meanwhile.
 template <typename T>
 class Lazy {
  public:
@@ -23,7 +23,7 @@ class Lazy {
   Lazy(const Lazy&) = delete;
   Lazy& operator=(const Lazy&) = delete;
 
-  // make(): a std::unique_ptr to the T. REQUIRES: it always makes the same.
+  // make(): a std::unique_ptr to the T. REQUIRES: every call makes the same value.
   template <typename Make>
   const T& get(const Make& make) const {
     const T* value = value_.load(std::memory_order_acquire);
@@ -37,22 +37,22 @@ class Lazy {
     return *value;
   }
 
-  // nullptr when nobody has asked yet.
+  // nullptr before the first request.
   const T* if_made() const { return value_.load(std::memory_order_acquire); }
 
  private:
   mutable std::atomic<const T*> value_ = nullptr;
 };
 
-// Values by number, made when somebody asks for them and kept while there is room: those that were
-// made first go first. What is kept changes the time that it takes to ask and nothing else.
+// Values by number, made on request and kept while there is room; the oldest values are removed
+// first. The set of kept values affects only the time of a request.
 template <typename T>
 class Kept {
  public:
   // most: a count of values.
   explicit Kept(std::size_t most) : most_of_shard_(most / kShards + 1) {}
 
-  // make(): a T. REQUIRES: it always makes the same.
+  // make(): a T. REQUIRES: every call makes the same value.
   template <typename Make>
   std::shared_ptr<const T> get(std::size_t number, const Make& make) const {
     Shard& shard = shards_[number % kShards];
@@ -75,17 +75,17 @@ class Kept {
   }
 
  private:
-  static constexpr std::size_t kShards = 16;  // a count, chosen: threads hardly wait for each other
+  static constexpr std::size_t kShards = 16;  // a count, chosen: threads rarely wait for each other
   struct Shard {
     std::mutex mutex;
     std::unordered_map<std::size_t, std::shared_ptr<const T>> values;
-    std::deque<std::size_t> order;  // in which they were made
+    std::deque<std::size_t> order;  // in order of construction
   };
   std::size_t most_of_shard_;
   mutable std::array<Shard, kShards> shards_;
 };
 
-// How often something was asked for; on it may depend what is worth keeping, but no result.
+// Number of requests of a value; it may decide what is worth keeping, but affects no result.
 class Tally {
  public:
   void add() const { count_.fetch_add(1, std::memory_order_relaxed); }

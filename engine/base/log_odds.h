@@ -1,4 +1,4 @@
-// The odds of a share on a scale without ends, on which shares near 0 and near 1 compare.
+// The odds of a share on an unbounded scale, on which shares near 0 and near 1 are comparable.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace rayloc {
 
-// ln(share / (1 - share)); shares nearer than 1e-6 to an end count as that far from it.
+// ln(share / (1 - share)); shares nearer than 1e-6 to an end are clamped to that distance.
 inline double log_odds(double share) {
   constexpr double kNearest = 1e-6;  // a ratio, chosen: +-13.8 at the most
   const double bounded = std::clamp(share, kNearest, 1.0 - kNearest);

@@ -1,4 +1,4 @@
-// The middle one of some numbers.
+// Median of a list of numbers.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// Of an even count the upper of the two in the middle: a value that did occur.
+// For an even count the upper of the two middle values: a value of the list.
 // REQUIRES: not empty.
 inline double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -1,4 +1,4 @@
-// read_number: a number that a file writes as text.
+// read_number: parses a number from the text of a file.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace rayloc {
 
-// The number that the text begins with, cut off from it; nothing when it begins with none. Some
-// exporters write "+4.0".
+// The number at the beginning of the text, which is removed from it; nothing when it begins with
+// none. Some exporters write "+4.0".
 inline std::optional<double> read_number(std::string_view& text) {
   const bool has_plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
   double value = 0.0;
@@ -25,8 +25,8 @@ inline std::optional<double> read_number(std::string_view& text) {
   return value;
 }
 
-// How exactly a file tells its coordinates, by the most digits that it writes. Many programs write
-// six of them, whatever comes before the point: 12.3457 is known to 0.05 mm.
+// Precision of a file's coordinates, from the largest number of digits that it writes. Many
+// programs write six of them, regardless of the decimal point: 12.3457 is exact to 0.05 mm.
 class TextPrecision {
  public:
   void note(std::string_view number, double value) {
@@ -42,7 +42,7 @@ class TextPrecision {
   }
 
   // Mesh::rounding [m]. Numbers of fewer digits are round ones, as people write them, and so may be
-  // those whose last digit is a millimetre: they are not taken for coarser than this.
+  // numbers whose last digit is a millimetre: the result is no coarser than this.
   double rounding() const {
     constexpr std::ptrdiff_t kFewest = 6;  // a count of digits, chosen: people write fewer
     constexpr double kCoarsest = 5e-5;     // [m], chosen: half of a tenth of a millimetre

@@ -15,7 +15,7 @@ bool within_box(const FloorPoint& a, const FloorPoint& b, const FloorPoint& p) {
          std::min(a[1], b[1]) <= p[1] && p[1] <= std::max(a[1], b[1]);
 }
 
-// On which side of c-d are a and b, and of a-b c and d; 0: on its line.
+// Sides of a and b relative to c-d, and of c and d relative to a-b; 0: on the line.
 std::array<double, 4> sides(const FloorPoint& a,
                             const FloorPoint& b,
                             const FloorPoint& c,
@@ -28,7 +28,7 @@ bool is_crossed(const std::array<double, 4>& s) {
          std::find(s.begin(), s.end(), 0.0) == s.end();
 }
 
-// Whether the segments a-b and c-d have a point in common.
+// True if the segments a-b and c-d have a point in common.
 bool segments_touch(const FloorPoint& a,
                     const FloorPoint& b,
                     const FloorPoint& c,

@@ -1,8 +1,8 @@
 // parallel_for, concurrency and serially: with kept.h the only concurrency of the engine (oneTBB).
 //
-// parallel_for: every index is visited exactly once, in any order and on any thread; each call of
-// `body` writes only what belongs to its index. Results are then the same bytes whatever the number
-// of threads.
+// parallel_for: every index is visited exactly once, in any order and on any thread; each
+// call of `body` writes only the data of its index. Results are then the same bytes for any
+// number of threads.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-// body(i) for i in [0, count). `grain`: indices that are worth a task of their own.
+// body(i) for i in [0, count). `grain`: number of indices per task.
 template <typename Body>
 void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
@@ -24,13 +24,13 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
                     });
 }
 
-// Threads that parallel_for may use, its caller's among them: a count. No result depends on it.
+// Threads that parallel_for may use, including its caller's: a count. No result depends on it.
 inline std::size_t concurrency() {
   return static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
 }
 
-// body() without the help of other threads, for a library that would take some and then depend on
-// their number.
+// body() without other threads, for a library that would otherwise use some and depend
+// on their number.
 template <typename Body>
 void serially(const Body& body) {
   tbb::task_arena(1).execute(body);

@@ -1,5 +1,5 @@
-// Text of others (files, the network) for a terminal or a log: no escape sequence of theirs may
-// reach the one, no line of theirs the other.
+// Makes external text (files, the network) safe for a terminal or a log: no escape sequence reaches
+// the terminal, no line break the log.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 namespace rayloc {
 
 // Control characters replaced by '?', those of UTF-8 (U+0080 to U+009F) as well. `keep`: one that
-// stays, as the line ends of a message of several lines.
+// is kept, such as the line ends of a message of several lines.
 inline std::string printable(std::string text, char keep = '\0') {
   std::size_t size = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {

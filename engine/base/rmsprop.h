@@ -1,11 +1,11 @@
 // Rmsprop: descent by gradients divided by their own running size, with momentum; the optimiser
-// that the paper names for localization (METHODS A4), which its calibration takes too.
+// that the paper names for localization (METHODS A4) and also uses for its calibration.
 //
 //   s <- decay s + (1 - decay) g^2,   v <- momentum v + g / (sqrt(s / (1 - decay^t)) + least),
 //   x <- x - rate v.
 //
-// Gradients are those by x in units of its rate, so `least` is a change of the loss by one such
-// step: what hardly matters is hardly moved.
+// Gradients are with respect to x in units of its rate, so `least` is a change of the loss by one
+// such step: parameters with little effect hardly move.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct RmspropOptions {
 
 class Rmsprop {
  public:
-  // `rate`: length of a step of each number, in its unit.
+  // `rate`: step length of each number, in its unit.
   Rmsprop(std::vector<double> rate, const RmspropOptions& options)
       : options_(options), rate_(std::move(rate)), square_(rate_.size()), velocity_(rate_.size()) {}
 

@@ -1,4 +1,4 @@
-// Numbers in words for people: "0.25", "1e-07".
+// Short decimal text of numbers for people: "0.25", "1e-07".
 #pragma once
 
 #include <array>

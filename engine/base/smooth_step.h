@@ -1,10 +1,10 @@
-// A smooth passage from 0 to 1, in a scalar T.
+// A smooth step from 0 to 1, in a scalar T.
 #pragma once
 
 namespace rayloc {
 
-// 0 for x <= 0 (and where x is none), 1 for x >= 1, with three continuous derivatives: differences
-// of fourth order confirm the first one.
+// 0 for x <= 0 (and for NaN), 1 for x >= 1, with three continuous derivatives: differences of
+// fourth order confirm the first one.
 template <typename T>
 T smooth_step(const T& x) {
   if (!(x > T(0))) {

@@ -1,5 +1,5 @@
-// Of a vector that is filled and emptied again and again: it keeps the memory of the most that it
-// has ever held, for ever. Behind a backlog that may be a hundred times what it needs since.
+// Limits the memory of a vector that is filled and emptied repeatedly: it keeps the capacity of its
+// largest size for ever. After a backlog that may be a hundred times its later need.
 #pragma once
 
 #include <algorithm>
@@ -8,11 +8,11 @@
 
 namespace rayloc {
 
-// Empties it. Its memory stays for the next time, except where that is more than four times what it
-// held now: a backlog comes once, and is followed by less.
+// Clears the vector. Its memory is kept for reuse, except where that is more than four times its
+// current size: a backlog is rare, and smaller fillings follow it.
 template <typename T>
 void clear_without_spare(std::vector<T>& values) {
-  constexpr std::size_t kSmallBytes = std::size_t{64} << 10U;  // not worth giving back
+  constexpr std::size_t kSmallBytes = std::size_t{64} << 10U;  // not worth freeing
   const std::size_t needed = std::max(values.size(), kSmallBytes / sizeof(T));
   if (values.capacity() / 4 > needed) {
     values = std::vector<T>();

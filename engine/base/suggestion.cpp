@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-// What people spell differently does not count: case, '_', '-', ' '.
+// Removes differences that do not count: case, '_', '-', ' '.
 std::string plain(std::string_view text) {
   std::string result;
   for (const char c : text) {
@@ -19,8 +19,8 @@ std::string plain(std::string_view text) {
   return result;
 }
 
-// Insertions, deletions, replacements and swaps of neighbours that make `a` of `b` (optimal string
-// alignment).
+// Number of insertions, deletions, replacements and swaps of neighbours that turn `b` into `a`
+// (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last(b.size() + 1);
   std::vector<std::size_t> last(b.size() + 1);
@@ -43,8 +43,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
-constexpr std::size_t kLongestWord = 64;  // more is no mistyped name, and costs time
-// A count of letters, chosen: two are within too many names.
+constexpr std::size_t kLongestWord = 64;  // longer words are no mistyped names, and cost time
+// A count of letters, chosen: two letters occur in too many names.
 constexpr std::size_t kShortestAbbreviation = 3;
 
 }  // namespace
@@ -58,7 +58,7 @@ std::string_view closest_name(std::string_view word, std::span<const std::string
   std::size_t best_distance = std::max<std::size_t>(1, (wanted.size() + 1) / 3) + 1;
   for (const std::string_view name : names) {
     const std::size_t distance = edit_distance(wanted, plain(name));
-    // As many changes as letters leave nothing of the word.
+    // With as many changes as letters nothing of the word is left.
     if (distance < best_distance && distance < wanted.size()) {
       best = name;
       best_distance = distance;
@@ -72,7 +72,7 @@ std::string_view closest_name(std::string_view word, std::span<const std::string
     if (known.find(wanted) != std::string::npos ||
         (known.size() >= kShortestAbbreviation && wanted.find(known) != std::string::npos)) {
       if (!best.empty()) {
-        return {};  // of several: that would be a guess
+        return {};  // ambiguous: several names match
       }
       best = name;
     }

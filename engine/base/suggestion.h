@@ -1,4 +1,4 @@
-// "Did you mean ...?": the known name that a mistyped one most likely stands for.
+// "Did you mean ...?": finds the known name that a mistyped one most likely means.
 #pragma once
 
 #include <span>
@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// The closest of `names`, or nothing when none is close: few typing errors away, or the same but
+// The closest of `names`, or nothing when none is close: few typing errors away, or equal except
 // for '_', '-' and case, or an abbreviation of exactly one ("halfwave" of "half_wave_dipole").
 std::string_view closest_name(std::string_view word, std::span<const std::string_view> names);
 

@@ -1,5 +1,5 @@
-// Event time: UTC in integer nanoseconds. Never a double since the epoch, never read from a clock
-// inside the engine: time is passed in, so that a replay gives the same results as the live run.
+// Event time: UTC in integer nanoseconds. It is never a double since the epoch and never read from
+// a clock inside the engine: time is passed in, so that a replay gives the results of the live run.
 #pragma once
 
 #include <chrono>

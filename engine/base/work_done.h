@@ -1,8 +1,8 @@
-// WorkDone: floating-point operations and bytes of the inner loops of this thread, counted by the
-// sizes of each call: what a roofline needs (tests/bench/live_bench).
+// WorkDone: floating-point operations and bytes of the inner loops of this thread, computed from
+// the sizes of each call: input of a roofline plot (tests/bench/live_bench).
 //
 // A multiply-add is two operations, a root, logarithm or exponential ten. A byte that a call reads
-// or writes counts once, wherever it comes from and however often the call reads it.
+// or writes counts once, independent of its source and of the number of reads.
 #pragma once
 
 #include <cstddef>

@@ -10,8 +10,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMostCells = 12000.0;  // of a room, about a count: as many as RayLoc's own map
-constexpr std::size_t kMapGrain = 256;  // cells a task, a count
+constexpr double kMostCells = 12000.0;  // of a room, approximate count: as many as RayLoc's own map
+constexpr std::size_t kMapGrain = 256;  // cells per task, a count
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A place from a likelihood over the plan of a room: the same for every method that has one.
+// Converts a likelihood over the plan of a room to an estimate; shared by the methods.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,15 @@
 namespace rayloc {
 
 struct PlanMapOptions {
-  double step = 0.05;                 // [m], of the cells; more where the room is large
-  double accuracy_confidence = 0.95;  // of what is stated as accuracy
-  // Probability that the map says nothing of the place, as RayLoc has it with one access point:
-  // what a wrong path leaves is in the map itself.
+  double step = 0.05;                 // [m], of the cells; larger in a large room
+  double accuracy_confidence = 0.95;  // probability within the reported accuracy
+  // Outlier probability of the map, as in RayLoc with one access point: the effect of a wrong path
+  // is already in the map.
   double elsewhere = 0.03;
 };
 
-// Fills what summarise_posterior() does, and the loss. log_likelihood: of a device at a place, from
-// many threads.
+// Sets the fields of summarise_posterior(), and the loss. log_likelihood: for a device at a place,
+// called from many threads.
 void summarise_plan(const RoomModel& room,
                     const PlanMapOptions& options,
                     const std::function<double(const Vec3d& place)>& log_likelihood,

@@ -113,7 +113,7 @@ Expected<void> read_baseline_value(std::string_view assignment,
 }
 
 std::string baseline_settings_help(std::span<const BaselineSetting> table) {
-  constexpr std::size_t kWidth = 20;  // [characters] of the column of keys
+  constexpr std::size_t kWidth = 20;  // [characters], width of the column of keys
   std::string text;
   for (const BaselineSetting& setting : table) {
     std::string line = std::string(setting.key) + "=" +

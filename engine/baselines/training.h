@@ -1,5 +1,5 @@
-// Training: what a method has learned of a site from the survey that calibration uses as well
-// (`rayloc train`); a plain value. daemon/site/training_file keeps it.
+// Training: the parameters that a method learned at a site from the calibration survey (`rayloc
+// train`); a plain value. daemon/site/training_file stores it.
 #pragma once
 
 #include <cstddef>
@@ -22,17 +22,17 @@ namespace rayloc {
 
 struct AccessPointTraining {
   std::string id;
-  std::size_t points = 0;  // surveyed points that it rests on
-  // [rad], standard deviation of a direct path's phase between antennas; 0: not what was learned
+  std::size_t points = 0;  // number of surveyed points used
+  // [rad], standard deviation of a direct path's phase between antennas; 0: not learned
   double sigma_psi = 0.0;
-  double outliers = 0.0;          // share of the bursts whose direct path is another
+  double outliers = 0.0;          // share of bursts with a wrong direct path
   std::optional<LevelLaw> level;  // of the transmitters of constant power
 };
 
-// A network that knows places by their images.
+// A network that classifies places by their images.
 struct PlaceNetwork {
-  std::vector<Vec3d> places;  // one a class
-  bool knows_nobody = false;  // one class more: the empty room
+  std::vector<Vec3d> places;  // one per class
+  bool knows_nobody = false;  // an additional class: the empty room
   std::vector<double> mean;   // of each plane of an image, and its standard deviation
   std::vector<double> deviation;
   double temperature = 1.0;       // of the weights (weighted_places.h)
@@ -44,24 +44,24 @@ struct PlaceNetwork {
 
 struct Training {
   std::string method;
-  std::string calibration_id;              // of the room that it was learned in
-  std::vector<MacAddress> constant_power;  // transmitters that the laws of level hold for
+  std::string calibration_id;              // of the room at training
+  std::vector<MacAddress> constant_power;  // transmitters to which the path-loss laws apply
   std::vector<AccessPointTraining> access_points;
-  std::optional<MacAddress> transmitter;  // of people, who sent
-  BaselineValues values;                  // what the method was told
+  std::optional<MacAddress> transmitter;  // sender of the frames, for people
+  BaselineValues values;                  // settings of the method at training
   std::optional<PlaceNetwork> network;
 
   const AccessPointTraining* find(const std::string& id) const;
 };
 
-// A surveyed point and what was heard there, of all access points.
+// A surveyed point and the frames that all access points received from it.
 struct TrainingPoint {
   Vec3d position;
   std::vector<CsiFrame> frames;
 };
 
-// Where a training of two stages stands between two epochs: first with a part of the points, of
-// which the others tell how sure the network may be, then with all.
+// State of a training of two stages between two epochs: first with a part of the points, of which
+// the others calibrate the network's confidence, then with all.
 struct TrainingCheckpoint {
   std::size_t stage = 0;
   double temperature = 1.0;  // from the first stage
@@ -70,20 +70,20 @@ struct TrainingCheckpoint {
 };
 
 struct TrainingProgress {
-  double share = 0.0;  // of the work that is done
+  double share = 0.0;  // completed share of the work
   std::string what;    // "epoch 3 of 15, loss 1.24"; may be empty
 };
 
 struct TrainingInput {
   std::shared_ptr<const RoomModel> room;
   std::vector<TrainingPoint> points;
-  std::vector<CsiFrame> empty;             // of people: while nobody was there; may be none
-  std::optional<MacAddress> transmitter;   // of people, who sent
-  std::vector<MacAddress> constant_power;  // as the site states it
+  std::vector<CsiFrame> empty;             // for people: frames of the empty room; optional
+  std::optional<MacAddress> transmitter;   // sender of the frames, for people
+  std::vector<MacAddress> constant_power;  // as stated in the site
   BaselineValues values;
   std::uint64_t seed = 1;
   std::optional<TrainingCheckpoint> resume;
-  // Both may be empty. keep: after each epoch of a network.
+  // Both may be empty. keep: called after each epoch of a network.
   std::function<void(const TrainingProgress&)> progress;
   std::function<void(const TrainingCheckpoint&)> keep;
 };

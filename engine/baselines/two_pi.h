@@ -1,4 +1,4 @@
-// A full turn, as the baselines write it.
+// A full turn in radians, shared by the baselines.
 #pragma once
 
 #include <numbers>

@@ -22,12 +22,12 @@ using Value = std::complex<double>;
 constexpr double kYawPrior = 1.0 * kDegree;  // [rad], of a survey with a compass or by eye
 // [rad], chosen: the scan covers three of kYawPrior to either side.
 constexpr double kYawStep = 1.0 * kDegree;
-constexpr int kYawSteps = 3;  // to either side
-// The tones of a point are no independent evidence about the model's errors; one point is.
+constexpr int kYawSteps = 3;  // on each side
+// The tones of a point are not independent evidence on the model's errors; one point is.
 constexpr double kAccessPointEvidence = 0.1;
 
-// The maximum of a function on a list of values: scans it, and takes the parabola through the best
-// and its neighbours for the maximum and its width.
+// The maximum of a function over a list of values: scans the list and returns the vertex of the
+// parabola through the best value and its neighbours, with its width.
 template <typename Function>
 Fitted<double> maximise(const std::vector<double>& values, double prior, const Function& function) {
   std::vector<double> height;
@@ -224,7 +224,7 @@ std::vector<std::optional<double>> AccessPointCalibrator::correlations(
 std::vector<std::optional<double>> AccessPointCalibrator::crossed_correlations(
     const std::vector<Vec3d>& offsets) const {
   std::vector<std::optional<double>> each(given_);
-  // A count: gains of one half of the points are judged on the other.
+  // A count: the gains of one half of the points are tested on the other half.
   constexpr std::size_t kFolds = 2;
   if (samples_.size() / kFolds < kLeastSamples) {
     return each;

@@ -1,9 +1,9 @@
-// fit_access_point: the chain gains of an access point, its yaw and the errors of its model, from
-// bursts of a device at surveyed points; in closed form but for a few one-dimensional scans
-// (METHODS B4, step 1).
+// fit_access_point: chain gains and yaw of an access point and the errors of its model, from bursts
+// of a device at surveyed points; closed form except for a few one-dimensional scans (METHODS B4,
+// step 1).
 //
-// The rays of each point come from the scene as it is (the floor plan). A reflection's phase is
-// then uncertain by more than a turn, but not systematically: over all points the products of
+// The rays of each point come from the uncalibrated scene (the floor plan). A reflection's phase is
+// then uncertain by more than a full cycle, but not systematically: over all points the products of
 // measured and expected arrays have one principal direction, the gains.
 #pragma once
 
@@ -23,27 +23,27 @@
 
 namespace rayloc {
 
-// A burst of a device at a surveyed point, as one access point heard it.
+// A burst of a device at a surveyed point, as received by one access point.
 struct CalibrationSample {
   Vec3d position;                       // [m]
   std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
-  // [m], standard deviation of the position on each axis. What it does to rays is no error of the
-  // room's model: who is located there would be located with an error that nobody makes.
+  // [m], standard deviation of the position on each axis. Its effect on rays is not an error of the
+  // room's model: including it there would widen estimates by an error that does not occur in use.
   double survey_sigma = 0.0;
 };
 
 struct AccessPointFit {
   ChainGains gains;
-  std::vector<double> gain_sigma;  // of each core, relative to the gain's magnitude
+  std::vector<double> gain_sigma;  // for each core, relative to the gain's magnitude
   Fitted<double> yaw_offset;       // [rad], to be added to the surveyed yaw
   FittedModelError error;
   std::size_t samples_used = 0;
 };
 
-// Whether an access point's yaw and chain gains are to be found, or known already.
+// An access point's yaw and chain gains: fitted, or held at known values.
 enum class ArrayFit : std::uint8_t { kFitted, kHeld };
 
-// One access point of a room and the points it was calibrated on.
+// One access point of a room and the points used for its calibration.
 class AccessPointCalibrator {
  public:
   // Traces the rays to every sample. `room` is the uncalibrated one; samples that no ray reaches
@@ -55,28 +55,28 @@ class AccessPointCalibrator {
   // An Error when fewer than `kLeastSamples` samples can be used.
   static constexpr std::size_t kLeastSamples = 4;
   Expected<AccessPointFit> fit(ArrayFit array = ArrayFit::kFitted) const;
-  // The gains alone, at the surveyed yaw and with the errors of a floor plan: no scan, a tenth of
-  // the time.
+  // The gains alone, at the surveyed yaw and with the errors of a floor plan: without a scan, in a
+  // tenth of the time.
   Expected<AccessPointFit> fit_gains() const;
 
   // Mean squared normalised correlation of measured and expected arrays over the samples: with the
   // gains and the yaw of a fit, or (nullptr) with equal gains and the surveyed yaw.
   double correlation(const AccessPointFit* fit) const;
-  // The same of each sample that was given; nothing where no ray reaches it.
+  // The same for each given sample; nullopt where no ray reaches it.
   std::vector<std::optional<double>> correlations(const AccessPointFit* fit) const;
-  // The same of each sample with gains that have not seen it: those of every second sample judge
-  // the others. As if the elements stood at `offsets` [m] from the array's position, world axes;
-  // the rays are those of the array as it is. Nothing of any sample where half of the samples are
+  // The same for each sample, with gains fitted without it: the gains of every second sample are
+  // tested on the others. The elements are assumed at `offsets` [m] from the array's position,
+  // world axes; the rays are those of the actual array. All nullopt where half of the samples are
   // fewer than kLeastSamples.
   std::vector<std::optional<double>> crossed_correlations(const std::vector<Vec3d>& offsets) const;
-  // As if the carrier were another: the rays stay, their phases are those of another wave.
+  // A copy with another carrier: the rays are kept, their phases are those of the new wavelength.
   AccessPointCalibrator at_carrier(double centre_hz) const;
 
   std::size_t usable_samples() const { return samples_.size(); }
 
  private:
   struct Sample {
-    std::size_t index = 0;  // in what was given
+    std::size_t index = 0;  // in the given samples
     std::vector<std::complex<double>> h;
     std::vector<Ray> rays;
     double survey_sigma = 0.0;

@@ -24,15 +24,15 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr int kRefitIterations = 8;  // a count, chosen: bounds the time of a refit
-// Reflections beyond those that the likelihood knows; tried, and kept where they explain more. They
-// average out over a survey, not over one spot: where the strong paths to an antenna cancel, what
-// is left of them turns the phase.
+// Additional reflections beyond those of the likelihood; tried, and kept where they explain more.
+// Their effect averages out over a survey, but not over one spot: where the strong paths to an
+// antenna cancel, the residual of these reflections changes the phase.
 constexpr int kMoreDepth = 1;
-// [s], by how much the delay of a chain may change with a power cycle: a clock divider that starts
-// at another edge moves phases by whole quarters of a turn, delays by a share of a sample at most.
+// [s], change of a chain's delay in a power cycle: a clock divider that starts at another edge
+// changes phases by multiples of a quarter cycle, delays by a fraction of a sample at most.
 constexpr double kDelaySigma = 0.3e-9;
-// Of the calibrated tolerance of surfaces. The calibration's is found on a coarse scan and speaks
-// of all surfaces; what explains these spots best is as good.
+// Shares of the calibrated tolerance of surfaces. The calibrated value comes from a coarse scan
+// over all surfaces; the value that explains these spots best is equally valid.
 constexpr std::array<double, 3> kTolerances = {1.0, 0.5, 0.0};
 
 double power(std::span<const Value> values) {
@@ -51,7 +51,7 @@ std::vector<Value> through(const std::vector<Value>& gain, const std::vector<Val
   return product;
 }
 
-// Sums over the spots for one chain: measured against the gain times the expected, per tone.
+// Sums over the spots for one chain: measured against gain times expected, per tone.
 struct ChainSums {
   std::vector<Value> cross;
   std::vector<double> power;
@@ -60,7 +60,7 @@ struct ChainSums {
   Value along() const { return std::accumulate(cross.begin(), cross.end(), Value()); }
   double expected() const { return std::accumulate(power.begin(), power.end(), 0.0); }
 
-  // Share of the measured power that a factor on top of the gain explains.
+  // Share of the measured power that one factor on top of the gain explains.
   double correlation() const {
     const double own = expected();
     return own > 0.0 && measured > 0.0 ? std::norm(along()) / (own * measured) : 0.0;
@@ -70,7 +70,7 @@ struct ChainSums {
   double factor() const { return std::abs(along()) / expected(); }
 };
 
-// Factors and delays of the chains on top of gains that are known up to these.
+// Factors and delays of the chains on top of gains that are known except for these.
 class FactorFit {
  public:
   FactorFit(const OfdmGrid& grid, std::vector<ArrayPair> pairs, std::vector<Value> gain)
@@ -101,8 +101,8 @@ class FactorFit {
 
   const std::vector<Value>& gain() const { return gain_; }
 
-  // [rad], of each chain; a chain of a spot is one independent value: what is wrong with the room
-  // is wrong in about the same way at all tones.
+  // [rad], for each chain; a chain of a spot counts as one independent value, because errors of the
+  // room are nearly the same at all tones.
   std::vector<double> sigma() const {
     std::vector<double> result;
     for (std::size_t row = 0; row < rows(); ++row) {
@@ -117,8 +117,8 @@ class FactorFit {
  private:
   std::size_t rows() const { return gain_.size() / tones_; }
 
-  // All chains at once would cancel as long as their phases are unknown; one chain tells the delay
-  // and the phase of each spot, the same chain for all spots.
+  // With unknown phases, the sum over all chains would cancel. One chain therefore determines the
+  // delay and phase of each spot, the same chain for all spots.
   void align_by_one_chain() {
     std::size_t best = 0;
     double most = -1.0;
@@ -144,8 +144,8 @@ class FactorFit {
                           std::span(pair.measured).subspan(row * tones_, tones_));
   }
 
-  // What the chains have in common says nothing about them: the level of all, told by those that
-  // are explained best, is taken for the level from before.
+  // A change common to all chains contains no information on them: their common amplitude,
+  // estimated from the chains that are explained best, is set to the earlier one.
   void take_common_level() {
     double weights = 0.0;
     double sum = 0.0;
@@ -183,13 +183,13 @@ class FactorFit {
     return sums;
   }
 
-  // Inverse variance of phase and ln |factor| of a chain that is explained to that share.
+  // Inverse variance of phase and ln |factor| of a chain of which that share is explained.
   double sharpness(double share) const {
     const double explained = std::clamp(share, 0.0, 1.0 - 1e-6);
     return 2.0 * explained / (1.0 - explained) * static_cast<double>(pairs_.size());
   }
 
-  // One Newton step for the delay, the factor in closed form.
+  // One Newton step for the delay; the factor in closed form.
   void improve(std::size_t row) {
     const ChainSums now = sums(row);
     const Value sum = now.along();
@@ -210,7 +210,7 @@ class FactorFit {
     const double step =
         (weight * slope - prior * delay_[row]) / std::max(weight * curvature + prior, 1e-300);
     delay_[row] += step;
-    // ln |factor| is as well known as its phase.
+    // ln |factor| is as accurate as its phase.
     const double stiffness = 1.0 / (kChainLevelSigma * kChainLevelSigma);
     const double rise =
         (sharp * std::log(std::abs(sum) / own) - stiffness * level_[row]) / (sharp + stiffness);
@@ -223,18 +223,18 @@ class FactorFit {
 
   std::size_t tones_;
   Aligner aligner_;
-  std::vector<double> angular_;  // [rad/s], of each tone from the middle
+  std::vector<double> angular_;  // [rad/s], of each tone relative to the middle
   std::vector<ArrayPair> pairs_;
   std::vector<Value> gain_;
-  std::vector<double> delay_;  // [s], added to each chain, ahead
+  std::vector<double> delay_;  // [s], advance added to each chain
   std::vector<double> level_;  // ln of the factor's magnitude, of each chain
 };
 
-// A refit under one assumption of how well surfaces are known.
+// A refit under one assumption on the accuracy of the surfaces.
 struct Attempt {
   ChainRefit refit;
   double tolerance = 0.0;
-  double sum = 0.0;  // of the correlations
+  double sum = 0.0;  // sum of the correlations
 };
 
 class Refit {
@@ -268,7 +268,7 @@ class Refit {
     return best;
   }
 
-  // Adds what the uncertainty of the places does to the phase of each chain against the first.
+  // Adds the phase error due to the uncertainty of the places, per chain relative to the first.
   void add_place(double place_sigma, Attempt& attempt) const {
     std::vector<double> sigma(attempt.refit.sigma.size());
     for (const KnownSpot* spot : spots_) {
@@ -289,7 +289,7 @@ class Refit {
 
  private:
   Attempt attempt(double tolerance) const {
-    // The antennas are the same after a power cycle, and what they take from each other.
+    // The antennas and their mutual coupling are unchanged by a power cycle.
     ChainGains gains{grid_, access_point_.cores, {}, access_point_.gains.coupling};
     std::vector<ArrayPair> pairs;
     std::vector<std::vector<Value>> fields;
@@ -310,7 +310,7 @@ class Refit {
       gains.gain = std::move(ripple.gain);
       one.refit.sigma = std::move(ripple.sigma);
     }
-    // Gains of every tone explain the few spots they are made of: what they leave tells no sigma.
+    // Per-tone gains fit the few spots they come from: their residuals give no valid sigma.
     if (spots_.size() < kRippleSpots) {
       FactorFit fit(grid_, pairs, access_point_.gains.gain);
       fit.run();

@@ -2,17 +2,17 @@
 // transmitters at known places; everything else of the room stays as calibrated (METHODS B4, step
 // 1, alone).
 //
-// A power cycle turns the phases of the chains; their ripple over the band is that of filters and
-// stays, and their level about (kChainLevelSigma). From fewer than kRippleSpots spots a complex
-// factor and a delay of each chain are therefore fitted on top of the old gains; from more, the
-// gains of every tone (chain_ripple()).
+// A power cycle changes the phases of the chains; their ripple over the band is due to filters and
+// stays, and so does their amplitude approximately (kChainLevelSigma). From fewer than kRippleSpots
+// spots a complex factor and a delay of each chain are therefore fitted on top of the old gains;
+// from more, the gains of every tone (chain_ripple()).
 //
-// Of a transmitter whose array was kept from before the power cycle (the empty room of a
-// PersonReference) the chains are compared with that, tone by tone: nothing of the room needs to be
-// right.
+// For a transmitter with an array recorded before the power cycle (the empty room of a
+// PersonReference), the chains are compared with that array tone by tone: the model of the room
+// need not be right.
 //
-// One spot says nothing about itself: a wrong place turns the phases as a power cycle would, and is
-// seen only where the spectrum does not fit. Two and more contradict each other.
+// One spot cannot verify itself: a wrong place changes the phases like a power cycle and is
+// detected only where the spectrum does not fit. Two and more spots contradict each other.
 #pragma once
 
 #include <complex>
@@ -27,17 +27,17 @@
 
 namespace rayloc {
 
-// What an access point heard of a transmitter at a known place.
+// Observation by an access point of a transmitter at a known place.
 struct KnownSpot {
   Vec3d position;  // [m]
   DeviceModel device;
   std::vector<std::complex<double>> h;  // [core][tone], BurstObservation::h
-  // The same before the power cycle, chains removed; empty: what the room expects counts.
+  // The same before the power cycle, chains removed; empty: the room's expected array is used.
   std::vector<std::complex<double>> usual = {};
 };
 
-// Squared normalised correlations of measured and expected arrays when the room was calibrated, at
-// points that did not enter the calibration.
+// Squared normalised correlations of measured and expected arrays at the time of the room's
+// calibration, at points that did not enter the calibration.
 struct UsualFit {
   double median = 0.0;
   double lower_quartile = 0.0;
@@ -46,29 +46,29 @@ struct UsualFit {
 
 struct ChainRefitOptions {
   double place_sigma = 0.01;      // [m] along each axis, of the places stated
-  std::optional<UsualFit> usual;  // nothing: the fit is compared with nothing
-  double most_sigma = 0.52;       // [rad], 30 degrees: by what the room leaves unexplained
+  std::optional<UsualFit> usual;  // nullopt: the fit is not compared
+  double most_sigma = 0.52;       // [rad], 30 degrees: limit of a phase's error from the residual
 };
 
 struct ChainRefit {
   ChainGains gains;
-  // Of the phase of each core [rad]. The difference of two has the root of the sum of the squares.
+  // [rad], of the phase of each core. The sigma of a difference is the root of the sum of squares.
   std::vector<double> sigma;
   double fit = 0.0;       // median of the spots' squared normalised correlation
-  std::size_t spots = 0;  // that a ray reaches, or with an array from before
-  bool ripple = false;    // of every tone, else the old ripple
+  std::size_t spots = 0;  // reached by a ray, or with an earlier array
+  bool ripple = false;    // refitted per tone; false: old ripple
 };
 
-// A count, chosen: fewer do not average out what no ray explains.
+// A count, chosen: with fewer spots, power that no ray explains does not average out.
 inline constexpr std::size_t kRippleSpots = 12;
 
-// An Error when no ray of the room reaches a spot, when the phase of a chain would be known too
-// badly (options.most_sigma), or when the spots fit far worse than usual: more
-// than kFarBelowUsual robust standard deviations below on the scale log(c / (1 - c)), one of which
-// is taken as at least kLeastSpread. It names both numbers.
+// An Error when no ray of the room reaches a spot, when the phase of a chain would be too
+// inaccurate (options.most_sigma), or when the spots fit far worse than usual: more than
+// kFarBelowUsual robust standard deviations below on the scale log(c / (1 - c)), where one
+// deviation is at least kLeastSpread. The Error contains both numbers.
 // REQUIRES: room.access_points[access_point].gains not empty; every h of its size.
 inline constexpr double kFarBelowUsual = 3.5;
-// [log odds], chosen: surveys whose fits agree too well refuse nothing.
+// [log odds], chosen: surveys with nearly equal fits must not cause a refusal.
 inline constexpr double kLeastSpread = 0.5;
 Expected<ChainRefit> refit_chains(const RoomModel& room,
                                   std::size_t access_point,

@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kRippleIterations = 6;  // a count, chosen: phases of frames and gains, in turn
+constexpr int kRippleIterations = 6;  // a count, chosen: alternates phases of frames and gains
 // Gains are smooth over the tones: polynomials up to this degree (a ripple over the band).
 constexpr int kGainDegree = 4;
 
@@ -69,8 +69,8 @@ std::vector<Value> aligned_ratio(const Aligner& aligner,
   return ratio;
 }
 
-// Of each chain: the scatter of the samples' own phases about the gains', over the root of the
-// number of samples [rad].
+// Sigma of each chain [rad]: the scatter of the samples' own phases about the gains' phases, over
+// the root of the number of samples.
 std::vector<double> phase_sigma(const std::vector<Value>& gain,
                                 const std::vector<std::vector<Value>>& ratio,
                                 std::size_t tones) {

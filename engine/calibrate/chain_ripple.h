@@ -1,4 +1,4 @@
-// What the receive chains do to an array beyond what is known of them: the principal direction of
+// Residual response of the receive chains beyond the known part: the principal direction of
 // measured over expected arrays, smooth over the tones (METHODS B4, step 1).
 #pragma once
 

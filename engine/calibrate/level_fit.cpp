@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Powers are stated in whole decibels: no spread is known better.
+// Powers are reported in whole decibels: no spread is known better than this.
 constexpr double kLeastSigma = 0.5;  // [dB]
 
 }  // namespace

@@ -1,5 +1,5 @@
-// fit_level: what an access point states as the level of a transmitter of constant power, from what
-// it heard of it at surveyed points (engine/likelihood/level.h has the likelihood).
+// fit_level: received power that an access point reports for a transmitter of constant power, from
+// observations at surveyed points (engine/likelihood/level.h has the likelihood).
 #pragma once
 
 #include <cstddef>
@@ -17,16 +17,16 @@ struct LevelSample {
 };
 
 struct LevelFit {
-  double offset_db = 0.0;  // mean of the levels less what is traced
-  double sigma_db = 0.0;   // their standard deviation about it
+  double offset_db = 0.0;  // mean of measured minus traced power
+  double sigma_db = 0.0;   // standard deviation of the difference
   std::size_t samples = 0;
 };
 
-// A count, chosen: the spread of fewer is not known.
+// A count, chosen: the spread of fewer samples is not known.
 inline constexpr std::size_t kLeastLevelSamples = 10;
 
-// Of the room as calibrated: its device, rays and diffuse power. Nothing with fewer points than
-// kLeastLevelSamples that a ray leads to.
+// `room` is the calibrated one: its device, rays and diffuse power are used. nullopt with fewer
+// than kLeastLevelSamples points that a ray reaches.
 std::optional<LevelFit> fit_level(const RoomModel& room,
                                   std::size_t access_point,
                                   std::span<const LevelSample> samples);

@@ -13,9 +13,9 @@
 namespace rayloc {
 namespace {
 
-// One of the numbers. Scales are unknown by their logarithms to base 2 above a floor below which
-// nothing can be told or is wanted: no plan and survey is better than half a millimetre, and the
-// more the noise of a weak burst exceeds the model's, the worse a map tells it (burst_noise.h).
+// One of the parameters. A scale is represented by its log2 above a floor, below which it is
+// neither measurable nor useful: no plan and survey is better than half a millimetre, and the more
+// the noise of a weak burst exceeds the model's, the less a map can measure it (burst_noise.h).
 struct ModelErrorUnknown {
   Fitted<double> FittedModelError::*value;
   bool is_scale;
@@ -31,14 +31,14 @@ constexpr std::array<ModelErrorUnknown, 5> kUnknowns = {{
     {&FittedModelError::noise, true, 3.0, 1.25e-4},
 }};
 constexpr auto kCount = static_cast<int>(kUnknowns.size());  // a count, of kUnknowns
-// Of differences: the likelihood is a sum in single precision, and decays are tabulated by
-// quarters.
+// Step of differences: the likelihood is a sum in single precision, and decays are tabulated in
+// steps of a quarter.
 constexpr double kSlopeStep = 0.125;
 constexpr double kCurvatureStep =
     0.5;                             // as kSlopeStep; chosen: second differences need a wider one
 constexpr double kConverged = 1e-6;  // of the cost, a hundredth of a unit in 10 000
 constexpr int kMostIterations = 40;  // a count, chosen: bounds the time of the fit
-// Of a scale, about its assumed value: log_evidence is asked for nothing beyond.
+// For a scale, relative to its assumed value: log_evidence is not called beyond it.
 constexpr double kMostOctaves = 12.0;
 
 using Point = Eigen::Matrix<double, kCount, 1>;
@@ -101,10 +101,10 @@ class Cost final : public ceres::FirstOrderFunction {
   }
   int NumParameters() const override { return kCount; }
 
-  // Standard deviations of the Gaussian about a minimum. Where the evidence curves the wrong way it
-  // tells nothing, and the prior is left.
+  // Standard deviations of the Gaussian about a minimum. Where the evidence has the wrong curvature
+  // it contains no information, and the prior remains.
   Point sigma(const Point& point) const {
-    Point step;  // as far as the prior is wide
+    Point step;  // the width of the prior
     for (int i = 0; i < kCount; ++i) {
       step(i) = kUnknowns[static_cast<std::size_t>(i)].width;
     }
@@ -147,7 +147,7 @@ FittedModelError fit_model_error(const std::function<double(const ModelError&)>&
                                  const FittedModelError& start) {
   auto owned = std::make_unique<Cost>(log_evidence);
   const Cost& cost = *owned;
-  const ceres::GradientProblem problem(owned.release());  // takes it
+  const ceres::GradientProblem problem(owned.release());  // takes ownership
   ceres::GradientProblemSolver::Options options;
   options.line_search_direction_type = ceres::BFGS;
   options.max_num_iterations = kMostIterations;

@@ -1,9 +1,9 @@
-// fit_model_error: how far a room differs from its model (ModelError), by what it says of bursts
-// from surveyed points.
+// fit_model_error: errors of a room's model (ModelError), from its likelihood of bursts from
+// surveyed points.
 //
-// All of it at once: what surfaces, diffuse power and the rest explain is exchanged between them,
-// and one after the other ends far from the best (engine/calibrate/README.md, *Considered and
-// rejected*).
+// All parameters are fitted at once: surfaces, diffuse power and the rest can explain the same
+// power, and fitting one after the other ends far from the optimum (engine/calibrate/README.md,
+// *Considered and rejected*).
 #pragma once
 
 #include <functional>
@@ -29,12 +29,12 @@ struct FittedModelError {
   }
 };
 
-// What a floor plan is worth: nothing was fitted.
+// Errors of an unfitted floor plan.
 FittedModelError assumed_model_error();
 
-// The maximum of `log_evidence` and of a wide prior about assumed_model_error(); begun at `start`.
+// The maximum of `log_evidence` and a wide prior about assumed_model_error(), from `start` on.
 // log_evidence: a log-likelihood of which one unit is one unit of evidence; called some 200 times,
-// from one thread. The sigmas are those of the Gaussian about the maximum, whatever the others are.
+// from one thread. The sigmas are those of the Gaussian about the maximum, others marginalised.
 FittedModelError fit_model_error(const std::function<double(const ModelError&)>& log_evidence,
                                  const FittedModelError& start);
 

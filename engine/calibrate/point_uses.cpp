@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kDecidingShare = 0.15;  // of the points that are not held out
 constexpr std::size_t kLeastPoints = 4;  // a count, chosen: as AccessPointCalibrator::kLeastSamples
-constexpr std::size_t kLeastDeciding = 3;  // a median of fewer is one point's word
-constexpr std::size_t kDecidingPart = 4;   // but one in so many at most
+constexpr std::size_t kLeastDeciding = 3;  // a median of fewer depends on one point
+constexpr std::size_t kDecidingPart = 4;   // at most one in this many points decides
 
-// Of so many points.
+// Number of deciding points among `count` points.
 std::size_t deciding_points(std::size_t count) {
   const auto share =
       static_cast<std::size_t>(std::lround(kDecidingShare * static_cast<double>(count)));

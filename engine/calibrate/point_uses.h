@@ -1,4 +1,4 @@
-// What each calibration point is for.
+// Use of each calibration point.
 #pragma once
 
 #include <array>
@@ -15,27 +15,27 @@ namespace rayloc {
 
 enum class Use : std::uint8_t {
   kFit,
-  kDecide,   // kept from the fit: says whether what it found is better
-  kHeldOut,  // only looked at
+  kDecide,   // kept from the fit: decides if its result is better
+  kHeldOut,  // evaluated only
 };
 inline constexpr std::array kFitted{Use::kFit};  // the uses whose points a round is fitted to
-// The uses whose points judge a round (METHODS B4, step 6).
+// The uses whose points evaluate a round (METHODS B4, step 6).
 inline constexpr std::array kDeciding{Use::kDecide};
-// The uses that the last fit joins.
+// The uses that enter the last fit.
 inline constexpr std::array kAllButHeldOut{Use::kFit, Use::kDecide};
-inline constexpr std::array kHeldOut{Use::kHeldOut};  // the uses that no fit and no decision sees
+inline constexpr std::array kHeldOut{Use::kHeldOut};  // the uses that enter no fit and no decision
 
-// Of each point. Those that decide are drawn without replacement from what was heard and is not
-// held out: 15 in 100, three at least, unless that were more than a quarter.
+// The use of each point. Deciding points are drawn without replacement from the received points
+// that are not held out: 15 in 100, at least three, but at most a quarter.
 std::vector<Use> draw_uses(std::span<const CalibrationPoint> points, std::uint64_t seed);
 
-// Those that decide; of so few points that none can be spared, those that are fitted.
+// The deciding points; with too few points to spare any, the fitted ones.
 std::span<const Use> deciders(std::span<const Use> uses);
 
-// How many points are heard and not held out.
+// Number of points that were received and are not held out.
 std::size_t fitted_points(std::span<const CalibrationPoint> points, std::span<const Use> uses);
 
-// An error that names the access point that heard too few points to be fitted.
+// An Error names an access point that received too few points for a fit.
 Expected<void> check_uses(const RoomModel& room,
                           std::span<const CalibrationPoint> points,
                           std::span<const Use> uses);

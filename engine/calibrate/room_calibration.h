@@ -1,5 +1,5 @@
-// What the calibration of a room starts from, how it tells its progress, and what it leaves. Shared
-// by the two methods: calibrate_jointly() (METHODS B4) and calibrate_by_paper() (METHODS A3).
+// Inputs, progress reports and results of a room's calibration. Shared by the two methods:
+// calibrate_jointly() (METHODS B4) and calibrate_by_paper() (METHODS A3).
 #pragma once
 
 #include <complex>
@@ -15,20 +15,20 @@
 
 namespace rayloc {
 
-// A device on a surveyed point, as the access points heard it.
+// A device on a surveyed point, as received by the access points.
 struct CalibrationPoint {
   Vec3d position;         // [m], as surveyed
-  bool held_out = false;  // never enters a fit; says how good the fit is
-  // Of each access point of the room: BurstObservation::h, [core][tone]; empty where the access
-  // point heard nothing.
+  bool held_out = false;  // never enters a fit; measures its quality
+  // For each access point of the room: BurstObservation::h, [core][tone]; empty where the access
+  // point received nothing.
   std::vector<std::vector<std::complex<double>>> h;
 };
 
-// A number of the model that was fitted.
+// A fitted number of the model.
 struct RoomParameter : Fitted<double> {
   ParameterId id;
-  std::string unit;          // "m", "rad", "S/m", "1"; of chains "dB" and "deg"
-  double prior_sigma = 0.0;  // how far the prior may be off; 0: nothing was assumed
+  std::string unit;          // "m", "rad", "S/m", "1"; for chains "dB" and "deg"
+  double prior_sigma = 0.0;  // standard deviation of the prior; 0: no prior was used
 };
 
 // How well a point is explained: the squared normalised correlation |<h, h'>|^2 / (|h|^2 |h'|^2) of
@@ -39,25 +39,25 @@ struct PointFit {
   double before = 0.0;  // floor plan and chain gains alone
   double after = 0.0;
   // As `after`, with the survey error of the point fitted too (joint method; else 0): the rest is
-  // what the model cannot say, clutter and diffuse power above all.
+  // power that the model cannot represent, above all clutter and diffuse power.
   double placed = 0.0;
 };
 
 struct CalibrationStep {
   std::string stage;
   int iteration = 0;     // counted over all stages
-  double loss = 0.0;     // of the points that are not held out; what it is depends on the method
+  double loss = 0.0;     // of the points that are not held out; defined by the method
   double heldout = 0.0;  // median PointFit::after of the points held out so far
 };
 
 struct RoomCalibration {
   RoomModel room;  // scene, poses, gains and errors as calibrated
   std::vector<RoomParameter> parameters;
-  std::vector<PointFit> points;  // of every point and access point that was used or held out
+  std::vector<PointFit> points;  // every point and access point that was used or held out
   std::vector<CalibrationStep> history;
-  // [m], of the points on each axis, as it was known or found (joint method; else 0).
+  // [m], of the points on each axis, as given or found (joint method; else 0).
   double survey_sigma = 0.0;
-  bool interrupted = false;  // the caller asked to stop: the last good state
+  bool interrupted = false;  // the caller requested a stop: the last good state
 };
 
 struct CalibrationProgress {

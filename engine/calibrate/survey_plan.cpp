@@ -15,12 +15,12 @@
 namespace rayloc {
 namespace {
 
-// The weight of an even spread over the room, against a surface that is seen once more: it decides
-// between points that see as much, and alone when all surfaces are seen enough.
+// The weight of an even spread over the room, relative to one more sighting of a surface: it
+// decides between points with equal sightings, and alone when all surfaces have enough.
 constexpr double kSpreadWeight = 0.05;
 constexpr double kSpreadReach = 1.0;  // [m]
 
-// A reflection that is seen: position in the list of sightings, and its band of incidence.
+// A visible reflection: position in the list of sightings, and its band of incidence.
 struct Sighting {
   std::uint32_t pair;
   std::uint32_t band;
@@ -29,7 +29,7 @@ struct Sighting {
 
 struct SurveyCandidate {
   Vec3d position;
-  std::vector<Sighting> seen;  // ascending, each once
+  std::vector<Sighting> seen;  // ascending, without repetition
 };
 
 bool is_clear(const Scene& scene, const Vec3d& p, double clearance) {
@@ -47,7 +47,7 @@ std::vector<Vec3d> free_places(const RoomModel& room, const SurveyPlanOptions& o
   const Vec3d size = room.bounds_max - room.bounds_min;
   const double spacing =
       std::max(options.spacing, std::sqrt(size.x * size.y / double{kMostCandidates}));
-  // Cells of equal size about their middles.
+  // Cells of equal size; the places are their centres.
   const auto columns = static_cast<int>(std::max(1.0, std::floor(size.x / spacing)));
   const auto rows = static_cast<int>(std::max(1.0, std::floor(size.y / spacing)));
   std::vector<Vec3d> places;
@@ -75,7 +75,7 @@ std::uint32_t band_of(const Vec3d& normal, const Vec3d& arriving) {
       std::min<double>(kIncidenceBands - 1, std::floor(share * kIncidenceBands)));
 }
 
-// The reflections of the paths that matter: surface and band of incidence.
+// The reflections of the relevant paths: surface and band of incidence.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& scene,
                                                                  const Vec3d& from,
                                                                  const Paths& paths,
@@ -103,7 +103,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> reflections(const Scene& sc
   return met;
 }
 
-// Traces all places and numbers the pairs of surface and access point that they see.
+// Traces all places and numbers their visible pairs of surface and access point.
 std::vector<SurveyCandidate> look_from(const std::vector<Vec3d>& places,
                                        const RoomModel& room,
                                        const SurveyPlanOptions& options,
@@ -149,7 +149,7 @@ std::vector<SurveyCandidate> look_from(const std::vector<Vec3d>& places,
   return candidates;
 }
 
-// Calls body(pair, first of its sightings) for each pair that a candidate sees, once.
+// Calls body(pair) once for each pair of surface and access point visible from a candidate.
 template <typename Body>
 void for_each_pair(const SurveyCandidate& candidate, const Body& body) {
   for (std::size_t i = 0; i < candidate.seen.size(); ++i) {
@@ -185,8 +185,8 @@ class Greedy {
   }
 
  private:
-  // What a candidate adds: to each surface one more sighting, worth the less the more it has, once
-  // for their number and once for their spread over the bands.
+  // The value of a candidate: one more sighting of each surface, worth less the more it already
+  // has, once for their number and once for their spread over the bands.
   double value(std::size_t i) const {
     if (distance_[i] == 0.0) {
       return -1.0;  // taken
@@ -220,7 +220,7 @@ class Greedy {
   const std::vector<SurveyCandidate>& candidates_;
   const SurveyPlanOptions& options_;
   std::vector<SurfaceSightings>& sightings_;
-  std::vector<double> distance_;  // of each candidate from the nearest that was taken
+  std::vector<double> distance_;  // of each candidate to the nearest taken one
 };
 
 void sort_by_nearest(std::vector<Vec3d>& points, Vec3d from) {
@@ -234,8 +234,8 @@ void sort_by_nearest(std::vector<Vec3d>& points, Vec3d from) {
   }
 }
 
-// From the nearest to the nearest leaves some behind; walking stretches the other way round until
-// none is shorter so takes them in (2-opt).
+// A nearest-neighbour tour leaves some points behind; reversing sections until no reversal shortens
+// the tour includes them (2-opt).
 std::vector<Vec3d> in_order_to_walk(std::vector<Vec3d> points, const Vec3d& from) {
   constexpr double kShorter = 1e-9;  // [m]
   sort_by_nearest(points, from);

@@ -1,10 +1,10 @@
-// plan_survey: where a device should stand in a survey, so that a calibration can see the room.
+// plan_survey: places for a device in a survey that make the surfaces of the room observable.
 //
-// A calibration learns a surface from the reflections on it, so every surface that reflections to
-// an access point meet should be met from several points, and at different angles: steep ones tell
-// where the surface is (a path changes by 2 cos(incidence) times its offset), flat ones what it is
-// made of. Points are taken one by one from a grid, each time the one that adds most; what no
-// surface needs any more goes where the room is still empty.
+// A calibration learns a surface from the reflections on it, so every surface with reflections to
+// an access point should be met from several points, and at different angles: steep ones determine
+// where the surface is (a path changes by 2 cos(incidence) times its offset), flat ones its
+// material. Points are taken one by one from a grid, each time the one that adds most; points that
+// no surface needs are placed in empty parts of the room.
 #pragma once
 
 #include <array>
@@ -22,11 +22,11 @@ struct SurveyPlanOptions {
   std::size_t points = 60;
   std::size_t sightings = 8;      // of a surface by an access point: from so many points
   double spacing = 0.25;          // [m], of the grid; wider in rooms of more than kMostCandidates
-  double clearance = 0.2;         // [m], from everything that stands in the room
-  double antenna_distance = 0.5;  // [m], from access points: the arrays must see a far field
+  double clearance = 0.2;         // [m], from all objects in the room
+  double antenna_distance = 0.5;  // [m], from access points: the arrays must be in the far field
   int max_depth = 2;              // reflections of a path
   double range_db = 30.0;         // paths this much below the strongest of a point do not count
-  // Whether a device can stand there; what is inside of objects, for one, cannot.
+  // True if a device can be placed there; the inside of an object, for example, is not free.
   std::function<bool(const Vec3d&)> is_free = [](const Vec3d&) { return true; };
 };
 
@@ -34,25 +34,25 @@ struct SurveyPlanOptions {
 inline constexpr std::size_t kMostCandidates = 2000;
 inline constexpr std::size_t kIncidenceBands = 3;  // 0 to 30, 30 to 60, 60 to 90 degrees
 
-// What the points see of a surface, in reflections to one access point.
+// Sightings of a surface from the points, in reflections to one access point.
 struct SurfaceSightings {
   std::uint32_t surface = 0;  // index into Scene::surfaces()
   std::size_t access_point = 0;
   std::size_t points = 0;      // of the plan
-  std::size_t candidates = 0;  // of the grid: where more could be had
+  std::size_t candidates = 0;  // of the grid: where more are possible
   std::array<std::size_t, kIncidenceBands> points_in_band{};
 };
 
 struct SurveyPlan {
-  // In an order to walk from the corner of the room's lowest coordinates: short, if not the
-  // shortest.
+  // In walking order from the corner of the room's lowest coordinates: a short tour, not
+  // necessarily the shortest.
   std::vector<Vec3d> points;
-  std::vector<SurfaceSightings> sightings;  // of every pair that any candidate sees, by surface
+  std::vector<SurfaceSightings> sightings;  // of every pair visible from any candidate, by surface
   std::size_t candidates = 0;
 };
 
-// At the height of room.device. Fewer points than asked for when the grid has fewer; none when no
-// place is free or nothing is heard.
+// At the height of room.device. Returns fewer points than requested when the grid has fewer; none
+// when no place is free or no signal is received.
 SurveyPlan plan_survey(const RoomModel& room, const SurveyPlanOptions& options);
 
 }  // namespace rayloc

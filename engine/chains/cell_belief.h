@@ -1,4 +1,4 @@
-// CellBelief: how likely a device is in every cell of a room, by one access point after the other.
+// CellBelief: probability of a device in each cell of a room, combined one access point at a time.
 #pragma once
 
 #include <cstddef>
@@ -11,10 +11,10 @@ class CellBelief {
  public:
   explicit CellBelief(std::size_t cells) : log_weight_(cells) {}
 
-  // log_likelihood: [cell], tempered. With a probability of `wrong` it says nothing of the place.
+  // log_likelihood: [cell], tempered. With probability `wrong` it has no information on the place.
   void hear(std::span<const double> log_likelihood, double wrong);
 
-  // [cell]: ln of how likely the device is there; their sum is 1.
+  // [cell]: ln of the probability that the device is in the cell; the probabilities sum to 1.
   std::vector<double> log_probability() const;
 
  private:

@@ -8,8 +8,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kChange = 1e-4;  // a probability, chosen: that chains turn before the next burst
-constexpr double kNear = 0.6;     // [rad], chosen: what is within it is one state, known roughly
+constexpr double kChange = 1e-4;  // a probability, chosen: that chains change before the next burst
+constexpr double kNear = 0.6;     // [rad], chosen: states nearer than this are one, known roughly
 
 }  // namespace
 

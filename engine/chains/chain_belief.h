@@ -1,9 +1,9 @@
-// ChainBelief: how probable every state of the receive chains of one access point is, turned
-// against what is believed of them (state 0), from one burst after the other.
+// ChainBelief: probability of every state of the receive chains of one access point (phase offsets
+// relative to the accepted state, state 0), updated with one burst after the other.
 //
-// Any burst may be of no place, or chains may turn before the next: what one burst can say is
-// bounded, and every state keeps a small probability. So a belief that has become wrong is given up
-// after about as many bursts as it took to form it.
+// A burst may match no place, or the chains may change before the next burst. The evidence of one
+// burst is therefore bounded and every state keeps a small probability, so a wrong belief is given
+// up after about as many bursts as it took to form.
 #pragma once
 
 #include <cstddef>
@@ -16,24 +16,24 @@ namespace rayloc {
 
 class ChainBelief {
  public:
-  static constexpr double kMostOfBurst = 4.0;  // [nat], of one burst: it may be of no place
+  static constexpr double kMostOfBurst = 4.0;  // [nat], per burst: the burst may match no place
 
-  // turned: the probability that chains are not as believed, before the first burst.
+  // turned: prior probability that the chains differ from the accepted state.
   ChainBelief(std::size_t chains, double turned);
 
   const TurnGrid& grid() const { return grid_; }
 
-  // log_evidence: [state], turn_evidence().
+  // log_evidence: [state], from turn_evidence().
   void hear(std::span<const double> log_evidence);
-  // Chains may have turned, with this probability: a power cycle is likely.
+  // The chains may have changed, with this probability: a power cycle is likely.
   void doubt(double probability);
-  // What is believed has changed: state 0 is another one now.
+  // The accepted state has changed: state 0 now denotes the new one.
   void settle();
 
-  // Of a state and those near it.
+  // Probability of a state and those near it.
   double near(std::size_t state) const;
   double as_believed() const { return near(0); }
-  // The most probable states that are not near each other, the most probable first.
+  // The most probable states that are not near each other, in descending order of probability.
   std::vector<std::size_t> modes(std::size_t most) const;
   const std::vector<double>& probability() const { return probability_; }  // [state]
 

@@ -12,14 +12,14 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kBlock = 64;  // a count of cells, chosen: worth a task, and a sum of its own
-constexpr double kMaxEvidence = 300.0;  // [nat], of a burst: keeps exp() finite
-// Counts, chosen: of a coarse look at all cells only so many turns of a chain are tried, and of
-// each state that many cells are kept.
+constexpr std::size_t kBlock = 64;  // a count of cells, chosen: worth one task and a separate sum
+constexpr double kMaxEvidence = 300.0;  // [nat], per burst: keeps exp() finite
+// Counts, chosen: the coarse evaluation of all cells tries kFewTurns phases per chain and keeps
+// kKeptCells cells per state.
 constexpr std::size_t kFewTurns = 8;
 constexpr std::size_t kKeptCells = 48;  // a count, chosen
 
-// A grid of fewer states, for what is looked at coarsely.
+// A grid of fewer states, for the coarse evaluation.
 std::vector<std::complex<float>> few_turns(const TurnGrid& grid) {
   const auto all = grid.undoing();
   const std::size_t every = std::max<std::size_t>(1, all.size() / kFewTurns);
@@ -34,7 +34,7 @@ struct CoarseLook {
   std::size_t turns = 0;
   std::size_t states = 1;
   std::vector<float> value;           // [cell][state]
-  std::vector<std::uint8_t> windows;  // [cell]; 0: no ray leads there
+  std::vector<std::uint8_t> windows;  // [cell]; 0: no ray reaches it
 };
 
 CoarseLook coarse_look(const AccessPointMap& map,
@@ -117,7 +117,7 @@ TurnEvidence turn_evidence(const AccessPointMap& map,
     evidence.best_cells[state] = best_cells(look, state, likelihood_exponent, log_weight);
   });
   const std::size_t blocks = (map.cells() + kBlock - 1) / kBlock;
-  // A sum for each block, added in their order: the same whatever the number of threads.
+  // One sum per block, added in block order: the same for any number of threads.
   std::vector<double> sums(blocks * grid.size());
   parallel_for(blocks, 1, [&](std::size_t block) {
     std::vector<float> values(grid.size());
@@ -178,7 +178,7 @@ TurnEvidence turn_evidence_at(const PlaceModel& place,
                               double likelihood_exponent,
                               double nowhere) {
   std::vector<float> values(grid.size());
-  constexpr std::uint8_t kAllWindows = 0xFF;  // a bit each
+  constexpr std::uint8_t kAllWindows = 0xFF;  // one bit each
   log_likelihood_of_turns(place, observed, kAllWindows, grid, values);
   TurnEvidence evidence;
   for (const float value : values) {

@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr auto kMoment = std::chrono::milliseconds(30);  // as of DeviceTracker
+constexpr auto kMoment = std::chrono::milliseconds(30);  // as in DeviceTracker
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Frames as the chains of an access point give them.
+// Frames as delivered by the receive chains of an access point.
 #pragma once
 
 #include <complex>
@@ -10,13 +10,13 @@
 
 namespace rayloc {
 
-// Multiplies what each chain heard by its factor, [chain]; other chains are left alone.
+// Multiplies the samples of each chain by its factor, [chain]; other chains are not changed.
 void multiply(const RoomAccessPoint& ap,
               const std::vector<std::complex<double>>& factors,
               CsiFrame& frame);
 
-// The first frames of a burst, in which somebody who walks moves by less than half a wavelength:
-// over a whole burst the arrays of different places would be averaged.
+// The first frames of a burst, during which a walking person moves by less than half a wavelength:
+// the mean over a whole burst would mix the arrays of different places.
 std::span<const CsiFrame> first_moment(std::span<const CsiFrame> frames);
 
 }  // namespace rayloc

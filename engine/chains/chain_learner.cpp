@@ -15,37 +15,37 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurnedAtStart = 0.1;       // a probability: nobody says how old a calibration is
-constexpr double kTurnedAfterCycle = 0.98;   // a probability: chips start in states of their own
-constexpr double kTurnedAfterSilence = 0.3;  // a probability: it may have been off, or unheard
+constexpr double kTurnedAtStart = 0.1;       // a probability: the age of the calibration is unknown
+constexpr double kTurnedAfterCycle = 0.98;   // a probability: each chip starts in a new state
+constexpr double kTurnedAfterSilence = 0.3;  // a probability: it was off, or received nothing
 constexpr auto kSilence = std::chrono::seconds(20);  // chosen: access points start in a minute
-constexpr double kDoubted = 0.2;    // probability of what is believed: from here on it is compared
-constexpr double kShaken = 0.9;     // the same: from here on nothing is refined
-constexpr double kSuspected = 0.5;  // the same: from here on in a hurry
-constexpr double kWithdrawnLead = 5.0;     // [nat], by which another state explains more
-constexpr double kUndoubtedLead = 12.0;    // the same, while the belief sees no turn
-constexpr double kOthersWrong = 0.1;       // a probability, at least, that other access points are
-constexpr double kLeastEvidence = 3.0;     // [nat] of a burst that the room explains, in some state
-constexpr double kKnownPlaceSigma = 0.02;  // [m], on each axis: a place that was surveyed
-constexpr double kSameCorrelation = 0.9;   // correlation of bursts that say the same
-constexpr double kMostNoise = 2e-3;  // of a burst, share of its power: as ModelError::noise is
+constexpr double kDoubted = 0.2;    // probability of the accepted state; below: states are compared
+constexpr double kShaken = 0.9;     // the same; below: no refinement
+constexpr double kSuspected = 0.5;  // the same; below: short evaluation period
+constexpr double kWithdrawnLead = 5.0;     // [nat], required lead of another state
+constexpr double kUndoubtedLead = 12.0;    // the same, while the belief indicates no change
+constexpr double kOthersWrong = 0.1;       // minimum probability of wrong other access points
+constexpr double kLeastEvidence = 3.0;     // [nat], of a burst that the room explains in a state
+constexpr double kKnownPlaceSigma = 0.02;  // [m], per axis: a surveyed place
+constexpr double kSameCorrelation = 0.9;   // correlation of bursts with the same information
+constexpr double kMostNoise = 2e-3;  // of a burst, as share of its power, like ModelError::noise
 // Counts of bursts, chosen.
-constexpr std::size_t kCompareAfter = 3;       // new ones, before states are compared again
-constexpr std::size_t kRefineAfterBursts = 8;  // new ones, before what was learned is refined
-constexpr std::size_t kMostNeeded = 200;       // stated at most
+constexpr std::size_t kCompareAfter = 3;       // new bursts before states are compared again
+constexpr std::size_t kRefineAfterBursts = 8;  // new bursts before the learned state is refined
+constexpr std::size_t kMostNeeded = 200;       // largest number stated
 constexpr std::size_t kModes = 6;              // a count of states to compare, chosen
-// [s], chosen: between looks.
+// [s], chosen: between evaluations.
 constexpr auto kLearningPeriod = std::chrono::milliseconds(250);
 constexpr auto kRefiningPeriod = std::chrono::milliseconds(500);  // [s], chosen
 constexpr auto kUnsettledPeriod = std::chrono::seconds(1);        // [s], chosen
 constexpr auto kSettledPeriod = std::chrono::seconds(5);          // [s], chosen
 
-// Without a chain that is dead the states are others.
+// With a dead chain left out, the states are different ones.
 bool has_all_antennas(const HeardArray& heard) {
   return heard.map->antennas() == heard.map->access_point().cores.size();
 }
 
-// What was heard with the levels of the favourite state taken out, which the grid does not know.
+// The burst with the amplitudes of the best state removed: the grid has no amplitudes.
 ObservedBurst level_undone(const HeardArray& heard, const ChainMemory& ap) {
   std::vector<Value> h = heard.h;
   multiply(inverses(ap.level), h);
@@ -67,7 +67,7 @@ bool ChainLearner::learns_from(LikelihoodKind kind) {
          kind == LikelihoodKind::kPathCovariance;
 }
 
-// Frames of chains that nobody knows count for nothing from the first one on.
+// Frames of unknown chains have no weight from the first frame on.
 void ChainLearner::begin() {
   for (const auto& [access_point, state] : restored_) {
     of(access_point);
@@ -117,7 +117,7 @@ bool ChainLearner::is_due(std::size_t access_point,
   return time - ap.*last >= period;
 }
 
-// Of a burst the access points that it may tell something new, with all of their antennas.
+// The access points for which a burst may add information, with all of their antennas.
 struct ChainLearner::Told {
   Timestamp time;
   RoomObservation observation;
@@ -273,7 +273,7 @@ void ChainLearner::weigh_known(const HeardArray& heard,
   remember(std::move(burst), heard, time, ap);
 }
 
-// `burst` has its evidence, and what belongs to it.
+// `burst` contains its evidence and the data that belong to it.
 void ChainLearner::remember(RememberedBurst burst,
                             const HeardArray& heard,
                             Timestamp time,
@@ -302,9 +302,9 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
   const bool is_learned = ap.state.knowledge == ChainKnowledge::kLearned;
   if (!is_learning && ap.belief.as_believed() > kDoubted) {
     ap.last_sure = ap.belief.as_believed() > ChainMemory::kSure ? time : ap.last_sure;
-    // Levels that have changed hide from the belief what the comparison sees.
+    // Changed amplitudes hide a change from the belief; the comparison detects it.
     const bool is_certain = !is_learned && ap.belief.as_believed() > ChainMemory::kSure;
-    // Bursts from before a turn would confirm what was right then.
+    // Bursts from before a change would confirm the earlier state.
     const bool is_shaken = is_learned && ap.belief.as_believed() < kShaken;
     if (is_certain || is_shaken || ap.unrefined < kRefineAfterBursts) {
       return;
@@ -326,7 +326,7 @@ void ChainLearner::decide(const AccessPointMap& map, Timestamp time, ChainMemory
       return distance(one.factor, std::vector<Value>(map.antennas(), 1.0)) < kSameState;
     });
     if (believed == states.begin() && is_learned) {
-      // What the places within the cells have told is better.
+      // The estimate from the places within the cells is more accurate.
       if (!close_.tells_of(ap.state.access_point)) {
         believe(best, ap);
       }
@@ -379,8 +379,8 @@ void ChainLearner::refine_closely() {
   }
 }
 
-// Of the states that may be right, refined, those that differ, the best first. The best one's level
-// is taken for what comes next.
+// Refines the states that may be right and returns those that differ, the best first. The
+// amplitudes of the best one are used for the following bursts.
 std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, ChainMemory& ap) const {
   std::vector<std::vector<Value>> starts = {std::vector<Value>(map.antennas(), 1.0)};
   if (!ap.favourite.empty()) {
@@ -401,7 +401,7 @@ std::vector<ChainFactors> ChainLearner::compare(const AccessPointMap& map, Chain
   return different;
 }
 
-// An access point that is off hears nobody.
+// An access point that is off receives no frames.
 void ChainLearner::notice_silence(const CsiFrame& frame) {
   const auto a = static_cast<std::size_t>(frame.access_point);
   const auto [last, is_first] = heard_.emplace(a, frame.time);

@@ -1,16 +1,16 @@
-// ChainLearner: what the receive chains of every access point of a room multiply by beside what the
-// calibration says, learned from devices at places that nobody knows.
+// ChainLearner: Estimates each receive chain's complex gain relative to the calibration, from
+// devices at unknown positions.
 //
-// After a power cycle chains start at other phases and levels. One burst of one access point then
-// looks like another place, about as likely as the right one. Over some bursts the room tells
-// (ChainBelief). The states that are probable are then refined (refine_chains()) and compared: a
-// level that is off by 2 dB hides the right phases. An access point is believed as calibrated, or
-// as learned, until a refined state explains what it heard far better. Then it is left alone until
-// one of them explains it far better than all others; it is believed again, with the factors of
-// that.
+// After a power cycle the chains start with other phases and amplitudes. One burst of one access
+// point then matches a wrong place about as well as the right one. Several bursts together
+// determine the state (ChainBelief). The probable states are then refined (refine_chains()) and
+// compared: an amplitude error of 2 dB hides the right phases. An access point is accepted as
+// calibrated, or as learned, until a refined state explains its bursts far better. It is then left
+// out until one state explains its bursts far better than all others; the access point is then
+// accepted again, with the factors of that state.
 //
-// Only bursts that differ from those remembered count, for a device that lies still says the same
-// again and again. Times are those of frames: the same frames give the same bytes.
+// Only bursts that differ from those remembered count, because a device at rest repeats the same
+// information. Times are those of frames: the same frames give the same bytes.
 //
 // Thread safety: for one thread.
 #pragma once
@@ -43,52 +43,52 @@ class ChainLearner {
   static bool learns_from(LikelihoodKind kind);
   ~ChainLearner();
 
-  // A burst of one device that is somewhere in the area, as the radios gave it, in order of time.
+  // A burst of one device anywhere in the area, as the radios delivered it, in order of time.
   void hear(std::span<const CsiFrame> frames);
-  // The same of a transmitter whose place is known [m].
+  // The same for a transmitter at a known place [m].
   void hear(std::span<const CsiFrame> frames, const Vec3d& place);
 
-  // The frames of the access points that are believed, their factors undone.
+  // The frames of the accepted access points, with their factors removed.
   std::vector<CsiFrame> believed(std::span<const CsiFrame> frames) const;
-  // The same of all access points.
+  // The same for all access points.
   std::vector<CsiFrame> undone(std::span<const CsiFrame> frames) const;
-  // That none of the access points of believed frames is right to be believed.
+  // Probability that the accepted state is wrong for every access point of accepted frames.
   FrameDoubt doubt(std::span<const CsiFrame> believed) const;
-  // Whether either would change nothing.
+  // True if believed() and undone() would change nothing.
   bool leaves_alone() const;
 
-  // By access point, of those of which anything was heard or restored.
+  // In order of access points, for those with an observed or a restored state.
   std::vector<ChainState> states() const;
-  std::uint64_t changes() const { return changes_; }  // a count: as long as it stays, they stay
-  // How often the last access point that was believed was given up: all that frames said until then
-  // may have been wrong.
+  std::uint64_t changes() const { return changes_; }  // equal counts mean equal states
+  // Number of times that the last accepted access point was given up: all estimates from frames up
+  // to then may have been wrong.
   std::uint64_t withdrawals() const { return withdrawals_; }
-  // What others have found out of an access point takes the place of what was found out here.
+  // Replaces the state learned here by one that another learner found for the access point.
   void adopt(const ChainState& state);
-  // The same, of before this program began: it outlives restart(). REQUIRES: of this room.
+  // The same for a state from an earlier run: it outlives restart(). REQUIRES: of this room.
   void restore(const ChainState& state);
-  // The access point was off: its chains are probably others.
+  // The access point was powered off: its chains have probably changed.
   void power_cycled(std::size_t access_point, Timestamp time);
-  // A recording was moved: what was heard is of another time, what was restored holds again.
+  // After a seek in a recording: received bursts are of another time, restored states hold again.
   void restart();
 
  private:
   struct Told;
-  // `last`: when an access point was looked at for such a transmitter.
+  // `last`: time at which an access point was last evaluated for such a transmitter.
   Told new_of(std::span<const CsiFrame> frames, Timestamp ChainMemory::*last);
   void begin();
   ChainMemory& of(std::size_t access_point);
   void notice_silence(const CsiFrame& frame);
   bool is_due(std::size_t access_point, Timestamp time, Timestamp ChainMemory::*last) const;
   bool is_new(const HeardArray& heard, const ChainMemory& ap) const;
-  // Of the arrays those of access points whose chains are known, all antennas of each.
+  // The arrays of access points with known chains, each with all of its antennas.
   RoomObservation known_of(const RoomObservation& observation) const;
-  // By access point whose chains nobody knows, where others are learned from the same burst: what
-  // it says of every cell all the same.
+  // By access point with unknown chains, where others are learned from the same burst: its evidence
+  // on every cell, averaged over its states.
   using CellsOfEach = std::map<std::size_t, std::vector<double>>;
   CellsOfEach whatever_turned(const Told& told);
-  // Of a burst of which an access point's own part is left out: ln of how likely the device is in
-  // every cell, by the other access points.
+  // ln of the probability that the device is in each cell, from the other access points of a burst;
+  // the array of access point `left_out` is not used.
   std::vector<double> by_others(const RoomObservation& observation,
                                 const CellsOfEach& unknown,
                                 std::size_t left_out) const;
@@ -112,7 +112,7 @@ class ChainLearner {
   std::uint64_t withdrawals_ = 0;
   std::map<std::size_t, ChainMemory> aps_;  // by access point of the room
   std::map<std::size_t, ChainState> restored_;
-  std::map<std::size_t, Timestamp> heard_;  // the last frame of each access point
+  std::map<std::size_t, Timestamp> heard_;  // time of the last frame per access point
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// What frames are once the factors of their chains are undone.
+// Frames with the factors of their chains removed.
 #include <algorithm>
 #include <complex>
 #include <vector>

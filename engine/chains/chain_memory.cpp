@@ -8,7 +8,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: good enough to look rarely
+constexpr double kFineSigma = 0.035;  // [rad], 2 degrees: accurate enough for infrequent evaluation
 
 }  // namespace
 

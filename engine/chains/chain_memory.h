@@ -1,5 +1,5 @@
-// ChainMemory: what a learner believes of the receive chains of one access point, and the bursts
-// that it rests on.
+// ChainMemory: accepted state of the receive chains of one access point, and the bursts from which
+// it was learned.
 #pragma once
 
 #include <complex>
@@ -15,9 +15,9 @@ namespace rayloc {
 
 struct ChainMemory {
   // Counts of bursts, chosen.
-  static constexpr std::size_t kMost = 48;        // remembered: one like them tells nothing new
-  static constexpr std::size_t kLeastBursts = 5;  // before anything is given up
-  static constexpr double kSure = 0.999;  // a probability of what is believed: nothing against it
+  static constexpr std::size_t kMost = 48;        // remembered: a similar burst adds nothing new
+  static constexpr std::size_t kLeastBursts = 5;  // before the accepted state is given up
+  static constexpr double kSure = 0.999;  // probability of the accepted state: nothing against it
 
   // turned: the probability that the chains are not as calibrated, before the first burst.
   ChainMemory(std::size_t chains, double turned);
@@ -25,26 +25,26 @@ struct ChainMemory {
   ChainState state;
   ChainBelief belief;
   std::vector<RememberedBurst> heard;           // oldest first
-  std::vector<std::complex<double>> level;      // of the state that explains most, beside factors
-  std::vector<std::complex<double>> favourite;  // that state
+  std::vector<std::complex<double>> level;      // of the best state, relative to factors
+  std::vector<std::complex<double>> favourite;  // factors of that state
   std::size_t unrefined = 0;                    // bursts since factors were refined or compared
-  Timestamp last;                               // looked at for a device ...
+  Timestamp last;                               // last evaluation for a device ...
   Timestamp last_fixed;                         // ... and for a transmitter at a known place
-  Timestamp last_sure;                          // of what is believed
+  Timestamp last_sure;                          // last time the accepted state was certain
 
-  // Well enough to say where a device is that others hear.
+  // True if the chains are known well enough to locate devices that others receive.
   bool is_known() const;
-  // Well enough to look rarely.
+  // True if they are known well enough for infrequent evaluation.
   bool is_settled() const;
 
   void know(ChainKnowledge knowledge, Timestamp time);
-  // The oldest burst makes room.
+  // Drops the oldest burst when full.
   void remember(RememberedBurst burst);
-  // Those heard while what was believed was right say nothing of what is right now.
+  // Drops bursts from before last_sure: they contain no evidence on the present state.
   void forget_until_sure();
-  // The factors change by these: a little, and what is believed stays.
+  // Multiplies the factors by these, a small correction; the accepted state stays.
   void correct(const ChainFactors& refined);
-  // The factors change by these, and that is believed now.
+  // Multiplies the factors by these and accepts the result as the new state.
   void believe(const ChainFactors& refined);
 };
 

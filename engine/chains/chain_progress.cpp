@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-// With one decimal, which is not rounded up: what is needed is not stated as reached before.
+// One decimal, rounded down: a required value is not stated as reached too early.
 std::string decimal(double value) {
   const auto tenths = std::lround(std::floor(10.0 * value + 1e-9));
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);

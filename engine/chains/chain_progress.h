@@ -1,4 +1,4 @@
-// progress_text: how far the learning of an access point's receive chains is, for people.
+// progress_text: progress of learning an access point's receive chains, as text for users.
 #pragma once
 
 #include <string>

@@ -20,9 +20,9 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kIterations = 8;     // a count, chosen: bounds the time
-constexpr double kStep = 0.02;     // [rad] and of ln: between the points of a difference
-constexpr double kMostStep = 0.3;  // [rad] and of ln, of one iteration: places would change
-constexpr double kSmall = 1e-3;    // [rad], of the last iteration
+constexpr double kStep = 0.02;     // [rad] and in ln: distance of the points of a difference
+constexpr double kMostStep = 0.3;  // [rad] and in ln, per iteration: places would change
+constexpr double kSmall = 1e-3;    // [rad], step of the last iteration
 
 // Unknowns: the phases of all chains but the first, then ln |factor| of all.
 class Objective {
@@ -84,7 +84,7 @@ class Objective {
 
 struct Shape {
   VectorXd slope;
-  MatrixXd information;  // what the curvature says; positive definite
+  MatrixXd information;  // from the curvature; positive definite
 };
 
 Shape shape_at(const Objective& f, const VectorXd& at) {
@@ -109,7 +109,7 @@ Shape shape_at(const Objective& f, const VectorXd& at) {
       shape.information(j, i) = shape.information(i, j);
     }
   }
-  // Between two hills the curvature has another sign: at least what a turn of a radian would say.
+  // Between two maxima the curvature has the other sign; lower bound: a deviation of 1 rad.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(shape.information);
   const VectorXd values = axes.eigenvalues().cwiseMax(1.0);
   shape.information = axes.eigenvectors() * values.asDiagonal() * axes.eigenvectors().transpose();
@@ -151,7 +151,7 @@ ChainFactors refine_chains(std::span<const PlacedBurst> bursts,
   }
   const MatrixXd covariance = shape_at(f, at).information.inverse();
   ChainFactors result;
-  // What the refined state holds about it counts, not its height alone.
+  // The volume of the refined maximum counts, not its height alone.
   result.log_evidence = value + 0.5 * std::log(covariance.determinant());
   double level = 0.0;
   for (Index m = 0; m < f.chains(); ++m) {

@@ -1,9 +1,9 @@
-// refine_chains: the complex factors of receive chains that have turned, from bursts of devices at
-// unknown places, once it is known roughly how they have turned.
+// refine_chains: complex factors of receive chains with changed phases, from bursts of devices at
+// unknown places, starting from a rough estimate of the change.
 //
-// The factors maximise the sum over the bursts of ln sum_places exp(t l(factors)) with the prior
-// that levels stay about as they were. A burst that no place explains with these factors counts as
-// little as one that is of no place: the sum of each has a floor.
+// The factors maximise the sum over the bursts of ln sum_places exp(t l(factors)), with the prior
+// that amplitudes stay about the same. A burst that no place explains with these factors has as
+// little weight as one that matches no place at all: each sum has a floor.
 #pragma once
 
 #include <complex>
@@ -15,18 +15,18 @@
 
 namespace rayloc {
 
-// A burst at the places where it may be from.
+// A burst with its candidate places.
 struct PlacedBurst {
   std::vector<ChainMoments> places;
-  std::vector<double> log_weight;  // [place], ln of how likely the device is there
-  double floor = 0.0;  // of ln sum exp(t l + log_weight) over its places: it may be of none of them
+  std::vector<double> log_weight;  // [place], ln of the probability that the device is there
+  double floor = 0.0;  // of ln sum exp(t l + log_weight) over the places: the device may be at none
 };
 
-// What a chain multiplies by, beside what the calibration says.
+// Complex gains of the chains relative to the calibration.
 struct ChainFactors {
   std::vector<std::complex<double>>
-      factor;                       // [chain]; the first has no phase, all a mean level of 1
-  std::vector<double> sigma;        // [rad], of each phase against the first's
+      factor;                       // [chain]; the first has phase 0, mean ln |factor| is 0
+  std::vector<double> sigma;        // [rad], of each phase relative to the first
   std::vector<double> level_sigma;  // of ln |factor|
   double log_evidence = 0.0;        // of the bursts, refined; to compare starts
 

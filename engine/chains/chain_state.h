@@ -1,4 +1,4 @@
-// ChainState: what is known of the receive chains of one access point of a room.
+// ChainState: estimated state of the receive chains of one access point of a room.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +10,26 @@ namespace rayloc {
 
 enum class ChainKnowledge {
   kAsCalibrated,
-  kLearning,  // they have turned, and nobody knows yet how
+  kLearning,  // phases have changed, the new ones are not yet known
   kLearned,
 };
 
-// Of one access point of the room.
+// State of one access point of the room.
 struct ChainState {
   std::size_t access_point = 0;
   ChainKnowledge knowledge = ChainKnowledge::kAsCalibrated;
-  ChainFactors factors;           // that frames are divided by; while learning the last ones
-  Timestamp since;                // of this knowledge; the time of a frame, or 0
-  std::size_t bursts = 0;         // that counted since then
-  std::size_t bursts_needed = 0;  // while learning: in all, as it looks now
-  // While learning, of the state of the chains that explains most, when states were last compared:
-  double evidence = 0.0;     // [nat], by which it explains more than any other
-  double phase_sigma = 0.0;  // [rad], the largest of its phases
+  ChainFactors factors;           // divisors of the frames; while learning, the last ones
+  Timestamp since;                // start of this knowledge; the time of a frame, or 0
+  std::size_t bursts = 0;         // counted bursts since then
+  std::size_t bursts_needed = 0;  // while learning: present estimate of the total
+  // While learning, for the best state at the last comparison of states:
+  double evidence = 0.0;     // [nat], lead over every other state
+  double phase_sigma = 0.0;  // [rad], largest over its phases
 };
 
-// What is needed before a state of the chains is used.
+// Requirements for using a state of the chains.
 inline constexpr std::size_t kChainBurstsNeeded = 10;
-inline constexpr double kChainEvidenceNeeded = 7.0;     // [nat], before all other states
-inline constexpr double kChainPhaseSigmaNeeded = 0.35;  // [rad], 20 degrees: of each phase
+inline constexpr double kChainEvidenceNeeded = 7.0;     // [nat], lead over all other states
+inline constexpr double kChainPhaseSigmaNeeded = 0.35;  // [rad], 20 degrees: for each phase
 
 }  // namespace rayloc

@@ -15,21 +15,21 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr std::size_t kMostKept = 48;    // a count, chosen: bursts of 30 kB each and access point
-constexpr std::size_t kLeastKept = 10;   // a count, chosen: as many as a state is learned from
-constexpr std::size_t kRefineAfter = 4;  // a count, chosen: new ones, before factors are refined
+constexpr std::size_t kMostKept = 48;    // a count, chosen: 30 kB per burst and access point
+constexpr std::size_t kLeastKept = 10;   // a count, chosen: as many as learning a state takes
+constexpr std::size_t kRefineAfter = 4;  // a count, chosen: new bursts before factors are refined
 constexpr std::size_t kSample = 64;      // a count of places, chosen
-constexpr double kStale = 0.05;          // [rad], chosen: places were drawn for other chains
+constexpr double kStale = 0.05;          // [rad], chosen: change after which places are drawn again
 constexpr double kMostTurn =
-    0.25;  // [rad], chosen, of one step: places drawn hold it back, or lead
-constexpr double kMostElsewhere = 0.5;  // a probability, chosen: more, and it tells nothing
+    0.25;  // [rad], chosen, per step: the drawn places delay the change or exaggerate it
+constexpr double kMostElsewhere = 0.5;  // a probability, chosen: above it the burst is not used
 
-// Of a burst with the chains as they are believed to be.
+// Log-likelihood of a burst with the accepted states of the chains.
 double as_believed(const ChainMoments& moments) {
   return moments.log_likelihood(std::vector<Value>(moments.chains, 1.0));
 }
 
-// Of places that follow each other in one cell and layer the first; the end is the last.
+// Index of the first place of each run within one cell and layer; then the number of places.
 std::vector<std::size_t> first_of_each_box(const std::vector<SampledPlace>& places) {
   std::vector<std::size_t> first;
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -60,7 +60,7 @@ void CloseBursts::add(const Localizer& localizer, const RoomObservation& observa
   ++unused_;
 }
 
-// False where the burst says nothing of the places.
+// Returns false if the burst contains no information on the place.
 bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   const RoomObservation& observation = burst.observation;
   const Localizer::Evidence evidence = localizer.evidence(observation, Localizer::Look::kPlaces);
@@ -93,7 +93,7 @@ bool CloseBursts::sample(const Localizer& localizer, Burst& burst) const {
   return !places.empty();
 }
 
-// The one that needs it most.
+// Samples again the burst for which the states have changed most.
 void CloseBursts::sample_again(const Localizer& localizer) {
   const auto most =
       std::max_element(bursts_.begin(), bursts_.end(), [](const auto& a, const auto& b) {
@@ -126,7 +126,7 @@ void CloseBursts::believe(std::size_t access_point, std::span<const Value> facto
   }
 }
 
-// What the others say of its places is in their weight.
+// The weights of its places include the evidence of the other access points.
 PlacedBurst CloseBursts::placed(const Burst& burst, std::size_t access_point) const {
   PlacedBurst result;
   result.places = burst.heard.at(access_point);

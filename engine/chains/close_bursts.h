@@ -1,13 +1,13 @@
-// CloseBursts: bursts at the places where they may be from, centimetres apart, as all access points
-// whose chains are known heard them.
+// CloseBursts: bursts with their candidate places, centimetres apart, as received by all access
+// points with known chains.
 //
-// A burst stands for a sample of the places where it may be from (sample_places()), drawn as chains
-// were believed to be then. Where that has changed, it is drawn again.
+// A burst is represented by a sample of its candidate places (sample_places()), drawn with the
+// chain states accepted at that time. After a change of these states it is drawn again.
 //
-// A cell of the grid is wider than a wavelength: what it says of a phase is smeared, and the state
-// that its mean asks for is some degrees beside the right one. Once the chains are known roughly,
-// the places within the cells are told apart, and what several access points hear of one place
-// tells the phases of each.
+// A grid cell is wider than a wavelength: the phase information of a cell is smeared, and the state
+// that maximises its mean is some degrees off the right one. Once the chains are known roughly, the
+// places within the cells can be distinguished, and the observations of one place by several access
+// points determine the phases of each.
 #pragma once
 
 #include <complex>
@@ -26,29 +26,29 @@ class CloseBursts {
  public:
   explicit CloseBursts(double likelihood_exponent) : likelihood_exponent_(likelihood_exponent) {}
 
-  // `observation`: by access points whose chains are known, all of their antennas. A burst that no
-  // place explains is left out; the oldest makes room.
+  // `observation`: of access points with known chains, all of their antennas. A burst that no place
+  // explains is left out; the oldest burst is dropped when full.
   void add(const Localizer& localizer, const RoomObservation& observation);
 
-  // What is believed of an access point of the room has changed by these factors, [chain].
+  // The accepted state of an access point of the room has changed by these factors, [chain].
   void believe(std::size_t access_point, std::span<const std::complex<double>> factor);
   void clear();
 
-  // Whether enough bursts have come since this was asked last for the factors to become better.
+  // True if enough bursts were added since it last returned true to improve the factors.
   bool is_due();
-  // Whether enough of them are of the access point.
+  // True if enough of the bursts include the access point.
   bool tells_of(std::size_t access_point) const;
-  // Its factors against what is believed now. REQUIRES: tells_of(access_point).
+  // Its factors relative to the accepted state. REQUIRES: tells_of(access_point).
   ChainFactors refined(std::size_t access_point) const;
 
  private:
   struct Burst {
     RoomObservation observation;
-    // [place], of a sample of where the device may be: its share, and what was said of it taken
-    // out, so that the mean of what the places say is that of the whole room.
+    // [place], of the sampled places: ln of the share, minus the log-likelihoods used for drawing,
+    // so that the mean of the likelihood over the places is that over the whole room.
     std::vector<double> log_weight;
     std::map<std::size_t, std::vector<ChainMoments>> heard;  // by access point, [place]
-    double turned = 0.0;  // [rad], by which what is believed has changed since it was sampled
+    double turned = 0.0;  // [rad], change of the accepted states since it was sampled
   };
   bool sample(const Localizer& localizer, Burst& burst) const;
   void sample_again(const Localizer& localizer);
@@ -56,7 +56,7 @@ class CloseBursts {
 
   double likelihood_exponent_;
   std::deque<Burst> bursts_;  // oldest first
-  std::size_t unused_ = 0;    // that came since is_due()
+  std::size_t unused_ = 0;    // added since is_due()
 };
 
 }  // namespace rayloc

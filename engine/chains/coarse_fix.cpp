@@ -12,11 +12,11 @@
 namespace rayloc {
 namespace {
 
-// Above those of FaultPrior, because a phase would contradict what is wrong, and there is none.
-constexpr double kWrong = 0.1;  // a probability, chosen: an access point says nothing of the place
-constexpr double kElsewhere = 0.03;  // a probability, chosen: none of them does
+// Above those of FaultPrior: no phase is available here to contradict a wrong access point.
+constexpr double kWrong = 0.1;  // a probability, chosen: an access point has no position evidence
+constexpr double kElsewhere = 0.03;  // a probability, chosen: none of them has any
 
-// [cell]: what the access point says of the place, its level with it.
+// [cell]: the access point's evidence on the place, received power included.
 std::vector<double> cells_of(const HeardArray& heard, double likelihood_exponent) {
   const TurnGrid grid(heard.map->antennas());
   const std::vector<double> any(grid.size(), 1.0 / static_cast<double>(grid.size()));

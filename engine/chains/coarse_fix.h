@@ -1,8 +1,8 @@
-// locate_coarsely: where a device is by access points whose chains nobody knows.
+// locate_coarsely: position of a device from access points with unknown chains.
 //
-// How the antennas' phases differ says nothing then; the delays and powers of the paths at each
-// antenna still do. What is stated is the mean over all states of the chains, each as probable as
-// any other, so it depends on these frames alone and not on what has been learned so far.
+// Phase differences between the antennas then contain no information; the delays and powers of the
+// paths at each antenna still do. The result is the mean over all states of the chains, with equal
+// probabilities, so it depends on these frames alone and not on what has been learned so far.
 #pragma once
 
 #include <span>
@@ -12,8 +12,8 @@
 
 namespace rayloc {
 
-// `frames`: of one transmitter, in order of time, as ChainLearner::undone() leaves them. Decimetres
-// to metres: its region says which. Without a position `reason` says why.
+// `frames`: of one transmitter, in order of time, as returned by ChainLearner::undone(). Accuracy:
+// decimetres to metres, as stated by the region. Without a position `reason` states the cause.
 // REQUIRES: ChainLearner::learns_from() the localizer's likelihood.
 LocationEstimate locate_coarsely(const Localizer& localizer, std::span<const CsiFrame> frames);
 

@@ -11,7 +11,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kPlaceMargin = 7.0;  // [nat], tempered: places below that weigh nothing
+constexpr double kPlaceMargin = 7.0;  // [nat], tempered: lower places have no weight
 
 ChainFactors refined_from(const AccessPointMap& map,
                           std::span<const RememberedBurst> heard,
@@ -57,7 +57,7 @@ ChainFactors refined_from(const AccessPointMap& map,
 
 }  // namespace
 
-// [rad], of the chain that differs most.
+// [rad], maximum phase difference over the chains.
 double distance(const std::vector<Value>& a, const std::vector<Value>& b) {
   double most = 0.0;
   for (std::size_t m = 1; m < a.size(); ++m) {

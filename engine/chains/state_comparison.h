@@ -1,4 +1,4 @@
-// Which states of receive chains explain the remembered bursts of an access point, and how well.
+// Comparison of receive-chain states by how well they explain the remembered bursts.
 #pragma once
 
 #include <complex>
@@ -13,22 +13,22 @@
 
 namespace rayloc {
 
-// A burst that counted.
+// A burst used as evidence.
 struct RememberedBurst {
-  std::vector<std::complex<double>> h;  // the factors believed now undone
+  std::vector<std::complex<double>> h;  // accepted factors removed
   Timestamp time;
   double noise = 0.0;
-  double floor = 0.0;  // PlacedBurst
+  double floor = 0.0;  // PlacedBurst::floor
   TurnEvidence evidence;
-  std::vector<float> log_weight;  // [cell], ln of how likely the device is there, by the others
-  std::vector<std::complex<double>> since;  // by what factors have changed since the evidence
-  // Of a transmitter whose place is known; null: it may be anywhere, and `evidence` says where.
+  std::vector<float> log_weight;  // [cell], ln of the device's probability there, from the others
+  std::vector<std::complex<double>> since;  // change of the factors since the evidence
+  // Model of a transmitter's known place; null: unknown place, candidates are in `evidence`.
   std::shared_ptr<const PlaceModel> known_place = nullptr;
 };
 
-// States that are nearer are one [rad].
+// States nearer than this [rad] are the same state.
 inline constexpr double kSameState = 0.7;
-// [rad], of the chain that differs most.
+// [rad], maximum phase difference over the chains.
 double distance(const std::vector<std::complex<double>>& a,
                 const std::vector<std::complex<double>>& b);
 std::vector<std::complex<double>> inverses(const std::vector<std::complex<double>>& factors);
@@ -36,8 +36,8 @@ std::vector<std::complex<double>> inverses(const std::vector<std::complex<double
 void multiply(const std::vector<std::complex<double>>& factors,
               std::vector<std::complex<double>>& h);
 
-// From each start, a state against what is believed now, to where it explains most; those that
-// differ then, the best first. REQUIRES: starts and bursts not empty.
+// Refines each start (a state relative to the accepted one) to its maximum and returns the results
+// that differ, the best first. REQUIRES: starts and bursts not empty.
 std::vector<ChainFactors> compare_states(const AccessPointMap& map,
                                          std::span<const RememberedBurst> heard,
                                          std::span<const std::vector<std::complex<double>>> starts,

@@ -1,8 +1,8 @@
 // Csi: a complex array of channel state information, one value per receive antenna, spatial stream
 // and tone.
 //
-// Antenna order is receiver first, then transmitter (stream). The grid it lives on is kept beside
-// it, by whoever owns it (CsiFrame::tone_index, OfdmGrid).
+// Antenna order is receiver first, then transmitter (stream). The owner of the array keeps its grid
+// beside it (CsiFrame::tone_index, OfdmGrid).
 #pragma once
 
 #include <complex>

@@ -1,10 +1,10 @@
-// CsiFrame: the CSI of one 802.11 frame as one access point heard it; a plain value that capture
+// CsiFrame: the CSI of one 802.11 frame as one access point received it; a plain value that capture
 // fills and observe reads.
 //
 // The CSI is in the convention of the engine: time factor exp(+j w t), h(f) = sum a exp(-j 2 pi f
 // tau), tones ascending, the 802.11 rotation undone, unusable tones (null, DC, guard) left out.
-// Its scale is the extractor's own (after the receiver's gain control) and means nothing between
-// frames; `power_dbm` carries the level.
+// Its scale is the extractor's own (after the receiver's gain control) and is not comparable
+// between frames; `power_dbm` carries the level.
 #pragma once
 
 #include <cstdint>
@@ -32,24 +32,24 @@ struct CsiFrame {
   MacAddress transmitter;
   std::string_view format;  // name of the wire format: "axcsi-v4"; static storage
   PhyFormat phy = PhyFormat::kLegacy;
-  int bandwidth_mhz = 0;                // what the frame occupies, from its energy
+  int bandwidth_mhz = 0;                // of the frame, from its energy
   int channel_bandwidth_mhz = 0;        // of the channel, from the size of the transform
-  std::optional<RadioChannel> channel;  // that the radio was tuned to, where the format states it
+  std::optional<RadioChannel> channel;  // of the radio, where the format states it
   double tone_spacing_hz = 312'500.0;
   std::uint16_t sequence = 0;            // the extractor's frame counter, where the format has one
   std::uint16_t sequence_control = 0;    // of the 802.11 header: number << 4 | fragment
-  int transmitted_streams = 1;           // spatial streams that the frame was sent with, if known
+  int transmitted_streams = 1;           // spatial streams of the transmission, if known
   std::vector<std::uint8_t> cores;       // receive chains present, ascending; the rows of `csi`
   std::vector<std::int16_t> tone_index;  // ascending, counted from the centre of the channel
   Csi csi;                               // [core][stream][tone]
   std::vector<std::optional<float>> power_dbm;  // per entry of `cores`
-  bool complete = false;                        // every expected core, stream and tone block came
+  bool complete = false;                        // no core, stream or tone block is missing
   // Names for people and scripts, static storage: "retry", "subband", "missing_core", ...
   std::vector<std::string_view> flags;
 };
 
-// Whether the frame is of the channel about the centre of `grid`: it states that one, or none. A
-// receiver takes others only for a device that hops (CsiReceiverOptions::accepts_hops).
+// True if the frame states the channel about the centre of `grid`, or no channel. A receiver
+// accepts others only for a device that hops (CsiReceiverOptions::accepts_hops).
 bool is_on(const OfdmGrid& grid, const CsiFrame& frame);
 std::vector<CsiFrame> frames_on(const OfdmGrid& grid, std::span<const CsiFrame> frames);
 

@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kFewTones = 8;  // of which all may be alike in a chain that works
+constexpr std::size_t kFewTones = 8;  // so few may all be equal in a working chain
 
 }  // namespace
 
@@ -18,7 +18,7 @@ bool is_dead(std::span<const std::complex<float>> row) {
   if (row.empty() || !std::all_of(row.begin(), row.end(), is_finite)) {
     return true;
   }
-  // Undoing the 802.11 rotation turns parts of the channel by quarters.
+  // Undoing the 802.11 rotation rotates parts of the channel by quarter turns.
   const std::complex<float> one = row.front();
   const std::complex<float> quarter(-one.imag(), one.real());
   return std::all_of(row.begin(),

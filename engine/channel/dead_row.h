@@ -1,4 +1,4 @@
-// is_dead: whether the CSI of one receive chain holds no measurement: only zeros, one value at all
+// is_dead: true if the CSI of one receive chain holds no measurement: only zeros, one value at all
 // tones, or a number that is not finite.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace rayloc {
 
 bool is_dead(std::span<const std::complex<float>> row);
 
-// Whether the frame brought a measurement of that receive chain, of its first stream.
+// True if the frame has a measurement of that receive chain, in its first stream.
 bool brings_core(const CsiFrame& frame, std::uint8_t core);
 
 }  // namespace rayloc

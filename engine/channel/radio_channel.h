@@ -20,7 +20,7 @@ std::string to_string(const RadioChannel& channel);
 // of 5 MHz (IEEE 802.11-2020), for a centre that was measured.
 bool is_same_channel(const RadioChannel& a, const RadioChannel& b);
 
-// True where a device that hops can reach the one channel from the other without another width:
+// True where a device that hops can change from one channel to the other without another width:
 // both lie in the band of 2.4, of 5 or of 6 GHz, and are equally wide.
 bool is_hop(const RadioChannel& a, const RadioChannel& b);
 

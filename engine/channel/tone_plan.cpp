@@ -74,8 +74,8 @@ std::vector<std::int16_t> vht_pilots(int bandwidth_mhz) {
   }
 }
 
-// WIRE_FORMATS 1.4: what remains after the converter's zeros. The zeros of 160 MHz are not
-// symmetric there, and so neither is this.
+// WIRE_FORMATS 1.4: the tones that the converter does not set to zero. Its zeros of 160 MHz are not
+// symmetric, so this set is not either.
 std::vector<std::int16_t> he_active(int bandwidth_mhz) {
   switch (bandwidth_mhz) {
     case 20:

@@ -1,5 +1,5 @@
-// antenna_field: the far field that an antenna radiates in a direction, as a real vector of the
-// world; its length is the square root of the gain. By reciprocity the same vector receives.
+// antenna_field: far field that an antenna radiates in a direction, as a real vector in the world
+// frame; its length is the square root of the gain. By reciprocity it also applies to reception.
 //
 // Derivatives. On the axis of its frame, where phi is undefined, phi = 0 and its derivative is 0.
 // "tr38901" has kinks where it reaches its floor (30 dB below its maximum) and is cut off by it;
@@ -82,8 +82,8 @@ T pattern_amplitude(const AntennaPattern& pattern, const SphericalBasis<T>& dire
   return T(1);
 }
 
-// `direction` leaves the antenna (a receiver's points to where the wave comes from).
-// REQUIRES: norm(direction) == 1.
+// `direction` points away from the antenna (for a receiver, towards the arriving wave). REQUIRES:
+// norm(direction) == 1.
 template <typename T>
 Vec3<T> antenna_field(const AntennaPattern& pattern,
                       Polarization polarization,

@@ -18,15 +18,15 @@ constexpr std::size_t kFewestPhi = 4;     // a count of columns, chosen: one eve
 constexpr std::size_t kFewestTheta = 3;   // a count of lines, chosen: the poles and the horizon
 constexpr double kLowestGain = -200.0;    // [dBi]
 constexpr double kHighestGain = 60.0;     // [dBi]
-constexpr std::size_t kMostCells = 3601;  // of a line, and lines: a tenth of a degree
-constexpr double kStepTolerance = 1e-3;   // of an angle that is written rounded, in steps
+constexpr std::size_t kMostCells = 3601;  // per line, and maximum of lines: a tenth of a degree
+constexpr double kStepTolerance = 1e-3;   // of a rounded angle, in steps
 
 struct Line {
   int number = 0;  // from 1
   CsvReader::Record cells;
 };
 
-// As a person would write it.
+// In the form that a person would write.
 std::string to_text(double value) {
   std::array<char, 32> text{};
   const auto [end, status] =
@@ -55,7 +55,7 @@ double dot(const Weights& weights, const Weights& values) {
          weights[3] * values[3];
 }
 
-// The numbers of a table, with errors that name the line.
+// Reads the numbers of a table; errors name the line.
 class TableReader {
  public:
   explicit TableReader(const std::string& name) : name_(name) {}
@@ -225,7 +225,7 @@ Expected<AntennaGainTable> AntennaGainTable::parse(std::string_view text, std::s
 double AntennaGainTable::sample(std::ptrdiff_t i, std::ptrdiff_t k) const {
   const auto rows = static_cast<std::ptrdiff_t>(theta_count());
   const auto columns = static_cast<std::ptrdiff_t>(phi_count_);
-  if (i < 0 || i >= rows) {  // over a pole: down the other side
+  if (i < 0 || i >= rows) {  // continues on the far side of a pole
     i = i < 0 ? -i : 2 * (rows - 1) - i;
     k += columns / 2;
   }
@@ -243,7 +243,7 @@ AntennaGainTable::Gain AntennaGainTable::at(double theta, double phi) const {
   const Weights over_phi = spline(v - k);
   const Weights over_phi_slope = spline_slope(v - k);
   Weights along_theta{};  // the gain at phi in each row
-  Weights slope{};        // and its derivative by the column
+  Weights slope{};        // derivative by the column
   for (std::ptrdiff_t row = 0; row < 4; ++row) {
     Weights values{};
     for (std::ptrdiff_t column = 0; column < 4; ++column) {

@@ -1,19 +1,19 @@
 // AntennaGainTable: the gain of an antenna, measured or computed on a grid of directions.
 //
 // As text, comma-separated, angles in degrees of the antenna's own frame (spherical.h), gains in
-// dBi. The first line names the columns; its first cell may say anything:
+// dBi. The first line names the columns; its first cell may contain any text:
 //
 //   theta\phi,    0,   90,  180,  270
 //           0, -3.0, -3.0, -3.0, -3.0
 //          90,  2.1, -1.0, -9.5, -1.0
 //         180, -4.0, -4.0, -4.0, -4.0
 //
-// theta goes from 0 to 180 and phi once around, both in even steps; phi starts anywhere, does not
-// repeat its first column, and has an even number of columns. Empty lines and those that begin with
-// '#' are left out; LF or CRLF, with a byte order mark or without.
+// theta runs from 0 to 180 and phi over one full turn, both in even steps; phi has any first value,
+// does not repeat its first column, and has an even number of columns. Empty lines and those that
+// begin with '#' are skipped; LF or CRLF, with or without a byte order mark.
 //
 // Between the samples the decibels follow bicubic splines (Catmull-Rom: through the samples, slope
-// from the neighbours), periodic in phi and straight on over the poles: continuous with its
+// from the neighbours), periodic in phi and continued over the poles: continuous with its
 // derivatives by theta and phi.
 #pragma once
 
@@ -28,8 +28,8 @@ namespace rayloc {
 
 class AntennaGainTable {
  public:
-  // `name` stands for the file. Errors are kConfiguration: "NAME:LINE: what is wrong, what to
-  // write".
+  // `name` denotes the file. Errors are kConfiguration: "NAME:LINE: what is
+  // wrong, what to write".
   static Expected<AntennaGainTable> parse(std::string_view text, std::string name);
 
   const std::string& name() const { return name_; }
@@ -46,7 +46,7 @@ class AntennaGainTable {
   AntennaGainTable() = default;
 
   std::size_t theta_count() const { return dbi_.size() / phi_count_; }
-  // Sample in row `i`, one beyond the poles at most, and column `k`, any.
+  // Sample in row `i`, at most one beyond the poles, and column `k`, any.
   double sample(std::ptrdiff_t i, std::ptrdiff_t k) const;
 
   std::string name_;

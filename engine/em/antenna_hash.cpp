@@ -11,7 +11,7 @@ void add_antenna(ContentHash& hash, const AntennaPattern& pattern, Polarization 
   if (pattern.kind() != AntennaPattern::kTable) {
     return;
   }
-  // A table is smooth between its samples, which are as fine as a degree at most.
+  // A table is smooth between its samples, which are at most one degree apart.
   for (int theta = 0; theta <= 180; ++theta) {
     for (int phi = 0; phi < 360; ++phi) {
       hash.add(pattern.table().at(theta * kDegree, phi * kDegree).dbi);

@@ -1,4 +1,4 @@
-// What an antenna is, for hashes of what depends on it: caches, the inputs of a calibration.
+// Hash of an antenna's properties, for caches and inputs of a calibration that depend on them.
 #pragma once
 
 #include "engine/base/content_hash.h"

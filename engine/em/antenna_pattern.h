@@ -1,6 +1,6 @@
-// AntennaPattern: how the gain of an antenna depends on the direction, by name or as a table.
+// AntennaPattern: gain of an antenna as a function of direction, by name or as a table.
 //
-// Frame: dipoles lie along z; "tr38901" and tables look along +x (theta = 90 degrees, phi = 0).
+// Frame: dipoles lie along z; "tr38901" and tables point to +x (theta = 90 degrees, phi = 0).
 //
 // References:
 //   [B] Balanis, Antenna Theory, (4-84) and (4-91): half-wave dipole, directivity 1.643.
@@ -47,11 +47,11 @@ class AntennaPattern {
 
 enum class Polarization { kVertical, kHorizontal };  // V = theta^, H = phi^ of the antenna's frame
 
-// Names of site.toml and the command line.
+// Names in site.toml and on the command line.
 inline constexpr std::array<std::string_view, 4> kAntennaPatternNames = {
     "half_wave_dipole", "dipole", "isotropic", "tr38901"};
 
-// One of these names, or "hw_dipole" or "iso"; nothing for another.
+// Accepts one of these names, or "hw_dipole" or "iso"; nothing for any other.
 std::optional<AntennaPattern> parse_antenna_pattern(std::string_view name);
 // "table" for a table.
 std::string_view to_string(const AntennaPattern& pattern);

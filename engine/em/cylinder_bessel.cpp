@@ -9,13 +9,13 @@
 namespace rayloc {
 namespace {
 
-// Above this argument the downward recurrence is long and, as only conductors get there, needless.
+// Above this argument the downward recurrence is long and not needed, as only conductors reach it.
 constexpr double kConductor = 4000.0;
-// Before the squares of the numbers of a downward recurrence overflow they are scaled down.
+// A downward recurrence is scaled down before the squares of its numbers overflow.
 constexpr double kLarge = 1e100;
 
-// An order from which the downward recurrence loses its wrong start on the way to the orders asked
-// for: J_n(z) falls by more than 1e-16 between max(n, |z|) and it.
+// A starting order from which the downward recurrence forgets its wrong start before the requested
+// orders: J_n(z) falls by more than 1e-16 between max(n, |z|) and it.
 std::size_t starting_order(double size, std::size_t orders) {
   const double from = std::max(size, static_cast<double>(orders));
   return static_cast<std::size_t>(from + 8.0 * std::cbrt(from) + 18.0);
@@ -62,7 +62,7 @@ void bessel_orders(double z, std::span<double> out) {
       }
     }
   }
-  // Near a zero of J_0 its neighbour gives the factor.
+  // Near a zero of J_0 its neighbour determines the factor.
   const double factor = std::abs(out[0]) > std::abs(out[1]) ? ::j0(z) / out[0] : ::j1(z) / out[1];
   for (double& value : out) {
     value *= factor;

@@ -1,8 +1,8 @@
 // Cylinder functions of all orders 0, 1, ..., out.size() - 1 at one argument.
 //
-// Each is found by the recurrence in the direction in which it is stable: Hankel functions upwards,
-// Bessel functions downwards (Miller). Relative errors are about 1e-13 times the argument's size in
-// units of 100; orders far above the argument may overflow to infinity (argument 5: order 160).
+// Each is computed by recurrence in its stable direction: Hankel functions upwards, Bessel
+// functions downwards (Miller). Relative errors are about 1e-13 times the argument's size in units
+// of 100; orders far above the argument may overflow to infinity (argument 5: order 160).
 //
 // References:
 //   [DLMF] NIST Digital Library of Mathematical Functions, chapter 10.

@@ -101,7 +101,7 @@ Family EllipseQuarter::entering_waves(const C& wavenumber,
       const std::size_t n = symmetry.order(k);
       const double along = static_cast<double>(n) / p.speed;
       const C across2 = k2 - C{along * along, 0.0};
-      // Growing outwards; as for J_n at a large argument, with the local radius of curvature.
+      // Growing outwards; like J_n at a large argument, with the local radius of curvature.
       const Scalar slope = boundary_scalar(C{0.0, 1.0} * sqrt(across2)) -
                            0.5 * p.curvature * boundary_scalar(k2 / across2);
       const Angular a = angular(symmetry, n, p.t);
@@ -120,7 +120,7 @@ InnerSources::InnerSources(const EllipseQuarter& boundary, double wavenumber, st
               Family(boundary.size(), count),
               Family(boundary.size(), count)} {
   const auto [a, b] = boundary.semi_axes_;
-  // Both squares less by the same: confocal.
+  // Both squares reduced by the same amount: confocal.
   const double less = (1.0 - kSourceDepth * kSourceDepth) * std::min(a * a, b * b);
   for (std::size_t q = 0; q < count; ++q) {
     x_.push_back(std::sqrt(a * a - less) * std::cos(midpoint(q, count)));

@@ -1,10 +1,10 @@
-// The boundary of an elliptic cross-section, and families of functions on it: what the transition
-// matrix (cylinder_tmatrix.h) is assembled from.
+// The boundary of an elliptic cross-section, and families of functions on it, from which the
+// transition matrix (cylinder_tmatrix.h) is assembled.
 //
-// Lengths are times the wavenumber of free space. The two mirror planes sort functions into four
-// kinds, so a quarter of the ellipse says everything: integrals over the boundary are sums over its
-// points up to a common factor (midpoint rule in the ellipse's parameter, which converges
-// exponentially).
+// Lengths are times the wavenumber of free space. The two mirror planes sort functions into
+// four kinds, so a quarter of the ellipse is sufficient: integrals over the boundary are sums
+// over its points up to a common factor (midpoint rule in the ellipse's parameter, which
+// converges exponentially).
 #pragma once
 
 #include <array>
@@ -24,11 +24,11 @@ struct Symmetry {
   Harmonic harmonic = Harmonic::kCosine;
   bool odd = false;
 
-  // The n of function k = 0, 1, ... of this kind.
+  // The order n of function k = 0, 1, ... of this kind.
   std::size_t order(std::size_t k) const {
     return 2 * k + (odd ? 1 : (harmonic == Harmonic::kSine ? 2 : 0));
   }
-  // Of the derivative along the boundary.
+  // Symmetry of the derivative along the boundary.
   Symmetry across() const {
     return {harmonic == Harmonic::kCosine ? Harmonic::kSine : Harmonic::kCosine, odd};
   }
@@ -41,7 +41,7 @@ struct Angular {
 Angular angular(const Symmetry& symmetry, std::size_t order, double angle);
 
 // Functions (columns) at the points (rows): values, and derivatives across (outwards) and along the
-// boundary, times the length ds/dt that belongs to a point.
+// boundary, times the length ds/dt of a point.
 struct Family {
   Eigen::MatrixXcd value, across, along;
 
@@ -60,9 +60,9 @@ class EllipseQuarter {
                        const Symmetry& symmetry,
                        std::size_t count) const;
 
-  // Of the interior where nothing that enters comes back: cos(n t) or sin(n t), with the slope
-  // across of a wave that goes straight in: of a plane surface, and the first correction by
-  // curvature.
+  // Functions for an interior from which no entering wave returns: cos(n t) or sin(n t), with the
+  // normal slope of a wave that travels straight inwards: that of a plane surface, and the first
+  // correction by curvature.
   Family entering_waves(const Complex<double>& wavenumber,
                         const Symmetry& symmetry,
                         std::size_t count) const;
@@ -70,7 +70,7 @@ class EllipseQuarter {
  private:
   friend class InnerSources;
 
-  // Components along rho and phi are those of the normal times ds/dt; the tangent's are
+  // Components along rho and phi are those of the normal times ds/dt; those of the tangent are
   // (-azimuthal, radial).
   struct Point {
     double t = 0.0;  // (a cos t, b sin t)
@@ -88,10 +88,10 @@ class EllipseQuarter {
   std::vector<Point> points_;
 };
 
-// Line sources on a confocal ellipse inside, `count` of them in each quarter: what the boundary's
-// fields send there must cancel the incoming wave. Near the boundary, so that functions of all
-// orders are told apart also on a flat ellipse; the common foci keep it where fields continue
-// inwards.
+// Line sources on a confocal ellipse inside, `count` of them in each quarter: there the
+// boundary's fields must cancel the incoming wave. It is near the boundary, so that functions of
+// all orders remain distinguishable also on a flat ellipse; the common foci keep it where fields
+// continue inwards.
 class InnerSources {
  public:
   // `wavenumber` over that of free space, real.

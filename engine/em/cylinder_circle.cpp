@@ -15,11 +15,11 @@ namespace {
 
 using C = Complex<double>;
 
-// Samples are this far apart in k_t times the radius: at the most, and at the least for bodies of
-// little loss, whose resonances are narrow.
+// Step between samples, in k_t times the radius: the largest, and the smallest for bodies of little
+// loss, whose resonances are narrow.
 constexpr double kWidestStep = 0.1;
 constexpr double kNarrowestStep = 0.02;   // as above, chosen: bounds the size of the table
-constexpr std::size_t kMostOrders = 132;  // cylinder_order_count(kLargestSection), and some
+constexpr std::size_t kMostOrders = 132;  // cylinder_order_count(kLargestSection), with a reserve
 
 // A resonance is about x |Im eps| / (2 eps) wide.
 std::size_t sample_count(double k_radius, const C& relative_permittivity) {
@@ -100,7 +100,7 @@ class CircularSection final : public CylinderSection {
       add<kSlopes>(sum, kVh, modes[2], mode_slopes[2], term, odd);
       angle = angle * step;
     }
-    // eta_0 H_z of E_z is the same with the other sign.
+    // eta_0 H_z of E_z is the same with the opposite sign.
     sum.value[kHv] = C{} - sum.value[kVh];
     for (auto& slope : sum.slope) {
       slope[kHv] = C{} - slope[kVh];

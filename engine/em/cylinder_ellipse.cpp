@@ -17,16 +17,16 @@ namespace {
 
 using C = Complex<double>;
 
-// Samples are this far apart in k_t times the larger semi-axis.
+// Step between samples, in k_t times the larger semi-axis.
 constexpr double kStep = 0.4;
-// A flat body needs some orders more than a round one of the same length.
+// A flat body needs a few more orders than a round one of the same length.
 constexpr std::size_t kMoreOrders = 8;
-// Error of the transition matrix above which it is refused.
+// The transition matrix is refused when its error is larger.
 constexpr double kLargestAsymmetry = 1e-3;
 
 constexpr std::size_t kSymmetryCount = kSymmetries.size();  // a count, of cylinder_tmatrix.h
 
-// Where symmetry.across() stands in kSymmetries.
+// Index of symmetry.across() in kSymmetries.
 constexpr std::size_t across(std::size_t symmetry) { return (symmetry + 2) % kSymmetryCount; }
 
 void append(const Eigen::MatrixXcd& matrix, std::vector<C>& values) {
@@ -35,7 +35,7 @@ void append(const Eigen::MatrixXcd& matrix, std::vector<C>& values) {
   }
 }
 
-// Outgoing waves of one symmetry at a place, and their derivatives by where it is.
+// Outgoing waves of one symmetry at a position, and their derivatives by the position.
 struct Waves {
   Eigen::VectorXcd value, by_distance, by_azimuth;
 };
@@ -80,7 +80,7 @@ std::vector<C> coefficients(const std::array<double, 2>& k_semi_axes,
   return values;
 }
 
-// One sample an elevation; nothing when one is missing.
+// One sample per elevation; nothing when one is missing.
 std::vector<std::vector<C>> sample(const std::array<double, 2>& k_semi_axes,
                                    const C& relative_permittivity,
                                    std::size_t orders) {
@@ -88,7 +88,7 @@ std::vector<std::vector<C>> sample(const std::array<double, 2>& k_semi_axes,
   const std::size_t count =
       kMinTableSamples + static_cast<std::size_t>((1.0 - kLowestCosine) * longer / kStep);
   std::vector<std::vector<C>> samples(count);
-  // The level one is the hardest, so it says at once what cannot be done.
+  // Zero elevation is the hardest case, so it detects an unsolvable body at once.
   samples.back() = coefficients(k_semi_axes, relative_permittivity, 1.0, orders);
   if (samples.back().empty()) {
     return {};
@@ -130,7 +130,7 @@ class EllipticSection final : public CylinderSection {
 
   struct Matrices {
     Eigen::MatrixXcd value;
-    Eigen::MatrixXcd slope;  // by the cosine of the elevation; empty when not asked for
+    Eigen::MatrixXcd slope;  // by the cosine of the elevation; empty when not requested
   };
 
   Matrices read(const ElevationTable::Place& place, std::size_t first, bool slopes) const {

@@ -2,9 +2,9 @@
 // axis.
 //
 // Fields depend on z as exp(-j k sin_elevation z). With u = (E_z, eta_0 H_z) and the wavenumber
-// across the axis k_t = k cos_elevation, an incoming J_n(k_t rho) exp(j n phi) gives rise to an
-// outgoing T_n H_n^(2)(k_t rho) exp(j n phi); T_n is a 2 x 2 matrix. Without loss 1 + 2 T_n is
-// unitary.
+// across the axis k_t = k cos_elevation, an incoming J_n(k_t rho) exp(j n phi) produces
+// an outgoing T_n H_n^(2)(k_t rho) exp(j n phi); T_n is a 2 x 2 matrix. Without loss 1 +
+// 2 T_n is unitary.
 //
 // References:
 //   [W] Wait, Scattering of a plane wave from a circular dielectric cylinder at oblique incidence,
@@ -18,7 +18,7 @@
 
 namespace rayloc {
 
-// Of the orders 0, 1, ...; vv and hh are even in the order, cross is odd.
+// Coefficients of the orders 0, 1, ...; vv and hh are even in the order, cross is odd.
 struct CylinderModes {
   std::vector<Complex<double>> vv;  // E_z of E_z
   std::vector<Complex<double>> hh;  // eta_0 H_z of eta_0 H_z
@@ -26,7 +26,7 @@ struct CylinderModes {
   std::vector<Complex<double>> cross;
 };
 
-// Orders beyond which nothing scatters: the terms there are below 1e-8 of the largest.
+// Number of orders that scatter: terms beyond it are below 1e-8 of the largest.
 std::size_t cylinder_order_count(double k_radius);
 
 // k_radius: wavenumber of free space times the radius. relative_permittivity: Im <= 0, Re >= 1.

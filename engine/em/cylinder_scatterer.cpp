@@ -11,7 +11,7 @@ namespace {
 
 // Larger over smaller semi-axis.
 constexpr double kFlattest = 3.0;
-// Above it a body is not what this is for, and its tables would be large.
+// Above this value the model does not apply to a body, and its tables would be large.
 constexpr double kLargestPermittivity = 200.0;
 
 Expected<void> validate(const CylinderBody& body, double k) {

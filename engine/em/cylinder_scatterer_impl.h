@@ -11,17 +11,17 @@
 namespace rayloc {
 namespace cylinder {
 
-// Waves whose cosine of elevation is below the first are left out, above the second whole.
+// Waves whose cosine of elevation is below the first are left out, above the second kept in full.
 inline constexpr double kSteep = 0.18;
 inline constexpr double kLevel = 0.26;  // a cosine: 75 degrees; chosen, as is the first: 80
 // The same for the distance of an end from the axis, in larger semi-axes.
 inline constexpr double kTouching = 1.0;
-inline constexpr double kFree = 1.05;  // a ratio, chosen: from here on the wave is whole
-// In the shadow the way is the straight one, which the body's wave must cancel; in the light that
-// by the reflecting point. From the first to the second: how far from the axis the straight way
-// passes, in radii.
+inline constexpr double kFree = 1.05;  // a ratio, chosen: from here on the wave is kept in full
+// In the shadow the path is the straight one, which the body's wave must cancel; in the light it
+// is that by the reflecting point. Limits of the transition: distance of the straight path from
+// the axis, in radii.
 inline constexpr double kGrazing = 1.0;
-inline constexpr double kLit = 1.5;  // a ratio, chosen: from here on the light is whole
+inline constexpr double kLit = 1.5;  // a ratio, chosen: from here on the light is complete
 
 // 0 below `from`, 1 above `to`.
 template <typename T>
@@ -30,7 +30,7 @@ T step_between(const T& x, double from, double to) {
 }
 
 // (s(z) - s - s' dz) / dz^2 for the distance s(z) of a point from height z of an axis at distance
-// rho, s and s' at the height `rise` above the point, dz further up. Does not cancel at dz = 0.
+// rho, s and s' at the height `rise` above the point, dz further up. No cancellation at dz = 0.
 template <typename T>
 T excess_curvature(const T& rho, const T& rise, const T& dz) {
   using std::sqrt;
@@ -49,14 +49,14 @@ HorizontalWay<T> CylinderScatterer::horizontal_way(const Vec3<T>& in,
                                                    const T& rho_out) const {
   using std::sqrt;
   const auto between = [](const T& x, const T& y) { return sqrt(x * x + y * y); };
-  // Where the surface faces the middle of both directions, it reflects from one to the other.
+  // The surface reflects from one direction to the other where it faces the middle of both.
   const T middle_x = in.x / rho_in + out.x / rho_out;
   const T middle_y = in.y / rho_in + out.y / rho_out;
   const T cosine2 = T(0.25) * (middle_x * middle_x + middle_y * middle_y);
   const T support = T(0.5) * between(T(body_.semi_axes[0]) * middle_x,
                                      T(body_.semi_axes[1]) * middle_y);  // times the cosine
-  // How far from the axis the straight line passes there, in supports. Straight behind the body it
-  // is 0 / 0, and no light.
+  // Distance of the straight line from the axis there, in supports. Straight behind the body it is
+  // 0 / 0, and no light.
   const T clearance = T(2) * rho_in * rho_out / (rho_in + rho_out) * cosine2 / support;
   const T light = cylinder::step_between(
       clearance + T(2) * cosine2 * cosine2, cylinder::kGrazing, cylinder::kLit);
@@ -114,13 +114,13 @@ T CylinderScatterer::validity(const CylinderRoute<T>& route) const {
          away(route.rho_in) * away(route.rho_out);
 }
 
-// The share of the field from below height z. The detour by way of that height, in half waves, is
-// u^2 / 2.
+// The share of the field from below height z. The detour via that height, in half
+// waves, is u^2 / 2.
 template <typename T>
 Complex<T> CylinderScatterer::edge(const CylinderRoute<T>& route, double z) const {
   using std::sqrt;
   const T dz = T(z) - route.height;
-  // To the surface, each its share of the horizontal way.
+  // To the surface, each with its share of the horizontal path.
   const T share = route.across / (route.rho_in + route.rho_out);
   const T curvature =
       cylinder::excess_curvature<T>(share * route.rho_in, route.height - route.source_height, dz) +
@@ -155,12 +155,12 @@ CylinderScattering<T> CylinderScatterer::scatter(const CylinderRoute<T>& route) 
   const SectionResponse response =
       std::is_floating_point_v<T> ? section_->value(rays) : section_->respond(rays);
   // Stationary phase: with R the length, pi cos sqrt(k / (2 pi R)) exp(-j pi / 4), and the phase of
-  // the way taken off.
+  // the path removed.
   const T size = weight * T(std::numbers::pi) * route.cos_elevation *
                  sqrt(T(k / (2.0 * std::numbers::pi)) / route.length);
   const Complex<T> phase = exp(Complex<T>{T(0), kt * route.across - T(std::numbers::pi / 4.0)});
-  // Over the first terms of H_0(k_t across), a straight wave stays one: without them a thousandth
-  // of it is left in the shadow.
+  // Divided by the first terms of H_0(k_t across), so that a straight wave is preserved: without
+  // them a thousandth of it remains in the shadow.
   const T near = T(0.125) / (kt * route.across);
   const Complex<T> hankel{T(1) - T(4.5) * near * near, near};
   const Complex<T> scale = Complex<T>{size, T(0)} * phase * window(route) / hankel;

@@ -1,12 +1,12 @@
-// CylinderSection: how the cross-section of an infinite cylinder scatters the wave of one line
-// source to one observer; the sum over the orders (circle) or pairs of orders (ellipse).
+// CylinderSection: response of the cross-section of an infinite cylinder to one line source at one
+// observer; the sum over the orders (circle) or pairs of orders (ellipse).
 //
 // In the frame of the cylinder: the axis is z, azimuths are counted from the first semi-axis. A
-// line source with phase exp(-j k sin_elevation z) sends out H_0^(2)(k_t distance), k_t = k
-// cos_elevation; the response is what the cylinder adds at the observer, for E_z and eta_0 H_z.
+// line source with phase exp(-j k sin_elevation z) radiates H_0^(2)(k_t distance), k_t = k
+// cos_elevation; the response is the field added at the observer, for E_z and eta_0 H_z.
 //
-// Everything that depends on the cylinder alone is computed once, for elevations up to
-// kLowestCosine; steeper ones are answered as that one.
+// Quantities that depend on the cylinder alone are computed once, for elevations up to
+// kLowestCosine; steeper ones use that elevation.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -21,7 +21,7 @@
 namespace rayloc {
 
 inline constexpr double kLowestCosine = 0.15;  // of an elevation: 81 degrees
-// Of the larger semi-axis times the wavenumber; 0.9 m at 5.2 GHz.
+// Limit for the larger semi-axis times the wavenumber; 0.9 m at 5.2 GHz.
 inline constexpr double kLargestSection = 100.0;
 
 struct SectionRays {
@@ -32,14 +32,14 @@ struct SectionRays {
   double cos_elevation = 1.0;
 };
 
-// vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, whose sign they change with.
+// vh is E_z of eta_0 H_z; vh and hv are divided by sin_elevation, whose sign they share.
 enum SectionPart : std::size_t { kVv, kHh, kVh, kHv };
 inline constexpr std::size_t kSectionParts = 4;      // a count, of SectionPart
-inline constexpr std::size_t kSectionArguments = 5;  // as they stand in SectionRays
+inline constexpr std::size_t kSectionArguments = 5;  // the members of SectionRays
 
 struct SectionResponse {
   std::array<Complex<double>, kSectionParts> value{};
-  // Derivatives by each argument, where they were asked for.
+  // Derivatives by each argument, where requested.
   std::array<std::array<Complex<double>, kSectionParts>, kSectionArguments> slope{};
 };
 

@@ -1,6 +1,6 @@
 // ElevationTable: complex coefficients as smooth functions of the cosine of an elevation, from
-// samples at equal steps: cubic pieces whose slopes agree where they meet (Hermite, slopes by
-// differences of fourth order), so that derivatives are continuous.
+// samples at equal steps: cubic pieces with matching slopes (Hermite, slopes by differences of
+// fourth order), so that derivatives are continuous.
 #pragma once
 
 #include <array>
@@ -12,13 +12,13 @@
 
 namespace rayloc {
 
-// Of a table, a count, chosen: slopes need five neighbours.
+// Minimum size of a table, a count, chosen: slopes need five neighbours.
 inline constexpr std::size_t kMinTableSamples = 16;
 
 class ElevationTable {
  public:
-  // A value is weight[0] node[0] + ... + weight[3] node[3], its derivative the same with
-  // slope_weight.
+  // A value is weight[0] node[0] + ... + weight[3] node[3], its derivative the same
+  // with slope_weight.
   struct Place {
     std::array<const Complex<double>*, 4> node;  // value, slope, next value, next slope
     std::array<double, 4> weight;
@@ -31,7 +31,7 @@ class ElevationTable {
   ElevationTable(double lowest, std::vector<std::vector<Complex<double>>> samples);
 
   std::size_t width() const { return width_; }  // coefficients of a sample
-  // Beyond the ends of the table the value is that at the end.
+  // Outside the table the value is that at its end.
   Place at(double cosine) const;
   // Values, and derivatives by the cosine, of the coefficients from `first` on; `slopes` may be
   // empty.

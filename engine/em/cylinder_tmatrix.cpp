@@ -15,12 +15,12 @@ namespace {
 using Matrix = Eigen::MatrixXcd;
 using C = Complex<double>;
 
-// From this absorption on (nepers from the surface to the axis) what has come through is e^-8.
+// From this absorption on (nepers from the surface to the axis) the wave that has passed is e^-8.
 constexpr double kOpaque = 4.0;
 
 std::complex<double> scalar(const C& z) { return {z.re, z.im}; }
 
-// The medium inside as a wave at that elevation meets it.
+// The medium inside for a wave at that elevation.
 struct Interior {
   Interior(const C& relative_permittivity, double cos_elevation)
       : permittivity(scalar(relative_permittivity)),

@@ -8,8 +8,8 @@ namespace {
 
 using C = Complex<double>;
 
-// Below: the power series, which loses digits when u is larger; above: the continued fraction,
-// which converges slowly when u is smaller.
+// Below: the power series, which loses digits at larger u; above: the continued fraction, which
+// converges slowly at smaller u.
 constexpr double kSeriesEnd = 2.4;
 constexpr double kMinWindowTerm = 1e-18;  // squared, of a term of the series
 
@@ -41,7 +41,7 @@ Complex<double> knife_edge(double u) {
   const double size = std::abs(u);
   const double part = size * std::sqrt(std::numbers::pi) / 2.0;
   const C z{part, part};  // squared: j pi u^2 / 2
-  // Of the part beyond |u|.
+  // Contribution of the part beyond |u|.
   const C beyond = size < kSeriesEnd ? C{0.5, 0.0} - half_erf_series(z) : half_erfc_fraction(z);
   return u < 0.0 ? beyond : C{1.0, 0.0} - beyond;
 }

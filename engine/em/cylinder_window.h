@@ -1,8 +1,8 @@
-// What is left of a wave behind a straight edge, and of what an upright body of finite height does.
+// The wave behind a straight edge, and the scattered share of an upright body of finite height.
 //
-// The field that an infinite cylinder scatters comes from its whole height, but by phases from
-// around one point. A body that ends there scatters knife_edge() of it, one that goes from u_low to
-// u_high the difference.
+// The field that an infinite cylinder scatters comes from its whole height, but by its phases
+// mainly from around one point. A body that ends there scatters knife_edge() of it, one that
+// extends from u_low to u_high the difference.
 //
 // References:
 //   [P526] Rec. ITU-R P.526-15, section 4.1.

@@ -1,4 +1,4 @@
-// RadioMaterial: what a surface is made of, evaluated at one frequency; and the materials of ITU-R
+// RadioMaterial: material properties of a surface at one frequency; and the materials of ITU-R
 // P.2040-4 by name.
 //
 // Time factor exp(+j w t): the complex relative permittivity is eps_r - j sigma / (w eps_0).
@@ -26,7 +26,7 @@ struct RadioMaterial {
   double relative_permittivity = 1.0;    // real part, >= 1
   double conductivity = 0.0;             // [S/m], >= 0
   double thickness = kDefaultThickness;  // [m], > 0; kHalfSpace: no second face
-  SurfaceScattering scattering = {};     // only where TraceOptions::diffuse asks for it
+  SurfaceScattering scattering = {};     // used only with TraceOptions::diffuse
 
   friend bool operator==(const RadioMaterial&, const RadioMaterial&) = default;
 };
@@ -37,8 +37,8 @@ Complex<double> complex_permittivity(const RadioMaterial& material, double frequ
 // Names of the table, as scenes write them after "itu_": "concrete", "brick", "ceiling_board", ...
 std::span<const std::string> itu_material_names();
 
-// The material at that frequency. An Error (without a place; the caller knows it) when the table
-// has no such name, with a suggestion, or does not cover the frequency, with what it covers.
+// The material at that frequency. An Error (without a place, which the caller adds) when the table
+// has no such name, with a suggestion, or does not cover the frequency, with its range.
 Expected<RadioMaterial> itu_material(std::string_view name,
                                      double frequency_hz,
                                      double thickness = kDefaultThickness);

@@ -50,7 +50,7 @@ LobeNodes make_nodes() {
 }  // namespace
 
 const LobeNodes& lobe_nodes() {
-  // Of Gauss and Legendre's rule: numbers.
+  // The Gauss-Legendre rule: numbers.
   static const LobeNodes kNodes = make_nodes();
   return kNodes;
 }

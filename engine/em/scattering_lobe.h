@@ -1,21 +1,21 @@
-// ScatteringLobe: how the scattered power of a rough surface is spread over directions.
+// ScatteringLobe: distribution of the scattered power of a rough surface over directions.
 //
 // With u_i, u_s the cosines of incidence and of scattering, psi_r the angle from the mirrored
-// direction and psi_i that from the way back, a surface element of area dA that is hit by the power
-// density p scatters
+// direction and psi_i that from the direction back to the source, a surface element of area dA that
+// is illuminated with the power density p scatters
 //   S^2 p dA w,   w = u_i u_s K / (B(u_i) B(u_s)) G(u_i) G(u_s)   per unit of solid angle,
 // where G is the power reflectance of the smooth surface, the mean of both polarisations, and K the
 // lobe of [DE]: 1, ((1 + cos psi_r) / 2)^alpha_r, or lambda of it and 1 - lambda of the same about
-// the way back. B makes the balance: over the half space of u_s, w is u_i G(u_i) for every u_i, so
-// that scattered and reflected power are together what a smooth surface reflects. Since w does not
-// change when both ends are exchanged, that is one equation for a function of one cosine,
+// the direction back. B is the balance: over the half space of u_s, w is u_i G(u_i) for every u_i,
+// so that scattered and reflected power together are the reflection of a smooth surface. Since w
+// does not change when both ends are exchanged, that is one equation for a function of one cosine,
 //   B(u) = integral of K u' G(u') / B(u')  over the half space of u',
 // solved once for a surface. [DE] divides by the integral of K instead, the F_alpha of its (8) and
-// (19), and has no u_s: the balance is kept, the exchange is not. Lambertian lobes of a perfect
+// (19), and has no u_s: the balance is kept, but not the symmetry. Lambertian lobes of a perfect
 // reflector are the same in both, u_i u_s / pi.
 //
 // Written in a scalar T, so that with dual numbers it carries derivatives by the lobe's widths and
-// by whatever G depends on.
+// by all quantities that G depends on.
 //
 // References:
 //   [DE] surface_scattering.h.
@@ -36,7 +36,7 @@ inline constexpr std::size_t kLobeNodes = 32;
 struct LobeNodes {
   std::array<double, kLobeNodes> cosine{};  // of Gauss and Legendre's rule over [0, 1]
   std::array<double, kLobeNodes> weight{};
-  // [k][i]: how node i counts in the k-th coefficient of Legendre's polynomials.
+  // [k][i]: weight of node i in the k-th coefficient of Legendre's polynomials.
   std::array<std::array<double, kLobeNodes>, kLobeNodes> legendre{};
 };
 const LobeNodes& lobe_nodes();
@@ -49,13 +49,13 @@ struct LobeShape {
   T lambda{};
 };
 
-// K; of the cosines of psi_r and psi_i.
+// K, as a function of the cosines of psi_r and psi_i.
 template <typename T>
 T lobe_kernel(const LobeShape<T>& shape, const T& cos_reflected, const T& cos_back) {
   using std::exp;
   using std::log;
   const auto lobe = [](const T& cosine, const T& alpha) {
-    // Below that nothing is scattered: the logarithm has no end, a number, chosen.
+    // Below this nothing is scattered: it bounds the logarithm; a number, chosen.
     constexpr double kDark = 1e-30;
     const T base = T(0.5) * (T(1) + cosine);
     return base > T(kDark) ? T(exp(alpha * log(base))) : T(0);
@@ -79,7 +79,7 @@ class ScatteringLobe {
 
   // `reflectance`: G at the cosines of lobe_nodes(), > 0.
   ScatteringLobe(const LobeShape<T>& shape, const AtNodes& reflectance);
-  // One that depends on nothing that is varied.
+  // A constant lobe, without derivatives.
   template <typename U>
   explicit ScatteringLobe(const ScatteringLobe<U>& lobe)
       : shape_{lobe.shape().pattern,
@@ -91,7 +91,7 @@ class ScatteringLobe {
     }
   }
 
-  // One end of a way over the surface.
+  // One end of a path over the surface.
   struct End {
     T cosine{};       // of the angle from the normal
     T reflectance{};  // G at that cosine
@@ -145,7 +145,7 @@ ScatteringLobe<T>::ScatteringLobe(const LobeShape<T>& shape, const AtNodes& refl
 
 template <typename T>
 typename ScatteringLobe<T>::Matrix ScatteringLobe<T>::around_normal() const {
-  // Of half a turn; a count: a lobe of alpha 100 is wider than three of them.
+  // Over half a turn; a count: a lobe of alpha 100 is wider than three of them.
   constexpr std::size_t kAzimuths = 32;
   const LobeNodes& nodes = lobe_nodes();
   Matrix kernel;

@@ -20,14 +20,14 @@ template <typename T>
 struct SlabCoefficients {
   Complex<T> r_te, r_tm;  // reflection, electric field perpendicular / parallel
   Complex<T> t_te, t_tm;  // transmission
-  // By what the parallel field differs from the perpendicular one, over sin^2(theta):
-  // (r_te + r_tm) / sin^2 and (t_tm - t_te) / sin^2. Both are regular at normal incidence, where
-  // the plane of incidence and with it te and tm lose their meaning (trace/interactions/wave.h).
+  // Difference of the parallel from the perpendicular coefficients, over sin^2(theta): (r_te +
+  // r_tm) / sin^2 and (t_tm - t_te) / sin^2. Both are regular at normal incidence, where the plane
+  // of incidence and with it te and tm are undefined (trace/interactions/wave.h).
   Complex<T> r_excess, t_excess;
 };
 
-// Reflection by a half space, for a wave arriving from vacuum; t_te and t_tm are 0, since nothing
-// comes out again. Arguments as below.
+// Reflection by a half space, for a wave arriving from vacuum; t_te and t_tm are 0, since no wave
+// leaves it again. Arguments as below.
 template <typename T>
 SlabCoefficients<T> half_space_coefficients(const T& cos_theta,
                                             const Complex<T>& relative_permittivity) {
@@ -36,7 +36,7 @@ SlabCoefficients<T> half_space_coefficients(const T& cos_theta,
   const Complex<T> root = sqrt(relative_permittivity - Complex<T>{sin2_theta, T(0)});
   const Complex<T> te = c + root;
   const Complex<T> tm = relative_permittivity * c + root;
-  // [P2040] (37a), (37b). Their sum: eta c^2 - root^2 = (1 - eta) sin^2 cancels by hand.
+  // [P2040] (37a), (37b). Their sum: eta c^2 - root^2 = (1 - eta) sin^2, simplified by hand.
   const Complex<T> one{T(1), T(0)};
   return {(c - root) / te,
           (relative_permittivity * c - root) / tm,
@@ -79,7 +79,7 @@ SlabCoefficients<T> slab_coefficients(const T& cos_theta,
   const Complex<T> r_tm = p_tm * (one - twice) * from_tm;
   const Complex<T> t_te = (one - p_te * p_te) * once * from_te;
   const Complex<T> t_tm = (one - p_tm * p_tm) * once * from_tm;
-  // r_te + r_tm and t_tm - t_te with p_te + p_tm taken out.
+  // r_te + r_tm and t_tm - t_te with p_te + p_tm factored out.
   const Complex<T> common = half_space.r_excess * (one - twice) * from_te * from_tm;
   return {
       r_te, r_tm, t_te, t_tm, common * (one - p_te * p_tm * twice), common * (p_te - p_tm) * once};

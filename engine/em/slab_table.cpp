@@ -13,8 +13,8 @@ namespace {
 
 // A cosine of incidence, chosen: 87 degrees; beyond, the slab is computed exactly.
 constexpr double kLeastCosine = 0.05;
-constexpr double kTolerance = 1e-13;  // a ratio, chosen: little more than the rounding of a double
-// A count, chosen: what a thin slab is tried with first.
+constexpr double kTolerance = 1e-13;  // a ratio, chosen: slightly above the rounding of a double
+// A count, chosen: the first trial for a thin slab.
 constexpr std::size_t kFewestIntervals = 16;
 // A count, chosen: a slab that needs more has no table.
 constexpr std::size_t kMostIntervals = 1024;

@@ -1,10 +1,10 @@
-// SlabTable: the coefficients of one material's slab by the angle of incidence, from polynomials.
+// SlabTable: the coefficients of one material's slab as polynomials of the angle of incidence.
 //
-// A path asks for them at every interaction with always the same permittivity, thickness and
-// wavelength, so complex roots, exponentials and quotients are computed once, when a tracer is
-// made. The error is below 1e-13 (1e-13 of the largest value for the excess terms). Where
-// polynomials do not reach that, near grazing incidence, `find` gives nothing and slab.h is to be
-// used.
+// A path needs them at every interaction with the same permittivity, thickness and
+// wavelength, so complex roots, exponentials and quotients are computed once, when a tracer
+// is made. The error is below 1e-13 (1e-13 of the largest value for the excess terms).
+// Where polynomials do not reach that, near grazing incidence, `find` returns nothing and
+// slab.h has to be used.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -20,18 +20,18 @@ namespace rayloc {
 
 class SlabTable {
  public:
-  // An interaction as trace/interactions need it: r_te and r_excess, or t_te and t_excess.
+  // Coefficients in the form of trace/interactions: r_te and r_excess, or t_te and t_excess.
   template <typename T>
   struct Pair {
     Complex<T> te;
     Complex<T> excess;
   };
 
-  SlabTable() = default;  // covers nothing
+  SlabTable() = default;  // covers no angle
   // thickness, wavelength: [m]; infinite thickness is a half space.
   SlabTable(const Complex<double>& relative_permittivity, double thickness, double wavelength);
 
-  // False when the table does not reach down to that cosine of the angle of incidence.
+  // False when the cosine of the angle of incidence is below the range of the table.
   bool covers(double cos_theta) const { return cos_theta >= least_cosine_; }
 
   // REQUIRES: covers(cos_theta).
@@ -56,7 +56,7 @@ class SlabTable {
   template <typename T>
   Pair<T> at(const T& cos_theta, std::size_t first) const;
 
-  double least_cosine_ = 2.0;  // more than any cosine
+  double least_cosine_ = 2.0;  // above any cosine
   double per_interval_ = 0.0;  // intervals per unit of the cosine
   std::vector<Interval> intervals_;
 };

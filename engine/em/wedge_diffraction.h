@@ -1,30 +1,30 @@
-// Diffraction at the edge of a wedge: the uniform theory for a perfectly conducting one, soft and
-// hard.
+// Diffraction at the edge of a wedge: the uniform theory for a perfect
+// conductor, soft and hard.
 //
-// The wedge fills what is not between the azimuths 0 (its face 0) and n pi (its face n) about the
+// The wedge fills the space outside the azimuths 0 (its face 0) to n pi (its face n) about the
 // edge; n = 2 is the free edge of a sheet. A wave comes from the azimuth `from` and is observed at
 // the azimuth `to`.
 //
-// A diffracted wave is given relative to a wave that goes the same way length with no edge:
+// A diffracted wave is expressed relative to a wave that travels the same path length with no edge:
 // exp(-j k (s' + s)) / (s' + s) of a point source, with s' and s the distances to the edge along
-// the way; exp(-j k s) of a plane wave. In [KP] the factor sqrt(L) of each term and the spreading
-// sqrt(s' / (s (s' + s))) make exactly that, for plane, cylindrical and spherical waves alike. So
-// nothing here depends on the wavelength but through the phase k L.
+// the path; exp(-j k s) of a plane wave. In [KP] the factor sqrt(L) of each term and the spreading
+// sqrt(s' / (s (s' + s))) have exactly that product, for plane, cylindrical and spherical waves
+// alike. So the wavelength enters only through the phase k L.
 //
-// The terms of [KP] are summed as c(d) G(w): d is the azimuth past a boundary of light, positive
-// in the light, c(d) = sin(d / 2) cot(d / 2n), w = sqrt(2 k L) sin(d / 2). Both are smooth at d =
-// 0; only the sign jumps, by what the geometrical field jumps there. So derivatives are finite on
+// The terms of [KP] are summed as c(d) G(w): d is the azimuth past a boundary of light, positive in
+// the light, c(d) = sin(d / 2) cot(d / 2n), w = sqrt(2 k L) sin(d / 2). Both are smooth at d = 0;
+// only the sign jumps, by the jump of the geometrical field there. So derivatives are finite on
 // each side of every boundary and at it.
 //
-// Sheets are exact for plane waves. Where it fails: at other wedges the error grows as 1 / (k L)
-// and is largest for hollow ones of about 105 degrees between the faces (0.05 of the incident wave
-// at half a wavelength, 0.014 at two). Where a face is met at grazing incidence, the incident and
-// the reflected wave are one and count half. Where the incident wave has a slope across the edge,
-// wedge_slope_terms() belong to it. Where a term has its zero, half way between two boundaries,
+// Sheets are exact for plane waves. Limits: at other wedges the error grows as 1 / (k L) and is
+// largest for hollow ones of about 105 degrees between the faces (0.05 of the incident wave at half
+// a wavelength, 0.014 at two). Where a face is met at grazing incidence, the incident and the
+// reflected wave coincide and count half. Where the incident wave has a slope across the edge,
+// wedge_slope_terms() have to be added. Where a term has its zero, half way between two boundaries,
 // second derivatives jump.
 //
-// Written in a scalar T, for derivatives by angles and distances. n is a double: a wedge keeps its
-// angle.
+// Written in a scalar T, for derivatives by angles and distances. n is a double: the angle of
+// a wedge is fixed.
 //
 // References:
 //   [KP] R. G. Kouyoumjian, P. H. Pathak, Proc. IEEE 62 (1974) 1448, equations (25) to (33).
@@ -40,16 +40,16 @@
 
 namespace rayloc {
 
-// What diffraction at one edge depends on.
+// The parameters of diffraction at one edge.
 template <typename T>
 struct WedgeRay {
   double n = 2.0;    // exterior angle over pi, in (0, 2]
   T from{};          // [rad], azimuth of the source, in [0, n pi]
   T to{};            // [rad], azimuth of the observer, in [0, n pi]
-  T phase_length{};  // k L = k s' s / (s' + s) sin^2(angle of the way to the edge) [rad], > 0
+  T phase_length{};  // k L = k s' s / (s' + s) sin^2(angle of the path to the edge) [rad], > 0
 };
 
-// The parts of a diffracted wave by the boundary that each makes continuous.
+// The parts of a diffracted wave, by the boundary at which each restores continuity.
 template <typename T>
 struct WedgeTerms {
   Complex<T> incident;     // both boundaries of shadow
@@ -81,7 +81,7 @@ template <typename T>
 ValueAndSlope<T> sinc(const T& x) {
   using std::cos;
   using std::sin;
-  // Below, terms beyond the series are less than the rounding of a double.
+  // Below this, terms beyond the series are less than the rounding of a double.
   constexpr double kSmall = 0.1;
   const T x2 = x * x;
   if (std::abs(value_of(x)) < kSmall) {
@@ -106,7 +106,7 @@ ValueAndSlope<T> pole(double n, const T& d) {
   return {ratio * cos(part), (ratio_slope * cos(part) - ratio * sin(part) / T(n)) / T(2)};
 }
 
-// One of the four terms, by b = +-(to -+ from), and its slope by b.
+// One of the four terms, as a function of b = +-(to -+ from), and its slope by b.
 template <typename T>
 ValueAndSlope<Complex<T>> term(double n, const T& b, const T& phase_length) {
   using std::cos;
@@ -114,7 +114,7 @@ ValueAndSlope<Complex<T>> term(double n, const T& b, const T& phase_length) {
   using std::sqrt;
   const double turn = 2.0 * std::numbers::pi * n;
   const T past = b + T(std::numbers::pi);
-  // From the nearest boundary.
+  // Azimuth from the nearest boundary.
   const T d = past - T(turn * std::round(value_of(past) / turn));
   const T sign(value_of(d) < 0.0 ? -1.0 : 1.0);
   const T root = sqrt(T(2) * phase_length);
@@ -133,7 +133,7 @@ ValueAndSlope<Complex<T>> term(double n, const T& b, const T& phase_length) {
 
 }  // namespace wedge
 
-// Exactly on a boundary the geometrical wave must be counted as there.
+// Exactly on a boundary the geometrical wave must be counted as present.
 template <typename T>
 WedgeTerms<T> wedge_terms(const WedgeRay<T>& ray) {
   const T difference = ray.to - ray.from;
@@ -142,9 +142,9 @@ WedgeTerms<T> wedge_terms(const WedgeRay<T>& ray) {
   return {at(difference) + at(-difference), at(-sum), at(sum)};
 }
 
-// By how much the terms grow with `from`. A wave that vanishes at the edge, with the slope
-// du/dn across the way and the edge towards larger azimuths, is diffracted as
-// du/dn / (j k sin(angle of the way to the edge)) times these.
+// Derivatives of the terms by `from`. A wave that vanishes at the edge, with the slope du/dn across
+// the path and the edge towards larger azimuths, is diffracted as du/dn / (j k sin(angle of the
+// path to the edge)) times these.
 template <typename T>
 WedgeTerms<T> wedge_slope_terms(const WedgeRay<T>& ray) {
   const T difference = ray.to - ray.from;

@@ -1,24 +1,24 @@
-// Diffraction at the edge of a wedge that reflects and lets through: a heuristic on top of
+// Diffraction at the edge of a wedge that reflects and transmits: a heuristic on top of
 // wedge_diffraction.h, for any polarisation and any angle to the edge.
 //
-// Each term of the uniform theory is multiplied by what the geometrical wave jumps at its boundary:
-// R of the face in a term of reflection ([L]), 1 - P in the term of light, P being the straight way
-// through both faces ([R]) or through the sheet ([B], in both terms of light). So the field is
-// continuous wherever geometrical optics is drawn with the same coefficients. The term of light
-// that has no boundary takes R_0 R_n ([H]): then the field vanishes on the faces, as R = -1 at
+// Each term of the uniform theory is multiplied by the jump of the geometrical wave at its
+// boundary: R of the face in a term of reflection ([L]), 1 - P in the term of light, P being the
+// straight path through both faces ([R]) or through the sheet ([B], in both terms of light). So the
+// field is continuous wherever geometrical optics uses the same coefficients. The term of light
+// that has no boundary uses R_0 R_n ([H]): then the field vanishes on the faces, as R = -1 at
 // grazing incidence demands.
 //
-// What R and P are away from the boundaries is a choice. The angle to a face is the lesser of those
-// of source and observer and at most a right one, so that both may be exchanged, and grazing when
-// either is in the face. [L] takes the source's at one face and the observer's at the other.
+// The values of R and P away from the boundaries are a choice. The angle to a face is the lesser of
+// those of source and observer and at most a right one, so that both may be exchanged, and grazing
+// when either is in the face. [L] uses the source's at one face and the observer's at the other.
 //
 // A conductor (te = -1, excess = 0) gives soft() and hard() exactly.
 //
-// Where it fails: no exact solution of the dielectric wedge stands behind it. About a concrete bar
-// it is right to 0.03 of the wave alone (engine/studies/2026-11-dielectric-wedge.md). Waves that
-// ring within a body or creep along it are missing. Where the source lights both faces, R_0 R_n is
-// inaccurate ([E]). Hollow wedges (n < 1) reflect a wave more often than R is taken here. Of a
-// solid that lets through, the cross terms of P jump where both azimuths are equal.
+// Limits: no exact solution of the dielectric wedge supports it. About a concrete bar it is right
+// to 0.03 of the wave alone (engine/studies/2026-11-dielectric-wedge.md). Resonances within a body
+// and creeping waves are missing. Where the source lights both faces, R_0 R_n is inaccurate ([E]).
+// Hollow wedges (n < 1) reflect a wave more often than R includes here. For a solid that transmits,
+// the cross terms of P jump where both azimuths are equal.
 //
 // References:
 //   [L] R. J. Luebbers, IEEE Trans. Antennas Propag. 32 (1984) 70.
@@ -37,8 +37,8 @@
 
 namespace rayloc {
 
-// Of a way with the unit direction d at an edge along e: the part along e - (e . d) d (soft), and
-// the part along d x e (hard). The first letter is what leaves, the second what comes.
+// For a path with the unit direction d at an edge along e: the part along e - (e . d) d (soft), and
+// the part along d x e (hard). The first letter is the outgoing part, the second the incoming one.
 template <typename T>
 struct WedgeDyad {
   Complex<T> ss, sh, hs, hh;
@@ -57,24 +57,24 @@ struct WedgeDyad {
   }
 };
 
-// What stands about the edge. A Face answers reflection(cos) and transmission(cos) of the angle of
-// incidence with a SlabTable::Pair<T>.
+// The body at the edge. A Face has reflection(cos) and transmission(cos) of the angle of incidence,
+// which return a SlabTable::Pair<T>.
 enum class WedgeBody {
-  kOpaque,  // nothing goes through
-  kSolid,   // through both faces
-  kSheet,   // through one face, of which n = 2 has both sides
+  kOpaque,  // no transmission
+  kSolid,   // transmission through both faces
+  kSheet,   // through one face, for n = 2 with both sides
 };
 
 namespace wedge {
 
-// Where both ends are, as one that exchanges them sees it.
+// Geometry of both ends, symmetric under their exchange.
 template <typename T>
 struct Ends {
   double n = 2.0;
-  T low{}, high{};  // [rad], the lesser and the greater azimuth
+  T low{}, high{};  // [rad], the smaller and the larger azimuth
   T half_apart{};   // [rad], half of to - from
   T half_sum{};     // [rad]
-  T sin_edge{};     // of the angle between the way and the edge
+  T sin_edge{};     // of the angle between the path and the edge
   T cos_edge{};
 };
 
@@ -102,7 +102,7 @@ WedgeDyad<T> reflection(const Face& face, const T& angle, const Ends<T>& ends) {
           Complex<T>{along * along, T(0)} * r.excess - r.te};
 }
 
-// `along`: of the way in the face, across the edge, as a part of it.
+// `along`: component of the path in the face, across the edge, relative to it.
 template <typename T, typename Face>
 WedgeDyad<T> transmission(const Face& face, const T& angle, const T& along, const Ends<T>& ends) {
   using std::cos;
@@ -118,7 +118,7 @@ WedgeDyad<T> transmission(const Face& face, const T& angle, const T& along, cons
           t.te + Complex<T>{level * level, T(0)} * t.excess};
 }
 
-// Of the straight way past the edge, on the wedge's side of it.
+// Transmission of the straight path past the edge, on the wedge's side of it.
 template <typename T, typename Face>
 WedgeDyad<T> passed(
     const Face& face_0, const Face& face_n, WedgeBody body, bool rising, const Ends<T>& ends) {
@@ -145,11 +145,11 @@ WedgeDyad<T> passed(
 
 namespace wedge {
 
-// What each term of the uniform theory is multiplied by.
+// Factors of the terms of the uniform theory.
 template <typename T>
 struct Jumps {
-  WedgeDyad<T> stopped;  // of the term of light that may have a boundary
-  WedgeDyad<T> twice;    // of the other one
+  WedgeDyad<T> stopped;  // for the term of light that may have a boundary
+  WedgeDyad<T> twice;    // for the other one
   WedgeDyad<T> r_0, r_n;
 };
 
@@ -183,8 +183,8 @@ Jumps<T> jumps(const WedgeRay<T>& ray,
   return {stopped, is_sheet ? stopped : turned_twice, r_0, r_n};
 }
 
-// The terms of the uniform theory by the boundaries that they make continuous, each with its slope
-// by the angle that it depends on: - and + the azimuths' distance apart, - and + their sum.
+// The terms of the uniform theory by the boundaries at which they restore continuity, each with its
+// slope by its angle: - and + the distance between the azimuths, - and + their sum.
 template <typename T>
 struct Terms {
   ValueAndSlope<Complex<T>> stopped, twice, r_0, r_n;
@@ -206,8 +206,8 @@ WedgeDyad<T> sum_of(const Terms<T>& terms, const Jumps<T>& jumps) {
 
 }  // namespace wedge
 
-// What the wave becomes relative to one of the same length (wedge_diffraction.h).
-// `cos_edge`: the way's direction along the edge; the edge e is the axis about which azimuths grow.
+// The diffracted wave relative to one of the same length (wedge_diffraction.h). `cos_edge`:
+// the path's direction along the edge; the edge e is the axis about which azimuths grow.
 // REQUIRES: |cos_edge| < 1.
 template <typename T, typename Face>
 WedgeDyad<T> wedge_dyad(const WedgeRay<T>& ray,
@@ -218,9 +218,9 @@ WedgeDyad<T> wedge_dyad(const WedgeRay<T>& ray,
   return wedge::sum_of(wedge::terms(ray), wedge::jumps(ray, cos_edge, face_0, face_n, body));
 }
 
-// The same, and by how much it grows with each azimuth, for waves with a slope across the edge
-// (wedge_slope_terms()). The reflection and passage of faces are taken as constant: on a face they
-// are, and elsewhere the slope of the terms is the larger part.
+// The same, and its derivatives by each azimuth, for waves with a slope across the edge
+// (wedge_slope_terms()). The reflection and transmission of faces are taken as constant: on a face
+// they are, and in other directions the slope of the terms is the larger part.
 template <typename T>
 struct SlopedWedgeDyad {
   WedgeDyad<T> value;

@@ -10,7 +10,7 @@ namespace {
 
 using C = Complex<double>;
 
-// Above, the asymptotic series has all digits of a double; below, the knife edge loses none.
+// Above this the asymptotic series has all digits of a double; below, the knife edge loses none.
 constexpr double kSeriesBegin = 6.0;
 constexpr double kMinTransitionTerm = 1e-17;  // of a term of the series
 constexpr int kMostTerms = 36;                // the smallest term at kSeriesBegin
@@ -34,7 +34,7 @@ WedgeTransition<double> wedge_transition(double w) {
     const C excess = series_excess(w);
     return {C{1.0 / w, 0.0} * (C{1.0, 0.0} + excess), excess};
   }
-  // The integral is sqrt(pi) exp(-j pi / 4) times what a knife edge leaves sqrt(2 / pi) w below it.
+  // The integral is sqrt(pi) exp(-j pi / 4) times the knife-edge field sqrt(2 / pi) w below it.
   const double phase = w * w + std::numbers::pi / 4.0;
   const double size = 2.0 / std::numbers::inv_sqrtpi;
   const C value = C{size * std::cos(phase), size * std::sin(phase)} *

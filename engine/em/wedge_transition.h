@@ -1,5 +1,5 @@
-// The transition function of the uniform theory of diffraction: how the field about an edge passes
-// from light to shadow (wedge_diffraction.h).
+// The transition function of the uniform theory of diffraction: the field about an edge between
+// light and shadow (wedge_diffraction.h).
 //
 // References:
 //   [KP] R. G. Kouyoumjian, P. H. Pathak, Proc. IEEE 62 (1974) 1448, equation (28).
@@ -10,8 +10,8 @@
 
 namespace rayloc {
 
-// G(w) = 2 j exp(j w^2) times the integral of exp(-j t^2) from w to infinity. [KP]'s F(w^2) is
-// w G(w), whose slope is infinite at w = 0; that of G is not. G is 1 / w where w is large.
+// G(w) = 2 j exp(j w^2) times the integral of exp(-j t^2) from w to infinity. [KP]'s F(w^2) is w
+// G(w), whose slope is infinite at w = 0; that of G is not. G is 1 / w for large w.
 template <typename T>
 struct WedgeTransition {
   Complex<T> value;   // G

@@ -15,7 +15,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kLeastCounted = 0.2;  // of the model's noise: less is a unit of log-likelihood
+constexpr double kLeastCounted = 0.2;  // ratio to n; a smaller one is a unit of log-likelihood
 
 }  // namespace
 
@@ -42,8 +42,8 @@ double log_likelihood_with_noise(const PlaceModel& place,
   const auto twice = whiten(place.whitener, inverse);       // W Sigma^-1 y
   const double power = power_of(whitened);
   const double inverse_power = power_of(inverse);
-  // The gain is that of (Sigma + n' I / D)^-1 ~ Sigma^-1 - `less` Sigma^-2, which is exact where
-  // there is nothing but noise.
+  // The gain is that of (Sigma + n' I / D)^-1 ~ Sigma^-1 - `less` Sigma^-2, which is exact if Sigma
+  // is noise only.
   const auto n = static_cast<double>(place.noise);
   const double less = n / dimension * observed.noise / (n + observed.noise);
   const double a = std::max(power - less * inverse_power, kMinPower);
@@ -60,7 +60,7 @@ double log_likelihood_with_noise(const PlaceModel& place,
     const double b = std::abs(lessened);
     const double r = best_gain(a, b, dimension);
     const Value turn = b > 0.0 ? std::conj(lessened) / b : 1.0;
-    // |r y - mu|^2 in one metric and in the other.
+    // |r y - mu|^2 in both metrics.
     const auto misfit = [&](double of_y, const Value& of_both, float of_mu) {
       return std::max(r * r * of_y - 2.0 * r * (turn * of_both).real() + static_cast<double>(of_mu),
                       kMinPower);

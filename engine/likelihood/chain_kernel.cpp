@@ -2,11 +2,11 @@
 
 #include "engine/base/check.h"
 
-// Highway compiles this file once for each kind of processor (trace/cfr_kernel.cpp says how).
+// Highway compiles this file once for each kind of processor (see trace/cfr_kernel.cpp).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/likelihood/chain_kernel.cpp"
 #include <hwy/foreach_target.h>
-// Follow foreach_target.h.
+// Must follow foreach_target.h.
 #include <hwy/highway.h>
 
 #include "engine/likelihood/lane_gain_inl.h"
@@ -77,10 +77,10 @@ void whiten_chains(const std::complex<float>* whitener,
   }
 }
 
-// The chains but the last, in one state of theirs.
+// Sums over all chains but the last, in one state of theirs.
 struct Others {
-  Vector power;   // with the last one's own
-  Complex cross;  // with the last one, conj(z_m) u_m^H u_last
+  Vector power;   // including that of the last chain
+  Complex cross;  // with the last chain, conj(z_m) u_m^H u_last
   Complex along;
 };
 

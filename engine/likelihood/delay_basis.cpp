@@ -15,8 +15,8 @@ using Value = std::complex<double>;
 
 constexpr double kWindowBegin = -12e-9;  // [s]
 constexpr double kWindowEnd = 75e-9;     // [s], METHODS B2
-constexpr double kWindowStep = 0.5e-9;   // [s], chosen: finer than 160 MHz tells apart
-constexpr double kBasisLeftOut = 1e-4;   // share of the power in the window outside of the basis
+constexpr double kWindowStep = 0.5e-9;   // [s], chosen: finer than 160 MHz resolves
+constexpr double kBasisLeftOut = 1e-4;   // share of the window's power outside the basis
 // Linear interpolation at this step is exact to 4e-5 over 80 MHz.
 constexpr double kTableStep = 0.05e-9;
 constexpr std::size_t kTableSize =
@@ -40,8 +40,8 @@ DelayBasis::DelayBasis(const OfdmGrid& grid) {
       window(k, t) = std::polar(scale, -angular_offset_[static_cast<std::size_t>(k)] * delay);
     }
   }
-  // The left singular vectors of the window, as eigenvectors of its Gram matrix: what is left out
-  // is far above the square root of the rounding error, and it compiles four times faster.
+  // The left singular vectors of the window, as eigenvectors of its Gram matrix: the neglected
+  // power is far above the square root of the rounding error, and it compiles four times faster.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> gram(window * window.adjoint());
   RAYLOC_CHECK(gram.info() == Eigen::Success);
   const Eigen::VectorXd power = gram.eigenvalues().reverse();  // largest first

@@ -1,9 +1,9 @@
-// DelayBasis: an orthonormal basis for the frequency responses that echoes within a window of
-// delays can have on a grid of tones; everything outside of it is noise.
+// DelayBasis: an orthonormal basis for the frequency responses of echoes within a window of delays
+// on a grid of tones; everything outside the basis is noise.
 //
 // The left singular vectors of the tone vectors exp(-j 2 pi f tau) / sqrt(tones) for tau in the
-// window [-12, 75] ns about the first path. The dimension q follows from the bandwidth: what is
-// left out is below 1e-4 of the power (q = 4 / 6 / 10 at 20 / 40 / 80 MHz).
+// window [-12, 75] ns about the first path. The dimension q follows from the bandwidth: the
+// neglected power is below 1e-4 of the total (q = 4 / 6 / 10 at 20 / 40 / 80 MHz).
 #pragma once
 
 #include <complex>

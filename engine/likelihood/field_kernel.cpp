@@ -3,11 +3,11 @@
 #include "engine/base/check.h"
 #include "engine/base/work_done.h"
 
-// Highway compiles this file once for each kind of processor (trace/cfr_kernel.cpp says how).
+// Highway compiles this file once for each kind of processor (see trace/cfr_kernel.cpp).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/likelihood/field_kernel.cpp"
 #include <hwy/foreach_target.h>
-// Follow foreach_target.h.
+// Must follow foreach_target.h.
 #include <hwy/highway.h>
 
 #include "engine/likelihood/lane_gain_inl.h"
@@ -17,7 +17,7 @@ namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Wide = hn::CappedTag<float, kFieldRays>;
-constexpr Wide kWide;  // as many as a vector register of the machine holds, up to 16
+constexpr Wide kWide;  // lanes of a vector register of the machine, up to 16
 using WideVector = hn::Vec<Wide>;
 
 template <class V>
@@ -95,7 +95,7 @@ void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<
   }
 }
 
-// Four rays beside all others at a time.
+// Processes four rays against all others at a time.
 void gram_of(std::span<const RaySums> z, FieldTerms& terms) {
   for (std::size_t p = 0; p < terms.rays; p += 4) {
     for (std::size_t t = 0; t < kFieldRays; t += hn::Lanes(kWide)) {
@@ -130,7 +130,7 @@ void along_of(std::span<const RaySums> z, std::span<const std::complex<float>> x
   }
 }
 
-// best_profile() by v = |b|^2 / a and the logarithm of a.
+// best_profile() as a function of v = |b|^2 / a and the logarithm of a.
 HWY_INLINE WideVector profile_of(const WidePair& b,
                                  float power_inverse,
                                  float log_power,
@@ -145,7 +145,7 @@ HWY_INLINE WideVector profile_of(const WidePair& b,
                  hn::Set(kWide, dimension * log_power));
 }
 
-// Of two rows of places: [ray].
+// Phasors of two rows of places: [ray].
 struct Phasors {
   std::array<std::array<float, 2 * kLaneCount>, kFieldRays> re;
   std::array<std::array<float, 2 * kLaneCount>, kFieldRays> im;
@@ -178,11 +178,11 @@ HWY_INLINE void take_phasors(const FieldRow& row,
   }
 }
 
-// The likelihood of the places: the open way, and the covered one where there is one.
+// Log-likelihood of the places: line of sight clear, and obstructed if it exists.
 HWY_INLINE WideVector value_of(
     const FieldTerms& terms, std::size_t delays, float own, const Phasors& phasor, std::size_t t) {
   WideVector power = hn::Set(kWide, own);
-  WideVector direct = hn::Zero(kWide);  // what the first ray has in common with the others, twice
+  WideVector direct = hn::Zero(kWide);  // twice the terms of the first ray with the others
   for (std::size_t p = 0; p + 1 < terms.rays; ++p) {
     const RaySums& gram = terms.gram[p];
     WidePair a = nothing_wide();
@@ -341,7 +341,7 @@ void field_rows(const FieldTerms& terms,
                 std::span<const FieldRow> rows,
                 std::span<LaneRow> out) {
   RAYLOC_CHECK(rows.size() == out.size() && terms.rays > 0 && delays > 0 && delays <= terms.delays);
-  // Of a place: phasors of rays, half of the Gram matrix, the delays.
+  // Per place: phasors of rays, half of the Gram matrix, the delays.
   const std::size_t rays = terms.rays;
   WorkDone::add(
       rows.size() *

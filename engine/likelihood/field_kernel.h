@@ -1,6 +1,6 @@
-// FieldKernel: the sums of a RayField, eight numbers at a time, by the widest vectors that the
-// processor has for eight floats. The result does not depend on threads; between kinds of
-// processors it differs by rounding.
+// FieldKernel: the sums of a RayField, eight numbers at a time, with the widest vectors that the
+// processor has for eight floats. The result does not depend on the number of threads; it differs
+// by rounding between kinds of processors.
 #pragma once
 
 #include <array>
@@ -13,10 +13,10 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kFieldRays = 32;   // a count, chosen: of rays, known at most
-inline constexpr std::size_t kFieldDelays = 3;  // a count: of a burst, at most
+inline constexpr std::size_t kFieldRays = 32;   // a count, chosen: most rays of known phase
+inline constexpr std::size_t kFieldDelays = 3;  // a count: most delays of a burst
 
-// A number for each ray; 0 of those that are not there.
+// A number for each ray; 0 for rays that do not exist.
 struct RaySums {
   std::array<float, kFieldRays> re{};
   std::array<float, kFieldRays> im{};
@@ -35,14 +35,14 @@ void turn_and_whiten(std::span<const std::complex<float>> turn,
                      std::span<const LaneRow> re,
                      std::span<const LaneRow> im,
                      std::span<LaneSums> out);
-// The same of rays that are turned already, [coordinate].
+// The same for rays that are already multiplied by Q^H, [coordinate].
 void whiten_rays(const Bidiagonal& of, std::span<const RaySums> rays, std::span<RaySums> out);
 
-// What a burst says of the places of a RayField.
+// Likelihood terms of a burst for the places of a RayField.
 struct FieldTerms {
   std::size_t rays = 0;
-  bool has_direct = false;   // the first of them may be covered
-  float log_covered = 0.0F;  // [nat], of the probability that it is
+  bool has_direct = false;   // the first ray is a line of sight
+  float log_covered = 0.0F;  // [nat], log probability that it is obstructed
   float dimension = 0.0F;    // of the measurement
   float less = 0.0F;         // ln |Sigma|
   std::size_t delays = 0;
@@ -57,20 +57,20 @@ void gram_of(std::span<const RaySums> z, FieldTerms& terms);
 // (W v_p)^H x; x: [coordinate].
 RaySums along_of(std::span<const RaySums> z, std::span<const std::complex<float>> x);
 
-// Eight places in a row, by the phasors of the rays there.
+// Eight places in a row, described by the phasors of the rays there.
 struct FieldRow {
   const RaySums* by_x = nullptr;
   const RaySums* by_z = nullptr;
-  const LaneSums* by_y = nullptr;  // [ray], of the eight places
+  const LaneSums* by_y = nullptr;  // [ray], at the eight places
 };
-// Log-likelihoods, by the first `delays` of the terms; out.size() == rows.size().
+// Log-likelihoods over the first `delays` of the terms; out.size() == rows.size().
 void field_rows(const FieldTerms& terms,
                 std::size_t delays,
                 std::span<const FieldRow> rows,
                 std::span<LaneRow> out);
 
-// What each access point says, in the mass of a place: with x = t l - shift the product of
-// (right e^x + quarter e^(x/4) + sixteenth e^(x/16) + wrong), less the product of the wrong.
+// Terms of each access point in the mass of a place: with x = t l - shift the product of (right e^x
+// + quarter e^(x/4) + sixteenth e^(x/16) + wrong), less the product of the wrong.
 struct FusedArray {
   std::span<const LaneRow> log_likelihood;  // [row]
   float exponent = 1.0F;

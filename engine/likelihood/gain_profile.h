@@ -1,13 +1,13 @@
-// The complex factor that a measurement is known up to, profiled out of a Gaussian: of
-// 2 D ln r - a r^2 + 2 b r, with a = |W y|^2 > 0 and b = |(W mu)^H W y|, the maximum over r > 0.
-// LaneKernel has the same for eight at a time.
+// Profiles out the unknown complex factor of a measurement in a Gaussian: the maximum over r > 0 of
+// 2 D ln r - a r^2 + 2 b r, with a = |W y|^2 > 0 and b = |(W mu)^H W y|. LaneKernel computes the
+// same for eight values at a time.
 #pragma once
 
 #include <cmath>
 
 namespace rayloc {
 
-// The r.
+// The maximising r.
 inline double best_gain(double a, double b, double dimension) {
   return (b + std::sqrt(b * b + 4.0 * a * dimension)) / (2.0 * a);
 }

@@ -75,7 +75,7 @@ std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
     const ModelError& error,
     const ObservedBurst& observed) const {
   if (kind_ == LikelihoodKind::kPathCovariance) {
-    return nullptr;  // without phases, centimetres change nothing
+    return nullptr;  // without phases, offsets of centimetres have no effect
   }
   const Place middle = sharp(place);
   if (!lacks_noise(of.sharp, observed.array)) {
@@ -90,7 +90,7 @@ std::unique_ptr<const NearbyLikelihood> GaussianLikelihood::nearby(
       observed.array);
 }
 
-// The device within half the distance between places of the middle.
+// Place model of a device within half the place distance of the cell's centre.
 Likelihood::Place GaussianLikelihood::sharp(Place place) const {
   const double wavelength = 2.0 * std::numbers::pi / model_.wave_number();
   place.cell_size = std::min(place.cell_size, NearbyLikelihood::kPlaceDistance * wavelength);

@@ -1,4 +1,4 @@
-// GaussianLikelihood: the likelihoods that ObservationModel works out: partial, coherent and
+// GaussianLikelihood: the likelihoods based on ObservationModel: partial, coherent and
 // path_covariance. They differ in how much of a ray's mean is known (PathKnowledge).
 #pragma once
 

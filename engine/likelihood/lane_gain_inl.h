@@ -1,6 +1,6 @@
-// The gain that explains most, for as many lanes as a vector register holds: what lane_kernel.cpp
-// and chain_kernel.cpp share. Highway compiles it once for each kind of processor, so it is no
-// ordinary header: include it after hwy/foreach_target.h.
+// The profiled gain for all lanes of a vector register, shared by lane_kernel.cpp and
+// chain_kernel.cpp. Highway compiles it once for each kind of processor, so it is not an ordinary
+// header: include it after hwy/foreach_target.h.
 #if defined(RAYLOC_ENGINE_LIKELIHOOD_LANE_GAIN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef RAYLOC_ENGINE_LIKELIHOOD_LANE_GAIN_INL_H_
 #undef RAYLOC_ENGINE_LIKELIHOOD_LANE_GAIN_INL_H_
@@ -20,7 +20,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Lanes = hn::CappedTag<float, kLaneCount>;
 using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;  // as many as a vector register of the machine holds, up to kLaneCount
+constexpr Lanes kLanes;  // lanes of a vector register of the machine, up to kLaneCount
 
 struct Complex {
   Vector re;

@@ -3,11 +3,11 @@
 #include "engine/base/check.h"
 #include "engine/base/work_done.h"
 
-// Highway compiles this file once for each kind of processor (trace/cfr_kernel.cpp says how).
+// Highway compiles this file once for each kind of processor (see trace/cfr_kernel.cpp).
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/likelihood/lane_kernel.cpp"
 #include <hwy/foreach_target.h>
-// Follow foreach_target.h.
+// Must follow foreach_target.h.
 #include <hwy/highway.h>
 
 #include "engine/likelihood/lane_gain_inl.h"
@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace rayloc::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four sums, so that none waits for another: of a re, b im, a im, b re.
+// Four independent sums, to avoid a dependency chain: of a re, b im, a im, b re.
 struct Products {
   Vector a_re;
   Vector b_im;
@@ -37,8 +37,8 @@ HWY_INLINE void add(std::complex<float> w, Vector re, Vector im, Products& sums)
   sums.b_re = hn::MulAdd(b, re, sums.b_re);
 }
 
-// |W x|^2 and the projections so far, by one coordinate of W x; `along` is at that coordinate of
-// the first of them, each `size` after the one before.
+// Adds one coordinate of W x to |W x|^2 and to the projections; `along` points to that coordinate
+// of the first vector, each following vector `size` elements further.
 HWY_INLINE Vector collect(const Products& sums,
                           Vector power,
                           std::size_t t,
@@ -61,7 +61,7 @@ HWY_INLINE Vector collect(const Products& sums,
   return hn::MulAdd(im, im, hn::MulAdd(re, re, power));
 }
 
-// Two rows of the triangle at a time.
+// Processes two rows of the triangle at a time.
 void whiten(const std::complex<float>* whitener,
             std::span<const LaneRow> re,
             std::span<const LaneRow> im,
@@ -99,7 +99,7 @@ void whiten(const std::complex<float>* whitener,
   }
 }
 
-// Of `kCount` coordinates from the first on, whose sums stay in registers.
+// Processes `kCount` coordinates from the first on, with the sums held in registers.
 template <std::size_t kCount>
 HWY_INLINE void add_turned_to(
     std::span<const TurnedMean> terms, std::size_t first, std::size_t t, LaneRow* re, LaneRow* im) {
@@ -184,7 +184,7 @@ LaneRow whiten(const std::complex<float>* whitener,
 }
 
 void fetch(std::span<const std::complex<float>> whitener) {
-  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of the cache
+  constexpr std::size_t kLine = 64 / sizeof(std::complex<float>);  // of a cache line
   for (std::size_t i = 0; i < whitener.size(); i += kLine) {
     __builtin_prefetch(whitener.data() + i);
   }

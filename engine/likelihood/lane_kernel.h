@@ -1,6 +1,6 @@
-// LaneKernel: the sums that a fix spends its time on, eight at a time, by the widest vectors that
-// the processor has for eight floats. The result does not depend on threads; between kinds of
-// processors it differs by rounding.
+// LaneKernel: the sums that dominate the run time of a fix, eight at a time, with the widest
+// vectors that the processor has for eight floats. The result does not depend on the number of
+// threads; it differs by rounding between kinds of processors.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace rayloc {
 
-// A number for each of eight places or delays.
+// One number for each of eight places or delays.
 inline constexpr std::size_t kLaneCount = 8;
 using LaneRow = std::array<float, kLaneCount>;
 struct LaneSums {
@@ -18,8 +18,8 @@ struct LaneSums {
   LaneRow im{};
 };
 
-// x is [coordinate], `whitener` a lower triangle W by rows. Gives |W x|^2, and (W x)^H v of every
-// vector v of `along`, [vector][coordinate].
+// x is [coordinate], `whitener` a lower triangle W by rows. Returns |W x|^2, and (W x)^H v for
+// every vector v of `along`, [vector][coordinate].
 // REQUIRES: re.size() == im.size(), along.size() == sums.size() * re.size().
 LaneRow whiten(const std::complex<float>* whitener,
                std::span<const LaneRow> re,
@@ -27,21 +27,21 @@ LaneRow whiten(const std::complex<float>* whitener,
                std::span<const std::complex<float>> along,
                std::span<LaneSums> sums);
 
-// Brings a triangle into the processor's caches while another one is worked with: those of all
-// places of a room are more than the caches hold.
+// Prefetches a triangle into the processor's caches while another one is in use: the triangles of
+// all places of a room exceed the cache size.
 void fetch(std::span<const std::complex<float>> whitener);
 
-// Of every lane 2 D ln r - r^2 a + 2 r |b| at its maximum over r, with a = power > 0 and b = along.
+// 2 D ln r - r^2 a + 2 r |b| per lane at its maximum over r, with a = power > 0 and b = along.
 LaneRow at_best_gain(const LaneRow& power, const LaneSums& along, std::size_t dimension);
 
-// What is added up by add_turned(): `mean`, turned by a phasor of its own in each lane.
+// A term of add_turned(): `mean`, rotated by a phasor of its own in each lane.
 struct TurnedMean {
-  std::complex<float> turn;                   // times ...
-  const LaneSums* turns = nullptr;            // ... these
+  std::complex<float> turn;                   // common factor ...
+  const LaneSums* turns = nullptr;            // ... of these phasors
   const std::complex<float>* mean = nullptr;  // [coordinate]
 };
 
-// [coordinate] += the sum of them. REQUIRES: re.size() == im.size().
+// [coordinate] += the sum of the terms. REQUIRES: re.size() == im.size().
 void add_turned(std::span<const TurnedMean> terms, std::span<LaneRow> re, std::span<LaneRow> im);
 
 }  // namespace rayloc

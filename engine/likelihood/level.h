@@ -1,12 +1,12 @@
-// The level of a burst as one more Gaussian of its likelihood (METHODS B2, end):
+// The received power of a burst as one more Gaussian of its likelihood (METHODS B2, end):
 //
 //   ll = -(L - L_p - offset)^2 / (2 sigma^2)
 //
-// with L the level that the receiver states [dB], L_p the power that is traced at a place and
-// diffuse power with it, offset and sigma of access point and transmitter (TransmitterLevel).
-// Powers add without their phases: what a fade is above or below that is part of sigma, and so L_p
-// hardly changes within a cell of the grid. Sigma was measured, so RoomModel::likelihood_exponent
-// does not apply.
+// with L the received power (RSSI) that the receiver reports [dB], L_p the traced power at a place
+// including diffuse power, and offset and sigma those of access point and transmitter
+// (TransmitterLevel). Powers add without phases: the deviation of a fade from this sum is part of
+// sigma, so L_p hardly changes within a cell of the grid. Sigma is a measured value, so
+// RoomModel::likelihood_exponent does not apply.
 #pragma once
 
 #include <optional>
@@ -18,10 +18,10 @@
 
 namespace rayloc {
 
-// L_p [dB], of a transmitter of unit amplitude. REQUIRES: a ray.
+// L_p [dB], for a transmitter of unit amplitude. REQUIRES: at least one ray.
 double traced_level_db(std::span<const Ray> rays, const ModelError& error);
 
-// What a burst says of L_p.
+// The received power of a burst as a measurement of L_p.
 struct HeardLevel {
   double traced_db = 0.0;  // L - offset
   double sigma_db = 1.0;
@@ -29,7 +29,7 @@ struct HeardLevel {
   double log_likelihood(double traced_level_db) const;
 };
 
-// Nothing where the level of the burst's transmitter was not learned, or the burst states none.
+// Empty if the transmitter's power was not calibrated or if the burst reports no received power.
 std::optional<HeardLevel> heard_level(const RoomAccessPoint& access_point,
                                       const BurstObservation& burst);
 

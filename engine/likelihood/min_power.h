@@ -1,4 +1,4 @@
-// The least power that likelihoods divide by.
+// The minimum power that likelihoods divide by.
 #pragma once
 
 namespace rayloc {

@@ -16,11 +16,11 @@ namespace {
 
 using Value = std::complex<double>;
 
-// Delays of the search that are kept around the best one.
+// Number of search delays kept on each side of the best one.
 constexpr std::size_t kDelaysBeside = 1;
-constexpr double kNearbyLeftOut = 1e-6;  // of the known power
+constexpr double kNearbyLeftOut = 1e-6;  // share of the known power
 
-// Products written out: those of std::complex check for infinities.
+// Explicit products: those of std::complex check for infinities.
 Value times(const Value& a, const Value& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
@@ -49,7 +49,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
   auto terms = observation_model.ray_terms(place, error);
   first_length_ = terms.first_length;
   means_ = std::move(terms.tone);
-  std::vector<double> power(place.rays.size());  // of what is known
+  std::vector<double> power(place.rays.size());  // power of the known part
   for (std::size_t p = 0; p < place.rays.size(); ++p) {
     for (std::size_t i = 0; i < coordinates_; ++i) {
       Value& mean = means_[p * coordinates_ + i];
@@ -87,7 +87,7 @@ NearbyLikelihood::NearbyLikelihood(const ObservationModel& observation_model,
   own_ = std::move(model);
 }
 
-// Most rays are uncertain or weak: what is left out is far below the noise.
+// Most rays are uncertain or weak: the neglected power is far below the noise.
 void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
                                       std::vector<double> power) {
   std::vector<std::size_t> order(power.size());
@@ -109,7 +109,7 @@ void NearbyLikelihood::keep_strongest(const ObservationModel::Place& place,
   }
 }
 
-// REQUIRES: sources and delays are there.
+// REQUIRES: sources and delays are set.
 void NearbyLikelihood::keep_direct(std::size_t ray) {
   const std::size_t antennas = size_ / coordinates_;
   const std::size_t of_antenna = sources_.size() / antennas;
@@ -239,7 +239,7 @@ std::vector<double> NearbyLikelihood::on(const Lattice& lattice, const Heights& 
   return values;
 }
 
-// At one height.
+// Log-likelihoods at one height.
 void NearbyLikelihood::values_on(const Lattice& lattice,
                                  const Turns& turns,
                                  std::span<double> values) const {
@@ -276,8 +276,8 @@ void NearbyLikelihood::values_on(const Lattice& lattice,
   }
 }
 
-// exp(-j k (length - first)) at the first place and from place to place: by turning, which is
-// cheaper than a sine for each of them.
+// exp(-j k (length - first)) at the first place and from place to place: by complex rotation, which
+// is cheaper than a sine per place.
 NearbyLikelihood::Turning NearbyLikelihood::turning_of(const Source& source,
                                                        const Lattice& lattice,
                                                        const Heights& heights) const {
@@ -314,7 +314,7 @@ NearbyLikelihood::Turning NearbyLikelihood::turning_of(const Source& source,
   return turning;
 }
 
-// Those of one height; the next call gives those of the next.
+// Phasors of one height; the next call returns those of the next height.
 void NearbyLikelihood::take_turns(const Lattice& lattice,
                                   std::vector<Turning>& turnings,
                                   Turns& turns) {

@@ -20,12 +20,12 @@ using Value = std::complex<double>;
 using Eigen::Index;
 
 constexpr double kDelayStep = 1.5e-9;  // [s]
-// The strongest echo is taken to come this much after the first ray, at least and at most.
+// Earliest and latest delay of the strongest echo after the first ray.
 constexpr double kEarliest = -12e-9;
-// Decays between the tabulated ones, kDiffuseDecay and a factor of 2^(1/4) apart, are mixtures of
-// the two beside them.
+// Decays between the tabulated ones, which are kDiffuseDecay times powers of 2^(1/4), are mixtures
+// of the two neighbours.
 constexpr int kDecaysBelow = 8;
-constexpr int kDecaysAbove = 8;            // a count as well, chosen: two octaves to either side
+constexpr int kDecaysAbove = 8;            // a count, chosen: two octaves on either side
 constexpr double kDecaysAnOctave = 4.0;    // a count: makes the factor 2^(1/4)
 constexpr double kDiffuseReference = 3.0;  // [m]
 // Uncertainty of a ray's power by number of reflections (materials, thickness).
@@ -42,11 +42,11 @@ const Ray& first_of(std::span<const Ray> rays) {
       rays.begin(), rays.end(), [](const Ray& a, const Ray& b) { return a.length < b.length; });
 }
 
-// Of every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| - |W mu|^2 at the best
-// gain r, of the direct way open and covered.
+// For every delay of a block: 2 D ln r - r^2 |W y|^2 + 2 r |(W mu)^H W y| - |W mu|^2 at the best
+// gain r, with the line of sight clear and obstructed.
 struct Profile {
   LaneRow open;
-  LaneRow covered;  // with what is known of it before; lowest() where it cannot be
+  LaneRow covered;  // with its prior probability; lowest() if there is none
 };
 
 Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
@@ -73,7 +73,7 @@ Profile profile(const PlaceModel& place, const ObservedArray::Block& block) {
   return result;
 }
 
-// The better of both.
+// The larger of both, per delay.
 LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   Profile both = profile(place, block);
   for (std::size_t i = 0; i < both.open.size(); ++i) {
@@ -82,7 +82,7 @@ LaneRow better(const PlaceModel& place, const ObservedArray::Block& block) {
   return both.open;
 }
 
-// Calls with every window of these and the likelihoods of its delays.
+// Calls `call` with every selected window and the likelihoods of its delays.
 template <typename Call>
 void for_windows(const PlaceModel& place,
                  const ObservedArray& observed,
@@ -207,7 +207,7 @@ double diffuse_share(const ModelError& error, double first_length) {
   return error.diffuse * std::pow(first_length / kDiffuseReference, error.diffuse_exponent);
 }
 
-// Adds `weight` times a place's own second moment about its mean, and gives the mean.
+// Adds `weight` times a place's second moment about its mean, and returns the mean.
 PlaceMean ObservationModel::add_rays(const Place& place,
                                      const ModelError& error,
                                      double weight,
@@ -290,7 +290,7 @@ PlaceModel ObservationModel::nowhere(const ModelError& error) const {
 }
 
 double ObservationModel::first_delay(std::span<const Value> h) const {
-  // Half of the resolution of the band, over all delays that can be told apart.
+  // Half of the resolution of the band, over all resolvable delays.
   const std::size_t tones = grid_.size();
   const double band = grid_.spacing_hz * (grid_.tone_index.back() - grid_.tone_index.front());
   const auto steps = static_cast<std::size_t>(std::ceil(2.0 * band / grid_.spacing_hz));
@@ -333,7 +333,7 @@ ObservedArray ObservationModel::observe(std::span<const Value> h) const {
   if (power <= 0.0) {
     return observed;
   }
-  // Moved to the first delay of the search, then on by one step after the other.
+  // Shifted to the first delay of the search, then by one step at a time.
   const double scale = 1.0 / std::sqrt(power);
   const double start = first_delay(h) - kEarliest;
   std::vector<Value> moved(h.begin(), h.end());
@@ -385,7 +385,7 @@ double ObservationModel::log_likelihood(const PlaceModel& place,
     }
     auto peak = static_cast<double>(values[at]);
     if (at > 0 && at + 1 < values.size()) {
-      // The top of the parabola through the best delay and its neighbours.
+      // The vertex of the parabola through the best delay and its neighbours.
       const auto before = static_cast<double>(values[at - 1]);
       const auto after = static_cast<double>(values[at + 1]);
       const double slope = 0.5 * (after - before);
@@ -436,7 +436,7 @@ std::vector<Value> ObservationModel::expected(const Place& place, const ModelErr
     for (std::size_t m = 0; m < antennas_; ++m) {
       const double length =
           norm(ray.length * ray.at_array - place.element_offset[m]) - first.length;
-      // From tone to tone by turning, which is far cheaper than a sine each.
+      // From tone to tone by complex rotation, which is far cheaper than a sine each.
       const double delay = length / kSpeedOfLight;
       const Value turn = std::polar(1.0, -2.0 * std::numbers::pi * grid_.spacing_hz * delay);
       Value v =

@@ -1,24 +1,24 @@
-// ObservationModel: how likely an access point's burst is when the device stands at a place whose
-// rays are known. METHODS B2, `partial`: of every ray a part is known and a part is not.
+// ObservationModel: how likely an access point's burst is for a device at a place with known rays.
+// METHODS B2, `partial`: part of each ray is known and part is not.
 //
-// In the coordinates of DelayBasis, with s_p the unit space-delay vector of ray p and power 1 in
-// all:
+// In the coordinates of DelayBasis, with s_p the unit space-delay vector of ray p and a total power
+// of 1:
 //   mu    = sum_p c_p a_p s_p
 //   Sigma = sum_p (1 - c_p^2 + u_p) |a_p|^2 s_p s_p^H + d R + n I / D
-// c_p = exp(-sigma_p^2 / 2) is what is left of a ray's mean when its phase, relative to the first
-// ray's, is uncertain by sigma_p: surfaces are displaced (2 k sigma_s cos per reflection), and the
-// device may be anywhere in its cell of the grid, and a surveyed point is not where it is said to
-// be. u_p is the uncertainty of its strength, by number of reflections; d R a diffuse exponential
-// tail, n the rest.
+// c_p = exp(-sigma_p^2 / 2) is the remaining part of a ray's mean when its phase relative to the
+// first ray is uncertain by sigma_p: surfaces are displaced (2 k sigma_s cos per reflection), the
+// device may be anywhere in its cell of the grid, and a surveyed position has an error. u_p is the
+// uncertainty of its strength, by number of reflections; d R a diffuse exponential tail, n the
+// rest.
 //
-// The measurement is known up to a complex factor and a delay: the factor is profiled out in closed
-// form, the delay by a search over the delays of ObservedArray.
+// The measurement has an unknown complex factor and an unknown delay: the factor is profiled out in
+// closed form, the delay by a search over the delays of ObservedArray.
 //
-// n is what bursts of a strong device have. What a weak one has beside it is in burst_noise.h.
+// n is the noise of bursts of a strong device. burst_noise.h adds the noise of weak bursts.
 //
-// Somebody may stand in the direct way, or something that the plan does not have: with a
-// probability of kCovered its mean is not in mu (what is unknown of its power stays). A place is as
-// likely as the better of both makes it.
+// A person, or an object that is not in the plan, may obstruct the line of sight: with a
+// probability of kCovered its mean is not in mu (the unknown part of its power stays). The
+// likelihood of a place is the larger one of both cases.
 #pragma once
 
 #include <array>
@@ -43,18 +43,18 @@ namespace rayloc {
 struct PlaceMean;
 struct PlaceMoments;
 
-// How much of a ray is known. With v_p the unknown share of its power, mu = sum sqrt(1 - v_p) a_p
-// s_p: the limits of the partial model are v_p = 0 and v_p = 1 for all rays.
+// Degree of knowledge of the rays. With v_p the unknown share of a ray's power, mu = sum sqrt(1 -
+// v_p) a_p s_p: the limits of the partial model are v_p = 0 and v_p = 1 for all rays.
 enum class PathKnowledge : std::uint8_t {
   kPartial,
-  kFull,   // sigma_s = 0, u_p = 0: the correlation with what is expected
-  kPower,  // c_p = 0, u_p = 0: nothing depends on the rays' phases
+  kFull,   // sigma_s = 0, u_p = 0: the correlation with the expected array
+  kPower,  // c_p = 0, u_p = 0: independent of the rays' phases
 };
 
-// Power of what is not traced, share of the traced, where the first ray is so long [m].
+// Power that is not traced, as a share of the traced power, for a first ray of this length [m].
 double diffuse_share(const ModelError& error, double first_length);
 
-// The delay of ObservedArray that fits best.
+// The best-fitting delay of ObservedArray.
 std::size_t best_delay(const PlaceModel& place, const ObservedArray& observed);
 
 class ObservationModel {
@@ -63,52 +63,52 @@ class ObservationModel {
                    std::size_t antennas,
                    PathKnowledge knowledge = PathKnowledge::kPartial);
 
-  // cell_size: how far the device may be from the place in x and in y, full width [m].
-  // survey_sigma: of a surveyed point, standard deviation on each axis [m].
+  // cell_size: full width of the uncertainty of the position in x and in y [m]. survey_sigma: of a
+  // surveyed point, standard deviation on each axis [m].
   struct Place {
     std::span<const Ray> rays;
     std::span<const Vec3d> element_offset;  // [m] from the array's centre, world axes
     double cell_size = 0.0;
     double survey_sigma = 0.0;
-    double cell_height = 0.0;  // how far in z, full width [m]
+    double cell_height = 0.0;  // full width of the uncertainty in z [m]
   };
   PlaceModel place(const Place& place, const ModelError& error) const;
   // The device at one of several heights above one place: the mean and the covariance of the
-  // mixture. A place that a height has no rays to has none.
+  // mixture. If some height has no rays, the place has none.
   struct WeightedPlace {
     Place place;
-    double weight = 1.0;  // probability, 1 in all
+    double weight = 1.0;  // probability; all weights add to 1
   };
   PlaceModel column(std::span<const WeightedPlace> heights, const ModelError& error) const;
-  // The same for one burst alone: Sigma has its noise.
+  // The same for a single burst: Sigma includes its noise.
   PlaceModel place_of_burst(const Place& place,
                             const ModelError& error,
                             const ObservedArray& observed) const;
 
-  // Of a ray's mean what is known, and of its power what is not: c_p and 1 - c_p^2 + u_p.
+  // Known fraction of a ray's mean, unknown fraction of its power: c_p and 1 - c_p^2 + u_p.
   struct Parts {
     double known;
     double unknown;
   };
-  // What a place is made of, for places nearby. REQUIRES: place.rays not empty.
+  // The ray terms of a place, for places nearby. REQUIRES: place.rays not empty.
   struct RayTerms {
     std::vector<Parts> parts;  // [ray]
-    // a_p and the delay, power 1 in all, without the phase of the length:
-    // [ray][coordinate of one antenna].
+    // a_p and the delay, with a total power of 1, without the phase of the length: [ray][coordinate
+    // of one antenna].
     std::vector<std::complex<double>> tone;
-    double first_length = 0.0;  // [m], of the ray that arrives first; phases count from it
+    double first_length = 0.0;  // [m], of the ray that arrives first; the reference of phases
   };
   RayTerms ray_terms(const Place& place, const ModelError& error) const;
   double wave_number() const { return wave_number_; }  // [rad/m]
-  // The ray that may be covered: the direct one, where there are others and means are known in
-  // part. Else rays.size().
+  // Index of the ray that may be obstructed: the line of sight, if there are other rays and means
+  // are partially known. Otherwise rays.size().
   std::size_t coverable(std::span<const Ray> rays) const;
 
-  // R of one antenna, for a tail that decays so fast [s]: [coordinate][coordinate].
+  // R of one antenna, for a tail with this decay [s]: [coordinate][coordinate].
   std::vector<std::complex<double>> diffuse_covariance(double decay) const;
 
-  // Nothing known but a diffuse tail: what every place is compared with. It lasts as long as usual,
-  // not as long as in this room, for what is no channel of it may come from any.
+  // Null model with a diffuse tail only: the reference for every place. The tail has the usual
+  // decay, not that of this room, since a channel outside the model may come from any room.
   PlaceModel nowhere(const ModelError& error) const;
 
   // h: [antenna][tone], chain gains removed.
@@ -116,18 +116,18 @@ class ObservationModel {
 
   // Log-likelihood, maximised over gain, phase and delay; up to a constant of the measurement.
   static double log_likelihood(const PlaceModel& place, const ObservedArray& observed);
-  // The same over every fourth delay: a lower bound, at half of the cost.
+  // The same over every fourth delay: a lower bound, at half the cost.
   struct Coarse {
     double log_likelihood = 0.0;
     std::uint8_t windows = 0;  // a bit for each window of ObservedArray that may hold the best
   };
   static Coarse coarse(const PlaceModel& place, const ObservedArray& observed);
-  // In these windows: what log_likelihood() adds to coarse().
+  // Over these windows: refines the result of coarse().
   static double log_likelihood(const PlaceModel& place,
                                const ObservedArray& observed,
                                std::uint8_t windows);
 
-  // Logarithm of the odds that the direct way is covered; nothing where it cannot be.
+  // Logarithm of the odds that the line of sight is obstructed; empty if there is none.
   static std::optional<double> covered_log_odds(const PlaceModel& place,
                                                 const ObservedArray& observed);
 

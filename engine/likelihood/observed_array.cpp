@@ -11,8 +11,8 @@ void put_delay(ObservedArray::Block& block,
   block.im[coordinate][entry] = value.imag();
 }
 
-// Peaks of the coarse search that may be the best of the fine one: it misses a delay by 3 ns at
-// most, which costs about 10.
+// Margin for peaks of the coarse search that may be the best of the fine one: it misses a delay by
+// 3 ns at most, which costs about 10.
 constexpr float kCoarseMiss = 10.0F;
 
 }  // namespace
@@ -48,7 +48,7 @@ void ObservedArray::set(std::size_t coordinate, std::size_t delay, std::complex<
 }
 
 std::complex<double> ObservedArray::value(std::size_t coordinate, std::size_t delay) const {
-  const std::size_t w = delay / kStride;  // its window holds it
+  const std::size_t w = delay / kStride;  // index of the window that contains it
   const std::size_t entry = delay - first_of(w);
   return {static_cast<double>(windows[w].re[coordinate][entry]),
           static_cast<double>(windows[w].im[coordinate][entry])};

@@ -1,8 +1,8 @@
-// ObservedArray: a burst in the coordinates of DelayBasis, at every delay of a search: what a place
-// is compared with, eight delays at a time.
+// ObservedArray: a burst in the coordinates of DelayBasis at every delay of a search, for the
+// comparison with a place, eight delays at a time.
 //
-// A likelihood is looked at every fourth delay first (`coarse`), then in the windows of eight
-// around those that are worth it.
+// A likelihood is evaluated at every fourth delay first (`coarse`), then in the windows of eight
+// delays around promising ones.
 #pragma once
 
 #include <algorithm>
@@ -27,20 +27,20 @@ struct ObservedArray {
   };
   Block coarse;                         // entry i: delay 4 i + 2
   std::array<Block, kWindows> windows;  // of entry i: eight delays, from first_of(i) on
-  double captured = 0.0;                // largest share of the power that lies in the basis
-  double noise = 0.0;                   // the burst's own, as ModelError::noise; 0: negligible
+  double captured = 0.0;                // largest share of the power inside the basis
+  double noise = 0.0;                   // noise of the burst, as ModelError::noise; 0: negligible
 
   explicit ObservedArray(std::size_t coordinates = 0);
 
   std::size_t coordinates() const { return coarse.re.size(); }
-  // The first delay of a window: its coarse delay is the fourth, at the ends of the search the
-  // third and the seventh.
+  // The first delay of a window: its coarse delay is the fourth, or the third and the seventh at
+  // the ends of the search.
   static std::size_t first_of(std::size_t window) {
     const std::size_t coarse = kStride * window + kStride / 2;
     return std::min(coarse - std::min<std::size_t>(coarse, 3), kDelays - kLaneCount);
   }
-  // A bit for each window about a coarse delay that may hold the best of all delays. values: of the
-  // coarse delays.
+  // A bit for each window about a coarse delay that may hold the best of all delays. values:
+  // log-likelihoods of the coarse delays.
   static std::uint8_t worth_a_look(const Row& values);
   void set(std::size_t coordinate, std::size_t delay, std::complex<double> value);
   std::complex<double> value(std::size_t coordinate, std::size_t delay) const;

@@ -1,5 +1,5 @@
-// PlaceModel: distribution of the measurement when the device stands at one place, as
-// ObservationModel makes it.
+// PlaceModel: distribution of the measurement for a device at one place, as computed by
+// ObservationModel.
 #pragma once
 
 #include <cmath>
@@ -11,8 +11,8 @@ namespace rayloc {
 // The inverse Cholesky factor W of Sigma, and W mu.
 struct PlaceModel {
   std::vector<std::complex<float>> whitener;  // lower triangle by rows
-  std::vector<std::complex<float>> mean;      // W mu; behind it, where there is one, W mu_covered
-  // |W mu|^2 and |Sigma^-1 mu|^2 of these.
+  std::vector<std::complex<float>> mean;      // W mu; followed by W mu_covered if it exists
+  // |W mu|^2 and |Sigma^-1 mu|^2 of these means.
   struct Powers {
     float whitened = 0.0F;
     float inverse = 0.0F;
@@ -20,11 +20,11 @@ struct PlaceModel {
   Powers open;
   Powers covered;
   float log_determinant = 0.0F;  // of Sigma
-  float noise = 0.0F;            // n; 0: Sigma has that of the burst, too
-  bool reachable = false;        // there is a ray
+  float noise = 0.0F;            // n; 0: Sigma includes the burst's noise
+  bool reachable = false;        // at least one ray exists
 };
 
-// Probability that a direct way is covered, before anything is heard.
+// Prior probability that a line of sight is obstructed.
 inline constexpr double kCovered = 0.02;
 inline const double kLogCovered = std::log(kCovered);  // [nat]
 

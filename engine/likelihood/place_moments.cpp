@@ -12,7 +12,7 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-// covered: mu without the direct way; of size 0: there is none.
+// covered: mu without the line of sight; size 0: there is no line of sight.
 PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
                             const Eigen::VectorXcd& mu,
                             const Eigen::VectorXcd& covered,
@@ -51,8 +51,8 @@ PlaceModel factorised_model(const Eigen::MatrixXcd& sigma,
   return place;
 }
 
-// What is not traced, into the lower triangle: `diffuse` times the covariance R of one antenna, and
-// `noise` in all.
+// Adds the untraced power to the lower triangle: `diffuse` times the covariance R of one antenna,
+// and `noise` in total.
 void add_rest(double diffuse,
               double noise,
               const std::vector<Value>& covariance,

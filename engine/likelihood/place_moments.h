@@ -1,4 +1,4 @@
-// PlaceMoments: mean and covariance of what is measured at a place, while its rays are added up.
+// PlaceMoments: accumulates mean and covariance of the measurement at a place over its rays.
 #pragma once
 
 #include <complex>
@@ -13,31 +13,31 @@ namespace rayloc {
 
 struct PlaceMean {
   Eigen::VectorXcd all;
-  Eigen::VectorXcd direct;  // of the way that may be covered; of size 0: there is none
+  Eigen::VectorXcd direct;  // of the line of sight that may be obstructed; size 0: none
 };
 
 struct PlaceMoments {
   explicit PlaceMoments(Eigen::Index size)
       : sigma(Eigen::MatrixXcd::Zero(size, size)), mean{Eigen::VectorXcd::Zero(size), {}} {}
 
-  // What is unknown of each ray, a column: times its conjugate transpose.
+  // Adds a matrix times its conjugate transpose; each column is the unknown part of a ray.
   void add(const Eigen::MatrixXcd& unknown) {
     sigma.selfadjointView<Eigen::Lower>().rankUpdate(unknown);
   }
 
-  // With what is not traced: the diffuse power spread by `covariance` over the delays of each
-  // antenna, [q][q], and `noise` in all.
+  // Adds the untraced power and factorises: the diffuse power is spread by `covariance` over the
+  // delays of each antenna, [q][q]; `noise` is the total.
   PlaceModel factorised(std::size_t antennas,
                         const std::vector<std::complex<double>>& covariance,
                         double noise) const;
 
-  // Sigma, whole, without the noise.
+  // The full Sigma without the noise.
   Eigen::MatrixXcd covariance(std::size_t antennas,
                               const std::vector<std::complex<double>>& covariance) const;
 
-  Eigen::MatrixXcd sigma;  // the lower triangle
+  Eigen::MatrixXcd sigma;  // lower triangle
   PlaceMean mean;
-  double diffuse = 0.0;  // power of what is not traced, share of the traced
+  double diffuse = 0.0;  // power that is not traced, as a share of the traced power
 };
 
 }  // namespace rayloc

@@ -12,10 +12,10 @@ namespace {
 using Value = std::complex<double>;
 
 constexpr double kToneDistance = 2.5e6;  // [Hz]
-// Share of the residual that no place lowers: what calibrated rooms leave unexplained, -20 dB.
+// Share of the residual that no place lowers: unexplained in calibrated rooms, -20 dB.
 constexpr double kFloor = 0.01;
-// Beyond what any place leaves: amplitudes near a null of an antenna are wild, so that even the
-// true place may fit worse than a constant, and nothing is refused.
+// Above the residual of any place: amplitudes near a null of an antenna vary strongly, so that even
+// the true place may fit worse than a constant, and no burst is refused.
 constexpr double kWorst = 1e3;
 
 double squared_distance(const std::complex<float>* a,
@@ -79,7 +79,7 @@ std::vector<std::complex<float>> RatioLikelihood::features(std::span<const Value
   return result;
 }
 
-// [antenna][tone], at a place `moved` beside the one that the rays are of.
+// [antenna][tone], at a place displaced by `moved` from the origin of the rays.
 std::vector<Value> RatioLikelihood::expected(const Place& place, const Vec3d& moved) const {
   const std::size_t count = place.rays.size();
   std::vector<double> a_re(count);
@@ -141,7 +141,7 @@ ObservedBurst RatioLikelihood::observe(std::span<const Value> h) const {
   return observed;
 }
 
-// Of e^2 in units of that without a model.
+// Log-likelihood of e^2 in units of its value without a model.
 double RatioLikelihood::of_residual(double share) const {
   const std::size_t coordinates = model_.dimension() / antennas_;
   const std::size_t per_pair =
@@ -149,7 +149,7 @@ double RatioLikelihood::of_residual(double share) const {
   return -0.5 * static_cast<double>((antennas_ - 1) * per_pair) * std::log(share + kFloor);
 }
 
-// It has no delay to look for.
+// The kind has no delay to search.
 Likelihood::Coarse RatioLikelihood::coarse(const PlaceLikelihood& place,
                                            const ObservedBurst& observed) const {
   return {log_likelihood(place, observed, 0), 0};
@@ -158,7 +158,7 @@ Likelihood::Coarse RatioLikelihood::coarse(const PlaceLikelihood& place,
 double RatioLikelihood::log_likelihood(const PlaceLikelihood& place,
                                        const ObservedBurst& observed,
                                        std::uint8_t /*windows*/) const {
-  if (place.features.empty()) {  // nowhere()
+  if (place.features.empty()) {  // null model, see nowhere()
     return of_residual(kWorst);
   }
   const auto scale = static_cast<double>(observed.scale);
@@ -176,7 +176,7 @@ double RatioLikelihood::log_likelihood(const PlaceLikelihood& place,
   return top + std::log(sum / static_cast<double>(each.size()));
 }
 
-// place() has looked closely already.
+// place() has already evaluated the places of the cell.
 std::unique_ptr<const NearbyLikelihood> RatioLikelihood::nearby(
     const Place& /*place*/,
     const PlaceLikelihood& /*of*/,

@@ -1,18 +1,18 @@
-// RatioLikelihood: the likelihoods that see ratios of adjacent antennas only: ratio_complex and
-// ratio_amp. Gain, phase and timing offset of a burst cancel on every tone; delays are seen by what
-// they do from tone to tone.
+// RatioLikelihood: the likelihoods of ratios of adjacent antennas: ratio_complex and ratio_amp.
+// Gain, phase and timing offset of a burst cancel on every tone; delays appear as changes from tone
+// to tone.
 //
-// Both are compared on tones about 2.5 MHz apart: echoes of a room leave no more to be known.
+// Both are compared on tones about 2.5 MHz apart: room echoes add no information in between.
 //
 // ratio_complex: z = h_m conj(h_{m+1}), scaled to |z| = 1 over all pairs and tones;
 //                e^2 = |z - z'|^2.
-// ratio_amp:     a as RatioAmplitude has it; e^2 = sum (a - a')^2 over that of the best constant.
-// Neither tells whether the device is in the room at all: every place is more likely than
+// ratio_amp:     a as in RatioAmplitude; e^2 = sum (a - a')^2 relative to the best constant.
+// Neither detects that a device is outside the room: every place is more likely than
 // nowhere().
 //
-// Ratios change within a fraction of the wavelength, and no average over a cell of the grid is
-// like any of them: a cell holds what is expected at places a quarter of the wavelength apart, and
-// its likelihood is the mean of theirs.
+// Ratios change within a fraction of the wavelength, and no average over a cell of the grid
+// represents them: a cell holds the expected ratios at places a quarter of the wavelength apart,
+// and its likelihood is the mean of theirs.
 #pragma once
 
 #include "engine/likelihood/likelihood.h"
@@ -23,7 +23,7 @@ namespace rayloc {
 
 class RatioLikelihood : public Likelihood {
  public:
-  // REQUIRES: one of the two kinds, two antennas at least.
+  // REQUIRES: one of the two kinds, at least two antennas.
   RatioLikelihood(LikelihoodKind kind, const OfdmGrid& grid, std::size_t antennas);
 
   PlaceLikelihood place(const Place& place, const ModelError& error) const override;
@@ -33,7 +33,7 @@ class RatioLikelihood : public Likelihood {
   double log_likelihood(const PlaceLikelihood& place,
                         const ObservedBurst& observed,
                         std::uint8_t windows) const override;
-  // Nothing would be cheaper: the same.
+  // Null: place() already evaluates the places of the cell.
   std::unique_ptr<const NearbyLikelihood> nearby(const Place& place,
                                                  const PlaceLikelihood& of,
                                                  const ModelError& error,
@@ -51,7 +51,7 @@ class RatioLikelihood : public Likelihood {
   ObservationModel model_;
   CfrKernel kernel_;
   RatioAmplitude amplitude_;
-  std::vector<std::size_t> tones_;  // that are compared
+  std::vector<std::size_t> tones_;  // compared tones
   std::size_t feature_count_ = 0;
 };
 

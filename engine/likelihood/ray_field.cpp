@@ -19,9 +19,9 @@ namespace {
 using Value = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kFieldLeftOut = 1e-5;  // of the known power, chosen: below any noise
+constexpr double kFieldLeftOut = 1e-5;  // share of the known power, chosen: below any noise
 
-// The strongest by what is known of them, the one that may be covered first.
+// Selects the rays of largest known power; the ray that may be obstructed comes first.
 void choose_known(const ObservationModel& model,
                   const ObservationModel::Place& place,
                   const ObservationModel::RayTerms& terms,
@@ -48,7 +48,7 @@ void choose_known(const ObservationModel& model,
   }
 }
 
-// v_p, not yet multiplied by what is known of it: [antenna][coordinate of one].
+// v_p before the factor of its known part: [antenna][coordinate of one].
 Eigen::VectorXcd array_of(const ObservationModel& model,
                           const ObservationModel::Place& place,
                           const ObservationModel::RayTerms& terms,
@@ -120,7 +120,7 @@ FieldCovariance field_covariance(const ObservationModel& model,
   const Eigen::Tridiagonalization<Eigen::MatrixXcd> reduced(moments.covariance(
       place.element_offset.size(), model.diffuse_covariance(error.diffuse_decay)));
   const Eigen::MatrixXcd q = reduced.matrixQ();
-  // The products of the unknown rays, the reduction and its Q, in double precision.
+  // Cost: the products of the unknown rays, the reduction and its Q, in double precision.
   const std::size_t side = model.dimension();
   WorkDone::add(4 * side * side * place.rays.size() + 11 * side * side * side,
                 16 * side * (place.rays.size() + 2 * side));
@@ -202,7 +202,7 @@ void FieldBurst::take(const ObservedArray::Block& block) {
   }
 }
 
-// Of the delays of the block, where the rays' phases may be any.
+// Best delay of the block for arbitrary phases of the rays.
 std::size_t FieldBurst::best_of(std::span<const RaySums> z, std::size_t rays) const {
   std::array<double, kLaneCount> values{};
   for (std::size_t t = 0; t < kLaneCount; ++t) {

@@ -1,17 +1,17 @@
-// RayField: what a device anywhere in a box, a cell of a room and a layer of heights, would let be
-// heard, in the form in which one place more costs least.
+// RayField: expected observation of a device anywhere in a box (a cell of a room and a layer of
+// heights), in the form that minimises the cost of an additional place.
 //
-// Over a box the strongest rays keep direction and strength, and their phases turn: with t_p(x) the
-// phasor of a ray, the same at all antennas, mu(x) = sum_p t_p(x) v_p. A place is then worth
+// Over a box the strongest rays keep direction and strength, and their phases rotate: with t_p(x)
+// the phasor of a ray, the same at all antennas, mu(x) = sum_p t_p(x) v_p. A place then needs
 //
 //   |W mu|^2 = t^H G t,   (W mu)^H W y = t^H g,   G = (W V)^H W V,   g = (W V)^H W y,
 //
-// numbers of the rays, whatever the antennas and tones are. Weak rays, which are 1 % of the power
-// at most unless there are too many, count as unknown in phase.
+// which depend on the number of rays, not of antennas and tones. Weak rays, at most 1 % of the
+// power unless there are too many, count as unknown in phase.
 //
-// Sigma without noise is Q T Q^H, T a real tridiagonal matrix: that of a burst of any noise n is
-// T + n I, which two numbers a coordinate factorise. So everything that costs is kept, whatever
-// the bursts are.
+// Sigma without noise is Q T Q^H, T a real tridiagonal matrix: for a burst of any noise n it is T +
+// n I, which two numbers per coordinate factorise. So all expensive terms are kept, whatever the
+// bursts are.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -28,19 +28,19 @@
 
 namespace rayloc {
 
-// Of a cell and a few layers of heights.
+// Covariance of a cell and a few layers of heights.
 struct FieldCovariance {
   std::vector<std::complex<float>> turn;  // Q^H, by rows
   std::vector<double> diagonal;           // of T
   std::vector<double> beside;             // of T, beside the diagonal
-  std::vector<std::size_t> known;         // rays; the one that may be covered is the first
-  bool has_direct = false;                // there is one
+  std::vector<std::size_t> known;         // rays; the ray that may be obstructed is the first
+  bool has_direct = false;                // such a ray exists
 };
 
-// The places of a box: plan.count_y is a multiple of kLaneCount.
+// Places of a box: plan.count_y is a multiple of kLaneCount.
 struct FieldLattice {
   Lattice plan;
-  std::vector<double> heights;  // [m] above the middle of the layer
+  std::vector<double> heights;  // [m] above the centre of the layer
 
   std::size_t rows() const { return heights.size() * plan.size() / kLaneCount; }
 };
@@ -57,25 +57,25 @@ struct RayField {
   }
 };
 
-// place: of the middle of all. REQUIRES: it has rays, kPartial or kFull knowledge.
+// place: centre of all boxes. REQUIRES: it has rays, kPartial or kFull knowledge.
 FieldCovariance field_covariance(const ObservationModel& model,
                                  const ObservationModel::Place& place,
                                  const ModelError& error);
-// place: of the middle of the box, the same rays as those of the covariance.
+// place: centre of the box, with the same rays as those of the covariance.
 RayField ray_field(const ObservationModel& model,
                    const FieldCovariance& covariance,
                    const ObservationModel::Place& place,
                    const ModelError& error,
                    const FieldLattice& lattice);
 
-// A burst beside a covariance.
+// A burst prepared for one covariance.
 class FieldBurst {
  public:
   // noise: of the model and the burst together, as ModelError::noise.
   FieldBurst(const FieldCovariance& covariance, const ObservedArray& observed, double noise);
 
-  // Of a box; the best delay is the first of the terms. It is looked for with the first box that
-  // is asked for: over a few layers the ways change by centimetres.
+  // Terms of a box; the best delay is the first of the terms. It is searched for with the first box
+  // requested: over a few layers the path lengths change by centimetres.
   FieldTerms terms(const RayField& field);
 
  private:
@@ -87,9 +87,9 @@ class FieldBurst {
   const ObservedArray& observed_;
   Bidiagonal factor_;
   std::vector<LaneSums> burst_;                         // whitened, [coordinate]
-  LaneRow power_{};                                     // of it
-  std::vector<std::vector<std::complex<float>>> best_;  // the delays that are compared; empty: none
-  FieldTerms of_delays_;                                // what terms have of these
+  LaneRow power_{};                                     // of the burst
+  std::vector<std::vector<std::complex<float>>> best_;  // compared delays; empty: not yet chosen
+  FieldTerms of_delays_;                                // terms of these delays
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// SpotArrays: the array that a calibrated room expects of a transmitter at a known place.
+// SpotArrays: the array that a calibrated room predicts for a transmitter at a known position.
 #pragma once
 
 #include <complex>
@@ -14,7 +14,7 @@
 
 namespace rayloc {
 
-// How an array stands against its calibrated pose; it turns about its centre.
+// Motion of an array relative to its calibrated pose; it rotates about its centre.
 struct ArrayMotion {
   Vec3d shift;       // [m], axes of the room
   double yaw = 0.0;  // [rad], to the left
@@ -25,21 +25,21 @@ class SpotArrays {
  public:
   SpotArrays(const RoomModel& room, std::size_t access_point);
 
-  // The paths from there to the centre of the array; empty where no ray arrives.
+  // The paths from the position to the centre of the array; empty if no ray arrives.
   std::vector<Ray> rays(const Vec3d& position, const DeviceModel& device) const;
 
-  // [core][tone] at the antennas, before the chains. `plan_tolerance` [m]: how far surfaces may be
-  // off; reflections count the less the larger it is. A moved array meets the same rays.
+  // [core][tone] at the antennas, before the chains. `plan_tolerance` [m]: position error of
+  // surfaces; reflections are weighted less for larger values. A moved array meets the same rays.
   std::vector<std::complex<double>> expected(const std::vector<Ray>& rays,
                                              double plan_tolerance,
                                              const ArrayMotion& motion = {}) const;
 
-  // Share of the power of the rays that `expected` holds with their phases, 0 to 1: the rest
-  // arrives too, but how is beyond a plan with that tolerance.
+  // Share of the power of the rays that `expected` contains with their phases, 0 to 1: the phases
+  // of the rest are not predictable from a plan with that tolerance.
   double known_share(const std::vector<Ray>& rays, double plan_tolerance) const;
 
-  // [rad], by how much the phase of each chain against the first is uncertain when the place is, by
-  // `place_sigma` [m] along each axis: what the array does at places shifted by that much.
+  // [rad], uncertainty of the phase of each chain relative to the first for a position error of
+  // `place_sigma` [m] along each axis: computed from the arrays at shifted positions.
   std::vector<double> place_phase_sigma(const Vec3d& position,
                                         const DeviceModel& device,
                                         double plan_tolerance,

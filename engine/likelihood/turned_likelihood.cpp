@@ -12,8 +12,8 @@
 namespace rayloc {
 namespace {
 
-// Counts, chosen: half a step is less than a burst tells, and four chains have no more states than
-// a look at them is worth.
+// Counts, chosen: half a step is below the resolution of a burst, and four chains have no more
+// states than are worth evaluating.
 constexpr std::size_t kSteps = 16;
 constexpr std::size_t kStepsOfMany = 8;  // a count, chosen
 
@@ -23,7 +23,7 @@ ChainProducts products_of(const PlaceModel& place,
   return whiten_chains(place.whitener.data(), block.re, block.im, place.mean, chains);
 }
 
-// What a mean's logarithm has beside the profile of the gain.
+// Terms of a mean's log-likelihood besides the gain profile.
 float offset_of(const PlaceModel& place, std::size_t mean) {
   return (mean == 0 ? -place.open.whitened
                     : static_cast<float>(kLogCovered) - place.covered.whitened) -
@@ -180,7 +180,7 @@ ChainMoments chain_moments(const PlaceModel& place,
   ChainMoments best;
   double highest = std::numeric_limits<double>::lowest();
   const std::size_t size = observed.coordinates();
-  // The best of the coarse delays, then of its window.
+  // Maximum over the coarse delays, then over the best window.
   const auto look = [&](const ObservedArray::Block& block) {
     const ChainProducts products = products_of(place, block, undoing.size());
     std::size_t at = 0;

@@ -1,5 +1,5 @@
-// The likelihood of a burst at a place (ObservationModel) for receive chains that may have turned:
-// of all states of a grid at once, and of any factors of the chains, from ChainProducts.
+// Likelihood of a burst at a place (ObservationModel) for receive chains with phase offsets: for
+// all states of a grid at once, and for any factors of the chains, from ChainProducts.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace rayloc {
 
-// States of the chains: each but the first turned against it by a multiple of a step.
+// States of the chains: each but the first rotated relative to it by a multiple of a step.
 class TurnGrid {
  public:
   explicit TurnGrid(std::size_t chains);  // REQUIRES: 1 to kMostChains
@@ -23,10 +23,10 @@ class TurnGrid {
   std::size_t chains() const { return chains_; }
   std::size_t size() const { return size_; }
   double step() const;  // [rad]
-  // [step], by how much a chain has turned in a state, from 0 on.
+  // [step], phase offset of a chain in a state, from 0 on.
   std::size_t turn(std::size_t state, std::size_t chain) const;
   double phase(std::size_t state, std::size_t chain) const;  // [rad], -pi to pi
-  // [step], of two states, of the chain that they differ by most.
+  // [step], largest difference of a chain between two states.
   std::size_t distance(std::size_t a, std::size_t b) const;
   std::span<const std::complex<float>> undoing() const { return undoing_; }  // [turn]
 
@@ -36,22 +36,22 @@ class TurnGrid {
   std::vector<std::complex<float>> undoing_;
 };
 
-// of_state[s] becomes the coarse log-likelihood where the chains are in state s, each but the first
-// turned by one of `undoing` (as of a TurnGrid); the windows are those that may hold the best of
-// any state.
+// Sets of_state[s] to the coarse log-likelihood with the chains in state s, each but the first
+// rotated by one of `undoing` (as of a TurnGrid); the windows are those that may hold the best
+// delay of any state.
 std::uint8_t coarse_of_turns(const PlaceModel& place,
                              const ObservedArray& observed,
                              std::size_t chains,
                              std::span<const std::complex<float>> undoing,
                              std::span<float> of_state);
-// The same in these windows, without a parabola between the delays.
+// The same over these windows, without a parabola between the delays.
 void log_likelihood_of_turns(const PlaceModel& place,
                              const ObservedArray& observed,
                              std::uint8_t windows,
                              const TurnGrid& grid,
                              std::span<float> of_state);
 
-// What a place says of a burst at the delay that fits best, for any factors of the chains.
+// Terms of a burst at a place and the best-fitting delay, for any factors of the chains.
 struct ChainMoments {
   struct Mean {
     std::array<std::complex<double>, kMostChains> along{};
@@ -66,7 +66,7 @@ struct ChainMoments {
 
   // undoing: [chain], the inverses of the chains' factors.
   double log_likelihood(std::span<const std::complex<double>> undoing) const;
-  // Of the burst with each chain multiplied by its factor; up to a constant of these.
+  // For the burst with each chain multiplied by its factor; up to a constant of the factors.
   ChainMoments multiplied(std::span<const std::complex<double>> factor) const;
 };
 ChainMoments chain_moments(const PlaceModel& place,

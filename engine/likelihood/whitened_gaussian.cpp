@@ -43,7 +43,7 @@ std::vector<Value> unwhiten(std::span<const std::complex<float>> whitener,
   return result;
 }
 
-// Without std::complex's product, which looks for infinities.
+// Avoids std::complex's product, which checks for infinities.
 Value inner_product(std::span<const Value> a, std::span<const Value> b) {
   double re = 0.0;
   double im = 0.0;

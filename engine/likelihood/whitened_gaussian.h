@@ -1,6 +1,6 @@
-// WhitenedGaussian: a complex Gaussian about a mean, kept as what whitens it.
+// WhitenedGaussian: a complex Gaussian with a mean, stored as its whitening transform.
 //
-// Triangles are lower ones, by rows: n (n + 1) / 2 values.
+// Triangles are lower triangles by rows: n (n + 1) / 2 values.
 #pragma once
 
 #include <complex>
@@ -9,10 +9,10 @@
 
 namespace rayloc {
 
-// Inverse Cholesky factor W of the covariance Sigma, Sigma^-1 = W^H W, and what belongs to it.
+// Inverse Cholesky factor W of the covariance Sigma, Sigma^-1 = W^H W, and derived values.
 struct WhitenedGaussian {
   std::vector<std::complex<float>> whitener;  // W, a triangle
-  std::vector<std::complex<float>> mean;      // W mu; empty: of no mean
+  std::vector<std::complex<float>> mean;      // W mu; empty: zero mean
   double mean_power = 0.0;                    // |W mu|^2
   double log_determinant = 0.0;               // of Sigma
 };

@@ -17,17 +17,17 @@
 namespace rayloc {
 namespace {
 
-// A count, chosen: of boxes of a cell and a layer that are kept, of 1.5 kB each at 40 MHz. Few are
-// looked at, and mostly the same again: those along a walk.
+// A count, chosen: boxes of a cell and a layer kept in memory, of 1.5 kB each at 40 MHz. Few boxes
+// are evaluated, and mostly the same ones again: those along a walk.
 constexpr std::size_t kMaxKeptBoxes = 16'384;
-// Bytes, chosen: of what is kept of boxes for tracks, and as much of what they share. A walk
-// through a room needs a thousand boxes or two.
+// Bytes, chosen: memory for the boxes of tracks, and as much for the covariances that they share. A
+// walk through a room needs one or two thousand boxes.
 constexpr std::size_t kFieldBytes = std::size_t{48} << 20U;
-// A count, chosen: of the heights that a cell as a whole is made of, which costs as much as so many
-// cells.
+// A count, chosen: heights in the mixture of a whole cell; each costs as much as one more
+// cell.
 constexpr std::size_t kMostInColumn = 5;
 
-// No more than so many heights with the same mean and about the same spread.
+// At most this many heights with the same mean and about the same spread.
 std::vector<HeightSlice> coarsened(const HeightLayers& layers, std::size_t most) {
   const std::size_t count = std::min(layers.size(), most);
   std::vector<HeightSlice> coarse(count, {0.0, 0.0});
@@ -44,7 +44,7 @@ std::vector<HeightSlice> coarsened(const HeightLayers& layers, std::size_t most)
 
 double wavelength_of(const RoomModel& room) { return kSpeedOfLight / room.grid.centre_hz; }
 
-// How many are kept. `dimension`: of an observation.
+// Number of covariances kept. `dimension`: of an observation.
 std::size_t kept_covariances(std::size_t dimension) {
   const std::size_t turn = dimension * dimension * sizeof(std::complex<float>);
   return kFieldBytes / (turn + 2 * dimension * sizeof(double) + sizeof(FieldCovariance));
@@ -64,7 +64,7 @@ FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, do
   FieldLattice places;
   places.plan.count_x = closest.count_x;
   places.plan.step_x = closest.step_x;
-  // Not quite as close as in x where whole rows would be half empty.
+  // Slightly coarser than in x if whole rows would otherwise be half empty.
   const double rows = std::max(1.0, std::round(static_cast<double>(closest.count_y) / lanes));
   places.plan.count_y = static_cast<std::size_t>(rows * lanes);
   places.plan.step_y = grid.step_y / static_cast<double>(places.plan.count_y);
@@ -85,7 +85,7 @@ std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
 struct AccessPointMap::Tracing {
   const Source source;
   const ReceiverTracer tracer;
-  PathGrid rays;  // of each cell's centre
+  PathGrid rays;  // from each cell's centre
 
   std::vector<Ray> rays_to(const Vec3d& position) const {
     const DeviceModel& device = source.room->device;
@@ -179,7 +179,7 @@ void AccessPointMap::build_cells() {
   });
 }
 
-// From a device in the middle of a layer.
+// Rays from a device in the middle of a layer.
 std::vector<Ray> AccessPointMap::rays_in(std::size_t cell, std::size_t layer) const {
   return raised_rays(tracing_->rays[cell],
                      source_.heights.offset[layer],
@@ -267,7 +267,7 @@ std::vector<Ray> AccessPointMap::rays_at(std::size_t cell, double height) const 
   return raised_rays(tracing_->rays[cell], height, source_.room->device, access_point().array);
 }
 
-// The device within half the distance between places of the middle.
+// Place of a device within half the place distance of the centre.
 ObservationModel::Place AccessPointMap::field_place(std::span<const Ray> rays) const {
   const double height =
       field_lattice_.heights.size() > 1 ? field_lattice_.heights[1] - field_lattice_.heights[0] : 0;

@@ -1,5 +1,5 @@
-// AccessPointMap: what one access point of a room expects to hear of a device in every cell of a
-// grid, and how likely a burst is there: an access point's part of a Localizer's map.
+// AccessPointMap: the observation that one access point of a room expects from a device in every
+// cell of a grid, and the likelihood of a burst there: an access point's part of a Localizer's map.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -27,15 +27,15 @@
 
 namespace rayloc {
 
-// The likelihood of a burst at places in a cell, with what it is made of.
+// Evaluates a burst at places inside a cell; owns the models that this needs.
 class CloseLook {
  public:
   // Log-likelihoods of the places of a lattice about the cell's centre, [x][y], `height` [m] above
-  // the middle of the layer.
+  // the centre of the layer.
   std::vector<double> on(const Lattice& lattice, double height) const {
     return nearby_->on(lattice, height);
   }
-  // Of a device at a place that is `moved` [m] from the middle of the cell and the layer.
+  // Model of a device displaced by `moved` [m] from the centre of the cell and the layer.
   PlaceModel model_at(const Vec3d& moved) const { return nearby_->model_at(moved); }
   // The same at several heights, [height][x][y].
   using Heights = NearbyLikelihood::Heights;
@@ -50,7 +50,7 @@ class CloseLook {
   std::unique_ptr<const NearbyLikelihood> nearby_;
 };
 
-// The places of a box, a multiple of eight in y, and the probabilities of their heights in a layer.
+// Places of a box, a multiple of eight in y, and the probabilities of their heights in a layer.
 FieldLattice places_of_box(const RoomGrid& grid, const HeightLayers& heights, double wavelength);
 std::vector<HeightSlice> slices_of_box(const RoomGrid& grid,
                                        const HeightLayers& heights,
@@ -61,77 +61,77 @@ class AccessPointMap {
  public:
   struct Source {
     std::shared_ptr<const RoomModel> room;
-    std::size_t access_point;  // in RoomModel::access_points
+    std::size_t access_point;  // index in RoomModel::access_points
     RoomGrid grid;
     LikelihoodKind likelihood = LikelihoodKind::kPartial;
     HeightLayers heights = {{0.0}, {1.0}, 0.0};
   };
-  // Traces the grid, or takes the rays from `store` (null: no store). Seconds.
+  // Traces the grid, or loads the rays from `store` (null: no store). Takes seconds.
   AccessPointMap(const Source& source, PathGridStore* store);
   ~AccessPointMap();
   AccessPointMap(AccessPointMap&&) noexcept;
   AccessPointMap& operator=(AccessPointMap&&) = delete;
 
-  // The same access point, of the same rays, without one of its antennas: about a second the first
-  // time. REQUIRES: two antennas or more.
+  // The same access point with the same rays, without one of its antennas: takes about a second on
+  // first use. REQUIRES: at least two antennas.
   const AccessPointMap& without(std::size_t antenna) const;
 
   const RoomAccessPoint& access_point() const;
-  std::size_t number() const { return source_.access_point; }  // in RoomModel::access_points
+  std::size_t number() const { return source_.access_point; }  // index in RoomModel::access_points
   std::size_t antennas() const { return offsets_.size(); }
   std::size_t dimension() const { return model_.dimension(); }  // of the observation
 
-  // h: [antenna][tone], chain gains removed. noise: the burst's (ObservedArray::noise).
+  // h: [antenna][tone], chain gains removed. noise: of the burst (ObservedArray::noise).
   ObservedBurst observe(std::span<const std::complex<double>> h, double noise) const;
 
-  // Of a cell, up to a constant of the burst; coarse: cheaper, a lower bound, and where to look.
+  // For a cell, up to a constant of the burst; coarse: a cheap lower bound with its windows.
   bool is_reachable(std::size_t cell) const { return cells_[cell].reachable; }
   Likelihood::Coarse coarse(std::size_t cell, const ObservedBurst& observed) const;
-  // What a device in a cell would let be heard; empty of a likelihood that is no Gaussian.
+  // Model of a device in a cell; empty for a likelihood that is not Gaussian.
   const PlaceModel& model(std::size_t cell) const { return cells_[cell].model; }
   std::size_t cells() const { return cells_.size(); }
-  // What the likelihood of a cell reads (lane_kernel.h); nothing of a cell that is not there.
+  // Prefetches the data of a cell's likelihood (lane_kernel.h); no-op for a cell out of range.
   void fetch(std::size_t cell) const;
   double log_likelihood(std::size_t cell,
                         const ObservedBurst& observed,
                         std::uint8_t windows) const;
-  // Of the burst's level in every cell, less the logarithm of its mean over the cells that are
-  // reachable: a level tells nothing of a device that may be anywhere. 0 elsewhere.
+  // Log-likelihood of the received power in every cell, relative to its mean over the reachable
+  // cells: it carries no information on a device that may be anywhere. 0 in unreachable cells.
   std::vector<double> level_log_likelihood(const HeardLevel& heard) const;
-  // When the device may be anywhere: what every place is compared with.
+  // Log-likelihood of the null model (device anywhere): the reference for every place.
   double nowhere(const ObservedBurst& observed) const;
-  // Of a cell and one of its layers of heights. REQUIRES: is_reachable(cell).
+  // For a cell and one of its layers of heights. REQUIRES: is_reachable(cell).
   double log_likelihood_in(std::size_t cell,
                            std::size_t layer,
                            const ObservedBurst& observed) const;
-  // Of the burst at places in a cell and a layer; nothing where the likelihood does not tell them
-  // apart. REQUIRES: is_reachable(cell).
+  // Evaluates the burst at places in a cell and a layer; null if the likelihood cannot separate
+  // them. REQUIRES: is_reachable(cell).
   std::unique_ptr<const CloseLook> look_at(std::size_t cell,
                                            std::size_t layer,
                                            const ObservedBurst& observed) const;
 
-  // Whether a burst can be compared with the places of boxes by their RayField.
+  // True if a burst can be compared with the places of boxes by their RayField.
   bool has_fields() const { return source_.likelihood == LikelihoodKind::kPartial; }
-  // Of a cell and the layers about this one; of a box. REQUIRES: has_fields(), is_reachable(cell).
+  // For a cell and the band of a layer; for a box. REQUIRES: has_fields(), is_reachable(cell).
   std::shared_ptr<const FieldCovariance> field_covariance(std::size_t cell,
                                                           std::size_t layer) const;
   std::shared_ptr<const RayField> field(std::size_t cell,
                                         std::size_t layer,
                                         const FieldCovariance& covariance) const;
-  // Layers next to each other that share a covariance have the same number.
+  // Number of the band of layers that share a covariance.
   static std::size_t band_of(std::size_t layer) { return layer / kLayersOfBand; }
 
-  // Traces those of a device at a place.
+  // Traces the rays of a device at a place.
   std::vector<Ray> rays_to(const Vec3d& position) const;
-  // What a device at the place of these rays would let be heard, the place known to `survey_sigma`
-  // [m] on each axis.
+  // Model of a device at the origin of these rays, a position known to `survey_sigma` [m] on each
+  // axis.
   PlaceModel model_of(std::span<const Ray> rays, double survey_sigma) const;
-  // Of a device at the place of these rays: logarithm of the odds that its direct way to the array
-  // is covered; nothing where there is no such way, and where the likelihood does not ask.
+  // For a device at the origin of these rays: log odds that its line of sight to the array is
+  // obstructed; empty if there is none, and for likelihoods without this case.
   std::optional<double> covered_log_odds(std::span<const Ray> rays,
                                          const ObservedBurst& observed) const;
 
-  // The expected array of a device at the place of these rays: [antenna][tone].
+  // The expected array of a device at the origin of these rays: [antenna][tone].
   std::vector<std::complex<double>> expected(std::span<const Ray> rays) const;
 
  private:
@@ -141,32 +141,32 @@ class AccessPointMap {
                  std::vector<Vec3d> offsets);
   void build_cells();
   double cell_size() const;
-  // A count, chosen: three layers are 0.45 m, over which a ray turns by a few degrees.
+  // A count, chosen: three layers are 0.45 m, over which a ray rotates by a few degrees.
   static constexpr std::size_t kLayersOfBand = 3;
   std::vector<Ray> rays_at(std::size_t cell, double height) const;
   ObservationModel::Place field_place(std::span<const Ray> rays) const;
   std::vector<Ray> rays_in(std::size_t cell, std::size_t layer) const;
 
   Source source_;
-  std::vector<Vec3d> offsets_;  // [m], of the antennas from the array's centre
+  std::vector<Vec3d> offsets_;  // [m], antennas relative to the array's centre
   std::unique_ptr<const Likelihood> likelihood_;
   ObservationModel model_;
-  std::shared_ptr<const Tracing> tracing_;  // shared with those without an antenna
+  std::shared_ptr<const Tracing> tracing_;  // shared with the maps without an antenna
   PlaceLikelihood nowhere_;
   std::vector<PlaceLikelihood> cells_;                  // the device at any of the heights
-  std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // at one of them, as a whole ...
-  std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for its places
+  std::unique_ptr<Kept<PlaceLikelihood>> boxes_;        // the device at one of them, as a whole ...
+  std::unique_ptr<Kept<PlaceLikelihood>> close_boxes_;  // ... and for the places of a box
   FieldLattice field_lattice_;
   std::unique_ptr<Kept<FieldCovariance>> covariances_;          // of a cell and a band of layers
   std::unique_ptr<Kept<RayField>> fields_;                      // of a box
-  std::vector<double> level_db_;                                // of each cell that a ray leads to
+  std::vector<double> level_db_;                                // of each cell with a ray
   std::vector<std::unique_ptr<Lazy<AccessPointMap>>> without_;  // [antenna]
 };
 
-// A burst at the boxes of one cell, layer after layer.
+// Evaluates a burst in the boxes of one cell, layer after layer.
 class FieldLook {
  public:
-  // All of them outlive it. REQUIRES: map.has_fields(), map.is_reachable(cell).
+  // The arguments must outlive it. REQUIRES: map.has_fields(), map.is_reachable(cell).
   FieldLook(const AccessPointMap& map, std::size_t cell, const ObservedBurst& observed)
       : map_(map), cell_(cell), observed_(observed) {}
 

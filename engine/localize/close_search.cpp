@@ -14,21 +14,21 @@
 namespace rayloc {
 namespace {
 
-// The best cells are looked at closely, place by place: those whose
-// tempered log-likelihood is within this of the best.
+// The best cells are refined place by place: those whose tempered log-likelihood is within this
+// margin of the best.
 constexpr double kRefinedMargin = 6.0;
 constexpr std::size_t kMostRefined = 100;  // a count of cells, chosen: bounds the time of a fix
 constexpr std::size_t kMostFine =
-    25;  // no more than these: at half of the distance, it costs as much
-// Of an unknown height. A cell as a whole says less of the device than its places, so more cells
-// are looked at, layer by layer: those whose tempered log-likelihood is within this of the best.
+    25;  // at most this many at half the distance, which costs as much
+// For an unknown height. A whole cell is less informative than its places, so more cells are
+// evaluated, layer by layer: those whose tempered log-likelihood is within this of the best.
 constexpr double kColumnMargin = 12.0;
 constexpr std::size_t kMaxCloseColumns = 400;  // a count of cells, chosen: bounds the time of a fix
-constexpr double kBoxMargin = 8.0;  // the same of boxes, which are looked at place by place
-constexpr std::size_t kMaxCloseBoxes = 480;  // a count, of all access points together
-constexpr double kLeastWeight = 1e-4;        // of a layer that is worth a look
+constexpr double kBoxMargin = 8.0;             // the same for boxes that are refined place by place
+constexpr std::size_t kMaxCloseBoxes = 480;    // a count, of all access points together
+constexpr double kLeastWeight = 1e-4;          // least weight of an evaluated layer
 
-// Those with the highest scores, best first, none of them `margin` below the best.
+// The entries with the highest scores, best first, at most `margin` below the best.
 std::vector<std::size_t> best_of(const std::vector<double>& score,
                                  std::size_t most,
                                  double margin) {
@@ -56,7 +56,7 @@ class Searcher {
  public:
   explicit Searcher(const CloseSearch& search) : search_(search) {}
 
-  // Access points hear a device in a layer of a cell: null where no ray arrives.
+  // Models of each access point for a device in a layer of a cell: null if no ray arrives.
   Looks look(std::size_t cell, std::size_t layer) const {
     Looks looks(search_.heard.size());
     for (std::size_t i = 0; i < looks.size(); ++i) {
@@ -67,7 +67,7 @@ class Searcher {
     }
     return looks;
   }
-  // Whether the likelihood tells places apart.
+  // True if the likelihood separates the places of the cell.
   bool tells(std::size_t cell, const Looks& looks) const {
     for (std::size_t i = 0; i < looks.size(); ++i) {
       if (looks[i] == nullptr && search_.heard[i].map->is_reachable(cell)) {
@@ -80,7 +80,7 @@ class Searcher {
     return log_likelihood - search_.nowhere[i] +
            search_.heard[i].level_at(cell, search_.likelihood_exponent);
   }
-  // At the places of a lattice at each of the heights.
+  // Log-likelihoods at the places of a lattice at each of the heights.
   Places on(std::size_t cell,
             const Looks& looks,
             const Lattice& lattice,
@@ -110,7 +110,7 @@ class Searcher {
   const CloseSearch& search_;
 };
 
-// Of the cells that may be looked at closely.
+// Scores of the cells that may be refined.
 std::vector<double> scores(const CloseSearch& search, const RoomMap& map, double exponent) {
   const auto close = static_cast<std::ptrdiff_t>(search.compared.close);
   std::vector<double> score(map.log_likelihood.begin(), map.log_likelihood.begin() + close);
@@ -123,7 +123,7 @@ std::vector<double> scores(const CloseSearch& search, const RoomMap& map, double
   return score;
 }
 
-// At the one height: cell by cell.
+// Search at a single height: cell by cell.
 void search_cells(const CloseSearch& search, RoomMap& map) {
   const double exponent = search.likelihood_exponent;
   std::vector<double>& values = map.log_likelihood;
@@ -164,9 +164,9 @@ struct CloseBox {
   std::size_t number = 0;  // of the cell, in the map
   std::size_t cell = 0;
   std::size_t layer = 0;
-  double log_mass = 0.0;      // of the box, its prior with it
-  CellMass mass;              // where in it
-  std::vector<double> doubt;  // [array], that it is wrong there
+  double log_mass = 0.0;      // of the box, including its prior
+  CellMass mass;              // distribution inside the box
+  std::vector<double> doubt;  // [array], probability that it is wrong there
 };
 
 class BoxSearch {

@@ -1,8 +1,8 @@
-// The close search: the best cells of a room's map, looked at place by place.
+// The local refinement: evaluates the best cells of a room's map place by place.
 //
-// Where the height is known, the places of a cell are a lattice at that height. Where it is not,
-// the best cells are looked at layer by layer of heights first, and of these boxes of a cell and a
-// layer the best are looked at place by place.
+// With a known height, the places of a cell are a lattice at that height. With an unknown height,
+// the best cells are evaluated layer by layer first, and the best of these boxes (a cell and a
+// layer) are then evaluated place by place.
 #pragma once
 
 #include <cstddef>
@@ -17,23 +17,23 @@
 
 namespace rayloc {
 
-// What is known of a place before a burst; empty: nothing but the room's priors.
+// Prior on the position before a burst; empty: only the room's priors.
 struct SearchFocus {
   std::vector<double> log_prior;     // of `cells`, natural logarithm
   std::vector<double> layer_weight;  // [layer], probability
-  std::vector<std::size_t> cells;    // where the device may be; empty: in all cells of the room
-  // The best boxes are looked at by few of their places first, and what it costs is bounded;
-  // otherwise by all of them, as Localizer::locate() does. What is looked for in some cells is so
-  // in any case.
+  std::vector<std::size_t> cells;    // cells that may hold the device; empty: all cells of the room
+  // Evaluates the best boxes at a few of their places first, at a bounded cost; otherwise at all of
+  // their places, as Localizer::locate() does. A search that is restricted to some cells is always
+  // quick.
   bool is_quick = false;
-  // Of all other cells a sample, which stands for them. REQUIRES: not empty where `cells` is not.
+  // A sample that represents all other cells. REQUIRES: not empty unless `cells` is empty.
   std::vector<std::size_t> others;
 };
 
 // The cells that a burst is compared with, by their numbers in a map.
 struct ComparedCells {
   std::vector<std::size_t> cells;  // empty: all cells of the room, in their order
-  std::size_t close = 0;           // so many of the first may be looked at closely
+  std::size_t close = 0;           // number of leading entries that may be refined
   CellWeights weights;
 
   std::size_t cell(std::size_t n) const { return cells.empty() ? n : cells[n]; }
@@ -48,14 +48,14 @@ struct CloseSearch {
   const HeightLayers& heights;
   double wavelength;  // [m]
   std::span<const HeardArray> heard;
-  std::span<const double> nowhere;  // [array], what all are compared with
+  std::span<const double> nowhere;  // [array], log-likelihood of the null model
   const AccessPointFusion& fusion;
   double likelihood_exponent;
   const SearchFocus& focus;
-  const ComparedCells& compared;  // what the map is of
+  const ComparedCells& compared;  // the cells of the map
 };
 
-// The log-likelihood of cells that are looked at becomes that of the mean over their places.
+// Replaces the log-likelihood of refined cells by that of the mean over their places.
 void search_closely(const CloseSearch& search, RoomMap& map);
 
 }  // namespace rayloc

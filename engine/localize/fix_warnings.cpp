@@ -11,7 +11,7 @@ constexpr double kCoveredForCertain = 4.6;  // logarithm of odds of 100, tempere
 
 }  // namespace
 
-// Whether a direct way is covered is asked where the fix is: one somewhere else says nothing of it.
+// An obstructed line of sight is tested at the fix only: at other places the test is meaningless.
 void warn_of_doubtful(const std::vector<HeardArray>& heard,
                       const RoomMap& map,
                       double likelihood_exponent,

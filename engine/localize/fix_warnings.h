@@ -1,4 +1,4 @@
-// What a fix says of the access points that it rests on.
+// Warnings of a fix about the access points that it uses.
 #pragma once
 
 #include <vector>
@@ -10,10 +10,10 @@
 
 namespace rayloc {
 
-using RaysOfEach = std::vector<std::vector<Ray>>;  // to the position of a fix, [array]
+using RaysOfEach = std::vector<std::vector<Ray>>;  // rays to the position of a fix, [array]
 
-// Adds warnings of access points that contradict the others, and of direct ways that are covered.
-// `map`: of the fix.
+// Adds warnings of access points that contradict the others, and of obstructed lines of sight.
+// `map`: map of the fix.
 void warn_of_doubtful(const std::vector<HeardArray>& heard,
                       const RoomMap& map,
                       double likelihood_exponent,

@@ -1,4 +1,4 @@
-// HeardArray: a burst as an access point heard it, beside the map of what it expects.
+// HeardArray: a burst received by one access point, with the access point's map.
 #pragma once
 
 #include <complex>
@@ -11,24 +11,24 @@
 
 namespace rayloc {
 
-// A burst as one access point heard it, its chain gains removed.
+// A burst received by one access point, chain gains removed.
 struct HeardArray {
-  std::size_t ap = 0;                   // number among the access points that the localizer can use
-  const AccessPointMap* map = nullptr;  // of the antennas that work; the localizer's
+  std::size_t ap = 0;                   // index among the access points that the localizer can use
+  const AccessPointMap* map = nullptr;  // map for the working antennas; owned by the localizer
   ObservedBurst observed;
   std::vector<std::complex<double>> h;  // [antenna][tone], up to one complex factor and one delay
   std::vector<double> level;  // [cell], AccessPointMap::level_log_likelihood(); empty: none
 
-  // To add to what is then raised to the power of `likelihood_exponent`: that is of how well h is
-  // modelled, and the spread of levels was measured.
+  // To be added to the log-likelihood before tempering by `likelihood_exponent`: the exponent
+  // describes the model error of h, while the spread of received powers was measured.
   double level_at(std::size_t cell, double likelihood_exponent) const {
     return level.empty() || likelihood_exponent <= 0.0 ? 0.0 : level[cell] / likelihood_exponent;
   }
 };
 
-// A burst as the access points of the room heard it.
+// A burst received by the access points of the room.
 struct RoomObservation {
-  std::vector<HeardArray> arrays;  // of one Localizer; empty: nothing usable, see estimate.reason
+  std::vector<HeardArray> arrays;  // for one Localizer; empty: nothing usable, see estimate.reason
   LocationEstimate estimate;       // times, counts and warnings, no position
 };
 

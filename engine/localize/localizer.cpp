@@ -27,21 +27,21 @@
 namespace rayloc {
 namespace {
 
-// Cells whose coarse log-likelihood is this far below the best are not looked at again. The coarse
-// search misses a delay by 3 ns at most, which costs about 10.
+// Cells whose coarse log-likelihood is this far below the best are not refined. The coarse search
+// misses a delay by 3 ns at most, which costs about 10.
 constexpr double kCoarseMargin = 35.0;
-constexpr double kFarBelow = 1e4;  // [nat], chosen: what such a cell loses, to weigh nothing
-// Of the mass before a burst, chosen: with more in no box of the tracked search, that would decide
-// between hills by which of them it looks at.
+constexpr double kFarBelow = 1e4;  // [nat], chosen: penalty of such a cell, to give it no weight
+// Share of the prior mass, chosen: with more outside the boxes of the tracked search, the choice of
+// boxes would decide between peaks.
 constexpr double kMostNotLookedAt = 0.1;
-// Of a burst from this room nearly all power lies within the basis of delays; of noise q / tones.
+// Nearly all power of a burst from this room lies in the basis of delays; q / tones for noise.
 constexpr double kLeastCaptured = 0.5;
 // A ratio, chosen: a perfect fit is -300 dB and not infinite.
 constexpr double kLeastResidual = 1e-30;
 
-// What every access point says of every cell, above being nowhere in particular.
+// Log-likelihoods of every access point and cell, relative to the null model.
 struct AccessPointMaps {
-  std::vector<double> nowhere;            // [array], log-likelihood of that
+  std::vector<double> nowhere;            // [array], log-likelihood of the null model
   std::vector<std::vector<double>> cell;  // [array][cell]
 };
 
@@ -52,7 +52,7 @@ class Localizer::Impl {
   Impl(std::shared_ptr<const RoomModel> room, LocalizerOptions options)
       : room_(std::move(room)), options_(std::move(options)), area_(watched_area(*room_)) {
     options_.burst.leaves_out_absent = true;
-    if (compares_antennas(options_.likelihood)) {  // at the height that is assumed
+    if (compares_antennas(options_.likelihood)) {  // at the assumed height
       area_.grid.height_sigma = 0.0;
     }
     DeviceModel device = room_->device;
@@ -127,11 +127,11 @@ class Localizer::Impl {
   const RoomGrid& grid_ = area_.grid;
   HeightLayers heights_;
   std::vector<std::unique_ptr<const AccessPointMap>> aps_;
-  std::vector<std::size_t> index_;  // of each access point, in RoomModel::access_points
+  std::vector<std::size_t> index_;  // [access point], index in RoomModel::access_points
   std::vector<std::string> warnings_;
 };
 
-// Of a burst that is a channel of this room. A dead chain is left out of the burst.
+// Array of a burst that is a possible channel of this room. Excludes a dead chain.
 std::optional<HeardArray> Localizer::Impl::heard_by(std::size_t number,
                                                     BurstObservation& burst,
                                                     LocationEstimate& estimate) const {
@@ -175,8 +175,8 @@ std::vector<HeardArray> Localizer::Impl::listen(std::span<const CsiFrame> frames
   return heard;
 }
 
-// Cells near the best of all access points together, and near the best of each, are looked at
-// closely; far_below is taken from the others.
+// Refines cells near the joint best of all access points and near the best of each one; far_below
+// is subtracted for the others.
 AccessPointMaps Localizer::Impl::maps_of(const std::vector<HeardArray>& heard,
                                          double likelihood_exponent,
                                          double far_below,
@@ -273,7 +273,7 @@ RoomObservation Localizer::Impl::hear_burst(std::span<const CsiFrame> frames) co
   return observation;
 }
 
-// Leaves out what no place explains; nothing is left when no access point is explained by any.
+// Removes arrays that no place explains; the result is empty if no access point is explained.
 void Localizer::Impl::keep_explained(std::vector<HeardArray>& heard,
                                      AccessPointMaps& maps,
                                      LocationEstimate& estimate) const {
@@ -367,7 +367,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   const std::vector<double> faulty(heard.size(), options_.faults.access_point);
   const AccessPointFusion fusion(maps.cell, likelihood_exponent, faulty, compared.weights);
   RoomMap map = fuse(maps.cell, fusion);
-  const bool is_quick =  // the places of one height are few
+  const bool is_quick =  // a single height has few places
       focus.is_quick && focus.cells.empty() && !heights_.is_known() &&
       heard.front().map->has_fields();
   if (look == Look::kPlaces && is_quick) {
@@ -378,7 +378,7 @@ Localizer::Evidence Localizer::Impl::evidence(const RoomObservation& observation
   return finished(std::move(map), fusion, compared);
 }
 
-// Of a device that is known to be about somewhere.
+// Evidence for a device with a known approximate position.
 Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
                                                       std::vector<HeardArray> heard,
                                                       const SearchFocus& focus) const {
@@ -415,7 +415,7 @@ Localizer::Evidence Localizer::Impl::tracked_evidence(TrackedSearch& search,
   return finished(std::move(map), fusion, compared);
 }
 
-// With the probability of being elsewhere.
+// Adds the probability of a device outside the area or an uninformative burst.
 Localizer::Evidence Localizer::Impl::finished(RoomMap map,
                                               const AccessPointFusion& fusion,
                                               const ComparedCells& compared) const {

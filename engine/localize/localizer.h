@@ -1,13 +1,13 @@
-// Localizer: from a burst of frames of one transmitter, heard by any number of access points, to a
-// position with its uncertainty: a likelihood of METHODS B2 on a grid of the room (METHODS B3, B7).
+// Localizer: converts a burst of one transmitter, received by any number of access points, to a
+// position with its uncertainty: a likelihood of METHODS B2 on a grid (METHODS B3, B7).
 //
 //   auto localizer = Localizer::create(room, {});
 //   LocationEstimate estimate = localizer->locate(frames_of_one_transmitter);
 //
-// create() traces the grid of the room once (seconds); locate() costs milliseconds and depends on
-// its arguments alone: the same frames give the same bytes, whatever the number of threads.
+// create() traces the grid of the room once (seconds); locate() takes milliseconds and depends on
+// its arguments only: the same frames give the same bytes, whatever the number of threads.
 //
-// A tracker takes the two halves of locate() apart: hear(), then log_likelihood() of every cell.
+// A tracker calls the two parts of locate() separately: hear(), then evidence() of the cells.
 #pragma once
 
 #include <complex>
@@ -38,57 +38,57 @@ struct LocalizerOptions {
   std::size_t max_hypotheses = 5;
   BurstOptions burst;
   FaultPrior faults;
-  // Keeps what create() traces for the next time; null: nothing is kept. Used by create() alone.
+  // Stores the rays traced by create() for the next start; null: no store. Used by create() only.
   std::shared_ptr<PathGridStore> path_grids;
 };
 
-// Probability that frames say nothing of the place, beside what they show themselves: that the
-// chains have turned (ChainLearner::doubt()).
+// Probability that frames carry no information on the position, in addition to what they reveal
+// themselves: that the chains have new phase offsets (ChainLearner::doubt()).
 struct FrameDoubt {
   double probability = 0.0;
 };
 
 class Localizer {
  public:
-  // An Error when the room cannot be modelled at all (no scene, empty room, no access point).
-  // An access point without chain gains is left out, with a warning in every estimate.
+  // An Error if the room cannot be modelled (no scene, empty room, no access point). An access
+  // point without chain gains is left out, with a warning in every estimate.
   static Expected<Localizer> create(std::shared_ptr<const RoomModel> room,
                                     const LocalizerOptions& options);
   ~Localizer();
   Localizer(Localizer&&) noexcept;
   Localizer& operator=(Localizer&&) noexcept;
 
-  // `frames`: one transmitter, any access points, in order of time.
-  // What is doubted is left over, beside what the hypotheses state.
+  // `frames`: one transmitter, any access points, in order of time. `doubt` is added to the outlier
+  // probability of the hypotheses.
   LocationEstimate locate(std::span<const CsiFrame> frames, const FrameDoubt& doubt = {}) const;
-  // With another exponent of the likelihood than RoomModel::likelihood_exponent: for fitting that.
+  // With another exponent than RoomModel::likelihood_exponent: for fitting the exponent.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
   RoomObservation hear(std::span<const CsiFrame> frames) const;
-  // What a burst says of every cell of grid(). Cells that are far from the best are known less
-  // precisely, as a lower bound. REQUIRES: observation.arrays is not empty.
+  // Likelihoods of a burst for every cell of grid(). Cells far below the best have a less precise
+  // value, a lower bound. REQUIRES: observation.arrays is not empty.
   enum class Look {
-    kCells,   // as a whole
-    kPlaces,  // the best of them place by place, as locate() does
+    kCells,   // cells as a whole
+    kPlaces,  // the best cells place by place, as locate() does
   };
   struct Evidence {
-    // Relative to the device being nowhere in particular, not tempered (what a level says is
-    // divided by RoomModel::likelihood_exponent, which does not apply to it); empty when no place
-    // explains the burst.
+    // Relative to the null model, not tempered (the received-power term is divided by
+    // RoomModel::likelihood_exponent, which does not apply to it); empty if no place explains the
+    // burst.
     std::vector<double> log_likelihood;
-    // Those that it is of, where the focus says where to look; empty: all of grid().
+    // Cells of log_likelihood, if the focus restricts the search; empty: all of grid().
     std::vector<std::size_t> cells;
     CellWeights weights;
-    double elsewhere = 0.0;  // probability that the burst says nothing of the place
-    KnownCells within;       // where in the best cells; empty with kCells
+    double elsewhere = 0.0;  // probability that the burst is uninformative
+    KnownCells within;       // distribution inside the best cells; empty with kCells
   };
-  // `focus`: what is known of the place before the burst; it says where to look, where to look
-  // closely and how high the device may be, and is not in the evidence.
+  // `focus`: prior on the position. It selects the cells to evaluate, the cells to refine and the
+  // heights, and is not part of the evidence.
   Evidence evidence(const RoomObservation& observation,
                     Look look = Look::kCells,
                     const SearchFocus& focus = {}) const;
   const WatchedArea& area() const;
-  const RoomGrid& grid() const;  // of the area
+  const RoomGrid& grid() const;  // of the calibrated area
   const HeightLayers& heights() const;
 
   const RoomModel& room() const;

@@ -16,9 +16,9 @@
 namespace rayloc {
 namespace {
 
-// To be raised when what the bytes mean changes and their size does not.
+// Increment when the meaning of the bytes changes and their size does not.
 constexpr std::uint64_t kVersion = 1;
-constexpr std::size_t kSamples = 24;  // cells that are traced again
+constexpr std::size_t kSamples = 24;  // number of cells traced again
 
 static_assert(std::is_trivially_copyable_v<Ray>);
 
@@ -43,8 +43,8 @@ bool same_bits(const T& a, const T& b) {
   return std::ranges::equal(std::as_bytes(std::span(&a, 1)), std::as_bytes(std::span(&b, 1)));
 }
 
-// By member, for there may be anything in what pads them. A member that is added does not compile
-// here until it is compared.
+// Compares by member, since padding bytes are unspecified. An added member does not compile here
+// until it is compared.
 bool is_same_ray(const Ray& a, const Ray& b) {
   const auto& [amplitude, length, at_array, at_device, reflections, cos2_incidence, mirror] = a;
   return same_bits(amplitude, b.amplitude) && same_bits(length, b.length) &&
@@ -88,7 +88,7 @@ std::string path_grid_key(const RoomModel& room,
   hash.add(room.trace.softness);
   hash.add(static_cast<std::uint64_t>(room.trace.candidates));
   hash.add(static_cast<std::uint64_t>(room.trace.rays));
-  // Named only where they are on: grids that were made before they could be are still known.
+  // Hashed only if enabled: grids stored before these options existed keep their key.
   if (room.trace.diffraction) {
     hash.add(std::string_view(room.trace.double_diffraction ? "two edges" : "an edge"));
   }
@@ -135,7 +135,7 @@ bool is_same(const PathGrid& a, const PathGrid& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), are_same_rays);
 }
 
-// Cells, then of each cell its number of rays and the rays.
+// Format: number of cells, then for each cell its number of rays and the rays.
 std::string to_bytes(const PathGrid& grid) {
   std::size_t size = sizeof(std::uint64_t) * (1 + grid.size());
   for (const auto& rays : grid) {

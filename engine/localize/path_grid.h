@@ -1,12 +1,12 @@
-// PathGrid: the rays from every cell of a room to one access point: the part of a Localizer that is
-// traced, and worth keeping from one start of a program to the next.
+// PathGrid: the rays from every cell of a room to one access point: the traced part of a Localizer,
+// stored from one start of a program to the next.
 //
-// They depend on the room alone, so they are kept under a hash of all of it (METHODS B3). The
-// engine reads no files: a PathGridStore does (daemon/site/path_grid_files.h).
+// The rays depend on the room only, so they are stored under a hash of it (METHODS B3). The engine
+// reads no files; a PathGridStore does (daemon/site/path_grid_files.h).
 //
-// What a store gives back is believed only after a sample of the cells has been traced again and is
-// the same to the bit. So neither a change of the program nor another type of processor can put old
-// rays beside new ones, and a Localizer is the same with a store and without.
+// Stored rays are accepted only after a sample of the cells has been traced again and is identical
+// to the bit. So neither a change of the program nor another type of processor can mix old rays
+// with new ones, and a Localizer is the same with a store and without.
 #pragma once
 
 #include <cstddef>
@@ -27,15 +27,15 @@ using PathGrid = std::vector<std::vector<Ray>>;  // [cell][ray]
 class PathGridStore {
  public:
   virtual ~PathGridStore() = default;
-  // The bytes that were saved last under `key`, whole; nothing where there are none.
+  // The complete bytes last saved under `key`; empty if there are none.
   virtual std::optional<std::string> load(const std::string& key) = 0;
-  // May fail: then they are not there the next time.
+  // May fail: the bytes are then missing at the next start.
   virtual void save(const std::string& key, std::string_view bytes) = 0;
-  // The bytes of `key` were no grid that this program would make.
+  // Reports that the bytes of `key` are not a grid that this program would make.
   virtual void refuse(const std::string& key) = 0;
 };
 
-// A hash of everything that the rays of an access point of the room depend on, as text.
+// A hash, as text, of all inputs of the rays of an access point of the room.
 std::string path_grid_key(const RoomModel& room,
                           const RoomAccessPoint& access_point,
                           const RoomGrid& grid,
@@ -43,16 +43,16 @@ std::string path_grid_key(const RoomModel& room,
 
 struct PathGridSource {
   std::size_t cells = 0;
-  std::function<std::vector<Ray>(std::size_t cell)> trace;  // from any thread
+  std::function<std::vector<Ray>(std::size_t cell)> trace;  // callable from any thread
 };
 
-// Of the store where it has them, else traced and saved there. `store` may be null.
+// Loads the grid from the store, or traces and saves it. `store` may be null.
 PathGrid make_path_grid(const PathGridSource& source, const std::string& key, PathGridStore* store);
 
-// To the bit.
+// Comparison to the bit.
 bool is_same(const PathGrid& a, const PathGrid& b);
 
-// As a store keeps them: for programs of this build on this machine.
+// Storage format, valid for programs of this build on this machine.
 std::string to_bytes(const PathGrid& grid);
 std::optional<PathGrid> parse_path_grid(std::string_view bytes);
 

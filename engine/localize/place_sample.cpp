@@ -12,14 +12,14 @@
 namespace rayloc {
 namespace {
 
-// A cell and a layer of heights, and the steps of the mass that fall into it.
+// A cell and a layer of heights, with the number of mass steps assigned to it.
 struct SampleBox {
   std::size_t cell = 0;
   std::size_t layer = 0;
   std::size_t drawn = 0;
 };
 
-// How many of `count` equal steps of the mass fall to each.
+// Number of `count` equal steps of the mass that fall on each entry.
 std::vector<std::size_t> draw(std::span<const double> log_mass, std::size_t count) {
   std::vector<std::size_t> drawn(log_mass.size());
   const double top = *std::max_element(log_mass.begin(), log_mass.end());

@@ -1,4 +1,4 @@
-// Places where a device may be, drawn from what a burst says: a few that stand for all.
+// A few places, drawn from the posterior of a burst, that represent the device's position.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@ namespace rayloc {
 
 struct SampledPlace {
   std::size_t cell = 0;
-  std::size_t layer = 0;  // of Localizer::heights()
-  Vec3d moved;            // [m], from the middle of both
-  double share = 0.0;     // of the mass that it stands for, 1 in all
+  std::size_t layer = 0;  // index in Localizer::heights()
+  Vec3d moved;            // [m], from the centre of both
+  double share = 0.0;     // share of the mass that it represents; all shares add to 1
 };
 
 // Drawn at equal steps of the mass (systematic resampling), so that the same burst gives the same
-// places: `count` at most, fewer where one stands for several. `evidence`: of the observation, with
-// Look::kPlaces. Empty where the likelihood does not tell places apart.
+// places: at most `count`, fewer if one represents several. `evidence`: of the observation, with
+// Look::kPlaces. Empty if the likelihood cannot separate places.
 std::vector<SampledPlace> sample_places(const Localizer& localizer,
                                         const RoomObservation& observation,
                                         const Localizer::Evidence& evidence,

@@ -13,24 +13,24 @@
 namespace rayloc {
 namespace {
 
-// Of the mass before the burst, chosen. With 5e-3 a hill of half a per cent was given up, and 20 of
-// 579 moments of a walk lost what the whole room ranks first (hundred-devices study).
+// Share of the prior mass, chosen. With 5e-3 a peak of half a per cent was given up, and 20 of 579
+// moments of a walk lost the place that ranks first in the whole room (hundred-devices study).
 constexpr double kNotLookedAt = 1e-3;
-// A count of boxes, chosen: of all access points together. 90 % of the mass of a track of one
-// access point lie in 30 to 280 boxes (hundred-devices study).
+// A count of boxes, chosen: over all access points. 90 % of the mass of a track with one access
+// point lies in 30 to 280 boxes (hundred-devices study).
 constexpr std::size_t kMaxTrackedBoxes = 640;
-// Of the mass, chosen: with more in none of its boxes, an access point has those of the others as
-// well. Who does not know where a device is has many hills, and none of them may be given up.
+// Share of the mass, chosen: with more outside its own share of boxes, an access point also uses
+// those of the others. An uncertain position has many peaks, and none of them may be given up.
 constexpr double kWide = 0.02;
 constexpr std::size_t kMostClosely =
     96;                               // a count, chosen: of kMaxTrackedBoxes, with all their places
 constexpr double kCloseMargin = 8.0;  // [nat], below the best
 constexpr std::size_t kFewX = 2;      // a count: every second place in x ...
-constexpr std::size_t kFewZ = 4;      // a count: ... and every fourth in height comes first
-// A count of cells, as the close search has it; and how far below the best of a room they are.
+constexpr std::size_t kFewZ = 4;      // a count: ... and every fourth in height is evaluated first
+// A count of cells, and their margin below the best of a room, both as in the local refinement.
 constexpr std::size_t kMaxTrackedColumns = 400;
-constexpr double kTrackedColumnMargin = 12.0;  // [nat], as the close search has it
-constexpr double kLeastSum = 1e-37;            // of a mass in single precision
+constexpr double kTrackedColumnMargin = 12.0;  // [nat], as in the local refinement
+constexpr double kLeastSum = 1e-37;            // least sum of a mass in single precision
 
 }  // namespace
 
@@ -49,7 +49,7 @@ TrackedSearch::TrackedSearch(const Room& room,
   choose_rows();
 }
 
-// Those with most of the mass before the burst.
+// Selects the boxes with most of the prior mass.
 void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   const std::size_t layers = layer_weight_.size();
   std::vector<double> prior;
@@ -83,7 +83,7 @@ void TrackedSearch::choose_boxes(const SearchFocus& focus) {
   first_.push_back(boxes_.size());
 }
 
-// The first places lie as on a chessboard.
+// The places evaluated first form a chessboard pattern.
 void TrackedSearch::choose_rows() {
   const std::size_t rows_y = lattice_.plan.count_y / kLaneCount;
   for (std::size_t z = 0; z < lattice_.heights.size(); ++z) {
@@ -106,7 +106,7 @@ double TrackedSearch::above(std::size_t array, std::size_t cell, double nowhere)
   return heard_[array].level_at(cell, room_.likelihood_exponent) - nowhere;
 }
 
-// The boxes of one cell: those of a few layers share what is unknown.
+// Evaluates the boxes of one cell: groups of a few layers share their covariance.
 void TrackedSearch::look_at_cell(std::size_t array,
                                  std::size_t first,
                                  std::size_t last,
@@ -183,7 +183,7 @@ void TrackedSearch::leave_out(std::size_t array) {
   highest_.erase(highest_.begin() + at);
 }
 
-// Over the places of a layer, by the probability of their heights.
+// Mean over the places of a layer, weighted by the probability of their heights.
 double TrackedSearch::mean_of(std::size_t layer,
                               std::span<const Row> rows,
                               std::span<const LaneRow> mass) const {
@@ -209,7 +209,7 @@ std::vector<FusedArray> TrackedSearch::fused(const AccessPointFusion& fusion) co
     FusedArray& one = arrays[i];
     one.exponent = static_cast<float>(room_.likelihood_exponent);
     one.shift = one.exponent * highest_[i];
-    if (heard_.size() == 1) {  // nobody contradicts it
+    if (heard_.size() == 1) {  // no other access point can contradict it
       one.right = static_cast<float>(std::exp(fusion.log_right(i)));
       continue;
     }
@@ -313,7 +313,7 @@ void TrackedSearch::put_together(const AccessPointFusion& fusion, RoomMap& map) 
   }
 }
 
-// A layer that nobody looked at is taken to be as likely as those that somebody did.
+// A layer that was not evaluated is taken to be as likely as the evaluated ones.
 void TrackedSearch::put_cell(std::size_t first,
                              std::size_t last,
                              const std::vector<Mass>& masses,

@@ -1,8 +1,8 @@
-// TrackedSearch: where a burst is looked at whose device is known to be about somewhere: the boxes
-// (a cell and a layer of heights) that it may be in, by few places each, and the best of them by
-// all of their places.
+// TrackedSearch: evaluates a burst of a device whose approximate position is known: the boxes (a
+// cell and a layer of heights) that may hold it, at few places each, and the best of them at all of
+// their places.
 //
-// Its cost depends on how well the place is known, and on nothing of the room.
+// Its cost depends on the uncertainty of the position, not on the size of the room.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace rayloc {
 
 class TrackedSearch {
  public:
-  // All of them outlive it. REQUIRES: every map has_fields(); focus.cells is not empty.
+  // The arguments must outlive it. REQUIRES: every map has_fields(); focus.cells is not empty.
   struct Room {
     const RoomGrid& grid;
     const HeightLayers& heights;
@@ -30,32 +30,32 @@ class TrackedSearch {
   };
   TrackedSearch(const Room& room, std::vector<HeardArray> heard, const SearchFocus& focus);
 
-  // Of the mass before the burst, what lies in no box that is looked at.
+  // Share of the prior mass outside the evaluated boxes.
   double not_looked_at() const { return not_looked_at_; }
 
-  // The cells that are looked at, in order; some of the focus.
+  // The evaluated cells, in ascending order; a subset of the focus.
   const std::vector<std::size_t>& cells() const { return cells_; }
 
-  // [array][of cells()]: log-likelihoods of each access point alone, above those of `nowhere`.
+  // [array][index in cells()]: log-likelihoods of each access point, relative to `nowhere`.
   std::vector<std::vector<double>> look(std::span<const double> nowhere);
-  // Of one that nothing in the room explains.
+  // Removes an array that no place in the room explains.
   void leave_out(std::size_t array);
-  // What all say together; log_likelihood: of cells() first.
+  // Joint likelihood of all access points; log_likelihood: for cells() first.
   void put_together(const AccessPointFusion& fusion, RoomMap& map) const;
 
  private:
   struct Box {
-    std::size_t number = 0;  // in cells_
+    std::size_t number = 0;  // index in cells_
     std::size_t layer = 0;
     double prior = 0.0;
   };
   struct Mass {
-    double sum = 0.0;  // of the layer's places together, their mean
+    double sum = 0.0;  // mean over the layer's places
     CellMass where;
   };
   struct Row {
     std::size_t x = 0;
-    std::size_t y = 0;  // eight places
+    std::size_t y = 0;  // index of eight places
     std::size_t z = 0;
   };
 
@@ -78,19 +78,19 @@ class TrackedSearch {
   std::vector<double> layer_weight_;
   FieldLattice lattice_;
   std::vector<std::vector<HeightSlice>> slices_;  // [layer]
-  std::vector<Row> few_;                          // rows of places that are looked at first
+  std::vector<Row> few_;                          // rows of places that are evaluated first
   std::vector<Row> all_;
   std::vector<std::size_t> cells_;
-  std::vector<Box> boxes_;                    // by cell
+  std::vector<Box> boxes_;                    // ordered by cell
   double not_looked_at_ = 0.0;                // a probability
-  std::size_t most_closely_ = 0;              // boxes, with all their places
-  std::vector<std::size_t> first_;            // [cell and the end], in boxes_
+  std::size_t most_closely_ = 0;              // number of boxes evaluated at all their places
+  std::vector<std::size_t> first_;            // [cell and the end], index in boxes_
   std::vector<double> nowhere_;               // [array]
   std::vector<std::vector<LaneRow>> of_few_;  // [array][box][row]
   std::vector<float> highest_;                // [array]
 };
 
-// The same where the device may be anywhere: of the boxes of the best cells of a map of the room.
+// The same for a device at an unknown position: in the boxes of the best cells of a room's map.
 void search_best_boxes(const TrackedSearch::Room& room,
                        const std::vector<HeardArray>& heard,
                        std::span<const double> nowhere,

@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// About this many cells a room: 5 cm in a small room, more in a large one.
+// About this many cells per room: 5 cm in a small room, larger cells in a large one.
 constexpr double kCells = 12000.0;
 constexpr double kFinestStep = 0.05;  // [m]
 constexpr double kMostBeside = 2.0;   // [m]

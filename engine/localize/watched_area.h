@@ -1,9 +1,9 @@
-// The places that a localizer compares: the calibrated area (RoomModel::bounds), and what the scene
-// knows beside it.
+// The places that a localizer compares: the calibrated area (RoomModel::bounds), and a margin
+// around it that the scene covers.
 //
-// One access point contradicts nobody: a device beyond the area is heard like one at some place
-// within. Where the scene reaches further than the area, places there are compared as well, and
-// what they explain is probability that the device is not in the area.
+// A single access point has no other one to contradict it: a device outside the area resembles one
+// at some place inside. If the scene extends beyond the area, places there are compared as well,
+// and the mass that they explain is the probability that the device is outside the area.
 #pragma once
 
 #include <cstddef>
@@ -17,22 +17,22 @@
 namespace rayloc {
 
 struct WatchedArea {
-  // A probability that the device is not there: with more of it there is no fix, ...
+  // Outlier probability above which there is no fix, ...
   static constexpr double kMostElsewhere = 2.0 / 3.0;
-  // ... where it is beside the area for this reason.
+  // ... and the reason reported if the device is outside the area.
   static constexpr const char* kBeside =
       "the device is beside the area: the scene explains it better there";
 
   RoomGrid grid;
-  std::vector<char> inside;  // [cell], of the calibrated area; empty: all are
+  std::vector<char> inside;  // [cell], 1 in the calibrated area; empty: all are
 };
 
-// Cells of 5 cm, or of a 12000th of the area. Beside the area up to 2 m, where the scene reaches
-// half a metre beyond it or more.
+// Cells of 5 cm, or of a 12000th of the area. Extends up to 2 m beyond the area if the scene
+// reaches at least half a metre beyond it.
 WatchedArea watched_area(const RoomModel& room);
 
-// The probability of the cells that are not in the area, by a map of log-likelihoods; their cells
-// become AccessPointFusion::kNothing. cells: those that the map is of; empty: all.
+// The probability of the cells outside the area, from a map of log-likelihoods; their cells are set
+// to AccessPointFusion::kNothing. cells: the cells of the map; empty: all.
 double take_outside(const WatchedArea& area,
                     double likelihood_exponent,
                     std::vector<double>& log_likelihood,

@@ -21,8 +21,8 @@ using Value = std::complex<double>;
 
 }  // namespace
 
-// One transmitter, as one access point should hear it and does. In no unnamed namespace:
-// a member of CalibrationMonitor::AccessPoint.
+// One transmitter at one access point: its expected and its received array. Not in an unnamed
+// namespace, being a member of CalibrationMonitor::AccessPoint.
 struct MonitoredSpot {
   CalibrationMonitor::Transmitter transmitter;
   std::vector<Ray> rays;
@@ -37,16 +37,16 @@ struct MonitoredSpot {
 namespace {
 
 constexpr std::size_t kFramesOfBurst = 6;  // a count, chosen: bounds the memory of a window
-constexpr std::size_t kScannedRays = 16;   // the strongest; the scan is about the large part
+constexpr std::size_t kScannedRays = 16;   // the strongest; the scan needs only the main part
 constexpr double kShiftStep = 0.01;        // [m], a sixth of a wavelength
-// [rad], chosen: at 6 degrees the scan has three to either side.
+// [rad], chosen: the scan has three steps to either side within 6 degrees.
 constexpr double kYawStep = 2.0 * kDegree;
-constexpr double kSlowness = 0.05;  // of the slow mean: twenty windows
+constexpr double kSlowness = 0.05;  // weight of a new window in the slow mean: twenty windows
 // [rad], 75 degrees: a bound on phases that grows with their sigma must not hide a quarter turn.
 constexpr double kMostJumpBound = 1.309;
-// [rad]: chips start at least a quarter turn apart. A phase known worse than that tells no jump.
+// [rad]: chips start at least a quarter turn apart. A phase less certain than that shows no jump.
 constexpr double kQuarterTurn = 1.571;
-// A motion is believed when it leaves at most this share of what chains leave unexplained.
+// A motion is accepted when it leaves at most this share of the power unexplained by the chains.
 constexpr double kBetter = 0.5;
 
 std::string rounded(double value) { return std::to_string(std::lround(value)); }
@@ -58,7 +58,7 @@ bool is_worse(double unexplained, double usual, double strictness) {
          unexplained > usual + CalibrationMonitor::kLeastDrift * strictness;
 }
 
-// What an access point heard of one spot in a window, chains removed.
+// Array that an access point received from one spot in a window, chains removed.
 struct HeardSpot {
   MonitoredSpot* spot = nullptr;
   std::vector<Value> h;
@@ -72,7 +72,7 @@ bool any_jump(const std::vector<double>& turn) {
   return std::any_of(turn.begin(), turn.end(), [](double t) { return t != 0.0; });
 }
 
-// Takes windows for usual until two in a row agree; a person who walks by spoils single ones.
+// Accepts windows as usual when two in a row agree; a person who walks by spoils single ones.
 void settle(MonitoredSpot& spot, const std::vector<Value>& phasor) {
   if (spot.settled) {
     return;
@@ -204,8 +204,8 @@ std::vector<HeardSpot> CalibrationMonitor::AccessPoint::hear() {
   return heard;
 }
 
-// What each chain heard along what is expected of it. The delay of a spot is found on one chain,
-// the one that fits best: together, turned chains would cancel.
+// Projection of each chain's observation on its expectation. The delay of a spot is found on the
+// chain that fits best: in a sum over chains, phase offsets would cancel.
 std::vector<Value> CalibrationMonitor::AccessPoint::along(const HeardSpot& one) const {
   const std::size_t tones = grid_.size();
   const std::size_t chains = ap_.cores.size();
@@ -250,7 +250,7 @@ double CalibrationMonitor::AccessPoint::correlation(const std::vector<HeardSpot>
   return sum / static_cast<double>(heard.size());
 }
 
-// The best of a grid, and of ever smaller steps from there.
+// The best motion on a grid, refined from there with ever smaller steps.
 ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& heard) const {
   const int shifts = static_cast<int>(std::lround(kMostShift / kShiftStep));
   const int yaws = static_cast<int>(std::lround(kMostYaw / kYawStep));
@@ -288,7 +288,7 @@ ArrayMotion CalibrationMonitor::AccessPoint::scan(const std::vector<HeardSpot>& 
   return best;
 }
 
-// Whether a motion leaves much less than `unexplained`: the one found last, or that of a new scan.
+// True if a motion leaves much less than `unexplained`: the last one found, or that of a new scan.
 bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<HeardSpot>& heard,
                                                           double unexplained) {
   told_.moved_fit = correlation(heard, told_.motion);
@@ -300,8 +300,8 @@ bool CalibrationMonitor::AccessPoint::explained_by_motion(const std::vector<Hear
   return 1.0 - told_.moved_fit < kBetter * unexplained;
 }
 
-// Of turns against the calibration those that are jumps, 0 for the others: more than kJump and
-// three sigmas, and nothing where a quarter turn could not be told.
+// Phase offsets against the calibration that are jumps, 0 for the others: above kJump and three
+// sigmas; all 0 where a quarter turn could not be detected.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
     const std::vector<HeardSpot>& heard, const std::vector<double>& turn) const {
   const auto spots = static_cast<double>(heard.size());
@@ -326,8 +326,8 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps_of_calibration(
   return result;
 }
 
-// By how much each chain has jumped, 0 for those that have not: against the calibration, else
-// against the first windows, which are none when they had jumped themselves.
+// Phase jump of each chain, 0 for chains without one: against the calibration, or else against the
+// first windows, which never are windows with a jump.
 std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<HeardSpot>& heard) {
   std::vector<std::vector<Value>> phasors;
   ChainTurns turns(ap_.cores.size());
@@ -349,7 +349,7 @@ std::vector<double> CalibrationMonitor::AccessPoint::jumps(const std::vector<Hea
       changes.add(phasors[i]);
     }
   }
-  jumped = changes.turns();  // all 0 before anything has settled
+  jumped = changes.turns();  // all 0 until a spot has settled
   for (double& change : jumped) {
     change = std::abs(change) > kJump ? change : 0.0;
   }

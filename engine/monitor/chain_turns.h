@@ -1,4 +1,4 @@
-// Turns of receive chains against each other, from what each of them heard of known spots.
+// Phase offsets between receive chains, from their observations of known spots.
 #pragma once
 
 #include <complex>
@@ -8,25 +8,25 @@
 
 namespace rayloc {
 
-// Sums over spots of the chains' phasors, each against each. A spot's common phase cancels.
+// Sums over spots of the chains' phasors, for every pair of chains. A spot's common phase cancels.
 class ChainTurns {
  public:
   explicit ChainTurns(std::size_t chains);
 
-  // `phasor`: of each chain, how it is turned and how much that counts (complex, any unit).
+  // `phasor`: for each chain its phase and, as magnitude, its weight (complex, any unit).
   void add(std::span<const std::complex<double>> phasor);
 
-  // Of each chain against the chain that most others agree with [rad].
+  // Phase offset of each chain from the chain that most others agree with [rad].
   std::vector<double> turns() const;
 
  private:
   std::vector<std::vector<std::complex<double>>> relative_;  // [reference][chain]
 };
 
-// Variance of the turn of a chain against another [rad^2] at one spot of which the room explains
-// `share` of the power once the chains are turned to fit. Paths that differ by less than the
-// bandwidth resolves turn all tones of a chain alike, so its tones count as one sample; of the six
-// numbers of three chains the fit takes four, which halves what it leaves and is undone here.
+// Variance of the phase offset between two chains [rad^2] at one spot where the room explains
+// `share` of the power after the chains are rotated to fit. Paths that differ by less than the
+// bandwidth resolves rotate all tones of a chain alike, so its tones count as one sample; of the
+// six numbers of three chains the fit uses four, which halves the remainder and is corrected here.
 double turn_variance(double share);
 
 }  // namespace rayloc

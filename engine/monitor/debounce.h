@@ -1,11 +1,11 @@
-// Debounce: a yes or no that changes only when it has been contradicted several times in a row.
+// Debounce: a binary state that changes only after several contradictions in a row.
 #pragma once
 
 namespace rayloc {
 
 class Debounce {
  public:
-  // Begins with no, or goes on with the state and the run of one before.
+  // Starts with false, or continues with the state and the run of an earlier object.
   explicit Debounce(int contradictions, bool state = false, int run = 0)
       : contradictions_(contradictions), state_(state), run_(run) {}
 
@@ -17,7 +17,7 @@ class Debounce {
     }
   }
   bool state() const { return state_; }
-  int run() const { return run_; }  // of contradictions
+  int run() const { return run_; }  // contradictions in a row
 
  private:
   int contradictions_;

@@ -11,14 +11,14 @@
 namespace rayloc {
 
 struct Alignment {
-  double delay = 0.0;           // [s], of `value` behind `reference`
+  double delay = 0.0;           // [s], of `value` relative to `reference`
   std::complex<double> factor;  // reference ~ factor * value * exp(+j 2 pi f delay)
   double correlation = 0.0;     // |<reference, value>|^2 / (|reference|^2 |value|^2), at `delay`
 };
 
 // Finds the delay and the factor that fit `value` to `reference` in least squares over all entries.
-// The delay is found to a hundredth of the resolution of the band: by a zero-padded transform, then
-// by Newton steps on the squared correlation.
+// The delay is accurate to a hundredth of the resolution of the band: zero-padded transform, then
+// Newton steps on the squared correlation.
 class Aligner {
  public:
   explicit Aligner(const OfdmGrid& grid);

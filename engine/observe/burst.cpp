@@ -36,7 +36,7 @@ std::optional<std::vector<std::size_t>> tone_positions(const CsiFrame& frame,
   return positions;
 }
 
-// Mean power of the cores; nothing where it is not stated of all of them.
+// Mean power of the cores; nothing where it is not stated for all of them.
 std::optional<double> level_of(const CsiFrame& frame, std::span<const std::uint8_t> cores) {
   double power = 0.0;  // [mW]
   for (const std::uint8_t core : cores) {
@@ -60,7 +60,7 @@ std::optional<double> level_of(const std::vector<Reading>& readings) {
   return levels.empty() ? std::nullopt : std::optional(median(std::move(levels)));
 }
 
-// The values of a frame, or the name of the reason why it cannot be used.
+// The values of a frame, or the name of the reason for refusing it.
 Expected<Reading> read_frame(const CsiFrame& frame, const BurstRequest& request) {
   if (frame.csi.streams() != 1) {
     return bad_input("several_streams");
@@ -113,8 +113,8 @@ std::vector<Value> mean_of(const std::vector<Reading>& readings,
   return mean;
 }
 
-// Aligns every reading to the running average, twice, the second time without those that do not
-// belong to it. The readings kept are aligned and on the scale of the result.
+// Aligns every reading to the running average, twice, the second time without outliers. The
+// readings kept are aligned and on the scale of the result.
 std::vector<Value> average(std::vector<Reading>& readings,
                            const Aligner& aligner,
                            const BurstOptions& options,
@@ -153,8 +153,8 @@ double noise_of_frames(const std::vector<Reading>& readings, const std::vector<V
   return sum / (static_cast<double>(readings.size() - 1) * static_cast<double>(mean.size()));
 }
 
-// Second differences along the tones: noise has six times its variance there, a channel of a room
-// far less.
+// Second differences along the tones: noise has six times its variance in them, the channel of a
+// room contributes far less.
 double noise_of_tones(const std::vector<Value>& values, std::size_t tones) {
   double sum = 0.0;
   std::size_t count = 0;
@@ -167,7 +167,7 @@ double noise_of_tones(const std::vector<Value>& values, std::size_t tones) {
   return count == 0 ? 1.0 : sum / (6.0 * static_cast<double>(count));
 }
 
-// 1 - |correlation|^2 of the averages of the first and of the second half, less what noise does.
+// 1 - |correlation|^2 of the averages of the first and of the second half, minus the noise part.
 double motion_between_halves(const std::vector<Reading>& readings,
                              const Aligner& aligner,
                              double frame_noise) {
@@ -190,7 +190,7 @@ std::string describe(const std::map<std::string, std::size_t>& refused) {
   return text;
 }
 
-// The frames of the access point, and of those at most `most`, evenly spread.
+// The frames of the access point, at most `most` of them, evenly spread.
 std::vector<const CsiFrame*> choose(std::span<const CsiFrame> frames,
                                     int access_point,
                                     std::size_t most,
@@ -216,7 +216,7 @@ bool has_core(const CsiFrame& frame, std::uint8_t core) {
   return std::find(frame.cores.begin(), frame.cores.end(), core) != frame.cores.end();
 }
 
-// Rows of the request that the frame brought no measurement of.
+// Rows of the request that have no measurement in the frame.
 std::vector<std::size_t> lacking(const CsiFrame& frame, const BurstRequest& request) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < request.cores.size(); ++row) {
@@ -227,13 +227,13 @@ std::vector<std::size_t> lacking(const CsiFrame& frame, const BurstRequest& requ
   return rows;
 }
 
-// Of a frame without a measurement of the core: its datagram came, or it has been absent for long.
+// True if a missing core is no packet loss: its datagram came, or the core is long absent.
 bool is_no_loss(const CsiFrame& frame, std::uint8_t core) {
   return has_core(frame, core) ||
          std::find(frame.flags.begin(), frame.flags.end(), "absent_core") != frame.flags.end();
 }
 
-// Nothing where a frame has all cores, or none lacks only one.
+// The absent core; nothing where a frame has all cores, or none lacks only one.
 std::optional<AbsentCore> absent_core(const std::vector<const CsiFrame*>& frames,
                                       const BurstRequest& request) {
   std::vector<std::size_t> alone(request.cores.size());  // frames that lack this row only
@@ -246,7 +246,7 @@ std::optional<AbsentCore> absent_core(const std::vector<const CsiFrame*>& frames
     if (rows.empty()) {
       return std::nullopt;
     }
-    // With as many cores as are asked for they are others than stated, and none is dead.
+    // A frame with the requested number of cores has other cores than stated, and none is dead.
     const bool is_absent = rows.size() == 1 && (has_core(*frame, request.cores[rows.front()]) ||
                                                 frame->cores.size() < request.cores.size());
     if (is_absent) {

@@ -1,12 +1,12 @@
-// combine_burst: the frames of one transmitter that one access point heard within a few 100 ms,
-// made into one array: what a burst without motion really tells.
+// combine_burst: combines the frames of one transmitter that one access point received within a few
+// 100 ms into one array: the information of a burst without motion.
 //
 // One frame is H[m,k] = g exp(j phi) exp(-j 2 pi f_k T) G[m,k] h[m,k] + noise, where the gain g,
-// the phase phi and the timing offset T are new in every frame and the chain gains G stay for a
-// power cycle. Absolute level, phase and delay are therefore lost; every frame is aligned by its
-// own (g, phi, T) to the running average and averaged. What remains is G h up to one complex factor
-// and one delay. G is not removed here (ChainGains). The level that the receiver states beside its
-// CSI (CsiFrame::power_dbm) is kept apart.
+// the phase phi and the timing offset T are new in every frame and the chain gains G are constant
+// for a power cycle. Absolute level, phase and delay are therefore lost; every frame is aligned by
+// its own (g, phi, T) to the running average and averaged. The result is G h up to one complex
+// factor and one delay. G is not removed here (ChainGains). The level that the receiver reports
+// beside its CSI (CsiFrame::power_dbm) is kept separately.
 //
 // The cost is bounded: at most BurstOptions::max_frames frames are read, spread evenly over the
 // burst; the others are only counted.
@@ -31,18 +31,18 @@ namespace rayloc {
 
 struct BurstOptions {
   std::size_t max_frames = 32;
-  // A frame whose normalised correlation with the average is below this is refused: it is another
-  // transmitter's, or a broken one.
+  // A frame is refused when its normalised correlation with the average is below this: it comes
+  // from another transmitter, or it is corrupt.
   double min_correlation = 0.5;
-  // Where no frame has all of the cores, the one that most of them lack is left out: its row is
-  // zero then (BurstObservation::absent). Otherwise such a burst is refused.
+  // Where no frame has all of the cores, the core that most frames lack is left out: its row is
+  // then zero (BurstObservation::absent). Otherwise such a burst is refused.
   bool leaves_out_absent = false;
 };
 
-// A core of which no frame of a burst brought a measurement.
+// A core that is missing from every frame of a burst.
 struct AbsentCore {
   std::size_t row = 0;
-  bool is_lasting = false;  // nor did many frames before (capture/assemble/chain_presence.h)
+  bool is_lasting = false;  // missing for long (capture/assemble/chain_presence.h)
 };
 
 struct BurstObservation {
@@ -51,22 +51,22 @@ struct BurstObservation {
   Timestamp first;  // of the frames used
   Timestamp last;
   std::size_t frames_used = 0;
-  std::size_t frames_unread = 0;               // beyond max_frames: usable as far as we know
+  std::size_t frames_unread = 0;               // beyond max_frames, not checked
   std::map<std::string, std::size_t> refused;  // by reason: "missing_core", "wrong_grid", ...
-  OfdmGrid grid;                               // as asked for
-  std::vector<std::uint8_t> cores;             // as asked for; the rows of h
+  OfdmGrid grid;                               // as requested
+  std::vector<std::uint8_t> cores;             // as requested; the rows of h
   // [core][tone], mean square 1; one common complex factor and one delay are undetermined.
   std::vector<std::complex<double>> h;
-  // Variance of one value of h by noise, estimated from the differences between frames. With one
-  // frame it is estimated from the differences between neighbouring tones, an upper bound.
-  // Without that of `absent`.
+  // Noise variance of one value of h, estimated from the differences between frames. With one
+  // frame it is estimated from the differences between neighbouring tones, an upper bound. It
+  // excludes `absent`.
   double noise_variance = 0.0;
   double snr_db = 0.0;  // of one frame
-  // Level as the receiver states it [dBm]: mean power of the cores asked for, median of the frames
-  // used; nothing where no frame states it of all of these cores.
+  // Level as the receiver reports it [dBm]: mean power of the requested cores, median of the frames
+  // used; nothing where no frame states it for all of these cores.
   std::optional<double> level_dbm;
-  // What successive frames differ by beyond the noise: the share of the power that is not in the
-  // principal component when early and late frames are compared; about 0 without motion.
+  // Difference between successive frames beyond the noise: the share of the power that is not in
+  // the principal component when early and late frames are compared; about 0 without motion.
   double motion_residual = 0.0;
   std::optional<AbsentCore> absent;
 
@@ -75,9 +75,9 @@ struct BurstObservation {
   }
 };
 
-// Reads those of `frames` whose access_point is the one asked for (in the order given, which is
-// that of time), all from one transmitter. `cores`: the receive chains wanted, in the order of the
-// rows of the result; frames may have more. An Error names why no frame could be used, with counts.
+// Reads the `frames` of the requested access_point, all from one transmitter, in the given order,
+// which is that of time. `cores`: the receive chains wanted, in the order of the result's rows;
+// frames may have more. An Error states why no frame could be used, with counts.
 struct BurstRequest {
   int access_point = 0;
   OfdmGrid grid;

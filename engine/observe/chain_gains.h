@@ -1,5 +1,5 @@
-// ChainGains: what the receive chains of an access point do to the field at its antennas, per chain
-// and tone; constant from one power cycle to the next.
+// ChainGains: complex gain of the receive chains of an access point relative to the field at its
+// antennas, per chain and tone; constant from one power cycle to the next.
 //
 // Only ratios between chains and the shape over the tones matter: one common complex factor and one
 // common delay are undetermined, as in every burst.
@@ -14,25 +14,25 @@
 
 namespace rayloc {
 
-// Standard deviation of what a power cycle adds to ln |gain| of a chain.
+// Standard deviation of the change of a chain's ln |gain| in a power cycle.
 inline constexpr double kChainLevelSigma = 0.17;  // of ln, 1.5 dB
 
 struct ChainGains {
   OfdmGrid grid;
   std::vector<std::uint8_t> cores;
   std::vector<std::complex<double>> gain;  // [core][tone], mean square 1
-  // Mutual coupling of the antennas before the gains, the same at all tones: [core][core], what a
-  // core takes from each field, 1 of its own. Empty: none.
+  // Mutual coupling of the antennas before the gains, the same at all tones: [core][core], the
+  // factor of each field in a core's signal, 1 for its own. Empty: none.
   std::vector<std::complex<double>> coupling;
 
   bool empty() const { return gain.empty(); }
 };
 
-// What the antennas take from each other, in place. REQUIRES: h is [core][any].
+// Applies the mutual coupling in place. REQUIRES: h is [core][any].
 void apply_coupling(const ChainGains& gains, std::span<std::complex<double>> h);
 
-// The field at the antennas in place: h / gain, 0 where a chain is dead, and the coupling undone.
-// REQUIRES: h is [core][tone] as the gains are; no other core takes as much of a field as its own.
+// Computes the field at the antennas in place: h / gain, 0 where a chain is dead, coupling removed.
+// REQUIRES: h is [core][tone] as the gains are; each core couples most to its own field.
 void remove_gains(const ChainGains& gains, std::span<std::complex<double>> h);
 
 }  // namespace rayloc

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-// Weights of the values at `position` in the value at `at` of their polynomial.
+// Weights of the values at `position` in the value of their polynomial at `at`.
 Eigen::VectorXd weights_at(std::span<const double> position, double at, Eigen::Index order) {
   const auto count = static_cast<Eigen::Index>(position.size());
   const double width = std::max(position.back() - position.front(), 1e-300);

@@ -1,10 +1,10 @@
 // SavitzkyGolay: smoothing along the tones by local polynomials, in least squares [SG].
 //
 // Every value is replaced by that of the polynomial through the `window` values around it; near the
-// ends of the band the outermost window serves. On tones without a gap this is
-// scipy.signal.savgol_filter with mode "interp". Tones that are not sent (those around DC) are
-// neither guessed nor taken for the end of a band: `window` counts the tones that there are, and
-// the polynomial runs over the true tone numbers, so a window across the gap is wider than others.
+// ends of the band the outermost window is used. On tones without a gap this is
+// scipy.signal.savgol_filter with mode "interp". Unsent tones (those around DC) are neither
+// interpolated nor treated as a band edge: `window` counts the existing tones, and the polynomial
+// uses the true tone numbers, so a window across the gap is wider than others.
 //
 // Thread safety: const members may be used from many threads.
 // References: [SG] A. Savitzky, M. J. E. Golay, Anal. Chem. 36 (1964) 1627.
@@ -24,7 +24,7 @@ struct SavitzkyGolayOptions {
   int order = 3;    // of the polynomial, < window
 };
 
-// An Error when a window or an order is asked for that there is not.
+// An Error when a window or an order is invalid.
 Expected<void> validate(const SavitzkyGolayOptions& options);
 
 class SavitzkyGolay {
@@ -35,16 +35,16 @@ class SavitzkyGolay {
 
   std::size_t size() const { return first_.size(); }
 
-  // REQUIRES: values.size() == size(). So for adjoint().
+  // REQUIRES: values.size() == size(). The same holds for adjoint().
   std::vector<std::complex<double>> smooth(std::span<const std::complex<double>> values) const;
 
-  // The transpose: carries dL / d(smoothed) back to dL / d(values).
+  // The transpose: propagates dL / d(smoothed) back to dL / d(values).
   std::vector<std::complex<double>> adjoint(
       std::span<const std::complex<double>> smoothed_adjoint) const;
 
  private:
   std::size_t window_ = 0;
-  std::vector<std::size_t> first_;   // value of each one's window
+  std::vector<std::size_t> first_;   // index of the first value of each window
   std::vector<double> coefficient_;  // [value][place in its window]
 };
 

@@ -1,4 +1,4 @@
-// Arrays whose level means nothing are kept at mean square 1.
+// Scaling of arrays without an absolute level to mean square 1.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace rayloc {
 
-// Silence stays silence.
+// An array of zeros is unchanged.
 inline void scale_to_unit(std::vector<std::complex<double>>& values) {
   double power = 0.0;
   for (const auto& v : values) {

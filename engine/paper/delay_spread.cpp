@@ -25,7 +25,7 @@ std::vector<std::pair<std::size_t, std::size_t>> pairs_at(const OfdmGrid& grid, 
   return pairs;
 }
 
-// Tone numbers apart, nearest to what is wanted and at most half the band, that some pair has.
+// Tone distance, closest to the desired one and at most half the band, that exists in the grid.
 int lag_of(const OfdmGrid& grid) {
   const int band = grid.tone_index.back() - grid.tone_index.front();
   const int most = std::max(1, band / 2);

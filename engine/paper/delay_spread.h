@@ -1,12 +1,12 @@
-// DelaySpread: how far the delays of an antenna's paths lie apart, weighted by power; all that the
-// paper's localization can know of delays when every frame has a random timing offset (METHODS C3).
+// DelaySpread: the power-weighted spread of the delays of an antenna's paths; the only delay
+// observable of the paper's localization, as every frame has a random timing offset (METHODS C3).
 //
 // With c the normalised correlation of tones that are D = 5 MHz apart (less in a narrow band),
 //   c = sum h_b conj(h_a) / sqrt(sum |h_a|^2 sum |h_b|^2),    spread = sqrt(1 - |c|^2 + floor)
 //                                                                      / (2 pi D),
 // which is the standard deviation of the power delay profile while that is short against 1 / D: a
-// timing offset turns c and leaves |c|. It saturates at 32 ns. The floor keeps the slope of the
-// root finite for a single path; measured and expected channels are treated alike.
+// timing offset rotates c and leaves |c| unchanged. It saturates at 32 ns. The floor keeps the
+// slope of the root finite for a single path; measured and expected channels are treated alike.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -26,7 +26,7 @@ class DelaySpread {
   // REQUIRES: grid.size() >= 2, floor > 0.
   DelaySpread(const OfdmGrid& grid, double floor);
 
-  // [s] of each antenna; 0 for one that hears nothing. REQUIRES: h is [antenna][tone].
+  // [s] for each antenna; 0 for one without a signal. REQUIRES: h is [antenna][tone].
   std::vector<double> of(std::span<const std::complex<double>> h) const;
 
   // From dL / d(spread) [1/s], g with dL = Re sum conj(g) dh.

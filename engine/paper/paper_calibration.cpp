@@ -20,9 +20,9 @@ namespace {
 using Values = PaperParameters::Values;
 using SharedScene = std::shared_ptr<const Scene>;
 
-// The name of the method's one stage, in a calibration's history.
+// Name of the method's only stage, in a calibration's history.
 constexpr const char* kStage = "objects and materials";
-// A material that the table calls lossless may still become lossy, in steps of this much.
+// A material that is lossless in the table may still become lossy, in steps of this size.
 constexpr double kLeastConductivity = 0.01;  // [S/m]
 
 struct State {
@@ -69,7 +69,7 @@ std::vector<double> material_rates(const PaperParameters& parameters, double sha
   return rate;
 }
 
-// Samples are of points and access points.
+// Number of points; a sample belongs to a point and an access point.
 std::size_t points_of(std::span<const PaperSample> samples) {
   std::set<std::size_t> points;
   for (const PaperSample& sample : samples) {
@@ -192,7 +192,7 @@ Expected<void> CalibrationDescent::run(const CalibrationObserver& observer,
   }
 }
 
-// Of training and held-out samples, in the order of the points.
+// Fits of training and held-out samples, in the order of the points.
 std::vector<PointFit> point_fits(const RoomModel& room,
                                  const PaperSamples& samples,
                                  const SharedScene& after,

@@ -1,13 +1,13 @@
 // calibrate_by_paper: the published calibration of a room (METHODS A3): from the floor plan and the
 // table of materials, alternately moves objects to lower the delay loss L_p and changes materials
-// to lower the ratio-amplitude loss L_m (PaperLoss), with gradients of the tracer.
+// to lower the ratio-amplitude loss L_m (PaperLoss), with the tracer's gradients.
 //
 // One iteration is a step of all positions and then, in the scene so moved, a step of all
-// materials, each over all points that are not held out; nothing is drawn by chance. The paper
-// names no optimiser here: it is Rmsprop. What the paper does not have is not added: no prior, no
+// materials, each over all points that are not held out; no random numbers are used. The paper
+// names no optimiser for this step; Rmsprop is used. Nothing is added to the paper: no prior, no
 // posterior width, no pose of the arrays.
 //
-// Chain gains and yaw of the access points are taken from `room`: fit them first
+// Chain gains and yaw of the access points are taken from `room`: fit them before the call
 // (AccessPointCalibrator).
 #pragma once
 
@@ -25,21 +25,21 @@ namespace rayloc {
 struct PaperCalibrationOptions {
   int iterations = 300;
   int max_depth = kRayDepth;  // reflections
-  // Over what distance from its edge a surface begins to act [m] (METHODS A1, soft visibility).
+  // Width of a surface's soft edge [m] (METHODS A1, soft visibility).
   double softness = 0.05;
   SavitzkyGolayOptions smoothing = {};
   double floor = kRatioFloor;   // share of an antenna's power below which a tone is a null
   double object_rate = 1e-3;    // [m] a step
-  double material_rate = 0.02;  // a step, share of what the table says
+  double material_rate = 0.02;  // a step, relative to the value of the table
   RmspropOptions descent = {};
 };
 
-// History: the state as given and after every iteration, its loss L_p + L_m over the points that
-// are not held out, whatever it shows. What is returned is the state with the least of them; points
-// held out only report. RoomModel::scene is new, its scene_hash and calibration_id are those given.
+// History: the initial state and the state after every iteration, with its loss L_p + L_m over the
+// points that are not held out. Returns the state with the least loss; held-out points are reported
+// only. RoomModel::scene is new, its scene_hash and calibration_id are those given.
 //
-// An Error as of gather_paper_samples(), and for options that make no sense (kUsage).
-// REQUIRES: room.scene; of each point h has an entry for each access point, empty or [core][tone].
+// Errors: as of gather_paper_samples(), and kUsage for invalid options. REQUIRES: room.scene; h of
+// each point has an entry for each access point, empty or [core][tone].
 Expected<RoomCalibration> calibrate_by_paper(const RoomModel& room,
                                              std::span<const CalibrationPoint> points,
                                              const PaperCalibrationOptions& options = {},

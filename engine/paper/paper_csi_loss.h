@@ -1,9 +1,9 @@
-// PaperCsiLoss: how far an expected channel is from a measured one, as the paper's localization
-// has it (METHODS A4): MSE of the smoothed amplitudes of antenna ratios + gamma_1 MSE of delays.
+// PaperCsiLoss: distance of an expected from a measured channel, as in the paper's localization
+// (METHODS A4): MSE of the smoothed amplitudes of antenna ratios + gamma_1 MSE of delays.
 //
-// The delays are spreads (DelaySpread) in nanoseconds: the paper does not say in what unit gamma_1
-// weighs them, and in seconds they would weigh nothing. Where the expected channel comes from is
-// the caller's affair: a device that is moved, or a target.
+// The delays are spreads (DelaySpread) in nanoseconds: the paper does not state the unit of
+// gamma_1, and in seconds they would have no weight. The caller supplies the expected channel: that
+// of a moved device, or of a target.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -27,19 +27,19 @@ struct PaperCsiLossOptions {
 
 class PaperCsiLoss {
  public:
-  // REQUIRES: as of RatioAmplitude and DelaySpread.
+  // REQUIRES: as for RatioAmplitude and DelaySpread.
   PaperCsiLoss(const OfdmGrid& grid, const PaperCsiLossOptions& options);
 
   struct Observables {
     std::vector<double> amplitude;  // [antenna - 1][tone]
     std::vector<double> spread;     // [antenna] [s]
   };
-  // `h`: [antenna][tone], two antennas at least, chain gains removed, with any factor and delay.
+  // `h`: [antenna][tone], at least two antennas, chain gains removed, with any factor and delay.
   Observables observe(std::span<const std::complex<double>> h) const;
 
   double value(const Observables& measured, const Observables& expected) const;
 
-  // g with d value = Re sum conj(g) dh, where `expected` was observed of h.
+  // g with d value = Re sum conj(g) dh, where `expected` was computed from h.
   std::vector<std::complex<double>> adjoint(const Observables& measured,
                                             const Observables& expected,
                                             std::span<const std::complex<double>> h) const;

@@ -55,7 +55,7 @@ PaperDelay::Values PaperDelay::without_line_of_sight(std::span<const Value> row,
                                                      double delay) const {
   Values s(row.begin(), row.end());
   for (std::size_t k = 0; k < s.size(); ++k) {
-    // A turn that all tones share does not change a slope: offsets from the centre do.
+    // A phase common to all tones does not change a slope: only offsets from the centre matter.
     s[k] *= std::polar(1.0, 2.0 * std::numbers::pi * grid_.offset_hz(k) * delay);
   }
   return s;
@@ -157,7 +157,7 @@ std::vector<Value> PaperDelay::adjoint(std::span<const Value> h,
       by_s[k + 1] += back[i] * s[k];
       by_s[k] += std::conj(back[i]) * s[k + 1];
     }
-    // The turn of the line of sight is undone by its inverse.
+    // The rotation by the line of sight is undone by its inverse.
     const Values by_row = without_line_of_sight(by_s, -anchor.line_of_sight[antenna]);
     const double by_square = floor_ * by_floor / static_cast<double>(tones);
     for (std::size_t k = 0; k < tones; ++k) {

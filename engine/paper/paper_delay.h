@@ -1,17 +1,17 @@
-// PaperDelay: the delays that the paper's calibration compares, of every antenna and tone.
+// PaperDelay: the delays compared by the paper's calibration, for every antenna and tone.
 //
 // A frame's timing offset is random, so the delay of a tone cannot be observed; differences of
-// group delays can (METHODS C3). The device's position is known, so the line of sight is too. It is
-// taken out of the channel, s = h exp(+j 2 pi f tau_los), and what is left of the phase slope is
-// the excess over it:
+// group delays can (METHODS C3). The device's position is given, and with it the line of sight. It
+// is removed from the channel, s = h exp(+j 2 pi f tau_los), and the remaining phase slope is the
+// excess delay:
 //
 //   c_k    = s_{k+1} conj(s_k), smoothed along the tones (neighbours only, no pair across a gap)
 //   g_k    = -arg(c_k + floor P) / (2 pi (f_{k+1} - f_k))       P: mean square of the antenna
 //   delay  = tau_los + g_k - sum of w g over antennas and tones
 //
-// The mean that is taken away, with the measured |c| as the weights w in both channels, is what the
-// timing offset makes unknowable; tau_los that is added gives the relative error of a SMAPE its
-// scale. The floor lets the slope at a null, where it may be anything, tend to the line of sight's.
+// The mean, with the measured |c| as the weights w in both channels, removes the part that the
+// timing offset makes unobservable; adding tau_los sets the scale of the relative error of a SMAPE.
+// With the floor, the slope at a null, which is arbitrary, tends to that of the line of sight.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -27,11 +27,11 @@ namespace rayloc {
 
 class PaperDelay {
  public:
-  // REQUIRES: valid options, floor > 0, two tones.
+  // REQUIRES: valid options, floor > 0, at least two tones.
   PaperDelay(const OfdmGrid& grid, const SavitzkyGolayOptions& smoothing, double floor);
 
-  // The line of sight from the device to each antenna [s], and the weights of the mean,
-  // [antenna][pair of tones], of sum 1.
+  // The delay of the line of sight from the device to each antenna [s], and the weights of the
+  // mean, [antenna][pair of tones], with a sum of 1.
   struct Anchor {
     std::vector<double> line_of_sight;
     std::vector<double> weight;
@@ -50,7 +50,7 @@ class PaperDelay {
 
  private:
   using Values = std::vector<std::complex<double>>;
-  // Of one antenna.
+  // For one antenna.
   Values without_line_of_sight(std::span<const std::complex<double>> row, double delay) const;
   Values smooth_products(std::span<const std::complex<double>> s) const;
   double least(std::span<const std::complex<double>> row) const;

@@ -40,7 +40,7 @@ std::vector<Sample> draw(const LossOfPosition& loss,
   return samples;
 }
 
-// grad of the smoothed loss.
+// Gradient of the smoothed loss.
 std::array<double, 2> smoothed_gradient(const std::vector<Sample>& samples,
                                         const Vec3d& centre,
                                         double deviation,
@@ -62,7 +62,7 @@ double decay_of_deviation(const std::vector<Sample>& samples, const Vec3d& centr
       std::min_element(samples.begin(), samples.end(), [&](const Sample& a, const Sample& b) {
         return square_in_plan(a.position, centre) < square_in_plan(b.position, centre);
       });
-  // B is from 0 to 1, so no exponential overflows.
+  // B is in [0, 1], so no exponential overflows.
   const auto exponential = [&](const Sample& sample) {
     return std::exp(std::exp(-alpha * sample.loss.value));
   };

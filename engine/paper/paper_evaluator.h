@@ -1,8 +1,8 @@
 // PaperEvaluator: both losses of the paper's calibration over all points, in any scene, with the
-// gradient of one of them by the tracer's derivatives.
+// gradient of one of them from the tracer's derivatives.
 //
-// Thread safety: const members may be used from many threads. Results do not depend on their
-// number.
+// Thread safety: const members may be used from many threads. Results do not depend on the number
+// of threads.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@ namespace rayloc {
 
 class PaperEvaluator {
  public:
-  // What is passed outlives the evaluator.
+  // The arguments must outlive the evaluator.
   PaperEvaluator(const RoomModel& room,
                  std::span<const PaperSample> samples,
                  const TraceOptions& tracing,
@@ -27,11 +27,11 @@ class PaperEvaluator {
   struct Evaluation {
     double delay = 0.0;            // L_p, mean over the samples
     double ratio_amplitude = 0.0;  // L_m
-    std::vector<double> gradient;  // of the loss asked for, by each parameter
+    std::vector<double> gradient;  // of the requested loss, by each parameter
     double sum() const { return delay + ratio_amplitude; }
   };
 
-  // An Error as of ArrayTracer::differentiate().
+  // Errors: as of ArrayTracer::differentiate().
   Expected<Evaluation> evaluate(const std::shared_ptr<const Scene>& scene,
                                 PaperLossKind differentiated,
                                 std::span<const Parameter> parameters) const;

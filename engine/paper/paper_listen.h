@@ -1,5 +1,5 @@
-// What the published method hears of one burst: a measurement for each access point, or link, that
-// heard something usable.
+// Preprocesses one burst for the published method: a measurement for each access point, or link,
+// with usable frames.
 #pragma once
 
 #include <span>
@@ -14,9 +14,9 @@
 
 namespace rayloc {
 
-// Source: has an `access_point` of the room. Measurement: made of a pointer to its source, the
-// burst's h and its observables. `estimate` gets counts, times and warnings.
-// REQUIRES: frames not empty.
+// Source: has an `access_point` of the room. Measurement: constructed from a pointer to its source,
+// the burst's h and its observables. `estimate` receives counts, times and warnings. REQUIRES:
+// frames not empty.
 template <typename Measurement, typename Source>
 std::vector<Measurement> listen(const RoomModel& room,
                                 const std::vector<Source>& sources,

@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// The device is in the air of the room: on a wall's face itself no path begins.
+// The device must be in the air of the room: no path starts on the face of a wall.
 constexpr double kMargin = 0.01;  // [m]
 
 }  // namespace

@@ -1,18 +1,18 @@
-// PaperLocalizer: the published method of device-based localization (METHODS A4), as it is: a loss
-// of the smoothed ratio amplitudes and the delay spreads, lowered from a random start.
+// PaperLocalizer: the published method of device-based localization (METHODS A4), unchanged: a loss
+// of the smoothed ratio amplitudes and the delay spreads, minimised from a random start.
 //
 //   L(P) = mean over access points of (MSE(a) + gamma_1 MSE(tau)) + gamma_2 |xy - c|^2
 //
-// with PaperCsiLoss for the first two, c the middle of the room (METHODS C4) and search() for the
-// way down; the height is that of the room's device. The gradient is the tracer's. Paths are those
-// of RoomModel::trace with its surface corrections.
+// with PaperCsiLoss for the first two terms, c the middle of the room (METHODS C4) and search() as
+// the descent; the height is that of the room's device. The gradient is the tracer's. Paths are
+// those of RoomModel::trace with its surface corrections.
 //
-// It gives one position. The method states no uncertainty: the last width of its smoothing follows
-// from the schedule, not from the measurement. So the estimate has neither covariance nor accuracy
-// nor hypotheses (LocationEstimate::is_uncertainty_stated is false), and all of the probability is
+// The result is one position. The method gives no uncertainty: the last width of its smoothing
+// follows from the schedule, not from the measurement. So the estimate has no covariance, accuracy
+// or hypotheses (LocationEstimate::is_uncertainty_stated is false), and all of the probability is
 // "somewhere else".
 //
-// Where it starts and what it draws: PaperSearch.
+// Starts and random numbers: see PaperSearch.
 #pragma once
 
 #include <cstdint>
@@ -31,9 +31,9 @@ namespace rayloc {
 
 class PaperLocalizer {
  public:
-  // An Error for options that make no sense, and when the room cannot be modelled at all (no scene,
-  // empty room, no access point). An access point without chain gains or with a single antenna is
-  // left out, with a warning in every estimate.
+  // Errors: invalid options, and a room that cannot be modelled (no scene, empty room, no access
+  // point). An access point without chain gains or with a single antenna is left out, with a
+  // warning in every estimate.
   static Expected<PaperLocalizer> create(std::shared_ptr<const RoomModel> room,
                                          const PaperLocalizerOptions& options);
   ~PaperLocalizer();
@@ -41,14 +41,14 @@ class PaperLocalizer {
   PaperLocalizer& operator=(PaperLocalizer&&) noexcept;
 
   // `frames`: one transmitter, any access points, in order of time. A fix lies within the room's
-  // bounds, 1 cm inside. Without one, `reason` says why: nothing usable was heard, or the descent
-  // ended where no path leads to any access point.
+  // bounds, 1 cm inside. Without a fix, `reason` states the cause: no usable frames, or the descent
+  // ended at a position without a path to any access point.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
   // With another seed than that of the options: for studies of many random starts.
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
 
-  // The loss of these frames at a position: for tests and studies. Nothing when no access point
-  // heard them.
+  // The loss of these frames at a position: for tests and studies. Empty if no access point
+  // received usable frames.
   std::optional<LossInPlan> loss(std::span<const CsiFrame> frames, const Vec3d& position) const;
 
   const RoomModel& room() const;

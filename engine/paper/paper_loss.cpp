@@ -55,8 +55,8 @@ PaperLoss::PaperLoss(const OfdmGrid& grid, const SavitzkyGolayOptions& smoothing
 
 PaperLoss::Measured PaperLoss::measure(std::span<const Value> h,
                                        std::vector<double> line_of_sight) const {
-  // The timing offset is taken out as far as the line of sight tells it, so that smoothing and
-  // slopes see a few ns instead of hundreds; the rest goes with the mean (PaperDelay).
+  // The timing offset is removed as far as the line of sight determines it, so that smoothing and
+  // slopes see a few ns instead of hundreds; the mean removes the rest (PaperDelay).
   std::vector<Value> direct;
   for (const double delay : line_of_sight) {
     for (std::size_t k = 0; k < grid_.size(); ++k) {

@@ -19,10 +19,10 @@
 
 namespace rayloc {
 
-// Mean of 2 |a - b| / (|a| + |b|); where both are 0 a term is 0. REQUIRES: sizes equal, not 0.
+// Mean of 2 |a - b| / (|a| + |b|); a term with both 0 is 0. REQUIRES: equal sizes, not 0.
 double smape(std::span<const double> measured, std::span<const double> expected);
 
-// d smape / d expected. Where a term has a corner (a = b, b = 0) its slope is taken as 0.
+// d smape / d expected. The slope at a corner of a term (a = b, b = 0) is 0.
 std::vector<double> smape_gradient(std::span<const double> measured,
                                    std::span<const double> expected);
 
@@ -30,10 +30,10 @@ enum class PaperLossKind : std::uint8_t { kDelay, kRatioAmplitude };
 
 class PaperLoss {
  public:
-  // REQUIRES: as of PaperDelay and RatioAmplitude.
+  // REQUIRES: as for PaperDelay and RatioAmplitude.
   PaperLoss(const OfdmGrid& grid, const SavitzkyGolayOptions& smoothing, double floor);
 
-  // What a burst says of a point.
+  // Observables of a burst at a point.
   struct Measured {
     PaperDelay::Anchor anchor;
     std::vector<double> delay;      // [s], [antenna][pair of tones]
@@ -44,7 +44,7 @@ class PaperLoss {
   Measured measure(std::span<const std::complex<double>> h,
                    std::vector<double> line_of_sight) const;
 
-  // `expected`: [antenna][tone]. When it is silent, nothing agrees: 2.
+  // `expected`: [antenna][tone]. An all-zero channel has the maximum loss: 2.
   double value(PaperLossKind kind,
                const Measured& measured,
                std::span<const std::complex<double>> expected) const;

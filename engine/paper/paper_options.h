@@ -1,4 +1,4 @@
-// What method `paper` can be told (METHODS A4): of a device, and of a person without one.
+// Options of method `paper` (METHODS A4), for a device and for a person without one.
 #pragma once
 
 #include <cstddef>
@@ -13,22 +13,22 @@
 
 namespace rayloc {
 
-// The defaults are the paper's of device-based localization.
+// The defaults are the paper's values for device-based localization.
 struct PaperLocalizerOptions {
   PaperCsiLossOptions csi;
   double centre_weight = 0.05;  // gamma_2 [1/m^2]; 0 leaves the term out
   PaperDescentOptions descent;
-  std::size_t starts = 1;      // random ones; the least final loss wins
-  std::optional<Vec3d> start;  // instead of the first random one
+  std::size_t starts = 1;      // random starts; the least final loss wins
+  std::optional<Vec3d> start;  // replaces the first random start
   std::uint64_t seed = 1;
   BurstOptions burst;
 };
 
-// The paper's defaults of device-free localization: gamma_1 = gamma_2 = 2, sigma_0^2 = 0.1 m^2,
+// The paper's defaults for device-free localization: gamma_1 = gamma_2 = 2, sigma_0^2 = 0.1 m^2,
 // alpha = 1; the rest as for devices.
 PaperLocalizerOptions paper_person_options();
 
-// An Error (kUsage) for numbers that make no sense.
+// An Error (kUsage) for invalid numbers.
 Expected<void> validate(const PaperLocalizerOptions& options);
 
 }  // namespace rayloc

@@ -77,7 +77,7 @@ Expected<std::shared_ptr<const Scene>> PaperParameters::scene_with(const Values&
 }
 
 std::vector<RoomParameter> PaperParameters::describe(const Values& values) const {
-  // An object's translations, along the world's axes.
+  // Translations of an object, along the world's axes.
   static constexpr std::array kAxes = {
       Quantity::kTranslationX, Quantity::kTranslationY, Quantity::kTranslationZ};
   std::vector<RoomParameter> result;

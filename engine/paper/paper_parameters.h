@@ -1,5 +1,5 @@
-// PaperParameters: what the paper's calibration changes of a scene: where objects are (each moved
-// as a whole), and the relative permittivity and conductivity of materials.
+// PaperParameters: the parameters of a scene that the paper's calibration changes: positions of
+// objects (each moved as a whole), and the relative permittivity and conductivity of materials.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace rayloc {
 
 class PaperParameters {
  public:
-  // Of the objects that are `met` and the materials of these. What no path meets has no effect.
+  // For the objects that are `met` and their materials. An object that no path meets has no effect.
   PaperParameters(std::shared_ptr<const Scene> scene, const std::vector<bool>& met);
 
   // Three axes of each object.
@@ -24,19 +24,19 @@ class PaperParameters {
   const std::vector<Parameter>& materials() const { return materials_; }
 
   struct Values {
-    std::vector<double> translation;  // [m], of objects(), against the scene as given
+    std::vector<double> translation;  // [m], of objects(), relative to the given scene
     std::vector<double> material;     // of materials(): 1 and S/m
   };
   Values initial() const;
 
-  // Sets what is not physical to the nearest that is: permittivity >= 1, conductivity >= 0.
+  // Sets non-physical values to the nearest physical one: permittivity >= 1, conductivity >= 0.
   void project(Values& values) const;
 
-  // The scene with these values. An Error as of Scene::create().
+  // The scene with these values. Errors: as of Scene::create().
   Expected<std::shared_ptr<const Scene>> scene_with(const Values& values) const;
 
   // "table.x" [m] with prior 0, "wood.relative_permittivity", "wood.conductivity" [S/m]. The
-  // paper's method states no prior and no posterior width.
+  // paper's method has no prior and no posterior width.
   std::vector<RoomParameter> describe(const Values& values) const;
 
  private:

@@ -1,17 +1,17 @@
-// PaperPersonLocalizer: the published method of device-free localization (METHODS A4): the target
-// in the scene is moved, transmitter and access points stay.
+// PaperPersonLocalizer: the published method of device-free localization (METHODS A4): moves the
+// target in the scene, with transmitter and access points fixed.
 //
 //   L(P) = mean over links of (MSE(a) + gamma_1 MSE(tau)) + gamma_2 |xy - c|^2
 //
-// as PaperLocalizer has it for a device, but for the channel that is expected: the empty room as
-// measured and what a body at P adds (PersonReference). It starts at a random place and stays in
-// the room, the body clear of the bounds; it knows of no furniture and of no area.
+// as in PaperLocalizer for a device, except for the expected channel: that of the measured empty
+// room plus the contribution of a body at P (PersonReference). It starts at a random place and
+// stays in the room, the body clear of the bounds; it uses no furniture and no area.
 //
-// It gives one position, on the floor, without covariance, accuracy or hypotheses
-// (LocationEstimate::is_uncertainty_stated is false). The published method supposes that somebody
-// is there: in an empty room it answers as well.
+// The result is one position, on the floor, without covariance, accuracy or hypotheses
+// (LocationEstimate::is_uncertainty_stated is false). The published method assumes that a person is
+// present: it also returns a position for an empty room.
 //
-// Where it starts and what it draws: PaperSearch.
+// Starts and random numbers: see PaperSearch.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ namespace rayloc {
 
 class PaperPersonLocalizer {
  public:
-  // An Error for options that make no sense, and when room, reference or body cannot be used. A
-  // link whose access point has a single antenna is left out, with a warning in every estimate.
+  // Errors: invalid options, and an unusable room, reference or body. A link whose access point has
+  // a single antenna is left out, with a warning in every estimate.
   static Expected<PaperPersonLocalizer> create(std::shared_ptr<const RoomModel> room,
                                                const PersonReference& reference,
                                                const PaperLocalizerOptions& options);
@@ -40,13 +40,13 @@ class PaperPersonLocalizer {
   PaperPersonLocalizer& operator=(PaperPersonLocalizer&&) noexcept;
 
   // `frames`: of the reference's transmitter, any access points, in order of time. Without a fix,
-  // `reason` says why: nothing usable was heard.
+  // `reason` states the cause: no usable frames.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
   // With another seed than that of the options: for studies of many random starts.
   LocationEstimate locate(std::span<const CsiFrame> frames, std::uint64_t seed) const;
 
-  // The loss of these frames at a place: for tests and studies. Nothing when no access point heard
-  // them.
+  // The loss of these frames at a place: for tests and studies. Empty if no access point received
+  // usable frames.
   std::optional<LossInPlan> loss(std::span<const CsiFrame> frames, const Vec3d& position) const;
 
  private:

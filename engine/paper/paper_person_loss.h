@@ -1,9 +1,9 @@
-// PaperPersonLoss: the loss of the paper's device-free localization at a place of a person, and its
-// gradient by the tracer's derivatives (METHODS A4; PaperPersonLocalizer has the formula).
+// PaperPersonLoss: the loss of the paper's device-free localization for a person at a place, and
+// its gradient from the tracer's derivatives (METHODS A4; formula: PaperPersonLocalizer).
 //
-// The channel with a person is that of the empty room as it was measured and what a body at the
-// place adds to it: H0 + a dH(P) of PersonReference. Where the body would hold the transmitter or
-// an antenna nothing is known of it: the channel there is H0.
+// The channel with a person is that of the measured empty room plus the contribution of a body at
+// the place: H0 + a dH(P) of PersonReference. A body that contains the transmitter or an antenna
+// has no defined contribution: the channel there is H0.
 #pragma once
 
 #include <complex>
@@ -19,15 +19,15 @@
 
 namespace rayloc {
 
-// A link of the reference that can be used.
+// A usable link of the reference.
 struct PaperPersonLink {
-  std::size_t access_point = 0;  // of RoomModel::access_points
+  std::size_t access_point = 0;  // index in RoomModel::access_points
   PersonScattering scattering;
   std::vector<std::complex<double>> empty;  // H0, [antenna][tone]
   std::complex<double> scale = 1.0;         // a
 };
 
-// What its access point heard.
+// Burst received by the access point of a link.
 struct PaperPersonMeasurement {
   const PaperPersonLink* link;
   std::vector<std::complex<double>> h;  // [antenna][tone], chain gains removed
@@ -37,16 +37,16 @@ struct PaperPersonMeasurement {
 // Thread safety: const members may be used from many threads.
 class PaperPersonLoss {
  public:
-  // What is passed outlives it. REQUIRES: a measurement.
+  // The arguments must outlive it. REQUIRES: at least one measurement.
   PaperPersonLoss(const RoomModel& room,
                   const PaperCsiLoss& csi_loss,
                   std::span<const PaperPersonMeasurement> measured,
                   double centre_weight);
 
-  // Of the body's axis; the height does not count.
+  // For the body's axis; the height is ignored.
   LossInPlan at(const Vec3d& position) const;
 
-  // Share of the power that the model at a place leaves unexplained, mean over the links [dB].
+  // Unexplained share of the power for a person at a place, mean over the links [dB].
   double model_residual_db(const Vec3d& position) const;
 
  private:

@@ -37,14 +37,14 @@ std::vector<Paths> PaperPositionLoss::trace(const PaperAccessPoint& ap,
 
 LossInPlan PaperPositionLoss::of_access_point(const PaperMeasurement& measured,
                                               const Vec3d& position) const {
-  // [m], x and y: the method holds the height (METHODS A4).
+  // [m], x and y: the method keeps the height constant (METHODS A4).
   static const std::array kInPlan = {Parameter::transmitter_position(0),
                                      Parameter::transmitter_position(1)};
   const ArrayTracer& tracer = measured.ap->tracer;
   const Transmitter device = device_at(room_, position);
   auto paths = tracer.trace(device);
   auto derivatives = tracer.differentiate(device, paths, kInPlan);
-  RAYLOC_CHECK(derivatives.has_value());  // a position always has derivatives
+  RAYLOC_CHECK(derivatives.has_value());  // derivatives by a position always exist
   for (std::size_t element = 0; element < paths.size(); ++element) {
     correct_paths(room_.surface_correction, paths[element], (*derivatives)[element]);
   }

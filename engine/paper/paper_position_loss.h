@@ -1,5 +1,5 @@
 // PaperPositionLoss: the loss of the paper's device-based localization at a position, and its
-// gradient by the tracer's derivatives (METHODS A4; PaperLocalizer has the formula).
+// gradient from the tracer's derivatives (METHODS A4; formula: PaperLocalizer).
 #pragma once
 
 #include <complex>
@@ -14,13 +14,13 @@
 
 namespace rayloc {
 
-// An access point of the room that can be used.
+// A usable access point of the room.
 struct PaperAccessPoint {
-  std::size_t access_point = 0;  // of RoomModel::access_points
+  std::size_t access_point = 0;  // index in RoomModel::access_points
   ArrayTracer tracer;
 };
 
-// What it heard.
+// Burst received by an access point.
 struct PaperMeasurement {
   const PaperAccessPoint* ap;
   std::vector<std::complex<double>> h;  // [antenna][tone], chain gains removed
@@ -30,7 +30,7 @@ struct PaperMeasurement {
 // Thread safety: const members may be used from many threads.
 class PaperPositionLoss {
  public:
-  // What is passed outlives it. REQUIRES: a measurement.
+  // The arguments must outlive it. REQUIRES: at least one measurement.
   PaperPositionLoss(const RoomModel& room,
                     const PaperCsiLoss& csi_loss,
                     std::span<const PaperMeasurement> measured,
@@ -38,10 +38,10 @@ class PaperPositionLoss {
 
   LossInPlan at(const Vec3d& position) const;
 
-  // Share of the power that the model at a position leaves unexplained, mean over the measurements
-  // [dB]: 0 where no path leads to any of them.
+  // Unexplained share of the power for a device at a position, mean over the measurements [dB]: 0
+  // if no path leads to any of the access points.
   double model_residual_db(const Vec3d& position) const;
-  // A path leads to one of the access points.
+  // True if a path leads to one of the access points.
   bool is_reached(const Vec3d& position) const;
 
  private:

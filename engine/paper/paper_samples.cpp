@@ -26,7 +26,7 @@ Expected<void> check_access_point(const RoomAccessPoint& ap) {
   return {};
 }
 
-// Every burst of a point that an access point heard.
+// Every burst of a point that an access point received.
 Expected<std::vector<PaperSample>> heard(const RoomModel& room,
                                          std::span<const CalibrationPoint> points) {
   std::vector<PaperSample> samples;

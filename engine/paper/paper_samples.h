@@ -1,5 +1,5 @@
-// The bursts that the paper's calibration learns from and is checked on, and what of a scene their
-// paths meet.
+// The bursts for training and checking the paper's calibration, and the objects of a scene that
+// their paths meet.
 #pragma once
 
 #include <complex>
@@ -15,9 +15,9 @@
 
 namespace rayloc {
 
-inline constexpr std::size_t kLeastPaperSamples = 4;  // points of an access point
+inline constexpr std::size_t kLeastPaperSamples = 4;  // minimum points of an access point
 
-// What one access point heard of the device on one point.
+// The burst that one access point received from the device at one point.
 struct PaperSample {
   std::size_t point = 0;
   std::size_t access_point = 0;
@@ -31,25 +31,25 @@ struct PaperSamples {
   std::vector<bool> met;  // of each object of the scene: a path of a training sample meets it
 };
 
-// Samples of which some antenna has no path in the room as given are left out. An Error that names
-// the access point when its gains are not known, when it has a single antenna, or when
-// fewer than kLeastPaperSamples of the points that it heard can be learned from; access points that
-// heard nothing at all are left as they are, unless none heard anything.
-// REQUIRES: of each point h has an entry for each access point, empty or [core][tone].
+// Excludes samples with an antenna without a path in the given room. Errors, with the name of the
+// access point: unknown gains, a single antenna, or fewer than kLeastPaperSamples usable points
+// among those that it received. Access points without any samples are ignored, unless none has
+// samples.
+// REQUIRES: h of each point has an entry for each access point, empty or [core][tone].
 Expected<PaperSamples> gather_paper_samples(const RoomModel& room,
                                             std::span<const CalibrationPoint> points,
                                             const TraceOptions& tracing);
 
-// The device of the room on that point.
+// The device of the room at that point.
 Transmitter device_of(const RoomModel& room, const Vec3d& position);
 
-// Of each access point that has a sample.
+// Tracers of each access point with a sample.
 std::vector<std::optional<ArrayTracer>> array_tracers(const RoomModel& room,
                                                       const PathTracer& tracer,
                                                       std::span<const PaperSample> samples);
 
-// The squared normalised correlation of each sample with what is expected in `scene`, with edges
-// as they are (no softness), as the localizer takes them.
+// The squared normalised correlation of each sample with the expected array in `scene`, with hard
+// edges (no softness), as in the localizer.
 std::vector<double> correlations(const RoomModel& room,
                                  const std::shared_ptr<const Scene>& scene,
                                  std::span<const PaperSample> samples,

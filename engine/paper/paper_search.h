@@ -1,9 +1,9 @@
-// The way down of method `paper` from random places of a room: what a device and a person without
-// one have in common (METHODS A4).
+// The descent of method `paper` from random places of a room, shared by the localizers of devices
+// and of people (METHODS A4).
 //
-// Random numbers are drawn anew for every fix, from the seed, the time of the first frame and the
-// number of the start: the same frames give the same bytes, in any order of fixes and on any number
-// of threads.
+// Random numbers are seeded for every fix from the seed, the time of the first frame and the number
+// of the start: the same frames give the same bytes, in any order of fixes and on any number of
+// threads.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,13 @@
 
 namespace rayloc {
 
-// A ratio, chosen: a perfect match is -300 dB and not infinite.
+// A ratio, chosen: limits a perfect match to -300 dB.
 inline constexpr double kMinResidual = 1e-30;
 
-// The room in plan, `margin` [m] inside; as far as that goes in a narrower one.
+// The room in plan, reduced by `margin` [m]; by less if the room is too narrow.
 PlanBounds plan_bounds(const RoomModel& room, double margin);
 
-// Where a search is for: its draws and the height that it keeps.
+// Parameters of a search: its random numbers and the height that it keeps.
 struct PaperSearch {
   PlanBounds bounds;
   double height = 0.0;  // [m]
@@ -36,7 +36,7 @@ struct PaperEnd {
   double loss = 0.0;
 };
 
-// The end of least loss among those of PaperLocalizerOptions::starts descents. `loss` is called
+// The end point with the least loss among PaperLocalizerOptions::starts descents. `loss` is called
 // from several threads. REQUIRES: valid options.
 PaperEnd search(const std::function<LossInPlan(const Vec3d&)>& loss,
                 const PaperSearch& from,

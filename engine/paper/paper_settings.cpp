@@ -18,10 +18,10 @@ using SettingKind = PaperSettingKind;
 
 // In a setting's unit, chosen: far above every value of METHODS A4.
 constexpr double kLargest = 1e6;
-constexpr double kSmallest = 1e-12;     // in the same unit, chosen: of what must be more than 0
-constexpr double kBelowOne = 0.999999;  // a ratio, chosen: a memory of 1 would never forget
+constexpr double kSmallest = 1e-12;     // in the same unit, chosen: for values that must exceed 0
+constexpr double kBelowOne = 0.999999;  // a ratio, chosen: a memory of 1 has no decay
 
-// The settings of METHODS A4 and what it leaves open; each says its unit.
+// The settings of METHODS A4 and its open choices; each states its unit.
 constexpr std::array kSettings = std::to_array<PaperSetting>({
     {"gamma_1",
      SettingKind::kNumber,

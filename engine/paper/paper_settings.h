@@ -1,8 +1,8 @@
-// The hyper-parameters and ablations of method `paper` by name (METHODS A4), as the command line
-// and the files of experiments state them.
+// The hyper-parameters and ablations of method `paper` by name (METHODS A4), as used on the command
+// line and in the files of experiments.
 //
-// paper_settings() is all there is to know of them: reading, limits and the text of --help come
-// from it. Defaults are those of PaperLocalizerOptions for devices, of paper_person_options() for
+// paper_settings() is the single source: parsing, limits and the text of --help come from it.
+// Defaults are those of PaperLocalizerOptions for devices, of paper_person_options() for
 // people.
 #pragma once
 
@@ -28,7 +28,7 @@ struct PaperSetting {
 };
 
 std::span<const PaperSetting> paper_settings();
-// nullptr: there is none of that name.
+// nullptr: no setting has that name.
 const PaperSetting* find_paper_setting(std::string_view key);
 
 struct PaperAssignment {
@@ -36,14 +36,14 @@ struct PaperAssignment {
   double value = 0.0;
 };
 
-// "KEY=VALUE" of the command line: "alpha=0.5", "smoothing=false". Errors (kUsage) name the nearest
-// key, or what the value may be.
+// Parses "KEY=VALUE" of the command line: "alpha=0.5", "smoothing=false". Errors (kUsage) name the
+// nearest key, or the permitted values.
 Expected<PaperAssignment> read_paper_assignment(std::string_view assignment);
 
 // "0.2", "100", "true".
 std::string paper_text(const PaperSetting& setting, double value);
 
-// A line a key: its name, default and meaning, and the default for people where that is another.
+// One line per key: name, default and meaning, and the default for people if it differs.
 std::string paper_settings_help();
 
 }  // namespace rayloc

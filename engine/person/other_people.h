@@ -1,13 +1,13 @@
-// OtherPeople: people who are known to be in the room, for the likelihood of one more (METHODS
-// B5). In the coordinates of PersonLikelihood they add a mean, and an error of covariance S S^H:
+// OtherPeople: people known to be in the room, for the likelihood of one more (METHODS B5). In the
+// coordinates of PersonLikelihood they add a mean, and an error of covariance S S^H:
 //
 //   mu' = mu + added,   Sigma' = Sigma + S S^H
 //
-// S has few columns, so a Gaussian is seen with company without being factorised anew: with
-// B = W S and M = I + B^H B, a^H Sigma'^-1 b = (W a)^H (I - B M^-1 B^H) (W b), and det Sigma' =
+// S has few columns, so a Gaussian with co-occupants needs no new factorisation: with B = W S and
+// M = I + B^H B, a^H Sigma'^-1 b = (W a)^H (I - B M^-1 B^H) (W b), and det Sigma' =
 // det Sigma det M (matrix inversion and determinant lemmas).
 //
-// What waves do that meet two people is left out.
+// Waves that interact with two people are left out.
 #pragma once
 
 #include <array>
@@ -21,21 +21,21 @@
 namespace rayloc {
 
 struct OtherPeople {
-  // A count, chosen: the strongest ways in which others may be wrong.
+  // A count, chosen: the strongest error components of the others.
   static constexpr std::size_t kMostColumns = 6;
-  std::vector<std::complex<double>> added;                // [coordinate]; empty: nobody
+  std::vector<std::complex<double>> added;                // [coordinate]; empty: no other people
   std::vector<std::vector<std::complex<double>>> spread;  // S, [column][coordinate]
 
   bool empty() const { return added.empty(); }
 };
 
-// One Gaussian with company. Holds a reference to the Gaussian.
+// One Gaussian with co-occupants. Holds a reference to the Gaussian.
 class AccompaniedGaussian {
  public:
-  // REQUIRES: company is of somebody, and has at most kMostColumns.
+  // REQUIRES: company is not empty and has at most kMostColumns columns.
   AccompaniedGaussian(const WhitenedGaussian& gaussian, const OtherPeople& company);
 
-  // (I - B M^-1 B^H) u, of u = W y.
+  // (I - B M^-1 B^H) u, for u = W y.
   std::vector<std::complex<double>> reduced(std::span<const std::complex<double>> u) const;
   // u^H (I - B M^-1 B^H) u
   double power(std::span<const std::complex<double>> u) const;

@@ -6,21 +6,21 @@
 namespace rayloc {
 namespace {
 
-// A count, chosen: one array does not tell a pair from one person.
+// A count, chosen: one array does not distinguish a pair from one person.
 constexpr std::size_t kLeastArrays = 2;
-// Who is explained as well as this (PersonMap::misfit) is alone: 37 of 38 pairs were not.
+// A person explained this well (PersonMap::misfit) is alone: 37 of 38 pairs were not.
 constexpr double kExplained = 1.2;
-// Places of one from which a pair is looked for: four find the same pairs as two, in twice the
-// time.
+// Places of one person from which a pair is searched for: four find the same pairs as two, in twice
+// the time.
 constexpr std::size_t kStarts = 2;
-constexpr int kTurnsOfEach = 2;  // a count, chosen: each of a pair is moved so often
+constexpr int kTurnsOfEach = 2;  // a count, chosen: moves of each person of a pair
 
 struct Settled {
   std::array<PersonSample, 2> places;
   double log_likelihood = 0.0;
 };
 
-// Both in turn, near where they are.
+// Refines both places in turn, near their present ones.
 Settled settle(const PersonLocalizer& localizer,
                const PersonObservation& observation,
                double likelihood_exponent,

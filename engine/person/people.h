@@ -1,13 +1,13 @@
-// People: several at once without devices, from one burst of a fixed transmitter (METHODS B5, B6).
+// People: several people without devices, from one burst of a fixed transmitter (METHODS B5, B6).
 //
-// Two are found by turns: from the best places of one, where would another be beside that one
-// (PersonContext), where then the first beside that other, and so on. They are believed when both
-// explain the burst better than one does by more than what errors of the model of one are worth
-// (PersonModel::second_person, learned from people at known places). Each is then stated with the
-// other where it most probably is.
+// Two are found by alternation: given the best places of one, the best place of another
+// (PersonContext), then that of the first given the other, and so on. They are accepted when both
+// explain the burst better than one does, by more than errors of the model of one account for
+// (PersonModel::second_person, learned from people at known places). Each is then reported with the
+// other at its most probable place.
 //
-// A single link hears too little of two to say where they are (engine/studies/2026-11-people.md has
-// the figures): it takes two access points. A third person is not looked for.
+// A single link receives too little of two people to locate them (engine/studies/2026-11-people.md
+// has the figures): two access points are needed. A third person is not searched for.
 #pragma once
 
 #include <array>
@@ -26,21 +26,21 @@ struct PersonPair {
   double gain = 0.0;  // of log-likelihood over one person alone
 };
 
-// The best two places of which one is near one of the best of `alone`. Nothing where one person
-// explains the burst as well as the model expects to, or a single access point heard it.
-// `alone`: what localizer.map() says of the observation. REQUIRES: observation.arrays is not empty.
+// The best two places of which one is near one of the best of `alone`. nullopt where one person
+// explains the burst as well as the model expects, or a single access point received it. `alone`:
+// localizer.map() of the observation. REQUIRES: observation.arrays is not empty.
 std::optional<PersonPair> best_pair(const PersonLocalizer& localizer,
                                     const PersonObservation& observation,
                                     double likelihood_exponent,
                                     const PersonMap& alone);
 
-// What a burst says of one person or of two: PersonLocalizer::map() where no second one is seen.
+// Maps of one person or of two: PersonLocalizer::map() where no second one is detected.
 // REQUIRES: observation.arrays is not empty.
 std::vector<PersonMap> map_people(const PersonLocalizer& localizer,
                                   const PersonObservation& observation);
 
-// One estimate for each; as PersonLocalizer::locate() where no second one is seen. Of two, one may
-// be no fix, for a reason of its own.
+// One estimate per person; as PersonLocalizer::locate() where no second one is detected. With two,
+// one may be no fix, for a reason of its own.
 std::vector<LocationEstimate> locate_people(const PersonLocalizer& localizer,
                                             std::span<const CsiFrame> frames);
 

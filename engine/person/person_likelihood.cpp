@@ -27,9 +27,9 @@ constexpr double kDelayDeviation = 1e-9;  // [s], sigma_T
 
 constexpr double kLeastPower = 1e-12;  // a ratio, chosen: keeps divisions from zero
 
-// Of one value, by second differences along the tones, where noise has six times its variance. The
-// array is aligned to the empty room: echoes of a room turn by a tenth of a radian from one tone to
-// the next, a timing offset that is left in by ten times that.
+// Noise power of one value, by second differences along the tones, where noise has six times its
+// variance. The array is aligned to the empty room: from one tone to the next, a room's echoes
+// change in phase by a tenth of a radian, a remaining timing offset by ten times that.
 double noise_power(std::span<const Value> h, std::size_t tones) {
   double sum = 0.0;
   std::size_t count = 0;
@@ -42,13 +42,13 @@ double noise_power(std::span<const Value> h, std::size_t tones) {
   return count == 0 ? 0.0 : sum / (6.0 * static_cast<double>(count));
 }
 
-// What an antenna hears at every sample place: from `first` on, `size` values a place.
+// Received values of an antenna at every sample place: from `first` on, `size` per place.
 struct SampleRows {
   Value* first = nullptr;
   std::size_t size = 0;
 };
 
-// One ray more.
+// Adds one ray.
 void add_samples(const ScatteredRay& ray,
                  Value field,
                  std::span<const Value> s,
@@ -72,7 +72,7 @@ void add_samples(const ScatteredRay& ray,
   }
 }
 
-// W of a square as it is looked at closely.
+// W of a square for its detailed evaluation.
 Eigen::MatrixXcd whitener_of(const PersonPlace& place) {
   const auto n = static_cast<Index>(place.mean.size() / place.mean_power.size());
   Eigen::MatrixXcd whitener = Eigen::MatrixXcd::Zero(n, n);
@@ -168,7 +168,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
   patch.blur.assign(triangle_size(size), 0.0);
   WayErrors ways(antennas_, q);
   std::vector<Value> s(q);
-  // Unit tone vectors times this have the norm of a response of level 1 on all tones.
+  // Unit tone vectors times this have the norm of a response of amplitude 1 on all tones.
   const double level = scale_ * std::sqrt(static_cast<double>(grid_.size()));
   for (std::size_t m = 0; m < antennas_; ++m) {
     for (const ScatteredRay& ray : rays[m]) {
@@ -178,7 +178,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
       const double turn_x = ray.slope_x.imag();
       const double turn_y = ray.slope_y.imag();
       const double turn = turn_x * turn_x + turn_y * turn_y;  // [rad^2/m^2]
-      // A front that is nearer by d is as a body that stands nearer by d.
+      // A front that is nearer by d is equivalent to a body that stands nearer by d.
       const double unknown = -std::expm1(-front_sigma * front_sigma * turn);
       add_samples(ray, std::sqrt(1.0 - unknown) * field, s, plan, {sample.data() + m * q, size});
       const double power = std::norm(field);
@@ -195,7 +195,7 @@ ScatteredPatch PersonLikelihood::patch(const ScatteredRays& rays,
   return patch;
 }
 
-// `sigma` without the noise and the delay, lower triangle by rows.
+// `sigma`: without the noise and the delay, lower triangle by rows.
 WhitenedGaussian PersonLikelihood::factorise(std::vector<Value> sigma,
                                              std::span<const Value> mean,
                                              const PersonModel& model) const {
@@ -296,8 +296,8 @@ WhitenedGaussian PersonLikelihood::changed(double share, const PersonModel& mode
   return factorise(std::move(sigma), empty_, model);
 }
 
-// Of each of them the covariance of its square, without the noise and the delay that every Gaussian
-// has; kept are the directions in which that is more than the noise is worth.
+// Sums the covariances of the people's squares, without the noise and the delay that every Gaussian
+// has; keeps the directions in which the sum exceeds the noise.
 OtherPeople PersonLikelihood::company(std::span<const PersonStand> people,
                                       const PersonModel& model) const {
   OtherPeople company;
@@ -368,14 +368,14 @@ double PersonLikelihood::log_likelihood(const WhitenedGaussian& gaussian,
          with.log_determinant();
 }
 
-// What a sample place makes of a burst, at every delay.
+// Inner products of a burst with a sample place, at every delay.
 struct PersonLikelihood::CloseLook {
   std::array<double, kDelays> power{};  // y^H Sigma^-1 y
   std::array<double, kDelays> along{};  // |mu^H Sigma^-1 y|
   double mean_power = 0.0;              // mu^H Sigma^-1 mu
 };
 
-// The sample places of a square beside others.
+// The sample places of a square with other people present.
 class PersonLikelihood::AccompaniedPlace {
  public:
   AccompaniedPlace(const PersonPlace& place, const Observed& observed, const OtherPeople& company)
@@ -405,7 +405,7 @@ class PersonLikelihood::AccompaniedPlace {
   const PersonPlace& place_;
   AccompaniedGaussian with_;
   std::array<double, kDelays> power_{};
-  std::array<std::vector<Value>, kDelays> reduced_;  // what is left of W y
+  std::array<std::vector<Value>, kDelays> reduced_;  // reduced() of W y
 };
 
 void PersonLikelihood::log_likelihood(const PersonPlace& place,

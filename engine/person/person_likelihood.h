@@ -1,19 +1,19 @@
-// PersonLikelihood: how likely a burst of one access point is when a person stands in a small
-// square of the room (METHODS B5). In the coordinates of DelayBasis, with the empty room's array
-// x0 of power 1 and the person's rays z_p = a dH_p:
+// PersonLikelihood: likelihood of a burst of one access point for a person in a small square of the
+// room (METHODS B5). In the coordinates of DelayBasis, with the empty room's array x0 of power 1
+// and the person's rays z_p = a dH_p:
 //
 //   mu(P) = x0 + sum_p z_p
 //   Sigma = sum_p (v + u_p) |z_p|^2 s_p s_p^H + w sum_q g_q g_q^H o K_q
 //           + d |z|^2 R + n I / D + (sigma_T)^2 x0' x0'^H
 //
-// g_q are the rays of all antennas over the same surfaces (way_errors.h), and u_p is what the phase
-// of a ray loses between two sample places; R a diffuse exponential tail. The measurement is known
-// up to a complex factor, profiled out in closed form as in ObservationModel, and a delay: the
-// burst is aligned to the empty room, a few delays about that are tried, and x0', the change of x0
-// by a delay, covers those between.
+// g_q are the rays of all antennas over the same surfaces (way_errors.h), u_p is the coherence that
+// a ray loses between two sample places, and R is a diffuse exponential tail. The measurement is
+// known up to a complex factor, profiled out in closed form as in ObservationModel, and a delay:
+// the burst is aligned to the empty room, a few delays about that are tried, and x0', the change of
+// x0 by a delay, covers those between.
 //
-// A square is known in two ways: closely, by its sample places a fraction of a wavelength apart,
-// and as a whole, by their mean and covariance, which says at once whether to look closely.
+// A square has two representations: in detail, its sample places a fraction of a wavelength apart;
+// as a whole, their mean and covariance, which decide if the detail is evaluated.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -38,7 +38,7 @@
 
 namespace rayloc {
 
-// A square of places, and where in it dH is sampled: count x count places, x outermost.
+// A square of places and its samples of dH: count x count places, x outermost.
 struct PatchPlan {
   double offset_x = 0.0;  // [m], of the square's centre from where the rays were traced
   double offset_y = 0.0;
@@ -60,7 +60,7 @@ struct ScatteredPatch {
   std::vector<std::complex<double>> strength;  // sum |z_p|^2 s_p s_p^H, lower triangle by rows
   std::vector<std::complex<double>> blur;      // the same times u_p
   std::vector<std::complex<double>> ways;      // sum g_q g_q^H o K_q
-  std::vector<std::complex<double>> front;     // the same of what an unknown front leaves no phase
+  std::vector<std::complex<double>> front;     // the same for power without phase (unknown front)
   double power = 0.0;                          // sum |z_p|^2
 };
 
@@ -85,14 +85,14 @@ struct PersonStand {
 
 class PersonLikelihood {
  public:
-  // A count, chosen: 2 ns apart about the empty room's, 4 ns to either side.
+  // A count, chosen: 2 ns apart about the empty room's delay, 4 ns to either side.
   static constexpr std::size_t kDelays = 5;
   static_assert(kDelays <= kLaneCount);
 
   // A burst in the coordinates of the basis, aligned to the empty room, at some delays.
   struct Observed {
     std::array<std::vector<std::complex<double>>, kDelays> y;
-    // The same in lanes, [coordinate][delay]; in those left over the last delay again.
+    // The same in lanes, [coordinate][delay]; unused lanes repeat the last delay.
     std::vector<LaneRow> re;
     std::vector<LaneRow> im;
     double correlation = 0.0;  // with the empty room
@@ -118,9 +118,9 @@ class PersonLikelihood {
   PersonPlace place(const ScatteredPatch& patch,
                     std::complex<double> scale,
                     const PersonModel& model) const;
-  // Nobody: the empty room.
+  // Null model: the empty room.
   WhitenedGaussian nobody(const PersonModel& model) const;
-  // The room changed in a way that nothing is known of, by this share of its power.
+  // The room with a change of unknown kind, by this share of its power.
   WhitenedGaussian changed(double share, const PersonModel& model) const;
 
   // People at these places, for the likelihood of one more.
@@ -130,17 +130,17 @@ class PersonLikelihood {
   double log_likelihood(const WhitenedGaussian& gaussian,
                         const Observed& observed,
                         const OtherPeople& company = {}) const;
-  // Of every sample place. REQUIRES: out.size() == place.mean_power.size().
+  // For every sample place. REQUIRES: out.size() == place.mean_power.size().
   void log_likelihood(const PersonPlace& place,
                       const Observed& observed,
                       const OtherPeople& company,
                       std::span<double> out) const;
   std::span<const std::complex<double>> empty() const { return empty_; }
 
-  // Of what a person at a sample place adds; 1: as much as the empty room.
+  // Power that a person at a sample place adds; 1: as much as the empty room.
   double echo_power(const PersonStand& stand) const;
 
-  // What a sample place leaves unexplained, in units of what its model expects to: about 1.
+  // Residual at a sample place, in units of the residual that its model expects: about 1.
   double misfit(const PersonStand& stand,
                 const Observed& observed,
                 const OtherPeople& company = {}) const;
@@ -157,7 +157,7 @@ class PersonLikelihood {
   std::size_t antennas_;
   double distance_;
   double wave_number_;  // [rad/m]
-  double scale_ = 1.0;  // of a channel of the traced room to power 1
+  double scale_ = 1.0;  // factor from a channel of the traced room to power 1
   DelayBasis basis_;
   Aligner aligner_;
   std::vector<std::complex<double>> reference_;  // H0, [core][tone]

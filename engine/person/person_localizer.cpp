@@ -17,37 +17,37 @@
 namespace rayloc {
 namespace {
 
-// Of the squares that are looked at closely: within this of the best as a whole, in units of the
-// tempered log-likelihood, and no more than this.
+// Squares for detailed evaluation: those within this of the best as a whole, in units of the
+// tempered log-likelihood, and no more than kMostClose.
 constexpr double kCloseMargin = 25.0;
 constexpr std::size_t kMostClose = 600;  // a count of squares, chosen: bounds the time of a fix
 constexpr double kNowhere = -1e4;        // [nat], chosen: no mass at all
-// What is about a place [m].
+// Radius about a place [m].
 constexpr double kAbout = 0.3;
-// Probability that what an access point hears has changed as no person changes it.
+// Probability of a change at an access point that no person causes.
 constexpr double kStrange = 0.02;
-// A body this near to the transmitter [m] is strong in all directions ...
+// A body this near to the transmitter [m] has strong echoes in all directions ...
 constexpr double kBesideTransmitter = 0.6;
-// ... which is seen from this share of the empty room's power on, in the second strongest array.
+// ... detected above this share of the empty room's power, in the second strongest array.
 constexpr double kStrongEcho = 0.05;
-// Probability that it is the transmitter that has changed, where what is heard cannot tell.
+// Probability of a changed transmitter, where the observation cannot distinguish it.
 constexpr double kDoubt = 0.5;
 
-// What one array says of every square as a whole.
+// Evidence of one array on every square as a whole.
 struct ArrayMap {
   const PersonObservation::Array* array;
   OtherPeople company;
   std::vector<double> whole;  // log-likelihood of every cell
-  double floor = 0.0;         // of a change that no person makes, by its odds
+  double floor = 0.0;         // of a change that no person causes, with its prior
   double nobody = 0.0;
 
-  // Against nobody. What stands in the way of one access point does not rule out places.
+  // Relative to the null model. An obstruction of one access point does not rule out places.
   double against_nobody(double log_likelihood) const {
     return array->weight * (log_add(log_likelihood, floor) - nobody);
   }
 };
 
-// The cells that are worth a close look, the best first.
+// The cells for detailed evaluation, the best first.
 std::vector<std::size_t> best_cells(std::span<const std::size_t> cells,
                                     const std::vector<double>& total,
                                     double likelihood_exponent) {
@@ -138,7 +138,7 @@ PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) 
       continue;
     }
     auto observed = link.likelihood.observe(burst->h);
-    // The squares' covariances hold the model's noise only; a burst that has more counts less.
+    // The squares' covariances hold the model's noise only; a burst with more noise counts less.
     const double weight = std::min(1.0, reference_.person.noise / observed.noise);
     tally.add(room_->access_points[access_point], *burst);
     observation.arrays.push_back({number, std::move(observed), weight});
@@ -151,7 +151,7 @@ PersonObservation PersonLocalizer::Impl::hear(std::span<const CsiFrame> frames) 
   return observation;
 }
 
-// Where somebody can stand beside the others.
+// Cells where a person can stand, clear of the others.
 std::vector<std::size_t> PersonLocalizer::Impl::clear_cells(const PersonContext& context) const {
   const RoomGrid& grid = squares_.standing.grid;
   const TargetBody& body = reference_.person.body;
@@ -181,7 +181,7 @@ std::vector<std::size_t> PersonLocalizer::Impl::looked_at(const PersonContext& c
   return cells;
 }
 
-// How many cells each of looked_at() stands for.
+// Number of cells that each of looked_at() represents.
 CellWeights PersonLocalizer::Impl::weights_of(const PersonContext& context) const {
   if (context.cells.empty() || context.sample.empty()) {
     return {};
@@ -221,7 +221,7 @@ ArrayMap PersonLocalizer::Impl::whole_map(const PersonObservation::Array& array,
   return map;
 }
 
-// [cell][sample place], against nobody, all arrays together.
+// [cell][sample place], relative to the null model, summed over all arrays.
 std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>& arrays,
                                                      std::span<const std::size_t> cells) const {
   std::vector<double> samples(cells.size() * places_);
@@ -239,7 +239,7 @@ std::vector<double> PersonLocalizer::Impl::close_map(const std::vector<ArrayMap>
   return samples;
 }
 
-// The best sample place of every cell, where no better one is near.
+// Chooses the best sample place of every cell, unless a better one is near.
 void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
                                           std::span<const double> samples,
                                           PersonMap& map) const {
@@ -266,7 +266,7 @@ void PersonLocalizer::Impl::choose_places(std::span<const std::size_t> cells,
   }
 }
 
-// How badly the best place explains the arrays, 1 as expected; notes those that it does not.
+// Misfit of the arrays at the best place, 1 as expected; adds warnings on unexplained arrays.
 double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
                                     const PersonSample& best,
                                     PersonMap& map) const {
@@ -290,12 +290,12 @@ double PersonLocalizer::Impl::judge(const std::vector<ArrayMap>& arrays,
                                            {&place, best.sample}, of.array->observed, of.company));
   }
   map.is_explained = explained > 0.0;
-  // Where one access point hears what nobody explains, the others are believed less as well.
+  // If no person explains the change at one access point, the others get less weight, too.
   return map.is_explained ? most * static_cast<double>(arrays.size()) / explained : most;
 }
 
-// One body stands in one direct way; a transmitter that was moved or covered changes all, and what
-// stands right beside it explains that best, for its echoes are strong and not known well.
+// One body obstructs one line of sight; a moved or covered transmitter changes all links. A body
+// right beside it explains that best, because its echoes are strong and not known well.
 bool PersonLocalizer::Impl::is_transmitter_doubtful(const std::vector<ArrayMap>& arrays,
                                                     const PersonSample& best) const {
   const Vec3d off = squares_.standing.grid.centre(best.cell) - reference_.transmitter.position;
@@ -316,7 +316,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   std::vector<double>& total = map.log_likelihood;
   total.assign(squares_.standing.grid.size(), kNowhere);
   std::vector<std::size_t> cells = looked_at(context);
-  if (cells.empty()) {  // they stand in all there is
+  if (cells.empty()) {  // the others occupy all cells
     map.is_explained = false;
     map.somebody = kNowhere;
     return map;
@@ -334,7 +334,7 @@ PersonMap PersonLocalizer::Impl::map(const PersonObservation& observation,
   const std::vector<std::size_t> close = best_cells(cells, total, likelihood_exponent);
   const auto samples = close_map(arrays, close);
   choose_places(close, samples, map);
-  // What the best place leaves unexplained is wrong everywhere: count the burst less for it.
+  // The residual at the best place is an error at all places: reduce the burst's weight.
   map.misfit = judge(arrays, map.places.front(), map);
   const double exponent = likelihood_exponent / map.misfit;
   map.is_transmitter_doubtful = is_transmitter_doubtful(arrays, map.places.front());

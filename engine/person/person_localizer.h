@@ -1,13 +1,13 @@
-// PersonLocalizer: where a person stands, from what a burst of a fixed transmitter's frames differs
-// from the empty room by (device-free; METHODS B5, B7).
+// PersonLocalizer: position of a person, from the difference between a burst of a fixed
+// transmitter's frames and the empty room (device-free; METHODS B5, B7).
 //
 //   auto localizer = PersonLocalizer::create(room, reference, {});
 //   LocationEstimate estimate = localizer->locate(frames_of_the_fixed_transmitter);
 //
-// create() traces the room with a person everywhere (seconds to a minute); locate() costs
+// create() traces the room with a person at every place (seconds to a minute); locate() takes
 // milliseconds and depends on its arguments alone.
 //
-// A tracker takes the two halves of locate() apart: hear(), then map().
+// A tracker calls the two halves of locate() separately: hear(), then map().
 #pragma once
 
 #include <cstddef>
@@ -36,10 +36,10 @@ struct PersonLocalizerOptions {
   std::size_t max_hypotheses = 5;
   BurstOptions burst;
   double cell = 0.05;        // [m]
-  int depth = kPersonDepth;  // reflections on the ways to and from the person together
+  int depth = kPersonDepth;  // reflections on the paths to and from the person together
 };
 
-// What was heard, one entry for each link that heard something usable.
+// Received arrays, one entry for each link with usable frames.
 struct PersonObservation {
   struct Array {
     std::size_t link = 0;  // of PersonReference::links
@@ -50,37 +50,37 @@ struct PersonObservation {
   LocationEstimate estimate;  // times, counts and warnings, no position
 };
 
-// What a map is asked for beyond one person anywhere.
+// Restrictions of a map; default: one person at any place.
 struct PersonContext {
-  // People at these places: one more is looked for, who stands clear of them, against nobody but
-  // them.
+  // People at these places: the map is of one more person, clear of them, relative to the room with
+  // these people only.
   std::span<const PersonSample> others{};
   std::optional<PersonSample> about{};  // only within 0.3 m of it
-  // Cells to look at instead, where somebody can stand, and cells that stand for the others of the
-  // room; empty: all of it.
+  // Cells to evaluate instead, where a person can stand, and a sample of cells that represents the
+  // rest of the room; empty: the whole room.
   std::span<const std::size_t> cells{};
   std::span<const std::size_t> sample{};
 };
 
-// What a burst says of a person's place.
+// Evidence of a burst on a person's place.
 struct PersonMap {
-  // Of every cell, tempered, against nobody being there; far below 0 where nobody can stand and
-  // where nobody looked.
+  // For every cell, tempered, relative to the null model (no person there); far below 0 where no
+  // person can stand and in cells that were not evaluated.
   std::vector<double> log_likelihood;
-  // Those that were looked at, where PersonContext::cells says so, its sample behind them; empty:
-  // all. How many each stands for.
+  // The evaluated cells if PersonContext::cells is given, followed by its sample; empty: all.
+  // `weights`: number of cells that each one represents.
   std::vector<std::size_t> cells;
   CellWeights weights;
-  KnownCells within;      // where in the best cells
-  double somebody = 0.0;  // logarithm of the mean over the places where somebody can stand
+  KnownCells within;      // position within the best cells
+  double somebody = 0.0;  // log of the mean over the places where a person can stand
   std::vector<std::string> warnings;
   bool is_explained = true;  // by a person at one of the places
-  // The best place is right beside the transmitter, and several access points hear what would be
-  // strong echoes from there: a transmitter that was moved or covered looks the same.
+  // The best place is right beside the transmitter, and several access points receive changes that
+  // would be strong echoes from there: a moved or covered transmitter has the same effect.
   bool is_transmitter_doubtful = false;
-  // The best sample places, at least PersonMap::kApart from one another, the best first; how likely
-  // that is, over all arrays, up to a constant of the measurement; and what it leaves unexplained,
-  // in units of what the model expects to: about 1.
+  // The best sample places, at least PersonMap::kApart from one another, the best first; the best
+  // one's log-likelihood, over all arrays, up to a constant of the measurement; and its residual,
+  // in units of the residual that the model expects: about 1.
   static constexpr double kApart = 0.3;      // [m]
   static constexpr std::size_t kPlaces = 4;  // a count of places, at most
   std::vector<PersonSample> places;
@@ -99,10 +99,10 @@ class PersonLocalizer {
   PersonLocalizer& operator=(PersonLocalizer&&) noexcept;
 
   // `frames`: of the reference's transmitter, any access points, in order of time. Without a fix,
-  // `reason` says why; an empty room is such a reason.
+  // `reason` states the cause; an empty room is such a cause.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
-  // With another exponent of the likelihood than PersonModel::likelihood_exponent: for fitting
-  // that.
+  // With another exponent of the likelihood than PersonModel::likelihood_exponent, for fitting the
+  // exponent.
   LocationEstimate locate(std::span<const CsiFrame> frames, double likelihood_exponent) const;
 
   PersonObservation hear(std::span<const CsiFrame> frames) const;
@@ -110,7 +110,7 @@ class PersonLocalizer {
   PersonMap map(const PersonObservation& observation,
                 double likelihood_exponent,
                 const PersonContext& context = {}) const;
-  // The estimate of hear() with what a map says: a fix, or why there is none.
+  // The estimate of hear() completed from a map: a fix, or the reason for none.
   LocationEstimate summarise(LocationEstimate estimate, const PersonMap& map) const;
 
   const StandingRoom& standing_room() const;
@@ -124,9 +124,9 @@ class PersonLocalizer {
   std::unique_ptr<const Impl> impl_;
 };
 
-// Logarithm of the odds from which on somebody is believed to be there.
+// Log odds above which a person is accepted as present.
 inline constexpr double kSomebody = 3.0;
-// Probability that a map says nothing of the place (PosteriorOptions::outlier).
+// Probability that a map has no information on the place (PosteriorOptions::outlier).
 inline constexpr double kPersonOutlier = 0.02;
 
 }  // namespace rayloc

@@ -16,14 +16,14 @@ using Value = std::complex<double>;
 // Rays below this share of free space over the link's distance are left out (scattering.h).
 constexpr double kNegligible = 1e-3;
 // Largest change of a ray's strength over a metre: a ray at a shadow edge of the room fades over
-// centimetres, and its logarithm has no slope worth believing.
+// centimetres, and its logarithm has no useful slope.
 constexpr double kMostGrowth = 10.0;
 
-// Of the directions in which a ray leaves for two antennas: over the same surfaces before and
-// behind the body. A cosine, 8 degrees, chosen: arrays are small beside their distance.
+// Rays to two antennas over the same surfaces before and behind the body are one path if their
+// departures agree to this. A cosine, 8 degrees, chosen: arrays are small beside their distance.
 constexpr double kSameWay = 0.99;
 
-// The ways that rays of an array take, numbered as they are met.
+// The paths of an array's rays, numbered in order of occurrence.
 class Ways {
  public:
   std::size_t number(const Path& path) {

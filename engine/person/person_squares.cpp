@@ -15,7 +15,7 @@ namespace {
 constexpr double kSampleStep = 0.125;
 // Squares along each side for which the rays are traced together.
 constexpr std::size_t kBlock = 2;
-// Shares of the power that a change which no person makes is tried with.
+// Shares of the power that are tried for a change that no person causes.
 constexpr std::array<double, 8> kChanges = {0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 
 class SquaresBuilder {
@@ -82,7 +82,7 @@ void SquaresBuilder::build_block(std::size_t block_x, std::size_t block_y) {
     PersonLinkMap& link = squares_.links[number];
     const auto rays = link.scattering.at({middle.x, middle.y});
     for (const std::size_t cell : cells) {
-      if (!rays) {  // a device is where the body would be
+      if (!rays) {  // the body would contain a device
         standing.free[cell] = 0;
         continue;
       }

@@ -1,5 +1,5 @@
-// PersonSquares: what every access point would hear of a person at every place of the room where
-// one can stand. Traced once; localizing is looking it up.
+// PersonSquares: likelihood models of every access point for a person at every place of the room
+// where a person can stand. Traced once; localization is then a table look-up.
 #pragma once
 
 #include <cstddef>
@@ -26,22 +26,22 @@ struct PersonSample {
 struct PersonLinkMap {
   PersonLikelihood likelihood;
   PersonScattering scattering;
-  std::vector<PersonPlace> cells;  // empty where nobody can stand
+  std::vector<PersonPlace> cells;  // empty where no person can stand
   WhitenedGaussian nobody;
-  std::vector<WhitenedGaussian> changed;  // the room, as no person changes it, by some shares
+  std::vector<WhitenedGaussian> changed;  // the room, changed but not by a person, by some shares
 };
 
 struct PersonSquares {
   StandingRoom standing;
   std::size_t samples = 0;           // along the side of a square
-  std::vector<PersonLinkMap> links;  // one a link of the reference
+  std::vector<PersonLinkMap> links;  // one per link of the reference
 
   Lattice lattice() const;                           // of the sample places of a cell
   Vec3d place_of(const PersonSample& sample) const;  // [m], on the floor
 };
 
-// An Error when reference, access point or body cannot be used. `cell` [m], about; `depth`:
-// reflections on the ways to and from the person together. Seconds to a minute.
+// An Error when reference, access point or body cannot be used. `cell` [m], approximate; `depth`:
+// reflections on the paths to and from the person together. Takes seconds to a minute.
 Expected<PersonSquares> make_person_squares(const RoomModel& room,
                                             const PersonReference& reference,
                                             double cell,

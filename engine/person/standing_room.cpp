@@ -12,12 +12,12 @@ namespace rayloc {
 namespace {
 
 constexpr double kFeet = 0.1;  // [m]: carpets and thresholds are stepped over
-// A person comes nearer to things than the body's radius: plans are centimetres off, people soft.
+// A person comes nearer to objects than the body's radius: plans are centimetres off, people soft.
 constexpr double kElbowRoom = 0.5;  // of the radius
 constexpr int kDirections = 8;      // a count, chosen: 45 degrees apart, on the rim of a body
 
-// What stands in the way of a body at a place: surfaces of fixed objects that its axis would cut,
-// or an object all around it.
+// Obstacles for a body at a place: surfaces of fixed objects that its axis would cut, or an object
+// all around it.
 class Obstacles {
  public:
   Obstacles(const RoomModel& room, const TargetBody& body)
@@ -55,7 +55,7 @@ class Obstacles {
   const Scene& scene_;
   double low_;
   double high_;
-  std::vector<std::uint8_t> blocks_;  // of each object
+  std::vector<std::uint8_t> blocks_;  // for each object
   std::vector<const Mesh*> solids_;
 };
 

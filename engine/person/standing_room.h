@@ -1,6 +1,6 @@
 // StandingRoom: the places of a room where a person can stand: not in a wall, not in a cupboard and
-// not on a table. Chairs and what else is small and low is no obstacle: people move it, or sit on
-// it.
+// not on a table. Chairs and other small, low objects are not obstacles: people move them, or sit
+// on them.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct StandingRoom {
   std::vector<std::uint8_t> free;  // 1: a person can stand in the middle of the cell
 };
 
-// Cells of `step` over the bounds of the room and the square about `area`. When nothing would be
-// free the plan is not believed, and everything is.
+// Cells of `step` over the part of the room's bounds within the square about `area`. If no cell
+// would be free, the plan is ignored and all cells are free.
 StandingRoom make_standing_room(const RoomModel& room,
                                 const TargetBody& body,
                                 const std::optional<PersonArea>& area,

@@ -1,4 +1,4 @@
-// The lower triangle of a Hermitian matrix by rows, its diagonal with it.
+// The lower triangle of a Hermitian matrix by rows, including its diagonal.
 #pragma once
 
 #include <complex>
@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// The values of a triangle of n rows.
+// Number of values of a triangle of n rows.
 inline std::size_t triangle_size(std::size_t n) { return n * (n + 1) / 2; }
 
 // sigma += weight * s s^H, from row and column `first` on.

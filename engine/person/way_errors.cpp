@@ -29,7 +29,7 @@ void WayErrors::add(std::size_t antenna,
     way.all[antenna * numbers_ + c] += value;
     way.unknown[antenna * numbers_ + c] += share * value;
   }
-  // Two rays of one antenna turn as their powers say.
+  // The phase slopes of two rays of one antenna are averaged, weighted by power.
   const double power = std::norm(field);
   const double sum = way.power[antenna] + power;
   if (sum > 0.0) {

@@ -1,12 +1,12 @@
-// WayErrors: the covariance of what is wrong with a way past a person, the surfaces before and
-// behind the body being the same for all antennas of an array: phase and strength are wrong alike
-// at all of them, and the direction that the wave comes from is right.
+// WayErrors: covariance of the errors of a path past a person. The surfaces before and behind the
+// body are the same for all antennas of an array: errors of phase and strength are common to all of
+// them, and the direction of arrival is right.
 //
 //   sum_q g_q g_q^H o K_q
 //
-// g_q holds the rays of way q at all antennas. They were traced for one place, and turn against
-// each other where the body stands elsewhere in its square: K_q is what of their coherence is left,
-// in the mean over the places.
+// g_q holds the rays of path q at all antennas. They were traced for one place, and their relative
+// phases change if the body is at another place in its square: K_q is their remaining coherence,
+// averaged over the places.
 #pragma once
 
 #include <complex>
@@ -23,15 +23,15 @@ class WayErrors {
   // `numbers`: coordinates of each antenna.
   WayErrors(std::size_t antennas, std::size_t numbers);
 
-  // A ray of an antenna: `field` times the vector s, of which the share `unknown` of the power has
-  // no phase.
+  // A ray of an antenna: `field` times the vector s; the share `unknown` of the power has no
+  // phase.
   void add(std::size_t antenna,
            const ScatteredRay& ray,
            std::complex<double> field,
            std::span<const std::complex<double>> s,
            double unknown);
 
-  // Lower triangles by rows, of all of the rays and of what has no phase. `sigma`: deviation of the
+  // Lower triangles by rows, of all rays and of the power without phase. `sigma`: deviation of the
   // body's place along x and y [m].
   std::vector<std::complex<double>> all(double sigma) const;
   std::vector<std::complex<double>> without_phase(double sigma) const;
@@ -42,7 +42,7 @@ class WayErrors {
   struct Way {
     Values all;      // [antenna][number]
     Values unknown;  // the same
-    // Of each antenna, the power and its mean turn by the place [rad/m].
+    // For each antenna, the power and its mean phase change with the place [rad/m].
     std::vector<double> power;
     std::vector<double> turn_x;
     std::vector<double> turn_y;

@@ -74,7 +74,7 @@ AccessPointFusion::Terms AccessPointFusion::right(std::size_t i, double log_like
 }
 
 double AccessPointFusion::log_likelihood(std::span<const double> of_each) const {
-  if (log_right_.size() == 1) {  // nobody contradicts it: what it adds and takes is the same
+  if (log_right_.size() == 1) {  // uncontradicted: the added and the subtracted terms cancel
     return std::max(kNothing, log_right_.front() / likelihood_exponent_ + of_each.front());
   }
   double sum = 0.0;
@@ -96,7 +96,7 @@ double AccessPointFusion::faulty(std::size_t i, double log_likelihood) const {
 }
 
 double AccessPointFusion::elsewhere(double log_mean, double prior) const {
-  // Each access point, of a device elsewhere, fits about as well as it does in the mean.
+  // For a device outside the area each access point fits about as well as in the mean.
   double log_outside = 0.0;
   for (const double one : log_mean_) {
     log_outside += one;

@@ -11,7 +11,7 @@ namespace rayloc {
 
 namespace {
 
-// Of the places from which `take` is true; their mass.
+// Mass and moments of the places for which `take` is true.
 template <typename Masses, typename Take>
 std::pair<double, CellMoments> moments_of(const Lattice& lattice,
                                           const Masses& mass,

@@ -1,4 +1,4 @@
-// The places of one cell of a room's grid, which a localizer looks at closely, as one figure.
+// Summarises the refined places inside one cell of a room's grid as a single value.
 #pragma once
 
 #include <span>
@@ -9,32 +9,32 @@
 
 namespace rayloc {
 
-// Places that fill a cell, NearbyLikelihood::kPlaceDistance of a wavelength [m] apart at most.
+// Places that fill a cell, at most NearbyLikelihood::kPlaceDistance of a wavelength [m] apart.
 Lattice places_of_cell(const RoomGrid& grid, double wavelength);
 
-// The logarithm of the mean of the places' tempered likelihoods, not tempered, and where their mass
-// is; the best place has those beside it with it. `log_likelihood`: [place], of the lattice.
+// Logarithm of the mean tempered likelihood, divided by the exponent, and the distribution of mass;
+// the best place includes its neighbours. `log_likelihood`: [place], of the lattice.
 std::pair<double, CellMass> summarise_places(const Lattice& lattice,
                                              std::span<const double> log_likelihood,
                                              double likelihood_exponent);
 
-// The places of a lattice at one height [m] (of RoomGrid::first): natural logarithms of their
-// masses.
+// The places of a lattice at one height [m] (relative to RoomGrid::first): natural logarithms of
+// their masses.
 struct PlacesAtHeight {
   double height = 0.0;
   std::vector<double> log_mass;  // [place]
 };
-// The logarithm of the mass of all heights together, and where it is. REQUIRES: heights in order,
-// equally far apart.
+// The logarithm of the total mass of all heights, and its distribution. REQUIRES: heights in
+// ascending order, equally spaced.
 std::pair<double, CellMass> summarise_box(const Lattice& lattice,
                                           std::span<const PlacesAtHeight> heights);
 
-// The same of masses that are no logarithms, [height][place]; their sum.
+// The same for linear masses, [height][place]; returns their sum.
 std::pair<double, CellMass> summarise_masses(const Lattice& lattice,
                                              std::span<const double> heights,
                                              std::span<const float> mass);
 
-// Moments of a mixture; the shares are 1 in all.
+// Moments of a mixture; the shares add to 1.
 struct WeightedMoments {
   double share = 0.0;
   CellMoments of;

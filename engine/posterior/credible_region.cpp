@@ -22,8 +22,8 @@ double density(const std::vector<Component>& mixture, double x, double y) {
   return sum;
 }
 
-// Probability of where the mixture is denser than `level`. Each component is represented by points
-// of equal probability, on rings.
+// Probability of the region where the mixture is denser than `level`. Each component is represented
+// by points of equal probability, on rings.
 double mass_above(const std::vector<Component>& mixture, double level) {
   // A count, chosen: with kDirections 2048 points, half a thousandth each.
   constexpr int kRings = 64;
@@ -34,7 +34,7 @@ double mass_above(const std::vector<Component>& mixture, double level) {
     for (int ring = 0; ring < kRings; ++ring) {
       const double radius = std::sqrt(-2.0 * std::log1p(-(ring + 0.5) / kRings));
       for (int k = 0; k < kDirections; ++k) {
-        // Each ring is turned against the last, so that the points line up nowhere.
+        // Each ring is rotated against the previous one, so that no points line up.
         const double angle = 2.0 * std::numbers::pi * (k + 0.5 * (ring % 2)) / kDirections;
         const auto [x, y] =
             component.gaussian.point(radius * std::cos(angle), radius * std::sin(angle));
@@ -46,7 +46,7 @@ double mass_above(const std::vector<Component>& mixture, double level) {
   return mass;
 }
 
-// Empty when the estimate has no position or states no covariance that is one.
+// Empty if the estimate has no position or no valid covariance.
 std::vector<Component> mixture_of(const LocationEstimate& estimate) {
   if (!estimate.position) {
     return {};

@@ -12,7 +12,7 @@ namespace rayloc {
 
 class HorizontalGaussian {
  public:
-  // Nothing unless the covariance is positive definite.
+  // Empty unless the covariance is positive definite.
   static std::optional<HorizontalGaussian> create(const Vec3d& centre,
                                                   const std::array<double, 9>& covariance) {
     const double xx = covariance[0];
@@ -38,7 +38,7 @@ class HorizontalGaussian {
   double density(double x, double y) const {
     return std::exp(-0.5 * squared_distance(x, y)) / (2.0 * std::numbers::pi * l11_ * l22_);
   }
-  // The point that is (u, v) of a standard normal distribution.
+  // Maps the point (u, v) of a standard normal distribution to this distribution.
   std::array<double, 2> point(double u, double v) const {
     return {centre_.x + l11_ * u, centre_.y + l21_ * u + l22_ * v};
   }

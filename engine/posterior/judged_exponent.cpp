@@ -12,14 +12,14 @@
 namespace rayloc {
 namespace {
 
-// Standard deviation of what dishonesty() says of honest regions.
+// Standard deviation of dishonesty() for honest regions.
 constexpr double kSpreadOfHonest = 0.76;
 
 double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Whether the mean of `better` is above that of `other` by no more than the standard error of the
+// True if the mean of `better` exceeds that of `other` by at most the standard error of the
 // difference, spot by spot.
 bool is_within_error(std::span<const double> better, std::span<const double> other) {
   std::vector<double> differences(better.size());
@@ -33,7 +33,7 @@ bool is_within_error(std::span<const double> better, std::span<const double> oth
   return mean <= std::sqrt(squares / (n * (n - 1.0)));
 }
 
-// The estimate if its variances were larger.
+// The estimate with its variances increased.
 LocationEstimate widened(LocationEstimate estimate, double more) {
   const auto widen = [&](std::array<double, 9>& covariance) {
     covariance[0] += more;
@@ -82,7 +82,7 @@ JudgedExponent judge_exponent(double exponent,
       best = {exponent, sigma, std::move(scores), score, 0.0};
     }
   }
-  // A probability, chosen: no region is asked for a larger one.
+  // A probability, chosen: largest region considered.
   constexpr double kWidestRegion = 0.999;
   std::vector<double> reaching;
   for (std::size_t i = 0; i < estimates.size(); ++i) {

@@ -15,17 +15,17 @@ namespace {
 constexpr double kKernel = 0.1;            // [m], standard deviation
 constexpr double kPeakRadius = 0.15;       // [m], the position is the mean within it
 constexpr double kHypothesisRadius = 0.3;  // [m], mass that belongs to one hypothesis
-constexpr double kLeastWeight = 0.02;      // of a hypothesis worth stating
-constexpr double kLeastPart = 1e-9;        // of a hill's mass, of a cell that has a part in it
+constexpr double kLeastWeight = 0.02;      // least weight of a reported hypothesis
+constexpr double kLeastPart = 1e-9;        // share of a peak's mass, for a cell to be part of it
 constexpr double kAmbiguousRatio = 0.3;    // weight of another place's hypothesis to the first
-// Pieces of one broad hill: no farther apart than this [m], and than so many of their spreads.
-// Neighbouring pieces are 1.5 to 2 apart, peaks with a valley between 3 and more.
+// Parts of one broad peak: at most this far apart [m], and at most this many of their spreads.
+// Neighbouring parts are 1.5 to 2 apart, peaks with a valley between them 3 and more.
 constexpr double kTouch = 0.65;
 constexpr double kSpreads = 2.3;            // a ratio to the sum of both spreads
-constexpr double kMostSpread = 0.5;         // of the room's area: past that the map is flat
-constexpr double kMostConfidence = 0.9999;  // that a radius can be stated for
+constexpr double kMostSpread = 0.5;         // share of the room's area: above it the map is flat
+constexpr double kMostConfidence = 0.9999;  // largest confidence with a reported radius
 constexpr double kHeightSigma = 0.05;       // [m], of the assumed height
-constexpr double kHeightShare = 0.5;        // of the prior's variance: less, and z was estimated
+constexpr double kHeightShare = 0.5;        // of the prior's variance: below it z was estimated
 
 // exp(likelihood_exponent * (l - max)), normalised to 1.
 std::vector<double> weights_of(const std::vector<double>& log_likelihood,
@@ -73,7 +73,7 @@ void smooth_line(const std::vector<double>& in,
   }
 }
 
-// The cell with the most mass about it, of those for which `take` holds.
+// The cell with the most mass around it, among those for which `take` holds.
 template <typename Take>
 std::size_t peak_of(const RoomGrid& grid, const std::vector<double>& mass, const Take& take) {
   std::vector<double> half(mass.size());
@@ -100,11 +100,11 @@ double horizontal_distance(const Vec3d& a, const Vec3d& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-// The posterior: masses of the cells of a grid, and where in each.
+// The posterior: masses of the cells of a grid, and their distributions inside the cells.
 struct Masses {
   const RoomGrid& grid;
   std::vector<double> mass;
-  std::span<const CellMass> within;  // of every cell; empty: uniform
+  std::span<const CellMass> within;  // [cell], distribution inside the cell; empty: uniform
   CellMoments uniform;
   double least_sigma;
 
@@ -117,7 +117,7 @@ struct Masses {
   }
 };
 
-// Nothing where nothing is known.
+// Empty if no cell has a known distribution.
 std::vector<CellMass> of_every_cell(const RoomGrid& grid, const KnownCells& known) {
   std::vector<CellMass> all;
   if (!known.empty()) {
@@ -135,13 +135,13 @@ struct Mean {
   Vec3d position;
 };
 
-// Of the cells for which `take` holds.
+// Mean position of the cells for which `take` holds.
 template <typename Take>
 Mean mean_position(const Masses& masses, const Take& take) {
   Mean result;
   double x = 0.0;
   double y = 0.0;
-  double above = 0.0;  // the grid's height
+  double above = 0.0;  // relative to the grid's height
   for (std::size_t i = 0; i < masses.mass.size(); ++i) {
     const double mass = masses.mass[i];
     if (mass > 0.0 && take(i)) {
@@ -191,7 +191,7 @@ std::array<double, 9> covariance_about(const Masses& masses, const Vec3d& about,
           is_height_known ? kHeightSigma * kHeightSigma : scale * z.z + least};
 }
 
-// The radius about `centre` that holds `confidence` of the mass, widened by what a cell hides.
+// The radius about `centre` that holds `confidence` of the mass, widened by the cell size.
 double radius_of(const Masses& masses, const Vec3d& centre, double confidence, double anywhere) {
   const double of_each = anywhere / static_cast<double>(masses.mass.size());
   std::vector<std::pair<double, double>> by_distance;  // distance, mass
@@ -219,8 +219,8 @@ double radius_of(const Masses& masses, const Vec3d& centre, double confidence, d
   return std::hypot(radius, hidden);
 }
 
-// Of what is left over little is as if the map said so much less; of more than the radius may miss,
-// the rest is anywhere.
+// A small outlier probability raises the quantile read from the map. A larger one is treated as
+// mass spread over the whole room.
 double accuracy_of(const Masses& masses, const Vec3d& position, const PosteriorOptions& options) {
   const double of_map = options.accuracy_confidence / (1.0 - options.outlier);
   return of_map <= kMostConfidence
@@ -238,7 +238,7 @@ double effective_cells(const std::vector<double>& mass) {
   return std::exp(entropy);
 }
 
-// What is left of `all` without the share of `best`.
+// Moments of `all` without the share of `best`.
 CellMoments without(const CellMoments& all, const CellMoments& best, double share) {
   const double rest = 1.0 - share;
   CellMoments m;
@@ -254,9 +254,9 @@ CellMoments without(const CellMoments& all, const CellMoments& best, double shar
   return m;
 }
 
-// Adds the mass of a cell, in two parts where its best place is known.
+// Adds the mass of a cell, in two parts if its best place is known.
 void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& parts) {
-  // A ratio, chosen: a cell whose best place has this much is one part.
+  // A ratio, chosen: a cell whose best place has at least this share is one part.
   constexpr double kOnePartShare = 1.0 - 1e-9;
   const Vec3d centre = masses.grid.centre(cell);
   const double least = masses.least_sigma * masses.least_sigma;
@@ -273,7 +273,7 @@ void add_parts(const Masses& masses, std::size_t cell, std::vector<HillMass>& pa
   add((1.0 - within.best_share) * mass, without(within.all, within.best, within.best_share));
 }
 
-// A part of the hill that `whole` states; its height is that of the whole.
+// Hypothesis of a part of the peak of `whole`; its height is that of the whole peak.
 Hypothesis hypothesis_of(const HillMass& hill, const Hypothesis& whole, double believed) {
   return {{hill.x, hill.y, whole.position.z},
           {hill.xx, hill.xy, 0.0, hill.xy, hill.yy, 0.0, 0.0, 0.0, whole.covariance[8]},
@@ -297,14 +297,14 @@ bool touch(const Hypothesis& a, const Hypothesis& b) {
   return apart < kTouch && apart < kSpreads * (spread(a) + spread(b));
 }
 
-// A place that the first does not touch, directly or by others, is nearly as likely.
+// True if a place that is not connected with the first, directly or by others, is nearly as likely.
 // REQUIRES: the heaviest is the first.
 bool is_ambiguous(const std::vector<Hypothesis>& hypotheses) {
   if (hypotheses.empty()) {
     return false;
   }
   std::vector<Hypothesis> others(hypotheses.begin() + 1, hypotheses.end());
-  std::vector<Hypothesis> same{hypotheses.front()};  // grows by what each of it touches
+  std::vector<Hypothesis> same{hypotheses.front()};  // grows by the hypotheses connected with it
   for (std::size_t i = 0; i < same.size(); ++i) {
     const auto apart = std::stable_partition(
         others.begin(), others.end(), [&](const auto& one) { return !touch(same[i], one); });
@@ -319,7 +319,7 @@ bool is_ambiguous(const std::vector<Hypothesis>& hypotheses) {
 void add_hypotheses(Masses masses, const PosteriorOptions& options, LocationEstimate& estimate) {
   const double believed = 1.0 - options.outlier;
   double left = 1.0;
-  std::vector<HillMass> heaviest;  // parts of the heaviest hill
+  std::vector<HillMass> heaviest;  // parts of the heaviest peak
   double most = 0.0;
   while (estimate.hypotheses.size() < options.max_hypotheses) {
     const Vec3d peak =

@@ -1,4 +1,4 @@
-// Posterior: what a map of log-likelihoods over the cells of a room says about the position.
+// Posterior: the position and uncertainty given by a map of log-likelihoods over a room's cells.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace rayloc {
 // Cells of equal size over the room at one height, x outermost.
 struct RoomGrid {
   Vec3d first;                // [m], centre of cell (0, 0)
-  double height_sigma = 0.0;  // [m], of a target about that height; 0: it is known
+  double height_sigma = 0.0;  // [m], of a target about that height; 0: known height
   double step_x = 0.0;
   double step_y = 0.0;
   std::size_t count_x = 0;
@@ -33,50 +33,50 @@ struct RoomGrid {
   }
 };
 
-// Where in a cell its mass is: the mean's offset from the centre [m] and the covariance about it.
+// Distribution inside a cell: the mean's offset from the centre [m] and the covariance.
 struct CellMoments {
   double x = 0.0;
   double y = 0.0;
   double xx = 0.0;  // [m^2]
   double xy = 0.0;
   double yy = 0.0;
-  double z = 0.0;  // of a target at an unknown height
+  double z = 0.0;  // for a target at an unknown height
   double xz = 0.0;
   double yz = 0.0;
   double zz = 0.0;
 };
-// Anywhere in the cell.
+// Uniform distribution in the cell.
 CellMoments uniform_moments(const RoomGrid& grid);
 
-// The same of all of its mass, and of the part that lies about its best place.
+// Distributions of all of a cell's mass, and of the part around its best place.
 struct CellMass {
   CellMoments all;
   CellMoments best;
   double best_share = 1.0;
-  std::vector<float> layers = {};  // share of each of HeightLayers; empty: the height is known
+  std::vector<float> layers = {};  // share of each of HeightLayers; empty: known height
 };
 
-// Cells of which that is known; in all others the mass is anywhere.
+// Cells with a known inner distribution; all others are uniform.
 using KnownCells = std::vector<std::pair<std::size_t, CellMass>>;
 
 struct PosteriorOptions {
   double likelihood_exponent = 1.0;  // exponent of the likelihood
   double accuracy_confidence = 0.95;
   std::size_t max_hypotheses = 5;
-  // Probability that the map says nothing of the place: left over, whatever the map says.
+  // Outlier probability: the map carries no information on the position.
   double outlier = 0.0;
-  double least_sigma = 0.01;  // [m], added to what the map says (RoomModel::least_sigma)
-  // Of the room, where the grid is a part of it that holds all but `outlier` of the mass; 0: the
-  // grid is all of it.
+  double least_sigma = 0.01;  // [m], added to the width of the map (RoomModel::least_sigma)
+  // Number of cells of the room, if the grid is a part of it that holds all but `outlier` of the
+  // mass; 0: the grid is the whole room.
   double cells_of_room = 0.0;
 };
 
-// Fills position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
-// estimate. Hypotheses are the hills of the map; of the heaviest, where there is room for one more,
-// core and foot (two_component_split.h) where these are two. The position is where half of the mass
-// is near (smallest_half_mass_disc.h), which need not be the heaviest hill; in there the maximum of
-// the mass in a kernel of 0.1 m, not the highest cell: a spike is more often wrong than a hill.
-// Without a position, `reason` says that the map is flat.
+// Sets position, covariance, accuracy, hypotheses, residual probability and `ambiguous` of the
+// estimate. Hypotheses are the peaks of the map; the heaviest one is split into core and foot
+// (two_component_split.h) if it consists of two and there is room for one more. The position is in
+// the smallest disc with half of the mass (smallest_half_mass_disc.h), which need not contain the
+// heaviest peak; in it, the maximum of the mass in a 0.1 m kernel, not the highest cell: a spike is
+// more often wrong than a broad peak. Without a position, `reason` states that the map is flat.
 void summarise_posterior(const RoomGrid& grid,
                          const std::vector<double>& log_likelihood,
                          const PosteriorOptions& options,

@@ -1,4 +1,4 @@
-// RoomMap: what the access points together say of every cell of a room.
+// RoomMap: joint log-likelihoods of all access points for every cell of a room.
 #pragma once
 
 #include <span>
@@ -11,14 +11,14 @@ namespace rayloc {
 
 struct RoomMap {
   std::vector<double> log_likelihood;      // [cell]
-  KnownCells within;                       // of those looked at closely
-  std::vector<std::vector<double>> doubt;  // [access point][cell], that it is wrong there
+  KnownCells within;                       // of the refined cells
+  std::vector<std::vector<double>> doubt;  // [access point][cell], probability that it is wrong
 };
 
-// maps: [access point][cell], those that `fusion` is of. No cell is looked at closely.
+// maps: [access point][cell], the maps of `fusion`. No cell is refined.
 RoomMap fuse(std::span<const std::vector<double>> maps, const AccessPointFusion& fusion);
 
-// Of each access point the probability that what it hears says nothing of the place.
+// For each access point the probability that its observation is uninformative.
 std::vector<double> doubts(const RoomMap& map, double likelihood_exponent);
 
 }  // namespace rayloc

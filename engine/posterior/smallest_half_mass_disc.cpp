@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kGrowth = 1.2;  // a ratio, chosen: from one radius that is tried to the next
-// Middles are a radius over this apart, and a cell at least.
+constexpr double kGrowth = 1.2;  // a ratio, chosen: step from one radius to the next
+// Centres are a radius divided by this apart, but at least one cell.
 constexpr double kMiddles = 8.0;
 
 // Masses of discs of cells.
@@ -27,12 +27,12 @@ class DiscMasses {
   }
 
   struct Heaviest {
-    std::size_t cell = 0;  // in the middle
+    std::size_t cell = 0;  // at the centre
     double mass = -1.0;
   };
-  // Of those of a radius, with every `stride`th cell of a row and a column in the middle.
+  // The heaviest disc of this radius, with centres at every `stride`th cell of a row and a column.
   Heaviest heaviest(double radius, std::size_t stride) const {
-    std::vector<std::size_t> along;  // half of a row, by how far it is from the middle
+    std::vector<std::size_t> along;  // half length of a row, by its distance from the centre
     for (double across = 0.0; across <= radius; across += grid_.step_x) {
       along.push_back(
           static_cast<std::size_t>(std::sqrt(radius * radius - across * across) / grid_.step_y));
@@ -64,7 +64,7 @@ class DiscMasses {
   }
 
   const RoomGrid& grid_;
-  std::vector<double> below_;  // [x][y], of the cells of a row before y
+  std::vector<double> below_;  // [x][y], sum over the cells of a row before y
 };
 
 }  // namespace

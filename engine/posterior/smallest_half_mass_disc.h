@@ -1,7 +1,7 @@
-// smallest_half_mass_disc: where half of a posterior's mass is as near together as it gets.
+// smallest_half_mass_disc: the smallest disc that holds half of a posterior's mass.
 //
-// Of all places the middle of the smallest disc that holds half of the mass has the least median
-// error (in robust statistics, the centre of the least median of squares: Rousseeuw, JASA 79,
+// The centre of this disc has the least median error of all places (in robust
+// statistics, the centre of the least median of squares: Rousseeuw, JASA 79,
 // 1984).
 #pragma once
 
@@ -23,8 +23,8 @@ struct Disc {
   }
 };
 
-// The first that does, of discs of `least` [m] and more, each a fifth wider than the one before and
-// about a cell of the grid. mass: of each cell, 1 in all.
+// The first disc with half of the mass, of radii from `least` [m] on, each a fifth larger than the
+// previous one, centred on a cell of the grid. mass: of each cell, sums to 1.
 Disc smallest_half_mass_disc(const RoomGrid& grid, const std::vector<double>& mass, double least);
 
 }  // namespace rayloc

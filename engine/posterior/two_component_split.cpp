@@ -10,10 +10,10 @@
 namespace rayloc {
 namespace {
 
-constexpr int kIterations = 30;      // a count, chosen: of expectation and maximization
+constexpr int kIterations = 30;      // a count, chosen: of expectation and maximisation
 constexpr double kLeastGain = 0.1;   // [nat]
-constexpr double kLeastMass = 1e-4;  // of the hill, of a component
-constexpr double kStartShare = 0.5;  // of the hill's mass, the densest, that the core begins with
+constexpr double kLeastMass = 1e-4;  // least share of a component in the peak's mass
+constexpr double kStartShare = 0.5;  // of the peak's mass, the densest, that initialises the core
 
 double determinant(const HillMass& g) { return g.xx * g.yy - g.xy * g.xy; }
 

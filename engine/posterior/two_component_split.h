@@ -1,8 +1,8 @@
-// A hill of a posterior as a core and a foot.
+// Splits a peak of a posterior into a core and a foot.
 //
-// Many a hill is a sharp peak, millimetres wide, on a wide foot: half a cycle beside the peak a
-// part of the rays fits again. One Gaussian with the covariance of both states the peak's middle
-// several times too wide. Two Gaussians with their weights state either as it is.
+// Many peaks are sharp, millimetres wide, on a wide foot: half a cycle beside the peak a part of
+// the rays fits again. One Gaussian with the covariance of both makes the peak's core several times
+// too wide. Two Gaussians with their weights represent both.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-// Mass of a hill and where it is: mean and covariance, horizontal.
+// Mass of a peak and its distribution: mean and covariance, horizontal.
 struct HillMass {
   double mass = 0.0;
   double x = 0.0;  // [m]
@@ -21,12 +21,12 @@ struct HillMass {
   double yy = 0.0;
 };
 
-// The mass of all, its mean and its covariance. REQUIRES: some mass.
+// The total mass, its mean and its covariance. REQUIRES: positive mass.
 HillMass sum_of(std::span<const HillMass> parts);
 
-// The core, which is the denser one, and the foot; together they have the mass of all. By
-// expectation and maximisation from the densest part on. Nothing where one Gaussian says nearly as
-// much of where the mass is: a tenth of a nat less, in the mean over the mass.
+// The core, which is the denser component, and the foot; together they have the whole mass.
+// Computed by expectation maximisation from the densest part on. Empty if one Gaussian describes
+// the mass nearly as well: a tenth of a nat less, in the mean over the mass.
 std::optional<std::array<HillMass, 2>> two_component_split(std::span<const HillMass> parts);
 
 }  // namespace rayloc

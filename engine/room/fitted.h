@@ -1,4 +1,4 @@
-// A fitted number, with what was assumed before and how sure the fit is.
+// A fitted number, with its prior and the standard deviation of the fit.
 #pragma once
 
 namespace rayloc {
@@ -6,8 +6,8 @@ namespace rayloc {
 template <typename Value>
 struct Fitted {
   Value value{};
-  Value prior{};  // what the floor plan, the survey or the table said
-  Value sigma{};  // posterior standard deviation; 0: the data do not bound it
+  Value prior{};  // from the floor plan, the survey or the table
+  Value sigma{};  // posterior standard deviation; 0: not bounded by the data
 };
 
 }  // namespace rayloc

@@ -12,10 +12,10 @@ namespace rayloc {
 namespace {
 
 constexpr double kMotionWarning = 0.1;  // a ratio, as Burst::motion_residual; chosen
-// [dB], of the mean power of the others. With all chains alive, 250 bursts of two rooms had none
-// below -18.3; without an antenna, noise and coupling leave -23 or less.
+// [dB], relative to the mean power of the others. With all chains alive, 250 bursts of two rooms
+// had none below -18.3; without an antenna, noise and coupling leave -23 or less.
 constexpr double kDeadChain = -20.0;
-// A ratio, chosen: a silent chain is -120 dB and not infinite.
+// A ratio, chosen: a silent chain is -120 dB, not minus infinity.
 constexpr double kLeastShare = 1e-12;
 
 }  // namespace
@@ -120,7 +120,7 @@ BurstObservation without_row(BurstObservation burst, std::size_t row) {
   const auto at = static_cast<std::ptrdiff_t>(row);
   burst.h.erase(burst.h.begin() + at * tones, burst.h.begin() + (at + 1) * tones);
   burst.cores.erase(burst.cores.begin() + at);
-  burst.level_dbm.reset();  // that of the others was not learned
+  burst.level_dbm.reset();  // the level of the remaining chains was not calibrated
   burst.absent.reset();
   return burst;
 }

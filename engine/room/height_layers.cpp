@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kReach = 2.25;      // standard deviations to either side: 97.6 % of the prior
 constexpr double kThickest = 0.15;   // [m], chosen: a path's direction is the same across a layer
-constexpr double kLeastAbove = 0.1;  // [m], chosen: of a device above the floor, below the ceiling
+constexpr double kLeastAbove = 0.1;  // [m], chosen: clearance to floor and ceiling
 
 // Probability of a standard normal variable below x.
 double below(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }

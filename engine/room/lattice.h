@@ -1,4 +1,4 @@
-// Lattice: places in plan around a middle, equally far apart.
+// Lattice: equally spaced positions in plan around a centre.
 #pragma once
 
 #include <cstddef>

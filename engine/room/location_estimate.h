@@ -1,4 +1,4 @@
-// LocationEstimate: where a target is, how sure that is, or why it cannot be said.
+// LocationEstimate: a target's position with its uncertainty, or the reason for having none.
 //
 // World coordinates of the room, metres. A covariance is 3 x 3, row-major; its z entries are those
 // of the assumed height where the height is not estimated.
@@ -22,32 +22,32 @@ struct Hypothesis {
 };
 
 struct LocationEstimate {
-  // Absent: NO_FIX, and `reason` says why. Never a sentinel.
+  // Absent: NO_FIX, and `reason` states why. Never a sentinel.
   std::optional<Vec3d> position;
   std::string reason;
 
-  // A method that finds a position and knows nothing of its error states none: then the next three
-  // are meaningless, and there are no hypotheses.
+  // False for a method that has no error model for its position: then the next three fields are
+  // meaningless, and there are no hypotheses.
   bool is_uncertainty_stated = true;
-  // Of the whole posterior about `position`; meaningless without one.
+  // Covariance of the whole posterior about `position`; meaningless without a position.
   std::array<double, 9> covariance{};
-  bool is_height_estimated = false;   // z is more than what was assumed
+  bool is_height_estimated = false;   // false: z is the assumed height
   double accuracy_m = 0.0;            // horizontal radius that contains the target ...
   double accuracy_confidence = 0.95;  // ... with this probability
 
   std::vector<Hypothesis> hypotheses;  // heaviest first, at most LocalizerOptions::max_hypotheses
-  double residual_probability = 1.0;   // 1 - sum of the weights: somewhere else
-  bool ambiguous = false;              // a hypothesis of another place is nearly as likely
+  double residual_probability = 1.0;   // 1 - sum of the weights: any other position
+  bool ambiguous = false;              // a hypothesis at another position is nearly as likely
 
-  // Negative log-likelihood of `position`, up to a constant of the site, or what else the method
-  // makes least.
+  // Negative log-likelihood of `position`, up to a constant of the site, or another quantity that
+  // the method minimises.
   double loss = 0.0;
   double snr_db = 0.0;  // of one frame, median over the access points
-  // Power that the model at `position` leaves unexplained; absent where it is not worked out.
+  // Power that the model at `position` leaves unexplained; absent where it is not computed.
   std::optional<double> model_residual_db;
 
-  std::size_t iterations = 0;  // steps that led to `position`; 0: the method has none
-  std::size_t starts = 0;      // places they were begun from; 0: the method has none
+  std::size_t iterations = 0;  // steps that led to `position`; 0: none in this method
+  std::size_t starts = 0;      // number of starting positions; 0: none in this method
   std::size_t frames_used = 0;
   std::size_t access_points_used = 0;
   std::size_t antennas_used = 0;

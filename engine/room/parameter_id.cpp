@@ -8,7 +8,7 @@ namespace {
 
 using Ending = std::pair<Quantity, std::string_view>;
 
-// An ending of two words stands before the one that it ends with.
+// An ending of two words precedes the one that it ends with.
 constexpr std::array kEndings = {
     Ending{Quantity::kSurfaceOffset, ".offset"},
     Ending{Quantity::kGain, ".gain"},

@@ -1,4 +1,4 @@
-// ParameterId: which number of the model a calibration fitted: a quantity of a part of the room.
+// ParameterId: identifies a fitted number of the model: a quantity and the part of the room.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace rayloc {
 
 enum class Quantity : std::uint8_t {
   kSurfaceOffset,
-  kGain,   // of a surface, or of a chain against the first
+  kGain,   // of a surface, or of a chain relative to the first
   kPhase,  // likewise
   kRelativePermittivity,
   kConductivity,
@@ -20,7 +20,7 @@ enum class Quantity : std::uint8_t {
   kYaw,
   kPitch,
   kRoll,
-  kYawOffset,  // from the chain gains alone, where the array does not move
+  kYawOffset,  // from the chain gains alone, for an array that does not move
   kElementY,
   kCouplingReal,
   kCouplingImaginary,
@@ -32,7 +32,7 @@ enum class Quantity : std::uint8_t {
   kTranslationX,
   kTranslationY,
   kTranslationZ,
-  kOther,  // one that this program does not fit; `of` is its whole name
+  kOther,  // not fitted by this program; `of` is the whole name
 };
 
 struct ParameterId {
@@ -43,7 +43,7 @@ struct ParameterId {
   bool operator==(const ParameterId&) const = default;
 };
 
-// "wall_west.+x.offset", "ap1.position.x", "ap1.core1/core0.phase", as files and reports have it.
+// "wall_west.+x.offset", "ap1.position.x", "ap1.core1/core0.phase", as files and reports write it.
 std::string to_string(const ParameterId& id);
 // The inverse; kOther where the end of the name is no quantity.
 ParameterId parse_parameter_id(std::string_view name);

@@ -60,7 +60,7 @@ RadioMap radio_map(const PathTracer& tracer,
   parallel_for(cells.size(), 16, [&](std::size_t i) {
     Transmitter device;
     device.position = grid.middle(i);
-    if (!(device.position == array.pose.position)) {  // an antenna does not hear itself
+    if (!(device.position == array.pose.position)) {  // an antenna does not receive its own signal
       cells[i] = summarise(at_array.trace(device));
     }
     if (cell_done) {

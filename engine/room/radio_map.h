@@ -1,10 +1,10 @@
-// RadioMap: how an access point is heard over a room, on a lattice at one height.
+// RadioMap: reception of an access point over a room, on a lattice at one height.
 //
 // The device is isotropic and vertically polarized; the array is one antenna at its origin, with
-// its pattern and polarization. Reciprocity: it does not matter which of the two sends.
+// its pattern and polarization. By reciprocity either of the two may be the transmitter.
 //
 // Path gain adds the powers of the paths and not their amplitudes, as Sionna RT's RadioMap does:
-// the mean over a wavelength or two, not the fading within it. Delay spread: the root mean square
+// the mean over a wavelength or two, without small-scale fading. Delay spread: the root mean square
 // about the mean delay, weighted by power (ITU-R P.1407-8).
 #pragma once
 
@@ -34,28 +34,28 @@ struct RadioMapGrid {
   }
 };
 
-// How many cells of side `step` fit on a length [m], at least one: a whole number, however large.
+// Number of cells of side `step` on a length [m], at least one: a whole number of any size.
 // REQUIRES: step > 0.
 double radio_map_cells(double length, double step);
 
-// Cells that cover a rectangle, as many as fit on both sides of its middle, at least one. REQUIRES:
-// step > 0, lower <= upper.
+// Cells that cover a rectangle, the same number on both sides of its middle, at least one.
+// REQUIRES: step > 0, lower <= upper.
 RadioMapGrid radio_map_grid(const Vec3d& lower, const Vec3d& upper, double height, double step);
 
-// Of each cell.
+// Radio map: one value per cell.
 struct RadioMap {
   std::vector<double> path_gain;          // received over sent power; 0: no path
   std::vector<double> delay_spread;       // [s]; NaN: no path
-  std::vector<std::uint32_t> path_count;  // that carry power
+  std::vector<std::uint32_t> path_count;  // number of paths with power
 };
 
-// On all cores. `cell_done` may be empty; it is called from any thread.
+// Computes the map on all cores. `cell_done` may be empty; it is called from any thread.
 RadioMap radio_map(const PathTracer& tracer,
                    const AntennaArray& array,
                    const RadioMapGrid& grid,
                    const std::function<void()>& cell_done = {});
 
-// Of each cell, the number of the map with the largest path gain, -1 where there is no path at all.
+// For each cell, the number of the map with the largest path gain, -1 where no map has a path.
 // REQUIRES: maps of one grid, at least one.
 std::vector<std::int64_t> strongest_of(const std::vector<RadioMap>& maps);
 

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastGain = 0.05;  // a ratio, chosen: of a null a change says nothing
-constexpr double kMostChange = 3.0;  // a ratio, chosen: of an amplitude
+constexpr double kLeastGain = 0.05;  // a ratio, chosen: near a null the ratio is unreliable
+constexpr double kMostChange = 3.0;  // a ratio, chosen: largest change of an amplitude
 
 double gain(const AntennaPattern& pattern,
             const Mat3d& world_from_antenna,

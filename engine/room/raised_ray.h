@@ -1,8 +1,8 @@
-// A ray of a device that has risen above the place that was traced.
+// Ray of a device that is above the position that was traced.
 //
-// The mirror image of the array stays where it is, so length and directions are exact as long as
-// the ray meets the same surfaces. Its strength follows the length and both antennas' patterns;
-// what the reflections do at other angles is left to the uncertainty of a ray's strength.
+// The mirror image of the array is fixed, so length and directions are exact as long as the ray
+// meets the same surfaces. The amplitude follows the length and both antennas' patterns; the change
+// of the reflections with the angle is left to the uncertainty of a ray's strength.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-// The rays to the centre of `array` from a device `by` [m] above where they begin.
+// The rays to the centre of `array` from a device `by` [m] above their traced starting point.
 std::vector<Ray> raised_rays(std::span<const Ray> rays,
                              double by,
                              const DeviceModel& device,

@@ -14,7 +14,7 @@ Vec3<float> single(const Vec3d& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-// Follows a path from the device on and notes in its ray what the mirrors on it do.
+// Follows a path from the device and records the effect of its mirrors in its ray.
 class RayFollower {
  public:
   RayFollower(const Scene& scene, const Vec3d& device) : scene_(scene), from_(device) {}
@@ -23,7 +23,7 @@ class RayFollower {
     const Vec3d leg = interaction.position - from_;
     const Vec3d normal = scene_.surfaces()[interaction.surface].plane().normal;
     const double along = dot(leg, normal);
-    // rows (I - 2 n n^T), the reflection that comes next on the way from the device
+    // rows (I - 2 n n^T), the next reflection on the path from the device
     for (Vec3d* row : {&mirror_.row0, &mirror_.row1, &mirror_.row2}) {
       *row = *row - 2.0 * dot(*row, normal) * normal;
     }
@@ -31,10 +31,10 @@ class RayFollower {
     ray.cos2_incidence += along * along / dot(leg, leg);
     from_ = interaction.position;
   }
-  // Straight on.
+  // Direction unchanged.
   void meet(interactions::Transmission /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
   void meet(interactions::Shadowing /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
-  // Not among the paths of a calibrated room, which has no image for it.
+  // Does not occur: paths of a calibrated room have no diffraction, which has no mirror image.
   void meet(interactions::Diffraction /*met*/, const Interaction& /*interaction*/, Ray& /*ray*/) {}
 
   Mat3<float> mirror() const {

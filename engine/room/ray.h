@@ -1,8 +1,8 @@
-// Ray: what the observation model needs of a traced path between a device and the centre of an
-// antenna array.
+// Ray: the properties of a traced path between a device and the centre of an antenna array that the
+// observation model needs.
 //
 // The array is small against the length of a path, and all surfaces are planes, so the path to
-// every element is that of the same mirror image of the device: its length is exact for each.
+// every element comes from the same mirror image of the device: its length is exact for each.
 #pragma once
 
 #include <complex>
@@ -18,20 +18,20 @@ namespace rayloc {
 struct Ray {
   std::complex<double> amplitude;  // without propagation phase
   double length = 0.0;             // [m], device to the array's centre
-  Vec3d at_array;                  // unit, from the array to where the wave comes from
-  Vec3d at_device;                 // unit, the way that the wave leaves the device
+  Vec3d at_array;                  // unit, from the array towards the arriving wave
+  Vec3d at_device;                 // unit, direction of departure from the device
   int reflections = 0;
   // Sum over the reflections of cos^2 of the angle of incidence: a surface displaced by s along its
   // normal changes the length by 2 s cos.
   double cos2_incidence = 0.0;
-  // Turns what is about the array into its mirror image, as the device sees it:
-  // at_device = -(mirror * at_array).
+  // Maps vectors at the array to its mirror image, as seen from the device: at_device =
+  // -(mirror * at_array).
   Mat3<float> mirror;
 };
 
-// From the device to the image of an element that is `element_offset` [m] from the array's centre.
-// The image stays where it is when the device moves, as long as the ray meets the same surfaces:
-// from a place `moved` beside the device's the way is image_of(...) - moved, and the derivative of
+// Vector from the device to the image of an element that is `element_offset` [m] from the array's
+// centre. The image is fixed when the device moves, as long as the ray meets the same surfaces:
+// from a position displaced by `moved` the vector is image_of(...) - moved, and the derivative of
 // its length is minus its direction (Fermat).
 inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
   const Vec3<float> offset{static_cast<float>(element_offset.x),
@@ -43,7 +43,7 @@ inline Vec3d image_of(const Ray& ray, const Vec3d& element_offset) {
                                             static_cast<double>(turned.z)};
 }
 
-// What a likelihood knows of a place at most.
+// Largest number of rays per position in a likelihood.
 inline constexpr std::size_t kMostRays = 64;
 
 // The paths from `device` (transmitter) to the centre of the array (receiver), strongest first, at

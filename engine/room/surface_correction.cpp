@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-// The correction stands for how a surface reflects; what goes through it or past it keeps what the
-// material gives it.
+// The correction describes how a surface reflects; waves that pass through it or past it keep the
+// coefficients of the material.
 struct IsCorrected {
   constexpr bool operator()(interactions::Reflection /*met*/) const { return true; }
   constexpr bool operator()(interactions::Transmission /*met*/) const { return false; }

@@ -1,5 +1,5 @@
-// What the surfaces of a room multiply the paths by that they reflect
-// (RoomModel::surface_correction), on traced paths and on their derivatives.
+// Correction factors of reflections at the surfaces of a room (RoomModel::surface_correction),
+// applied to traced paths and to their derivatives.
 #pragma once
 
 #include <complex>
@@ -11,16 +11,16 @@
 
 namespace rayloc {
 
-// Whether a surface's correction is of such an interaction.
+// True for the kinds of interaction that a surface's correction applies to.
 bool is_corrected(InteractionKind kind);
 
-// `amplitude` times the corrections of the surfaces of `path`, one after another from the
-// transmitter on. `correction` is of each surface of the scene; empty: 1.
+// `amplitude` times the corrections of the surfaces of `path`, in order from the transmitter.
+// `correction` has one factor for each surface of the scene; empty: 1.
 std::complex<double> apply_surface_correction(std::span<const std::complex<double>> correction,
                                               const Path& path,
                                               std::complex<double> amplitude);
 
-// The same of the amplitudes of all `paths` and of their derivatives; delays stay.
+// Applies the corrections to the amplitudes of all `paths` and their derivatives; delays stay.
 // REQUIRES: derivatives of these paths, or none.
 void correct_paths(std::span<const std::complex<double>> correction, Paths& paths);
 void correct_paths(std::span<const std::complex<double>> correction,

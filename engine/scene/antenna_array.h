@@ -1,4 +1,4 @@
-// AntennaArray: elements of one pattern on a rigid body somewhere in the room.
+// AntennaArray: elements with one pattern on a rigid body.
 //
 // Orientation is yaw, pitch, roll about z, y, x (R = Rz Ry Rx); boresight is local +x.
 #pragma once
@@ -34,12 +34,12 @@ struct AntennaArray {
   Polarization polarization = Polarization::kVertical;
 };
 
-// Where element `i` is, world coordinates.
+// Position of element `i`, world coordinates.
 inline Vec3d element_position(const AntennaArray& array, std::size_t i) {
   return array.pose.position + rotation(array.pose.orientation) * array.element_offset[i];
 }
 
-// Where all elements are from the array's position, world axes [m].
+// Offsets of all elements from the array's position, world axes [m].
 inline std::vector<Vec3d> offsets_of(const AntennaArray& array) {
   std::vector<Vec3d> offsets;
   offsets.reserve(array.element_offset.size());

@@ -15,7 +15,7 @@ bool comes_before(const Point2& a, const Point2& b) {
   return std::tie(a.u, a.v) < std::tie(b.u, b.v);
 }
 
-// Numbers of places; points nearer to each other than the tolerance are one.
+// Numbers positions; points nearer to each other than the tolerance are one.
 class Places {
  public:
   explicit Places(double tolerance) : tolerance_(tolerance) {}
@@ -47,7 +47,7 @@ class Places {
   std::map<std::pair<std::int64_t, std::int64_t>, std::uint32_t> cells_;
 };
 
-// Sides that run there; a triangle lies to their left.
+// Directed sides; a triangle lies to their left.
 class Sides {
  public:
   void add(std::uint32_t from, std::uint32_t to) {
@@ -55,7 +55,7 @@ class Sides {
       ways_[{std::min(from, to), std::max(from, to)}] |= from < to ? 1U : 2U;
     }
   }
-  // Those with a triangle on one side only.
+  // Sides with a triangle on one side only.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open() const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> sides;
     for (const auto& [ends, ways] : ways_) {
@@ -70,7 +70,7 @@ class Sides {
   std::map<std::pair<std::uint32_t, std::uint32_t>, unsigned> ways_;
 };
 
-// The places that lie on the side from a to b, between its ends, in its order. `places`: sorted.
+// The places that lie on the side from a to b, between its ends, in order. `places`: sorted.
 std::vector<std::uint32_t> on_side(const Point2& a,
                                    const Point2& b,
                                    std::span<const std::pair<Point2, std::uint32_t>> places,
@@ -127,7 +127,7 @@ std::vector<Side> boundary_of(std::span<const Triangle2> triangles, double toler
       whole.add(n.at(i), n.at((i + 1) % n.size()));
     }
   }
-  // Cut where corners of others are on them, sides are the same or do not touch.
+  // After cuts at the corners of others on them, sides are equal or do not touch.
   const auto open = whole.open();
   std::vector<std::pair<Point2, std::uint32_t>> ends;
   for (const auto& [from, to] : open) {

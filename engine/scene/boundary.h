@@ -1,4 +1,4 @@
-// boundary_of: where the triangles of a surface end.
+// boundary_of: the boundary of the triangles of a surface.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@ struct Side {
   Point2 from, to;
 };
 
-// The sides of the triangles that have a triangle on one side only; those that triangles share lie
-// inside, also where one of them has corners on the side of another. Corners no further apart than
-// `tolerance` [m] are one. REQUIRES: triangles do not overlap (disjoint_triangles.h); else sides
-// within the surface may be among the result.
+// Sides of triangles with a triangle on one side only; sides shared by two triangles are inside,
+// also where one of them has corners on the side of another. Corners no further apart than
+// `tolerance` [m] are merged. REQUIRES: triangles do not overlap (disjoint_triangles.h); otherwise
+// sides within the surface may be in the result.
 std::vector<Side> boundary_of(std::span<const Triangle2> triangles, double tolerance);
 
-// Each triangle once, however often it is there and whichever way round.
+// Removes duplicate triangles, of either winding.
 std::vector<Triangle2> without_doubles(std::vector<Triangle2> triangles);
 
 }  // namespace rayloc

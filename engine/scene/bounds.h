@@ -1,4 +1,4 @@
-// Bounds: the smallest box along the axes around some points.
+// Bounds: the smallest axis-aligned box around some points.
 #pragma once
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Bounds {
   }
 };
 
-// Of the vertices that triangles use.
+// Bounds of the vertices that triangles use.
 inline Bounds bounds_of(const Mesh& mesh) {
   Bounds bounds;
   for (const auto& triangle : mesh.triangles) {

@@ -21,17 +21,17 @@ namespace {
 constexpr double kWidening = 2e-6;
 // Queries from further away than this many scene sizes would round by more than the widening.
 constexpr double kFarAway = 2.0;
-// A corner grown by a margin reaches further than the margin: by this much where two edges meet at
+// A corner grown by a margin extends further than the margin: by this much where two edges meet at
 // 29 degrees; a sharper corner's last tip, of weight almost 0 by all measures, may be missed.
 constexpr double kCornerReach = 4.0;
 
-// What the callbacks see: Embree passes on a pointer to its context.
+// Data of a query for the callbacks: Embree passes on a pointer to its context.
 struct Query {
   RTCIntersectContext context;  // first, so that its address is the query's
   const Segment* segment;
   double length;
   bool blocked;
-  std::vector<Crossing>* found;  // nullptr: the first one is enough
+  std::vector<Crossing>* found;  // nullptr: stop at the first one
 };
 
 }  // namespace
@@ -39,7 +39,7 @@ struct Query {
 class Bvh::Impl {
  public:
   Impl(std::span<const Surface> surfaces, double margin) : surfaces_(surfaces), margin_(margin) {
-    // [m]: the first corner replaces it.
+    // [m]: replaced by the first corner.
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec3d lower{kInfinity, kInfinity, kInfinity};
     Vec3d upper = -lower;
@@ -54,7 +54,7 @@ class Bvh::Impl {
       }
     }
     if (!primitives_.empty()) {
-      // Whole metres, as RayShooter: what is a round number in the scene stays one.
+      // Whole metres, as in RayShooter: round numbers of the scene stay round.
       const Vec3d middle = 0.5 * (lower + upper);
       origin_ = {std::round(middle.x), std::round(middle.y), std::round(middle.z)};
     }
@@ -140,7 +140,7 @@ class Bvh::Impl {
     return query.blocked;
   }
 
-  // Whether the query has its answer with this piece.
+  // True if this piece completes the query.
   bool meet(Query& query, const Primitive& primitive) const {
     const double share = crossing(query, primitive);
     if (share < 0.0) {
@@ -160,7 +160,7 @@ class Bvh::Impl {
     return false;
   }
 
-  // The verdict, in double precision: the share of the segment, or -1 for none.
+  // The decision in double precision: the share of the segment, or -1 for none.
   double crossing(const Query& query, const Primitive& primitive) const {
     const Segment& s = *query.segment;
     constexpr double kNoCrossing = -1.0;  // no share of a segment, which lies between 0 and 1
@@ -210,7 +210,7 @@ class Bvh::Impl {
 
   std::span<const Surface> surfaces_;
   std::vector<Primitive> primitives_;
-  Vec3d origin_;                     // what single precision is relative to, world
+  Vec3d origin_;                     // origin of single-precision coordinates, world
   double largest_coordinate_ = 0.0;  // [m], relative to it
   double widening_ = 0.0;            // [m]
   double margin_ = 0.0;              // [m]

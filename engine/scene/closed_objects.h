@@ -1,4 +1,4 @@
-// The closed objects of a scene that things cannot be in: furniture, inner walls.
+// The closed objects of a scene that exclude other objects: furniture, inner walls.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@ namespace rayloc {
 
 class Scene;
 
-// Without those that are around a point of `inside`: they are the hull of the room. The scene must
-// live as long.
+// Objects that contain a point of `inside` are left out: they are the hull of the room. The scene
+// must outlive the result.
 std::vector<const Mesh*> closed_objects(const Scene& scene, const std::vector<Vec3d>& inside);
 
 }  // namespace rayloc

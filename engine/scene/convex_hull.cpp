@@ -60,8 +60,8 @@ std::vector<Point2> convex_hull(std::vector<Point2> points, double tolerance) {
     const Point2& from = corners[anchor];
     const Point2& to = corners[i + 1 == corners.size() ? 0 : i + 1];
     const double length = std::sqrt(distance2(from, to));
-    // All that the line from the anchor would cut off, not only the newest: a circle of many
-    // corners stays a circle.
+    // All corners that the line from the anchor would cut off, not only the newest: a circle of
+    // many corners stays a circle.
     const bool is_straight =
         std::all_of(corners.begin() + static_cast<std::ptrdiff_t>(anchor) + 1,
                     corners.begin() + static_cast<std::ptrdiff_t>(i) + 1,

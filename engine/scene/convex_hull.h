@@ -7,10 +7,10 @@
 
 namespace rayloc {
 
-// Anticlockwise. Every corner is one of `points`. Which points are corners is decided exactly, so
-// no true corner is lost however many points share a side. Only then are corners left out that lie
-// on the straight line between others: no point is further than `tolerance` [m] outside the result.
-// Fewer than three corners: the points lie on a line.
+// Anticlockwise. Every corner is one of `points`. The choice of corners is exact, so no true corner
+// is lost however many points share a side. Only then are corners left out that lie on the straight
+// line between others: no point is further than `tolerance` [m] outside the result. Fewer than
+// three corners: the points lie on a line.
 std::vector<Point2> convex_hull(std::vector<Point2> points, double tolerance);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// Why Embree refuses to work.
+// Text of an Embree error.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Mesh: triangles that share vertices, as a PLY or OBJ file holds them.
+// Mesh: triangles that share vertices, as in a PLY or OBJ file.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace rayloc {
 struct Mesh {
   std::vector<Vec3d> vertices;                          // [m]
   std::vector<std::array<std::uint32_t, 3>> triangles;  // indices into `vertices`
-  // How far a vertex may be from where it was meant to be, as far as its file tells [m].
+  // Rounding error of vertices, as far as it can be derived from the file [m].
   double rounding = 0.0;
 };
 

@@ -1,5 +1,5 @@
-// What people move without asking: chairs, small boxes, whatever else is small and low. A person
-// may stand where it stood, and tomorrow it stands elsewhere.
+// Objects that people move without notice: chairs, small boxes and other small, low objects. The
+// modelled position of such an object may be free, and its actual position different.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace rayloc {
 inline constexpr double kMovableHeight = 1.2;  // [m], of the top above the floor
 inline constexpr double kMovableWidth = 0.7;   // [m], the longer side
 
-// Whether an object of these bounds is, in a room with this floor [m].
+// True if an object of these bounds is movable, in a room with this floor [m].
 inline bool is_movable(const Bounds& object, double floor) {
   const Vec3d size = object.size();
   return object.upper.z - floor < kMovableHeight && std::max(size.x, size.y) < kMovableWidth;

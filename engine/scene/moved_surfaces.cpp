@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Of the surfaces of one object, those on whose planes the vertex lies.
+// Displacement of a vertex from the offsets of all surfaces of one object whose planes contain it.
 Vec3d displacement(const Scene& scene,
                    std::span<const double> offset,
                    std::uint32_t object,

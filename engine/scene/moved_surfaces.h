@@ -1,8 +1,8 @@
 // move_surfaces: a scene whose faces are moved along their normals, as calibration finds them.
 //
-// A vertex belongs to all faces whose planes it lies on, and is moved by the least displacement
-// that puts it on all of the moved planes: corners of boxes stay corners. A mesh's other vertices
-// stay.
+// A vertex belongs to all faces whose planes it lies on, and is moved by the smallest
+// displacement onto all of the moved planes: corners of boxes stay corners. A mesh's other
+// vertices are unchanged.
 #pragma once
 
 #include <span>
@@ -12,8 +12,8 @@
 
 namespace rayloc {
 
-// `offset` [m] of each of scene.surfaces(), along Surface::plane().normal.
-// An Error when what results is no scene (Scene::create).
+// `offset` [m] of each of scene.surfaces(), along Surface::plane().normal. An Error when the result
+// is no valid scene (Scene::create).
 Expected<Scene> move_surfaces(const Scene& scene, std::span<const double> offset);
 
 }  // namespace rayloc

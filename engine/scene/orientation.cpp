@@ -45,7 +45,7 @@ int orientation(const Point2& a, const Point2& b, const Point2& c) {
   const double left = (b.u - a.u) * (c.v - a.v);
   const double right = (b.v - a.v) * (c.u - a.u);
   const double twice_area = left - right;
-  // [Shewchuk] fig. 21: what the six roundings above make at most.
+  // [Shewchuk] fig. 21: maximum error of the six roundings above.
   constexpr double kRounding = 3.3306690738754716e-16;
   if (std::abs(twice_area) > kRounding * (std::abs(left) + std::abs(right))) {
     return twice_area > 0.0 ? 1 : -1;

@@ -1,4 +1,4 @@
-// orientation: on which side of a line a point of a plane lies, without rounding.
+// orientation: the side of a line on which a point of a plane lies, without rounding.
 //
 // References: J. R. Shewchuk, Discrete Comput. Geom. 18 (1997) 305.
 #pragma once

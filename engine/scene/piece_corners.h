@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// [m], world: where two edges in a row meet, the first edge's end first.
+// [m], world: intersections of successive edges, the first edge's end first.
 std::vector<Vec3d> piece_corners(const Surface& surface, const Surface::Piece& piece);
 
 }  // namespace rayloc

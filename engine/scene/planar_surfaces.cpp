@@ -1,4 +1,4 @@
-// planar_surfaces (surface.h): which triangles of a mesh are one mirror.
+// planar_surfaces (surface.h): groups the triangles of a mesh into mirrors.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -14,14 +14,14 @@ namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-// Normals of coplanar triangles: cos(angle) at least this, where rounding allows to tell.
+// Least cosine between normals of coplanar triangles, where rounding permits the test.
 constexpr double kParallel = 1.0 - 5e-7;
 constexpr double kLargestTilt = 1e-3;  // [rad], acos(kParallel)
-// A plane found from some triangles reaches those around them, which make it better: the reach
-// doubles at least, so 2^10 triangles a side are one surface.
+// A plane fitted to some triangles extends to the triangles around them, which improve it: its
+// range at least doubles, so 2^10 triangles a side are one surface.
 constexpr int kMostFits = 10;
 constexpr double kNoChange = 0.01;  // of a plane, in tolerances
-// The list of free facets is made anew when an eighth of it is taken.
+// The list of free facets is rebuilt when an eighth of it is taken.
 constexpr std::size_t kCompaction = 8;
 
 struct Facet3 {
@@ -30,12 +30,12 @@ struct Facet3 {
   Vec3d normal;      // unit
 };
 
-// A facet that may be without a group. Side by side in memory, for every plane looks at all of
-// them.
+// A facet that may be without a group. Contiguous in memory, since every plane
+// tests all of them.
 struct FreeFacet {
   std::size_t number;
   Vec3d normal;
-  double least_cosine;  // to the normal of a plane that all its corners are in, up to rounding
+  double least_cosine;  // to the normal of a plane that contains all its corners, up to rounding
 };
 
 class PlaneFinder {
@@ -71,7 +71,7 @@ class PlaneFinder {
   }
 
  private:
-  // The number of no group: a facet that no surface has taken.
+  // No group: a facet that belongs to no surface yet.
   static constexpr std::size_t kNoGroup = static_cast<std::size_t>(-1);
 
   void add(const Triangle& t) {
@@ -97,7 +97,7 @@ class PlaneFinder {
            });
   }
 
-  // The plane of the seed and of all that are in it; they are no longer free.
+  // The plane of the seed and of all facets in it, which are then no longer free.
   Plane<double> take_plane(std::size_t seed, std::size_t number) {
     const Facet3& first = facets_[seed];
     Plane<double> plane{first.normal, dot(first.normal, first.corners[0])};
@@ -117,7 +117,7 @@ class PlaneFinder {
         break;
       }
       const Plane<double> before = std::exchange(plane, fitted(members, first));
-      // Where planes are exact, as most are, nothing else comes within reach.
+      // Where planes are exact, as most are, no further facets are in range.
       if (norm(plane.normal - before.normal) * size_ +
               std::abs(distance(plane, first.corners[0]) - distance(before, first.corners[0])) <=
           kNoChange * tolerance_) {
@@ -128,7 +128,7 @@ class PlaneFinder {
       group_[k] = number;
     }
     taken_ += members.size();
-    // Seldom, or moving the others would cost more than looking at them.
+    // Rarely, since moving the others would cost more than testing them.
     if (kCompaction * taken_ >= free_.size()) {
       std::erase_if(free_, [&](const FreeFacet& f) { return group_[f.number] != kNoGroup; });
       taken_ = 0;
@@ -136,11 +136,11 @@ class PlaneFinder {
     return plane;
   }
 
-  // Through the middle of the triangles, with the mean of their normals by area: that is a matter
-  // of their common outline, so rounding within it cancels.
+  // Through the middle of the triangles, with the mean of their normals by area: that depends on
+  // their common outline only, so rounding within it cancels.
   Plane<double> fitted(std::span<const std::size_t> members, const Facet3& first) const {
     Vec3d sum;
-    Vec3d moment;  // from the first corner, so that nothing is lost far from the origin
+    Vec3d moment;  // from the first corner, to keep precision far from the origin
     double weight = 0.0;
     const Vec3d& origin = first.corners[0];
     for (const std::size_t k : members) {
@@ -162,11 +162,11 @@ class PlaneFinder {
       bool one_facing = true;
     };
     std::vector<Members> groups(planes.size());
-    // The largest triangle of each comes first: it gives the axes of the surface.
+    // The largest triangle of each comes first: it determines the axes of the surface.
     for (const std::size_t i : largest_first_) {
       Members& members = groups[group_[i]];
       members.triangles.push_back(facets_[i].corners);
-      // A sliver faces anywhere.
+      // A sliver has no reliable normal.
       const double along = dot(planes[group_[i]].normal, facets_[i].normal);
       members.one_facing = members.one_facing && along > -kParallel;
     }
@@ -184,12 +184,12 @@ class PlaneFinder {
   }
 
   double tolerance_;
-  double size_ = 0.0;  // how far apart corners may be [m]
+  double size_ = 0.0;  // largest distance between corners [m]
   std::vector<Facet3> facets_;
   std::vector<std::size_t> group_;  // of each facet
   std::vector<std::size_t> largest_first_;
   std::vector<FreeFacet> free_;  // the largest first
-  std::size_t taken_ = 0;        // of free_, by groups
+  std::size_t taken_ = 0;        // number of entries of free_ taken by groups
 };
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace rayloc {
 namespace {
 
-// Of the largest coordinate: some 160 roundings of a float.
+// Share of the largest coordinate: some 160 roundings of a float.
 constexpr float kClearance = 1e-5F;
 
 }  // namespace
@@ -23,7 +23,7 @@ constexpr float kClearance = 1e-5F;
 class RayShooter::Impl {
  public:
   explicit Impl(std::span<const Surface> surfaces) {
-    // [m]: the first corner replaces it.
+    // [m]: replaced by the first corner.
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     Vec3d lower{kInfinity, kInfinity, kInfinity};
     Vec3d upper = -lower;
@@ -33,8 +33,8 @@ class RayShooter::Impl {
         upper = {std::max(upper.x, c.x), std::max(upper.y, c.y), std::max(upper.z, c.z)};
       }
     }
-    // Whole metres: what is a round number in the scene stays one, which Embree rewards where
-    // things touch (a floor of 100 000 triangles: 1.3 times the rays).
+    // Whole metres: round numbers of the scene stay round, which is faster in Embree where surfaces
+    // touch (a floor of 100 000 triangles: 1.3 times the rays).
     const Vec3d centre = 0.5 * (lower + upper);
     origin_ = {std::round(centre.x), std::round(centre.y), std::round(centre.z)};
     const Vec3d half = upper - origin_;
@@ -86,7 +86,7 @@ class RayShooter::Impl {
   }
 
   void shoot(RayStream& stream, float nearest) const {
-    // What Embree wants besides; the results that nobody reads share an array.
+    // Further fields that Embree requires; unused results share an array.
     struct Rest {
       alignas(64) RayStream::Lanes<float> nearest, time, unread;
       alignas(64) RayStream::Lanes<unsigned> mask, number, flags, geometry, instance;
@@ -157,7 +157,7 @@ class RayShooter::Impl {
 
   Vec3d origin_;
   float clearance_ = 0.0F;
-  std::vector<Corner> corners_;  // three a triangle, until Embree has them
+  std::vector<Corner> corners_;  // three per triangle, until Embree has them
   std::vector<Triangle> triangles_;
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;

@@ -1,11 +1,11 @@
 // RayShooter: the first surface that each of many rays meets.
 //
 // For proposals only: Embree's triangles in single precision. A ray that passes an edge or a corner
-// within rounding may be given either neighbour, or in a crack between two faces what lies behind.
-// Verdicts are those of Bvh.
+// within rounding may be assigned to either neighbour, or in a crack between two faces to the
+// surface behind. Exact tests are those of Bvh.
 //
-// Rays fly in streams, as arrays, and relative to origin(), so that rooms far from the world's
-// origin lose nothing. Streams are fastest when neighbours in the list are neighbours in space.
+// Rays are processed in streams, as arrays, and relative to origin(), so that rooms far from the
+// world's origin lose no precision. Streams are fastest when neighbouring rays are close in space.
 //
 // Thread safety: const members may be used from many threads.
 //
@@ -25,7 +25,7 @@
 namespace rayloc {
 
 struct RayStream {
-  // A count of rays, chosen: a stream stays in the first-level cache.
+  // A count of rays, chosen: a stream fits in the first-level cache.
   static constexpr std::size_t kCapacity = 256;
   template <typename T>
   using Lanes = std::array<T, kCapacity>;
@@ -35,7 +35,7 @@ struct RayStream {
   alignas(64) Lanes<float> direction_x, direction_y, direction_z;  // unit
   // Results.
   alignas(64) Lanes<float> distance;          // [m]
-  alignas(64) Lanes<std::uint32_t> triangle;  // kNoTriangle: it meets nothing
+  alignas(64) Lanes<std::uint32_t> triangle;  // kNoTriangle: no hit
 };
 
 class RayShooter {
@@ -46,18 +46,18 @@ class RayShooter {
     std::uint32_t surface;
   };
 
-  // An Error when Embree cannot work here.
+  // An Error when Embree cannot be used on this machine.
   static Expected<RayShooter> create(std::span<const Surface> surfaces);
   ~RayShooter();
   RayShooter(RayShooter&&) noexcept;
   RayShooter& operator=(RayShooter&&) noexcept;
 
-  // What each ray meets first beyond `nearest` [m].
+  // Finds the first hit of each ray beyond `nearest` [m].
   void shoot(RayStream& stream, float nearest) const;
 
   std::span<const Triangle> triangles() const;
   const Vec3d& origin() const;
-  // A ray that leaves a surface meets it again nearer than this, by rounding [m].
+  // A ray that leaves a surface may meet it again within this distance, by rounding [m].
   float clearance() const;
 
  private:

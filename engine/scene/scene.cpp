@@ -13,7 +13,7 @@ namespace rayloc {
 namespace {
 
 constexpr double kLeastHeight = 1e-6;  // [m], of a triangle
-// Beyond it this is no room, and what tolerances take for nothing is rounding of a double [m].
+// Above this size it is no room, and tolerances are below the rounding of a double [m].
 constexpr double kFarthest = 100'000.0;
 constexpr double kFarthestPlace = 1e8;  // [m], of coordinates of the earth
 
@@ -27,7 +27,7 @@ bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& t) {
 
 std::string in_metres(double x) { return std::to_string(std::llround(x)); }
 
-// What is wrong with the place of a vertex; empty: nothing.
+// The fault of a vertex position; empty: none.
 std::string fault_of(const Vec3d& v) {
   if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z)) {
     return " has a coordinate that is not a finite number";
@@ -36,7 +36,7 @@ std::string fault_of(const Vec3d& v) {
   if (furthest <= kFarthest) {
     return {};
   }
-  // Beyond what anybody means, digits say nothing.
+  // Beyond any meaningful coordinate the digits carry no information.
   if (furthest > kFarthestPlace) {
     return " is further than 100 km from the origin";
   }
@@ -129,7 +129,7 @@ Scene& Scene::operator=(Scene&&) noexcept = default;
 const RayShooter& Scene::shooter() const {
   return shooter_->get([&] {
     auto made = RayShooter::create(surfaces_);
-    RAYLOC_CHECK(made.has_value());  // Embree worked for the Bvh
+    RAYLOC_CHECK(made.has_value());  // Embree has already worked for the Bvh
     return std::make_unique<const RayShooter>(std::move(*made));
   });
 }
@@ -143,7 +143,7 @@ Scene::Scene(Input input, std::vector<Surface> surfaces, std::vector<SurfaceOwne
       owners_(std::move(owners)),
       bvh_(std::move(bvh)),
       shooter_(std::make_unique<const Lazy<RayShooter>>()) {
-  // [m]: the first corner replaces it.
+  // [m]: replaced by the first corner.
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   bounds_min_ = {kInfinity, kInfinity, kInfinity};
   bounds_max_ = {-kInfinity, -kInfinity, -kInfinity};

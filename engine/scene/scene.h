@@ -31,7 +31,7 @@ struct SceneObject {
 
 class Scene {
  public:
-  // What a surface belongs to.
+  // The object of a surface.
   struct SurfaceOwner {
     std::uint32_t object = 0;
     bool one_facing = false;  // MeshSurface::one_facing
@@ -40,12 +40,12 @@ class Scene {
     std::vector<SceneObject> objects;
     std::vector<RadioMaterial> materials;  // at the carrier
     double carrier_hz = 0.0;
-    std::vector<SceneNote> notes{};  // of who read the objects
+    std::vector<SceneNote> notes{};  // from the reader of the objects
   };
 
   // An Error for an empty scene, an object without a triangle, a vertex that is not finite, an
   // index out of range, or an unphysical material; each names the object. Degenerate triangles
-  // (less than a micrometre high; exporters leave them behind) are dropped and counted.
+  // (less than a micrometre high; exporters produce them) are dropped and counted.
   static Expected<Scene> create(Input input);
   ~Scene();
   Scene(Scene&&) noexcept;
@@ -54,10 +54,10 @@ class Scene {
   const std::vector<SceneObject>& objects() const { return objects_; }
   const std::vector<RadioMaterial>& materials() const { return materials_; }
   double carrier_hz() const { return carrier_hz_; }
-  // What a person should know of how the scene's file was read. Not of a scene made from another.
+  // Notes for people on how the scene's file was read. Empty for a scene made from another one.
   const std::vector<SceneNote>& notes() const { return notes_; }
 
-  // Surfaces of all objects; those of one object are neighbours.
+  // Surfaces of all objects; those of one object are adjacent.
   const std::vector<Surface>& surfaces() const { return surfaces_; }
   const SurfaceOwner& owner(std::uint32_t surface) const { return owners_[surface]; }
   const RadioMaterial& material_of(std::uint32_t surface) const {
@@ -76,7 +76,7 @@ class Scene {
     bvh_.crossings(segment, found);
   }
 
-  // For proposals (ray_shooter.h); made when first asked for.
+  // For proposals (ray_shooter.h); made on first use.
   const RayShooter& shooter() const;
 
   Vec3d bounds_min() const { return bounds_min_; }  // [m], over all vertices
@@ -91,9 +91,9 @@ class Scene {
   std::vector<RadioMaterial> materials_;
   double carrier_hz_ = 0.0;
   std::vector<SceneNote> notes_;
-  std::vector<Surface> surfaces_;  // on the heap, where the Bvh expects them also after a move
+  std::vector<Surface> surfaces_;  // on the heap, at a fixed address for the Bvh even after a move
   std::vector<SurfaceOwner> owners_;
-  std::vector<std::uint32_t> first_surface_;  // of each object, and the end
+  std::vector<std::uint32_t> first_surface_;  // start index of each object, and the end
   std::vector<Solid> solids_;
   Bvh bvh_;
   std::unique_ptr<const Lazy<RayShooter>> shooter_;

@@ -5,7 +5,7 @@
 #include "engine/scene/scene.h"
 
 namespace rayloc {
-// Not of what its materials scatter: no calibration and no ray of a room depends on that.
+// Excludes scattering properties of materials: no calibration and no ray depends on them.
 std::string scene_hash(const Scene& scene) {
   ContentHash hash;
   for (const SceneObject& object : scene.objects()) {

@@ -1,5 +1,5 @@
-// scene_hash: tells scenes apart by content: names, geometry, materials, carrier. What was made for
-// a scene (a calibration, a path grid) is valid for that hash alone.
+// scene_hash: a hash of the scene's content: names, geometry, materials, carrier. Data made for a
+// scene (a calibration, a path grid) are valid for that hash alone.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
-// SceneNote: what a reader of a scene file understood otherwise than the file's author may have
-// meant, or left out. The scene can be used; a person should know.
+// SceneNote: a part of a scene file that the reader interpreted differently from the file's likely
+// intention, or left out. The scene can be used; a person should check it.
 #pragma once
 
 #include <string>

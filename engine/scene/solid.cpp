@@ -14,11 +14,11 @@
 namespace rayloc {
 namespace {
 
-// A ratio to that of one face with the mesh's first corner: more than rounding, far less than a
-// sheet of metal.
+// A ratio to the largest volume of a face with the mesh's first corner: above rounding, far below
+// a sheet of metal.
 constexpr double kLeastVolume = 1e-12;
 
-// For each vertex of the mesh the number of its place.
+// For each vertex of the mesh the number of its position.
 std::vector<std::uint32_t> weld(const Mesh& mesh) {
   std::map<std::tuple<double, double, double>, std::uint32_t> places;
   std::vector<std::uint32_t> place;
@@ -43,7 +43,7 @@ bool is_closed(const Mesh& mesh, const std::vector<std::uint32_t>& place) {
       balance.begin(), balance.end(), [](const auto& edge) { return edge.second == 0; });
 }
 
-// Disjoint sets of places that triangles connect.
+// Disjoint sets of positions that triangles connect.
 class Components {
  public:
   explicit Components(std::size_t places) : parent_(places) {
@@ -85,7 +85,7 @@ Solid classify_solid(const Mesh& mesh) {
     volume[components.find(place[t[0]])] += part;
     largest = std::max(largest, std::abs(part));
   }
-  // Faces drawn from both sides enclose nothing but rounding.
+  // Faces drawn from both sides enclose only rounding errors.
   const double least = kLeastVolume * largest;
   const auto outwards = [&](const auto& shell) { return shell.second > least; };
   const auto inwards = [&](const auto& shell) { return shell.second < -least; };

@@ -15,12 +15,12 @@ namespace {
 
 using Triangle = std::array<Vec3d, 3>;
 
-// A corner nearer to the line between its neighbours than this is none [m]: more than the rounding
-// of coordinates within kFarthest of the origin, less than kEdgeTolerance.
+// A corner nearer to the line between its neighbours than this is dropped [m]: more than the
+// rounding of coordinates within kFarthest of the origin, less than kEdgeTolerance.
 constexpr double kStraight = 1e-10;
 // Relative difference of areas up to which pieces fill their convex outline.
 constexpr double kAreaTolerance = 1e-7;
-constexpr double kLengthTolerance = 1e-5;  // as much, of the lengths of boundaries
+constexpr double kLengthTolerance = 1e-5;  // the same for the lengths of boundaries
 
 double component_min(double a, double b) { return a < b ? a : b; }
 double component_max(double a, double b) { return a < b ? b : a; }
@@ -44,7 +44,7 @@ double length_of(std::span<const Point2> polygon) {
   return length;
 }
 
-// Whether an area is that of the convex outline, but for vertices that are off by `straight` [m].
+// True if an area is that of the convex outline, up to vertex errors of `straight` [m].
 bool fills(double area, std::span<const Point2> hull, double straight) {
   double hull_area = 0.0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
@@ -55,7 +55,7 @@ bool fills(double area, std::span<const Point2> hull, double straight) {
   return std::abs(hull_area - area) <= kAreaTolerance * hull_area + straight * length_of(hull);
 }
 
-// Whether a boundary is no longer than the convex outline, as that of an opening would make it.
+// True if a boundary is no longer than the convex outline; an opening would make it longer.
 bool is_outline(std::span<const Side> boundary, std::span<const Point2> hull) {
   const double outline = length_of(hull);
   double length = 0.0;
@@ -88,7 +88,7 @@ Surface::Surface(const Plane<double>& plane,
       off_plane = std::max(off_plane, std::abs(distance(plane, vertex)));
     }
   }
-  // Vertices are off sideways as they are off the plane.
+  // Vertices have the same error within the plane as across it.
   const double straight = std::max({kStraight, 2.0 * rounding, 2.0 * off_plane});
   flat = without_doubles(std::move(flat));
   std::vector<Point2> all;
@@ -99,11 +99,11 @@ Surface::Surface(const Plane<double>& plane,
   for (const Point2& p : hull) {
     outline_.push_back(lift(p));
   }
-  // Seams between pieces, and to other faces, are as wide as vertices are off.
+  // Seams between pieces, and to other faces, are as wide as the vertex error.
   const double seam = straight > kStraight ? straight : 0.0;
   area_ = area_of(flat);
   boundary_ = boundary_of(flat, straight);
-  // Nothing is open where nothing but the outline is boundary; so nothing overlaps either.
+  // If the outline is the whole boundary there are no openings, and no overlaps either.
   const bool is_filled = fills(area_, hull, straight) && is_outline(boundary_, hull);
   if (!is_filled) {
     flat = disjoint_triangles(flat, straight);

@@ -1,8 +1,8 @@
 // Surface: all the coplanar triangles of one object, which together are one mirror.
 //
-// A surface knows its plane, its outline and whether a point of the plane lies on it. It need not
-// be convex nor connected and may have holes: it is a list of convex pieces (one when the whole is
-// convex, else its triangles).
+// A surface has a plane and an outline, and tests whether a point of the plane lies on it. It need
+// not be convex nor connected and may have holes: it is a list of convex pieces (one when the whole
+// is convex, else its triangles).
 #pragma once
 
 #include <algorithm>
@@ -27,14 +27,14 @@ struct Plane {
   T offset{};
 };
 
-// Signed distance of a point, positive on the side that the normal points to.
+// Signed distance of a point, positive on the side of the normal.
 template <typename T>
 T distance(const Plane<T>& plane, const Vec3<T>& point) {
   return dot(plane.normal, point) - plane.offset;
 }
 
-// How far outside an edge a point still counts as on the surface [m]; closes the seam between two
-// pieces, where rounding could let a ray through.
+// Distance outside an edge at which a point still counts as on the surface [m]; closes the seam
+// between two pieces, where rounding could let a ray through.
 inline constexpr double kEdgeTolerance = 1e-9;
 
 class Surface {
@@ -51,20 +51,20 @@ class Surface {
     Vec3d upper;
   };
 
-  // `rounding`: how far vertices may be from where they are meant to be [m]; what is straight or
-  // whole but for that is straight or whole.
-  // REQUIRES: triangles are not degenerate and lie in `plane` up to rounding.
+  // `rounding`: position error of vertices [m]; edges and areas that are straight or
+  // complete within it are treated as such. REQUIRES: triangles are not degenerate and lie
+  // in `plane` up to rounding.
   Surface(const Plane<double>& plane,
           const std::vector<std::array<Vec3d, 3>>& triangles,
           double rounding = 0.0);
 
   const Plane<double>& plane() const { return plane_; }
-  // Corners of the convex outline, anticlockwise seen from where the normal points to.
+  // Corners of the convex outline, anticlockwise as seen from the side of the normal.
   const std::vector<Vec3d>& outline() const { return outline_; }
   const std::vector<Piece>& pieces() const { return pieces_; }
-  double area() const { return area_; }  // [m^2], of a sheet of two faces that of one
+  double area() const { return area_; }  // [m^2], for a sheet of two faces that of one
 
-  // Axes of the plane coordinates and where they are 0, world.
+  // Axes and origin of the plane coordinates, world.
   const Vec3d& origin() const { return origin_; }
   const Vec3d& u_axis() const { return u_axis_; }
   const Vec3d& v_axis() const { return v_axis_; }
@@ -78,7 +78,7 @@ class Surface {
   template <typename T>
   T inside_distance(const T& u, const T& v) const;
 
-  // Whether a point of the plane lies on the surface, or no further than `margin` [m] outside the
+  // True if a point of the plane lies on the surface, or no further than `margin` [m] outside the
   // edges of one of its pieces.
   bool contains(const Vec3d& point, double margin = 0.0) const {
     for (const Piece& piece : pieces_) {
@@ -104,7 +104,7 @@ class Surface {
 
  private:
   Point2 project(const Vec3d& point) const;
-  // With its edges moved outwards by `seam` [m].
+  // Adds a piece with its edges moved outwards by `seam` [m].
   void add_piece(const std::vector<Point2>& corners, double seam);
   Vec3d lift(const Point2& point) const;
 
@@ -154,16 +154,16 @@ T Surface::inside_distance(const T& u, const T& v) const {
   return inside ? distance : -distance;
 }
 
-// The surfaces of one mesh, in the order of their first triangles, so that their numbers stay when
-// faces are moved. REQUIRES: finite vertices, valid indices, no degenerate triangle.
+// The surfaces of one mesh, in the order of their first triangles, so that their numbers do not
+// change when faces are moved. REQUIRES: finite vertices, valid indices, no degenerate triangle.
 //
 // Coplanar: all corners within `kCoplanarTolerance`, or a few roundings of the mesh where these are
-// more, of the plane through all, and normals parallel within about 0.06 degrees or what rounding
-// tilts a triangle of that height. So it does not matter how a wall is turned, where it stands or
-// into how many triangles it is cut. Which way a triangle faces does not matter either.
+// more, of the plane through all, and normals parallel within about 0.06 degrees or the tilt of a
+// triangle of that height by rounding. So the result does not depend on the rotation and position
+// of a wall, on its triangulation, or on the winding of a triangle.
 struct MeshSurface {
   Surface surface;
-  bool one_facing = false;  // every triangle faces the way of the plane's normal
+  bool one_facing = false;  // every triangle faces the side of the plane's normal
 };
 inline constexpr double kCoplanarTolerance = 1e-5;  // [m]
 inline double coplanar_tolerance(const Mesh& mesh) {

@@ -16,11 +16,11 @@
 namespace rayloc {
 namespace {
 
-// Planes that differ by less are one (surface.h), so twice as much is an edge [rad].
+// Planes with a smaller difference are one (surface.h), so twice as much is an edge [rad].
 constexpr double kFlat = 2e-3;
-// How far from an edge a face is looked for, in tolerances.
+// Distance from an edge at which faces are tested, in tolerances.
 constexpr double kBeside = 8.0;
-// A shorter piece of an edge is none, in tolerances: a tenth of a millimetre.
+// Shorter pieces of an edge are dropped, in tolerances: a tenth of a millimetre.
 constexpr double kShortest = 10.0;
 
 bool apart(const Bounds& a, const Bounds& b, double tolerance) {
@@ -29,7 +29,7 @@ bool apart(const Bounds& a, const Bounds& b, double tolerance) {
          a.lower.z > b.upper.z + tolerance || b.lower.z > a.upper.z + tolerance;
 }
 
-// A surface beside an edge, on one side of it.
+// A surface on one side of an edge.
 struct HalfPlane {
   double azimuth = 0.0;  // [rad], in [0, 2 pi)
   Vec3d direction;       // unit, from the edge
@@ -73,7 +73,7 @@ class WedgeFinder {
       return;
     }
     const std::vector<std::uint32_t> beside = surfaces_along(from, to);
-    std::optional<Wedge> open;  // goes on from the piece before
+    std::optional<Wedge> open;  // continues the previous piece
     const std::vector<double> cuts = cuts_of(from, to, beside);
     for (std::size_t i = 1; i < cuts.size(); ++i) {
       const auto at = [&](double share) { return from + share * (to - from); };
@@ -101,7 +101,7 @@ class WedgeFinder {
     }
   }
 
-  // The surfaces in whose plane the edge lies and whose boxes it meets.
+  // The surfaces whose plane contains the edge and whose boxes it meets.
   std::vector<std::uint32_t> surfaces_along(const Vec3d& from, const Vec3d& to) const {
     Bounds box;
     box.include(from);
@@ -117,7 +117,7 @@ class WedgeFinder {
     return found;
   }
 
-  // The shares of the edge between which the surfaces beside it stay the same, 0 and 1 included.
+  // The shares of the edge between which the surfaces beside it are constant, including 0 and 1.
   std::vector<double> cuts_of(const Vec3d& from,
                               const Vec3d& to,
                               const std::vector<std::uint32_t>& beside) const {
@@ -137,7 +137,7 @@ class WedgeFinder {
     return cuts;
   }
 
-  // Where the edge comes to and leaves the pieces of a surface in whose plane it lies.
+  // Adds the points where the edge enters and leaves the pieces of a surface in its plane.
   void add_cuts(const Surface& surface,
                 const Vec3d& from,
                 const Vec3d& to,
@@ -192,7 +192,7 @@ class WedgeFinder {
     return std::nullopt;
   }
 
-  // By azimuth; of those at one place that of the lowest number.
+  // By azimuth; for coincident ones that of the lowest number.
   std::vector<HalfPlane> half_planes(const Vec3d& point,
                                      const Vec3d& along,
                                      const std::vector<std::uint32_t>& beside) const {
@@ -234,7 +234,7 @@ class WedgeFinder {
 std::vector<Wedge> find_wedges(const Scene& scene) {
   const WedgeFinder finder(scene);
   std::vector<std::vector<Wedge>> of_surface(scene.surfaces().size());
-  // Surfaces a task: so many sides take about a millisecond.
+  // Surfaces per task: so many sides take about a millisecond.
   constexpr std::size_t kGrain = 16;
   parallel_for(of_surface.size(), kGrain, [&](std::size_t i) {
     of_surface[i] = finder.of(static_cast<std::uint32_t>(i));

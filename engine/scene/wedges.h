@@ -2,9 +2,9 @@
 //
 // About every edge of a surface the surfaces that end or pass there are half planes. Where the
 // largest sector between two of them is more than half a turn, they make a wedge of that sector:
-// the outer edge of a body, or where one half plane is alone the free edge of a sheet. Coplanar
+// the outer edge of a body, or for a single half plane the free edge of a sheet. Coplanar
 // neighbours make none, nor do edges that lie on another surface, hollow corners, or flush bodies.
-// It does not matter which objects the surfaces belong to and how meshes are cut.
+// The result does not depend on the objects of the surfaces or on the meshing.
 #pragma once
 
 #include <cmath>
@@ -26,7 +26,7 @@ struct Wedge {
   std::uint32_t face_0 = 0;  // surfaces
   std::uint32_t face_n = 0;
 
-  // Unit, out of face n.
+  // Unit normal out of face n.
   Vec3d normal_n() const {
     const double sector = n * std::numbers::pi;
     return std::sin(sector) * in_face - std::cos(sector) * normal;
@@ -34,8 +34,8 @@ struct Wedge {
   bool is_free() const { return face_0 == face_n; }  // the edge of a sheet
 };
 
-// In the order of their surfaces. Wedges that go on from each other may be a tolerance of the
-// meshes apart, 10 um. Takes time as the number of surfaces squared.
+// In the order of their surfaces. Wedges that continue each other may be a tolerance of the meshes
+// apart, 10 um. The run time grows as the number of surfaces squared.
 std::vector<Wedge> find_wedges(const Scene& scene);
 
 }  // namespace rayloc

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-// The same paths at an element that far from where they were traced to.
+// The same paths at an element with that offset from the traced point.
 Paths as_plane_waves(const Paths& paths, const Vec3d& offset) {
   std::vector<Path> moved;
   moved.reserve(paths.size());

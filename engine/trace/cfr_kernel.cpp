@@ -7,9 +7,9 @@
 
 #include "engine/base/check.h"
 
-// Highway compiles this file once for each kind of processor: what stands between
-// HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE, into a namespace of its own. There are no lambdas
-// and no implicit constructors of vectors there: GCC gives them no wide instructions.
+// Highway compiles this file once for each kind of processor: the code between HWY_BEFORE_NAMESPACE
+// and HWY_AFTER_NAMESPACE, into a separate namespace. There are no lambdas and no implicit
+// constructors of vectors there: GCC gives them no wide instructions.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "engine/trace/cfr_kernel.cpp"
 #include <hwy/foreach_target.h>
@@ -25,9 +25,9 @@ namespace {
 constexpr std::size_t kTonesPerBlock = CfrKernel::kTonesPerBlock;
 // A count: tones to either side of a block's centre share a sine and cosine.
 constexpr std::size_t kPairs = kTonesPerBlock / 2;
-// Paths that are worked on together: their tables stay in the first-level cache.
+// Number of paths per tile: their tables fit in the first-level cache.
 constexpr std::size_t kTilePaths = 128;
-// A phasor that was turned this often is computed afresh.
+// A phasor is recomputed after this many rotations.
 constexpr std::size_t kBlocksPerAnchor = 32;
 
 struct ToneBlocks {
@@ -46,7 +46,7 @@ struct ComplexColumn {
   Column im;
 };
 
-// At most kTilePaths paths, filled up with silent ones to whole pairs of vectors.
+// At most kTilePaths paths, padded with zero-amplitude ones to whole pairs of vectors.
 struct alignas(64) Tile {
   ComplexColumn a;
   Column tau;
@@ -76,7 +76,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Lanes are paths.
 using Lanes = hn::ScalableTag<double>;
 using Vector = hn::Vec<Lanes>;
-constexpr Lanes kLanes;  // as many paths as a vector register of the machine holds
+constexpr Lanes kLanes;  // one path per lane of a vector register
 
 struct ComplexVector {
   Vector re;
@@ -144,7 +144,7 @@ HWY_INLINE ComplexVector delayed(double frequency_hz, Vector tau) {
   return phasor(hn::Mul(constant(-frequency_hz), tau));
 }
 
-// The paths from `first` on; all of the tile but b.
+// Fills the tile with the paths from `first` on, all fields except b.
 void fill_tile(
     const PathArrays& paths, std::size_t first, std::size_t count, double step_hz, Tile& tile) {
   const std::size_t unit = 2 * hn::Lanes(kLanes);
@@ -192,7 +192,7 @@ HWY_INLINE void store_sum(Vector re, Vector im, double* out) {
 }
 #endif
 
-// The tones of one block, real and imaginary parts in turn.
+// The tones of one block, alternating real and imaginary parts.
 using BlockTones = std::array<double, 2 * kTonesPerBlock>;
 
 // h at the two tones of pair k, from even = sum b cos and odd = sum b sin: even -+ j odd.
@@ -226,7 +226,7 @@ HWY_INLINE void sum_block(const Tile& tile, BlockTones& h) {
   }
 }
 
-// Brings b to the centre of block q.
+// Moves b to the centre of block q.
 HWY_INLINE void centre_tile(const ToneBlocks& tones, std::size_t q, Tile& tile) {
   const bool turn = tones.turns_from_previous(q);
   for (std::size_t i = 0; i < tile.size; i += hn::Lanes(kLanes)) {
@@ -237,7 +237,7 @@ HWY_INLINE void centre_tile(const ToneBlocks& tones, std::size_t q, Tile& tile) 
   }
 }
 
-// Adds to h what the paths of the tile contribute.
+// Adds the contribution of the tile's paths to h.
 void add_tile(const ToneBlocks& tones, Tile& tile, std::span<std::complex<double>> h) {
   for (std::size_t q = 0; q < tones.blocks.size(); ++q) {
     centre_tile(tones, q, tile);
@@ -251,8 +251,8 @@ void add_tile(const ToneBlocks& tones, Tile& tile, std::span<std::complex<double
   }
 }
 
-// The adjoint sums of one block relative to its centre, or of all absolute, for one vector of
-// paths: plain, and times the frequency.
+// The adjoint sums of one block relative to its centre, or of all blocks in absolute terms, for one
+// vector of paths: plain, and times the frequency.
 struct AdjointSums {
   ComplexVector s0;
   ComplexVector s1;
@@ -367,7 +367,7 @@ bool of_one_size(const PathArrays& paths) {
   return paths.a_re.size() == paths.tau.size() && paths.a_im.size() == paths.tau.size();
 }
 
-// The largest step that leads from each tone to the next.
+// The largest step that divides the distances between all neighbouring tones.
 int tone_step(const OfdmGrid& grid) {
   int step = 0;
   for (std::size_t j = 1; j < grid.size(); ++j) {
@@ -376,8 +376,8 @@ int tone_step(const OfdmGrid& grid) {
   return std::max(step, 1);
 }
 
-// Of above exp(-j 2 pi kappa tau) + below exp(j 2 pi kappa tau). Written out, since a product of
-// two std::complex checks for infinities.
+// Weights of above exp(-j 2 pi kappa tau) + below exp(j 2 pi kappa tau). Written out, since a
+// product of two std::complex checks for infinities.
 PairWeights pair_weights(const std::complex<double>& below,
                          const std::complex<double>& above,
                          double kappa_hz) {

@@ -4,17 +4,17 @@
 //
 // and its adjoint, which carries derivatives of a loss by h back to a and tau.
 //
-// The widest vectors of the processor do the work, chosen when the program runs. The result does
-// not depend on threads; between kinds of processors it differs by less than 1e-12 of the largest
-// |h|, since fused multiply-adds and the order of a sum's lanes differ.
+// The widest vectors of the processor are used, selected at run time. The result does not depend on
+// threads; between kinds of processors it differs by less than 1e-12 of the largest |h|, since
+// fused multiply-adds and the order of a sum's lanes differ.
 //
-// Error: below 1e-11 of sum_p |a_p|, for delays to 1 us at carriers to 7 GHz. What remains is the
-// rounding of f tau to a double.
+// Error: below 1e-11 of sum_p |a_p|, for delays to 1 us at carriers to 7 GHz, from the rounding of
+// f tau to a double.
 //
-// Method. The tones are taken in blocks of 16 neighbours around a centre f_q, with b = a exp(-j 2
-// pi f_q tau) turned on by one complex factor from block to block. The tones at f_q +- kappa share
+// Method. The tones are processed in blocks of 16 neighbours around a centre f_q, with b = a exp(-j
+// 2 pi f_q tau) rotated by one complex factor from block to block. The tones at f_q +- kappa share
 // sum b cos(2 pi kappa tau) and sum b sin(2 pi kappa tau): two real multiply-adds per path and
-// tone, where the definition takes four. Tones missing inside a block cost as if they were there.
+// tone, where the definition takes four. Missing tones inside a block cost as much.
 #pragma once
 
 #include <complex>
@@ -27,14 +27,14 @@
 
 namespace rayloc {
 
-// Coefficient and delay [s] of each path, as `Path` has them. All of one size.
+// Coefficient and delay [s] of each path, as in `Path`. All arrays have one size.
 struct PathArrays {
   std::span<const double> a_re;
   std::span<const double> a_im;
   std::span<const double> tau;
 };
 
-// How a real loss L changes with the paths: dL = sum_p Re(conj(a_p~) da_p) + tau_p~ dtau_p, that
+// Sensitivity of a real loss L to the paths: dL = sum_p Re(conj(a_p~) da_p) + tau_p~ dtau_p, that
 // is re~ dre + im~ dim + tau~ dtau for each path.
 struct PathAdjoints {
   std::vector<double> a_re;
@@ -60,11 +60,11 @@ class CfrKernel {
   // Tones first_tone, ... (num_tones of them) lie within kTonesPerBlock steps around centre_hz.
   struct Block {
     double centre_hz = 0.0;
-    bool follows_previous = false;  // its centre is one block's width after the one before
+    bool follows_previous = false;  // its centre is one block's width above the previous one
     std::size_t first_tone = 0;
     std::size_t num_tones = 0;
   };
-  // A count, chosen: that many sines stay in the first-level cache.
+  // A count, chosen: that many sines fit in the first-level cache.
   static constexpr std::size_t kTonesPerBlock = 16;
 
  private:

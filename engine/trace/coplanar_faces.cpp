@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-// Faces nearer to each other than this are at the same place [m].
+// Faces nearer to each other than this coincide [m].
 constexpr double kSamePlane = 1e-9;
 // The least cosine between normals of parallel faces, chosen: rounding.
 constexpr double kParallel = 1.0 - 1e-12;
@@ -35,7 +35,7 @@ bool overlap(const Box& a, const Box& b) {
          b.lower.y <= a.upper.y && a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
 }
 
-// Where the faces are, not at the world's origin, which may be far away.
+// Compared at the faces, not at the world's origin, which may be far away.
 bool are_coplanar(const Surface& a, const Surface& b) {
   return std::abs(dot(a.plane().normal, b.plane().normal)) > kParallel &&
          std::all_of(b.outline().begin(), b.outline().end(), [&](const Vec3d& corner) {
@@ -81,8 +81,8 @@ std::vector<std::vector<CoplanarFace>> find_coplanar_faces(const Scene& scene,
   for (const Surface& surface : surfaces) {
     boxes.push_back(box_around(surface, options.softness + kSamePlane));
   }
-  // Faces in one plane are equally far from any point, up to what their normals may differ, so only
-  // neighbours need be compared.
+  // Faces in one plane have equal distances from any point, up to the difference of their normals,
+  // so only neighbours need be compared.
   const Vec3d centre = 0.5 * (scene.bounds_min() + scene.bounds_max());
   const double slack =
       kSamePlane + kLargestTilt * 0.5 * norm(scene.bounds_max() - scene.bounds_min());

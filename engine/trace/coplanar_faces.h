@@ -1,11 +1,11 @@
-// CoplanarFaces: faces of different objects at one place, such as a cupboard's and that of the
-// floor which it stands on.
+// CoplanarFaces: coincident faces of different objects, such as those of a cupboard and of
+// the floor under it.
 //
-// Of such a pair the tracer must know which is met first. With transmission a wave meets both, as
-// it would when they were a hair apart: reflected at the second it goes through the first, there
-// and back, and may go to and fro between them (round_trips.h). So paths are those of the limit in
-// which the gap between the two goes to zero; with soft edges (visibility.h) those without round
-// trips. Without transmission one of the two acts: that of the lower number.
+// The tracer needs the order of such a pair. With transmission a wave meets both, as it would with
+// a small gap between them: reflected at the second it passes through the first twice, and may
+// bounce repeatedly between them (round_trips.h). So paths are those of the limit in which the gap
+// between the two goes to zero; with soft edges (visibility.h) those without round trips. Without
+// transmission only one of the two acts: that of the lower number.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +16,17 @@
 
 namespace rayloc {
 
-// A face at the place of another one.
+// A face that coincides with another one.
 struct CoplanarFace {
   std::uint32_t surface = 0;
-  // On which side of the other it lies: +1 that to which the other's normal points, -1 the opposite
+  // The side of the other face on which it lies: +1 the side of the other's normal, -1 the opposite
   // one. Closed objects are drawn back from each other into themselves and from sheets; of two that
-  // face the same way the larger face is outside (things stand in rooms), and of two sheets that of
-  // the lower number lies where its normal points to.
+  // face the same side the larger face is outside (objects are placed in rooms), and of two sheets
+  // that of the lower number lies on the side of its normal.
   int side = 0;
 };
 
-// For each surface the others of other objects that lie in its plane and touch it, by number.
+// For each surface the surfaces of other objects that lie in its plane and touch it, by number.
 std::vector<std::vector<CoplanarFace>> find_coplanar_faces(const Scene& scene,
                                                            const TraceOptions& options);
 

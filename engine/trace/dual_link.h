@@ -1,4 +1,4 @@
-// A link in dual numbers: its ends and its facets, with a derivative by each of a few parameters.
+// A link in dual numbers: its ends and its facets, with derivatives by a block of parameters.
 #pragma once
 
 #include <algorithm>
@@ -25,13 +25,13 @@ Vec3<Dual<N>> dual_constant(const Vec3d& v) {
   return {Dual<N>(v.x), Dual<N>(v.y), Dual<N>(v.z)};
 }
 
-// Parameters that are varied together, each by a lane of the dual numbers.
+// Parameters that are varied together, one lane of the dual numbers for each.
 template <int N>
 struct ParameterBlock {
   std::array<const Parameter*, static_cast<std::size_t>(N)> parameters{};
   int size = 0;
 
-  // Unit derivative by a parameter of that kind, index and axis.
+  // Sets the derivative `slope` for the parameter of that kind, index and axis.
   void seed(
       Dual<N>& value, Parameter::Kind kind, std::uint32_t index, int axis, double slope) const {
     for (int lane = 0; lane < size; ++lane) {
@@ -40,13 +40,13 @@ struct ParameterBlock {
       }
     }
   }
-  // Any parameter of the material.
+  // True if any parameter of the material varies.
   bool varies(std::uint32_t material) const {
     return std::any_of(parameters.begin(), parameters.begin() + size, [&](const Parameter* p) {
       return p->kind >= Parameter::Kind::kRelativePermittivity && p->index == material;
     });
   }
-  // What its slab is made of.
+  // True if a parameter of the material's slab varies.
   bool varies_material(std::uint32_t material) const {
     return std::any_of(parameters.begin(), parameters.begin() + size, [&](const Parameter* p) {
       return p->kind >= Parameter::Kind::kRelativePermittivity &&
@@ -65,11 +65,11 @@ struct EndKinds {
   Parameter::Kind orientation;
   Parameter::Kind array_turn;
 };
-// The parameters that move a transmitter, as parameter.h orders them.
+// Parameters that move a transmitter, in the order of parameter.h.
 inline constexpr EndKinds kTransmitterKinds{Parameter::Kind::kTransmitterPosition,
                                             Parameter::Kind::kTransmitterOrientation,
                                             Parameter::Kind::kTransmitterArrayTurn};
-// The parameters that move a receiver, as parameter.h orders them.
+// Parameters that move a receiver, in the order of parameter.h.
 inline constexpr EndKinds kReceiverKinds{Parameter::Kind::kReceiverPosition,
                                          Parameter::Kind::kReceiverOrientation,
                                          Parameter::Kind::kReceiverArrayTurn};

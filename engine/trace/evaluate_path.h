@@ -1,4 +1,4 @@
-// evaluate_path: the coefficient of a path whose interactions are known, in a scalar T.
+// evaluate_path: the coefficient of a path with given interactions, in a scalar T.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace rayloc {
 
-// `facet_of(surface)` gives a Facet<T>, moved or changed by little: which surfaces the path meets
-// stays as it is.
+// `facet_of(surface)` returns a Facet<T>, with small displacements or changes: the sequence of
+// surfaces that the path meets is fixed.
 template <typename T, typename FacetOf>
 PathCoefficient<T> evaluate_path(const TraceContext& context,
                                  std::span<const Interaction> interactions,
@@ -35,7 +35,7 @@ PathCoefficient<T> evaluate_path(const TraceContext& context,
     }
     return SoftPath<T>(soft, transmitter, receiver, wavelength, context.options).coefficient();
   }
-  // Nearly every path fits: the heap would cost more than the path.
+  // Nearly every path fits; a heap allocation would cost more than the path.
   constexpr std::size_t kInline = 8;
   std::array<Facet<T>, kInline> few;
   std::vector<Facet<T>> many;

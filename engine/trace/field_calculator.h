@@ -1,11 +1,11 @@
 // The field along a path: antenna, interactions, antenna, spreading.
 //
-// Written in a scalar T, so that with dual numbers the coefficient carries derivatives by both
-// ends, the planes, the materials and the orientations. What a wave does where it meets a face is
-// in interactions/.
+// Written in a scalar T, so that with dual numbers the coefficient carries derivatives by
+// both ends, the planes, the materials and the orientations. The effect of a face on a wave
+// is in interactions/.
 //
-// The whole path follows from the image of the receiver: which direction the wave leaves in and how
-// long it is. Vertices are not needed (image_method.h has them).
+// The whole path follows from the image of the receiver, which gives direction of departure and
+// length. Vertices are not needed (image_method.h computes them).
 #pragma once
 
 #include <cstddef>
@@ -36,11 +36,11 @@ template <typename T>
 struct PathCoefficient {
   Complex<T> a;         // Path::a
   T length{};           // [m], unfolded
-  Vec3<T> departure{};  // unit, the way that the wave leaves the transmitter
-  Vec3<T> arrival{};    // unit, the way that it travels when it arrives
+  Vec3<T> departure{};  // unit, direction of travel at the transmitter
+  Vec3<T> arrival{};    // unit, direction of travel at the receiver
 };
 
-// What leaves the transmitter in that direction.
+// The wave that the transmitter radiates in that direction.
 template <typename T>
 Wave<T> radiated(const LinkEnd<T>& transmitter, const Vec3<T>& direction) {
   return {{antenna_field(transmitter.pattern,
@@ -51,7 +51,7 @@ Wave<T> radiated(const LinkEnd<T>& transmitter, const Vec3<T>& direction) {
           direction};
 }
 
-// What the receiver makes of a wave after a path of `length` [m].
+// The receiver's response to a wave after a path of `length` [m].
 template <typename T>
 Complex<T> received(const LinkEnd<T>& receiver,
                     const Wave<T>& wave,
@@ -63,8 +63,8 @@ Complex<T> received(const LinkEnd<T>& receiver,
   return {spreading * dot(wave.field.re, response), spreading * dot(wave.field.im, response)};
 }
 
-// The path from transmitter to receiver over `facets`, as `interactions` says.
-// REQUIRES: interactions.size() == facets.size(); ends and images are not at the same place.
+// The path from transmitter to receiver over `facets`, with the kinds of `interactions`. REQUIRES:
+// interactions.size() == facets.size(); ends and images are not at the same position.
 template <typename T>
 PathCoefficient<T> path_coefficient(std::span<const Interaction> interactions,
                                     std::span<const Facet<T>> facets,

@@ -1,8 +1,8 @@
 // The image method: exact vertices of a chain of specular reflections, from plane equations.
 //
 // Written in a scalar T, so that with dual numbers the vertices carry derivatives by either end and
-// by every plane. Whether the vertices lie on the surfaces and whether anything is in the way is
-// decided elsewhere (image_tree.h); nothing here branches.
+// by every plane. This file has no branches: image_tree.h tests that the vertices lie on the
+// surfaces and that the path is not blocked.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,7 @@ Vec3<T> mirror(const Plane<T>& plane, const Vec3<T>& point) {
   return point - (T(2) * distance(plane, point)) * plane.normal;
 }
 
-// Where the line from `point` to `image` meets the plane. REQUIRES: they are on different sides.
+// Intersection of line `point` - `image` with the plane. REQUIRES: they are on different sides.
 template <typename T>
 Vec3<T> meet(const Plane<T>& plane, const Vec3<T>& point, const Vec3<T>& image) {
   const T here = distance(plane, point);
@@ -37,7 +37,7 @@ void reflection_vertices(const Vec3<T>& source,
                          const Vec3<T>& target,
                          std::span<Vec3<T>> vertices) {
   RAYLOC_CHECK(vertices.size() == planes.size() + 2);
-  // Forwards the images of the source, backwards the points where the lines to them cross.
+  // Forwards the images of the source, backwards the intersections of the lines to them.
   vertices[0] = source;
   for (std::size_t i = 0; i < planes.size(); ++i) {
     vertices[i + 1] = mirror(planes[i], vertices[i]);

@@ -25,7 +25,7 @@ bool InteractionFinder::find(const SpecularChain& chain,
         interaction(InteractionKind::kReflection, chain.surfaces[i - 1], chain.points[i - 1]));
   }
   if (as_is) {
-    return true;  // the tree gives only what is clear
+    return true;  // the tree returns only clear chains
   }
   if (options.softness > 0.0) {
     return find_soft(transmitter, receiver, interactions);
@@ -75,7 +75,7 @@ bool InteractionFinder::add_reflection(const Interaction& mirror,
   const int side = distance(surfaces[mirror.surface].plane(), from) > 0.0 ? 1 : -1;
   const std::size_t first = interactions.size();
   for (const CoplanarFace& face : context_->coplanar_faces[mirror.surface]) {
-    // A gap that is just wider than nothing is a crossing already.
+    // A gap slightly wider than zero is already a crossing.
     const bool is_crossed =
         std::any_of(crossings_.begin(), crossings_.end(), [&](const Crossing& crossing) {
           return crossing.surface == face.surface;
@@ -105,7 +105,7 @@ bool InteractionFinder::add_reflection(const Interaction& mirror,
   return true;
 }
 
-// How much of a point of its plane a surface covers.
+// Coverage weight of a surface at a point of its plane.
 double InteractionFinder::weight_at(std::uint32_t number, const Vec3d& point) const {
   const Surface& surface = context_->scene->surfaces()[number];
   const double softness = context_->options.softness;
@@ -141,7 +141,7 @@ bool InteractionFinder::find_soft(const LinkEnd<double>& transmitter,
       return false;
     }
     if (i < mirrors_.size()) {
-      // The factors of corners and ends belong to no single mirror; they are not told apart here.
+      // Factors of corners and ends belong to no single mirror; they are not separated here.
       mirrors_[i].weight = edge_weight(*soft_mirrors_[i].surface,
                                        soft_mirrors_[i].facet,
                                        path.vertices()[i + 1],

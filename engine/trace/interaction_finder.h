@@ -1,7 +1,7 @@
-// InteractionFinder: from a chain of mirrors to all that its path meets: the points of reflection
-// and, between them, what the wave crosses.
+// InteractionFinder: finds all interactions of the path over a chain of mirrors: the points of
+// reflection and the crossings between them.
 //
-// Thread safety: one finder a thread (it holds scratch memory).
+// Thread safety: one finder per thread (it holds scratch memory).
 #pragma once
 
 #include <memory>
@@ -19,8 +19,8 @@ class InteractionFinder {
   explicit InteractionFinder(std::shared_ptr<const TraceContext> context)
       : context_(std::move(context)) {}
 
-  // `chain` begins at the receiver (the root of the tree), `interactions` at the transmitter.
-  // False when no path is left: blocked, or more interactions than the depth allows.
+  // `chain` begins at the receiver (the root of the tree), `interactions` at the transmitter. False
+  // when there is no path: blocked, or more interactions than the depth allows.
   bool find(const SpecularChain& chain,
             const LinkEnd<double>& transmitter,
             const LinkEnd<double>& receiver,
@@ -29,8 +29,8 @@ class InteractionFinder {
  private:
   Interaction interaction(InteractionKind kind, std::uint32_t surface, const Vec3d& at) const;
   bool add_crossings(const Segment& segment, std::vector<Interaction>& interactions);
-  // A reflection of a wave that comes from `from`, with the faces at the same place that it goes
-  // through, there and back (coplanar_faces.h).
+  // Adds a reflection of a wave that comes from `from`, with the coincident faces that the wave
+  // passes through, in both directions (coplanar_faces.h).
   bool add_reflection(const Interaction& mirror,
                       const Vec3d& from,
                       std::vector<Interaction>& interactions);

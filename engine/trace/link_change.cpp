@@ -22,14 +22,14 @@ void turn(RadioDevice& device, int axis, double by) {
   (axis == 0 ? o.yaw : axis == 1 ? o.pitch : o.roll) += by;
 }
 
-// About the origin of the array: the antenna moves as well.
+// Turns about the origin of the array: the antenna moves as well.
 void turn_array(RadioDevice& device, int axis, double by) {
   const Vec3d origin = device.position - rotation(device.orientation) * device.lever;
   turn(device, axis, by);
   device.position = origin + rotation(device.orientation) * device.lever;
 }
 
-// Whether the parameter is one of the ends.
+// Applies a parameter of one of the ends; false for any other parameter.
 bool change_ends(ChangedLink& link, const Parameter& parameter, double by) {
   switch (parameter.kind) {
     case Kind::kTransmitterPosition:
@@ -59,7 +59,7 @@ bool change_ends(ChangedLink& link, const Parameter& parameter, double by) {
   }
 }
 
-// What becomes of the scene: surfaces are moved first, so that their numbers are those of now.
+// Changes of the scene: surfaces are moved first, so that their current numbers apply.
 class SceneChange {
  public:
   explicit SceneChange(const Scene& scene)

@@ -1,5 +1,5 @@
-// change_link: a link with some of its Parameters changed: what their derivatives are derivatives
-// of, and what a descent needs for its next step.
+// change_link: applies changes of Parameters to a link: the function that the derivatives refer to,
+// and the step of a descent.
 #pragma once
 
 #include <memory>
@@ -19,10 +19,10 @@ struct ChangedLink {
   double gain = 1.0;  // amplitude factor of both antennas
 };
 
-// Each parameter by its value, in their order: what two of them say of one number adds up. The
-// scene is a new one only where it changes. An Error when a parameter does not exist in the scene,
-// a value is not finite, or what results is no scene (Scene::create). REQUIRES: as many values as
-// parameters.
+// Changes each parameter by its value, in order; changes of one number by two parameters add up.
+// The scene is copied only where it changes. An Error when a parameter does not exist in the
+// scene, a value is not finite, or the result is no valid scene (Scene::create). REQUIRES: as many
+// values as parameters.
 Expected<ChangedLink> change_link(const ChangedLink& link,
                                   std::span<const Parameter> parameters,
                                   std::span<const double> by);

@@ -1,8 +1,8 @@
 // Parameter: a number that the paths of a link depend on and can be differentiated by.
 //
-// Not among them, since nothing here knows their derivative: the carrier, the depth, the softness,
-// a rotation of an object, the shape of a sampled antenna pattern. They are no Parameters, so
-// asking for them does not compile.
+// The following have no derivative in this code and are no Parameters, so code that requests them
+// does not compile: the carrier, the depth, the softness, a rotation of an object, the shape of a
+// sampled antenna pattern.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ struct Parameter {
     kRelativePermittivity,  // of a material, real part
     kConductivity,          // [S/m]
     kThickness,             // [m]
-    // Of a material that scatters (em/surface_scattering.h), with TraceOptions::diffuse.
+    // For a material that scatters (em/surface_scattering.h), with TraceOptions::diffuse.
     kScatteringCoefficient,
     kXpdCoefficient,
     kAlphaReflected,  // alpha_r

@@ -1,4 +1,4 @@
-// Path: one way that a wave takes from a transmitter to a receiver.
+// Path: one propagation path from a transmitter to a receiver.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@ struct Interaction {
   InteractionKind kind = InteractionKind::kReflection;
   std::uint32_t object = 0;   // index into Scene::objects()
   std::uint32_t surface = 0;  // index into Scene::surfaces(); of an edge its face 0
-  Vec3d position;             // [m], world: where the path meets the surface
+  Vec3d position;             // [m], world: intersection of path and surface
   double weight = 1.0;        // below 1 only with soft visibility (visibility.h)
-  // A crossing of a face at the very place of the mirror before or after it (coplanar_faces.h).
+  // A crossing of a face that coincides with the mirror before or after it (coplanar_faces.h).
   bool at_mirror = false;
-  // Of two diffractions at edges of one face: the way between them goes along face n of the first,
-  // else along its face 0 (diffraction/edge_pair.h).
+  // For two diffractions at edges of one face: the path between them follows face n of the first,
+  // otherwise its face 0 (diffraction/edge_pair.h).
   bool along_face_n = false;
   std::uint32_t edge = kNoEdge;  // of a diffraction: index into TraceContext::wedges
 };
@@ -32,8 +32,8 @@ struct Path {
   // WITHOUT the propagation phase. h(f) = sum a exp(-j 2 pi f tau), f absolute.
   Complex<double> a;
   double tau = 0.0;  // [s]
-  Vec3d departure;   // unit, world: the way that the wave leaves the transmitter
-  Vec3d arrival;     // unit, world: from the receiver towards where the wave comes from
+  Vec3d departure;   // unit, world: direction of travel at the transmitter
+  Vec3d arrival;     // unit, world: from the receiver towards the arriving wave
   std::vector<Interaction> interactions;  // from the transmitter on; empty: line of sight
 
   // Zenith and azimuth of the two directions [rad].

@@ -1,9 +1,9 @@
-// PathDerivatives: how every path of a link changes with every parameter, and what that makes of a
+// PathDerivatives: derivatives of every path of a link by every parameter, and the gradient of a
 // loss of the channel.
 //
-// Forward mode along a path (dual numbers), reverse mode across the tones: with dL/dh given for all
-// tones, one pass over paths and tones gives dL/da and dL/dtau of every path, whatever the number
-// of parameters.
+// Forward mode along a path (dual numbers), reverse mode across the tones: with dL/dh given for
+// all tones, one pass over paths and tones gives dL/da and dL/dtau of every path, for any
+// number of parameters.
 #pragma once
 
 #include <complex>
@@ -41,9 +41,9 @@ class PathDerivatives {
                                         const OfdmGrid& grid,
                                         std::size_t parameter) const;
 
-  // Derivatives of a real loss L of the channel by every parameter. `csi_adjoint`: g_j with
-  // dL = Re sum_j conj(g_j) dh_j, so for L = sum |h_j|^2 it is 2 h_j.
-  // REQUIRES: csi_adjoint.size() == grid.size().
+  // Derivatives of a real loss L of the channel by every parameter. `csi_adjoint`: g_j with dL
+  // = Re sum_j conj(g_j) dh_j, so for L = sum |h_j|^2 it is 2 h_j. REQUIRES:
+  // csi_adjoint.size() == grid.size().
   std::vector<double> loss_gradient(const Paths& paths,
                                     const OfdmGrid& grid,
                                     std::span<const std::complex<double>> csi_adjoint) const;

@@ -50,7 +50,7 @@ class BlockEvaluator {
 
 namespace {
 
-// Of the kinds of em/surface_scattering.h.
+// Checks the kinds of em/surface_scattering.h.
 Expected<void> check_scattering(const TraceContext& context, const Parameter& parameter) {
   const RadioMaterial& material = context.scene->materials()[parameter.index];
   const SurfaceScattering& rough = material.scattering;
@@ -139,7 +139,7 @@ bool PathDifferentiator::depends(const Path& path, const Parameter& parameter) c
       case Kind::kAlphaReflected:
       case Kind::kAlphaBack:
       case Kind::kLobeShare:
-        return false;  // of what is scattered alone, which no path is
+        return false;  // changes only scattered power, no path
       default:
         return true;
     }
@@ -161,7 +161,7 @@ Expected<PathDerivatives> PathDifferentiator::differentiate(
       return tl::make_unexpected(valid.error());
     }
   }
-  // Two lanes are half the work of four: enough for a position in plan.
+  // Two lanes cost half as much as four: enough for a position in plan.
   return parameters.size() <= 2 ? run<2>(paths, parameters) : run<4>(paths, parameters);
 }
 

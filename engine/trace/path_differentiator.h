@@ -1,5 +1,5 @@
 // PathDifferentiator: derivatives of the paths of one link by dual numbers, a few parameters at a
-// time, and of each path only those that it depends on.
+// time; each path is differentiated only by the parameters that it depends on.
 #pragma once
 
 #include <span>
@@ -19,13 +19,13 @@ Expected<void> check_parameter(const TraceContext& context, const Parameter& par
 
 class PathDifferentiator {
  public:
-  // What is passed outlives the differentiator.
+  // The arguments must outlive the differentiator.
   PathDifferentiator(const TraceContext& context,
                      const Transmitter& transmitter,
                      const Receiver& receiver)
       : context_(context), transmitter_(transmitter), receiver_(receiver) {}
 
-  // An Error as of check_parameter().
+  // An Error as in check_parameter().
   Expected<PathDerivatives> differentiate(const Paths& paths,
                                           std::span<const Parameter> parameters) const;
 

@@ -37,7 +37,7 @@ bool canonical_order(const Path& a, const Path& b) {
 
 bool at_the_same_places(const Path& a, const Path& b) {
   constexpr double kSamePlace = 1e-9;   // [m]
-  constexpr double kSameDelay = 1e-15;  // [s], of a thousand such places
+  constexpr double kSameDelay = 1e-15;  // [s], of a thousand times kSamePlace
   return std::abs(a.tau - b.tau) < kSameDelay &&
          std::equal(a.interactions.begin(),
                     a.interactions.end(),
@@ -49,7 +49,7 @@ bool at_the_same_places(const Path& a, const Path& b) {
                     });
 }
 
-// Where faces of two objects are at the same place, the first one acts.
+// Where faces of two objects coincide, the first one acts.
 void drop_repeated(std::vector<Path>& paths) {
   std::vector<Path> kept;
   for (Path& path : paths) {
@@ -62,7 +62,7 @@ void drop_repeated(std::vector<Path>& paths) {
   paths = std::move(kept);
 }
 
-// The path of these interactions.
+// The path over these interactions.
 Path evaluate(const TraceContext& context,
               const std::vector<Interaction>& interactions,
               const LinkEnd<double>& transmitter,
@@ -98,7 +98,7 @@ ReceiverTracer PathTracer::at(const Receiver& receiver) const {
 }
 
 std::vector<ReceiverTracer> PathTracer::at(std::span<const Receiver> receivers) const {
-  constexpr double kNear = 0.25;  // [m], from the first
+  constexpr double kNear = 0.25;  // [m], from the first receiver
   std::vector<Vec3d> roots;
   for (const Receiver& receiver : receivers) {
     roots.push_back(receiver.position);
@@ -151,7 +151,7 @@ std::shared_ptr<const LitEdges> ReceiverTracer::lit_by(const Transmitter& transm
 Paths ReceiverTracer::trace(const Transmitter& transmitter, const LitEdges* lit) const {
   const LinkEnd<double> from = link_end(transmitter);
   const LinkEnd<double> to = link_end(receiver_);
-  // A count, chosen: memory for a room of three reflections.
+  // A count, chosen: enough for a room with three reflections.
   constexpr std::size_t kUsualPaths = 64;
   InteractionFinder finder(context_);
   std::vector<Interaction> interactions;

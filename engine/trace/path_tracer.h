@@ -8,7 +8,7 @@
 //   for (...) h = at_ap.trace(transmitter).cfr(grid);  // ... and used for every position
 //
 // The result of a link depends on the scene, the options and its two ends alone; where shot rays
-// propose (TraceOptions::candidates), also on how the processor rounds for rays that graze an edge.
+// propose (TraceOptions::candidates), also on the processor's rounding at edges.
 // Thread safety: const members may be used from many threads.
 #pragma once
 
@@ -39,13 +39,13 @@ class PathTracer {
   // not both softness and diffraction. The carrier is that of the scene.
   explicit PathTracer(std::shared_ptr<const Scene> scene, const TraceOptions& options = {});
 
-  // Builds an image tree at the receiver for this one link; use at() for many.
+  // Builds an image tree at the receiver for this one link; use at() for many links.
   Paths trace(const Transmitter& transmitter, const Receiver& receiver) const;
 
-  // A tracer for everything that this receiver may hear.
+  // A tracer for all transmitters of this receiver.
   ReceiverTracer at(const Receiver& receiver) const;
-  // The same for several, such as the elements of an array; those so near to each other that they
-  // see about the same share an image tree. What each hears is what it hears alone.
+  // The same for several receivers, such as the elements of an array; receivers with nearly the
+  // same view share an image tree. The result for each is that of at() for it alone.
   std::vector<ReceiverTracer> at(std::span<const Receiver> receivers) const;
 
   const Scene& scene() const;
@@ -56,16 +56,16 @@ class PathTracer {
   std::shared_ptr<const TraceContext> context_;
 };
 
-// Holds the image tree of one receiver. Independent of the PathTracer that made it.
+// Holds the image tree of one receiver. It is independent of the PathTracer that made it.
 class ReceiverTracer {
  public:
   Paths trace(const Transmitter& transmitter) const;
-  // The same for elements of one array: what the transmitter lights is the same for all of them.
+  // Edges lit by the transmitter, computed once for all elements of one array.
   std::shared_ptr<const LitEdges> lit_by(const Transmitter& transmitter) const;
   Paths trace(const Transmitter& transmitter, const LitEdges* lit) const;
 
-  // Derivatives of every path by every parameter. `paths`: what trace(transmitter) gave. An Error
-  // when a parameter does not exist or has no derivative; never zero in silence.
+  // Derivatives of every path by every parameter. `paths`: the result of trace(transmitter). An
+  // Error when a parameter does not exist or has no derivative; never a silent zero.
   Expected<PathDerivatives> differentiate(const Transmitter& transmitter,
                                           const Paths& paths,
                                           std::span<const Parameter> parameters) const;

@@ -1,5 +1,5 @@
-// Paths: all paths of one link, in canonical order: fewer interactions first, then by the numbers
-// of their surfaces from the transmitter on.
+// Paths: all paths of one link, in canonical order: fewer interactions first, then by their surface
+// numbers from the transmitter on.
 #pragma once
 
 #include <complex>
@@ -24,9 +24,9 @@ class Paths {
   auto end() const { return paths_.end(); }
 
   // Channel frequency response h(f_j) = sum a exp(-j 2 pi f_j tau) on the tones of the grid.
-  // Materials, patterns and wavelength stay those of the carrier.
+  // Materials, patterns and wavelength are those at the carrier.
   std::vector<std::complex<double>> cfr(const OfdmGrid& grid) const;
-  // The same into a given place. REQUIRES: out.size() == grid.size().
+  // Writes the response to `out`. REQUIRES: out.size() == grid.size().
   void cfr(const OfdmGrid& grid, std::span<std::complex<double>> out) const;
 
  private:

@@ -1,4 +1,4 @@
-// Power by delay: how much arrives, when in the mean, and over how long (ITU-R P.1407-8).
+// Total power, mean delay and delay spread of arrivals (ITU-R P.1407-8).
 #pragma once
 
 #include <cmath>
@@ -7,11 +7,11 @@ namespace rayloc {
 
 struct PowerDelay {
   double power = 0.0;
-  double mean_delay = 0.0;    // [s], 0 where there is no power
+  double mean_delay = 0.0;    // [s], 0 without power
   double delay_spread = 0.0;  // [s], root mean square about the mean
 };
 
-// `arrivals`: what has a `tau` [s]; `power_of`: that of one of them.
+// `arrivals`: elements with a `tau` [s]; `power_of`: the power of one of them.
 template <typename Arrivals, typename PowerOf>
 PowerDelay power_delay(const Arrivals& arrivals, const PowerOf& power_of) {
   PowerDelay found;
@@ -24,7 +24,7 @@ PowerDelay power_delay(const Arrivals& arrivals, const PowerOf& power_of) {
     return found;
   }
   found.mean_delay = mean / found.power;
-  // About the mean, which is small beside the delays themselves.
+  // Computed about the mean, since the spread is small compared with the delays.
   double variance = 0.0;
   for (const auto& one : arrivals) {
     const double late = one.tau - found.mean_delay;

@@ -1,4 +1,4 @@
-// Transmitter and Receiver: one antenna somewhere in the room.
+// Transmitter and Receiver: one antenna with its position and orientation.
 //
 // Two types, so that the ends of a link cannot be mixed up.
 #pragma once
@@ -27,7 +27,7 @@ inline LinkEnd<double> link_end(const RadioDevice& device) {
 struct Transmitter : RadioDevice {};
 struct Receiver : RadioDevice {};
 
-// The elements of an array, each as a device of its own (no plane-wave shortcut).
+// The elements of an array, each as a separate device (no plane-wave approximation).
 template <typename Device>
 std::vector<Device> array_elements(const AntennaArray& array) {
   std::vector<Device> elements;

@@ -1,5 +1,5 @@
-// Round trips of a wave between two faces at one place (coplanar_faces.h): what is left of the
-// bounces in a gap that goes to zero.
+// Round trips of a wave between two coincident faces (coplanar_faces.h): the bounces in a gap
+// that goes to zero.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ void visit_round_trips(const TraceContext& context,
     return;
   }
   for (std::size_t i = first; i + 1 < interactions.size(); ++i) {
-    // The wave enters the gap through one face; at the other it leaves or turns back.
+    // The wave enters the gap through one face; at the other it leaves or is reflected.
     const Interaction& entered = interactions[i];
     const Interaction& other = interactions[i + 1];
     if (!goes_through(entered.kind) || !are_coplanar(context, entered.surface, other.surface)) {

@@ -1,9 +1,9 @@
 // The coefficient of a path under soft visibility (visibility.h).
 //
-// A crossing that is in the way by a weight w lets 1 - w pass. With transmission w of the wave goes
-// through the slab instead, which is one more interaction: as `max_depth` counts interactions, the
-// field is kept apart by their number and what exceeds the depth is lost. The sum over these fields
-// is continuous where a cut by the number of crossings would jump.
+// A crossing with a blocking weight w lets 1 - w of the wave pass. With transmission w of the wave
+// passes through the slab instead, which is one more interaction: since `max_depth` counts
+// interactions, the field is kept apart by their number and the part beyond the depth is lost. The
+// sum over these fields is continuous where a cut by the number of crossings would jump.
 #pragma once
 
 #include <cstddef>
@@ -20,13 +20,13 @@
 
 namespace rayloc {
 
-// What a path meets, in its order.
+// An interaction of a path, in path order.
 template <typename T>
 struct SoftInteraction {
   InteractionKind kind = InteractionKind::kReflection;
   const Surface* surface = nullptr;
   Facet<T> facet;
-  // Of a mirror: surfaces at the same place that reflect in its stead (TraceContext::covers).
+  // For a mirror: coincident surfaces that reflect in its place (TraceContext::covers).
   struct Cover {
     const Surface* surface = nullptr;
     Facet<T> facet;
@@ -35,7 +35,7 @@ struct SoftInteraction {
   bool at_mirror = false;  // Interaction::at_mirror
 };
 
-// `facet_of(surface)` gives a Facet<T>.
+// `facet_of(surface)` returns a Facet<T>.
 template <typename T, typename FacetOf>
 SoftInteraction<T> soft_interaction(const TraceContext& context,
                                     InteractionKind kind,
@@ -54,7 +54,7 @@ SoftInteraction<T> soft_interaction(const TraceContext& context,
 template <typename T>
 class SoftPath {
  public:
-  // REQUIRES: options.softness > 0; what is passed outlives the SoftPath.
+  // REQUIRES: options.softness > 0; the arguments outlive the SoftPath.
   SoftPath(std::span<const SoftInteraction<T>> interactions,
            const LinkEnd<T>& transmitter,
            const LinkEnd<T>& receiver,
@@ -79,7 +79,7 @@ class SoftPath {
   // Transmitter, points of reflection, receiver.
   std::span<const Vec3<T>> vertices() const { return vertices_; }
 
-  // Of segment `i`, between vertices i and i + 1.
+  // Segment `i`, between vertices i and i + 1.
   SoftSegment<T> segment(std::size_t i) const {
     return {vertices_[i],
             vertices_[i + 1],
@@ -87,7 +87,7 @@ class SoftPath {
             i == mirrors_.size() ? nullptr : &mirrors_[i]->facet.plane.normal};
   }
 
-  // Of the path by its points of reflection and its shortest segments; 0: no path.
+  // Weight of the path from its points of reflection and its shortest segments; 0: no path.
   T mirror_weight() const {
     T weight(1);
     const double softness = options_.softness;
@@ -133,9 +133,9 @@ class SoftPath {
   }
 
  private:
-  // The wave on its way.
+  // State of the wave along the path.
   struct Passage {
-    std::vector<Wave<T>> waves;  // by the number of faces gone through so far
+    std::vector<Wave<T>> waves;  // by the number of faces crossed so far
     std::size_t mirrors = 0;     // passed so far
   };
 
@@ -145,7 +145,7 @@ class SoftPath {
     return foot_weight(*mirror.surface, mirror.facet, device, point, options_.softness);
   }
 
-  // The share of the wave that the surface is in the way of.
+  // The share of the wave that the surface blocks.
   T share_in_the_way(const SoftInteraction<T>& interaction, const SoftSegment<T>& along) const {
     const Facet<T>& facet = interaction.facet;
     const Vec3<T> point = meet(facet.plane, along.from, along.to);

@@ -19,8 +19,8 @@ bool is_opaque(const Facet<double>& facet, double wavelength) {
   return abs2(slab.t_te) < kOpaque * kOpaque;
 }
 
-// Of each face those at its place that act where both would: the ones before it. Opaque bodies only
-// reflect outwards, so faces back to back do not compete.
+// For each face the coincident faces that act where both would: the preceding ones. Opaque bodies
+// only reflect outwards, so faces back to back do not compete.
 std::vector<std::vector<std::uint32_t>> find_covers(
     const Scene& scene, const std::vector<std::vector<CoplanarFace>>& coplanar) {
   std::vector<std::vector<std::uint32_t>> covers(coplanar.size());
@@ -78,7 +78,7 @@ TraceContext::TraceContext(std::shared_ptr<const Scene> the_scene, const TraceOp
   }
   if (options.softness > 0.0) {
     auto bvh = Bvh::create(scene->surfaces(), options.softness);
-    RAYLOC_CHECK(bvh.has_value());  // Embree worked for the scene itself
+    RAYLOC_CHECK(bvh.has_value());  // Embree has already worked for the scene
     soft_bvh = std::move(*bvh);
   }
 }

@@ -1,4 +1,4 @@
-// TraceContext: what all tracers of one scene share; immutable.
+// TraceContext: immutable data that all tracers of one scene share.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct TraceContext {
   TraceContext(const TraceContext&) = delete;
   TraceContext& operator=(const TraceContext&) = delete;
 
-  // Every surface that the segment meets, soft edges included.
+  // Finds every surface that the segment meets, soft edges included.
   void crossings(const Segment& segment, std::vector<Crossing>& found) const;
 
   MetWedge wedge(std::uint32_t edge) const;
@@ -31,13 +31,13 @@ struct TraceContext {
   std::shared_ptr<const Scene> scene;
   TraceOptions options;
   double wavelength = 0.0;             // [m]
-  std::vector<SlabTable> slab_tables;  // of each material
-  std::vector<Facet<double>> facets;   // of each surface; they point to the tables
-  std::vector<bool> opaque;            // of each surface: nothing that counts goes through it
-  // Of each surface, what other objects have at its place (a door flush with its wall). With
-  // transmission all of them act; without those that are before it do, where both would.
-  std::vector<std::vector<CoplanarFace>> coplanar_faces;  // with transmission, else none
-  std::vector<std::vector<std::uint32_t>> covers;         // without, else none
+  std::vector<SlabTable> slab_tables;  // one per material
+  std::vector<Facet<double>> facets;   // one per surface; they point to the tables
+  std::vector<bool> opaque;            // one per surface: transmission is negligible
+  // For each surface the coincident surfaces of other objects (a door flush with its wall). With
+  // transmission all of them act; without it the preceding ones act where both would.
+  std::vector<std::vector<CoplanarFace>> coplanar_faces;  // with transmission, otherwise empty
+  std::vector<std::vector<std::uint32_t>> covers;         // without transmission, otherwise empty
   bool has_covers = false;
   std::vector<Wedge> wedges;    // only with diffraction
   std::optional<Bvh> soft_bvh;  // only with soft edges

@@ -1,25 +1,25 @@
-// Soft visibility: how much of a wave a surface reflects or stops, as a smooth weight in [0, 1] of
-// where the wave meets it. With hard visibility a channel jumps when a point of reflection slides
-// off a face or a shadow passes over a path; with soft visibility it, and its derivatives by
-// everything that moves, are continuous.
+// Soft visibility: how much of a wave a surface reflects or blocks, as a smooth weight in [0, 1] of
+// the point where the wave meets it. With hard visibility a channel jumps when a point of
+// reflection slides off a face or a shadow passes over a path; with soft visibility the channel and
+// its derivatives by everything that moves are continuous.
 //
-// One length says over what distance ("softness", [m]); physically about the radius of the first
-// Fresnel zone, sqrt(lambda d1 d2 / (d1 + d2)). As it goes to 0 the weights become those of hard
-// visibility.
+// The transition takes place over one length ("softness", [m]); physically about the radius of the
+// first Fresnel zone, sqrt(lambda d1 d2 / (d1 + d2)). As it goes to 0 the weights become those of
+// hard visibility.
 //
-// A weight is a product of smooth steps. First, of the signed distance inside each edge of the
-// surface, from -softness to softness (of a surface that is not convex: inside its boundary). Then,
-// where a path or a shadow could appear or vanish otherwise:
+// A weight is a product of smooth steps. The first is of the signed distance inside each edge of
+// the surface, from -softness to softness (of a surface that is not convex: inside its boundary).
+// The others apply where a path or a shadow could appear or vanish otherwise:
 //
-// A crossing slides over the end of its segment: the distance of that end from the plane. At an end
-// on another mirror the softness counts by the sine of the angle between the planes, since
+// A crossing slides over the end of its segment: the distance of that end from the plane. At an
+// end on another mirror the softness is scaled by the sine of the angle between the planes, since
 // crossings slide over ends where planes intersect, and a picture on a wall shall stop waves; but
-// by 1/50 at least, since they also come and go when parallel faces touch (an object that stands on
-// the floor). At a device it counts near edges only: to walk through the middle of a wall is no
-// small step.
+// by 1/50 at least, since they also come and go when parallel faces touch (an object on the
+// floor). At a device it counts near edges only: a device that moves through the middle of a wall
+// is no small step.
 //
 // A segment between two mirrors, or between a mirror and a device near its edge, shrinks to a
-// point: its length. What lies beyond would come from behind the mirror.
+// point: its length. A path beyond that would come from behind the mirror.
 //
 // Written in a scalar T, so that with dual numbers weights carry derivatives.
 #pragma once
@@ -60,7 +60,7 @@ T edge_weight(const Surface& surface,
   return inside_weight(surface, facet.shift, point, -softness, softness);
 }
 
-// One segment of a path and what its ends lie on; nullptr: a device.
+// One segment of a path and the surfaces at its ends; nullptr: a device.
 template <typename T>
 struct SoftSegment {
   Vec3<T> from;
@@ -69,7 +69,7 @@ struct SoftSegment {
   const Vec3<T>* to_normal = nullptr;
 };
 
-// Softness squared that counts for the distance of a point of one plane from the other.
+// Squared softness that applies to the distance of a point of one plane from the other.
 template <typename T>
 T slant_softness2(const Vec3<T>& normal, const Vec3<T>& other, double softness) {
   // The sine between planes, chosen: 1.1 degrees count as parallel.
@@ -80,7 +80,7 @@ T slant_softness2(const Vec3<T>& normal, const Vec3<T>& other, double softness) 
   return T(softness * softness) * (slant2 > least ? slant2 : least);
 }
 
-// How much the surface is in the way of the segment, which crosses its plane at `point`.
+// Blocking weight of the surface for the segment, which crosses its plane at `point`.
 template <typename T>
 T crossing_weight(const Surface& surface,
                   const Facet<T>& facet,
@@ -93,7 +93,7 @@ T crossing_weight(const Surface& surface,
     const T away = behind * behind;
     if (normal == nullptr) {
       const T near_edge = T(1) - inside_weight(surface, facet.shift, point, 0.0, softness);
-      // near_edge = 0 in the middle of a surface: any distance will do.
+      // near_edge = 0 in the middle of a surface: any distance is accepted.
       return T(1) - near_edge * (T(1) - smooth_step(away / T(softness * softness)));
     }
     return smooth_step(T(away / slant_softness2(*normal, facet.plane.normal, softness)));
@@ -102,7 +102,7 @@ T crossing_weight(const Surface& surface,
   return weight * end(segment.to, segment.to_normal);
 }
 
-// What is left of a path by the length of a segment between two mirrors.
+// Weight of a path from the length of a segment between two mirrors.
 template <typename T>
 T corner_weight(const Vec3<T>& from,
                 const Vec3<T>& to,
@@ -113,7 +113,7 @@ T corner_weight(const Vec3<T>& from,
   return smooth_step(T(dot(along, along) / slant_softness2(from_normal, to_normal, softness)));
 }
 
-// What is left of a path by the length of the segment between a device and a mirror.
+// Weight of a path from the length of the segment between a device and a mirror.
 template <typename T>
 T foot_weight(const Surface& surface,
               const Facet<T>& facet,

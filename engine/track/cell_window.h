@@ -18,7 +18,7 @@ struct CellWindow {
   bool is_all_of(const RoomGrid& grid) const { return size() == grid.size(); }
   std::size_t size() const { return count_x * count_y; }
 
-  // Of the room, by its number in the window; and back, nothing where it is not in there.
+  // Index in the room's grid of cell `number` of the window, and the inverse; empty outside it.
   std::size_t cell(std::size_t number, const RoomGrid& grid) const {
     return (first_x + number / count_y) * grid.count_y + first_y + number % count_y;
   }
@@ -28,7 +28,7 @@ struct CellWindow {
     return x < count_x && y < count_y ? std::optional(x * count_y + y) : std::nullopt;
   }
 
-  // A grid of these cells alone.
+  // Grid of the window's cells only.
   RoomGrid grid_of(const RoomGrid& grid) const {
     RoomGrid part = grid;
     part.first.x += grid.step_x * static_cast<double>(first_x);

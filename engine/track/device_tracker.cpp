@@ -20,7 +20,7 @@ std::shared_ptr<const FreeSpace> free_space_of(const Localizer& localizer) {
       make_free_space(*localizer.room().scene, localizer.grid(), access_points));
 }
 
-// Of the moments at which a target is looked for in the whole room.
+// Time offset of the moments at which a target is searched for in the whole room.
 Duration phase_of(const MacAddress& address) {
   const auto steps = static_cast<int>(std::hash<MacAddress>()(address) % 100);
   return kWholeRoomPeriod * steps / 100;

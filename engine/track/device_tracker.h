@@ -1,13 +1,13 @@
-// DeviceTracker: the tracks of all devices of one kind; a device is told by its address (METHODS
+// DeviceTracker: tracks of all devices of one kind. A device is identified by its address (METHODS
 // B6), so frames are never assigned to a wrong track.
 //
-// A device's bursts are cut into moments in which a walker moves less than half a wavelength; each
-// moment is a measurement, its frames of all access points together.
+// Bursts of a device are cut into moments in which a walker moves less than half a wavelength. Each
+// moment is one measurement with the frames of all access points.
 //
-// A silent device's predicted position is stated at fixed times after its last frame, so that what
-// is stated does not depend on how often advance() is called.
+// The predicted position of a silent device is reported at fixed times after its last frame, so
+// that the output does not depend on how often advance() is called.
 //
-// Thread safety: for one thread.
+// Thread safety: use from one thread only.
 #pragma once
 
 #include <cstdint>
@@ -29,10 +29,10 @@ namespace rayloc {
 struct DeviceTrackerOptions {
   TrackOptions track;
   Duration moment = std::chrono::milliseconds(30);
-  // Between two predicted positions of a silent device.
+  // Time between two predicted positions of a silent device.
   Duration coasting_interval = std::chrono::milliseconds(200);
-  std::size_t max_tracks = 256;      // a flood of made-up addresses costs no more memory
-  std::set<MacAddress> always = {};  // devices that are known: they get a track all the same
+  std::size_t max_tracks = 256;      // bounds the memory that a flood of made-up addresses can take
+  std::set<MacAddress> always = {};  // known devices: they get a track regardless of max_tracks
 };
 
 // moments = used + out_of_order + unusable + unexplained; begun = lost + tracks now.
@@ -40,7 +40,7 @@ struct TrackerCounters {
   std::uint64_t begun = 0;    // tracks
   std::uint64_t lost = 0;     // tracks
   std::uint64_t moments = 0;  // measurements given to tracks
-  std::uint64_t used = 0;     // that led to an estimate; the others by MomentRefusal
+  std::uint64_t used = 0;     // moments that led to an estimate; the others by MomentRefusal
   std::uint64_t out_of_order = 0;
   std::uint64_t unusable = 0;
   std::uint64_t unexplained = 0;
@@ -54,12 +54,12 @@ struct DeviceUpdate {
   FilteredEstimate estimate;
 };
 
-// The frames of one device, in order of time.
+// Frames of one device, in order of time.
 struct DeviceBurst {
   MacAddress device;
   std::span<const CsiFrame> frames;
-  // The device has not been silent since then, earlier bursts were left out; its first frame when
-  // nothing is stated.
+  // The device has not been silent since this time although earlier bursts were left out. Without a
+  // value: the time of its first frame.
   std::optional<Timestamp> heard_since = std::nullopt;
   FrameDoubt doubt = {};
 };
@@ -69,30 +69,30 @@ class DeviceTracker {
   DeviceTracker(std::shared_ptr<const Localizer> localizer, DeviceTrackerOptions options);
 
   // [burst]: an estimate for every moment of the burst. Devices are independent of each other, so
-  // that the machine's cores share the bursts. REQUIRES: every burst is of another device.
+  // bursts are processed in parallel. REQUIRES: every burst is from a different device.
   std::vector<std::vector<DeviceUpdate>> hear(std::span<const DeviceBurst> bursts);
-  // The same of one, appended.
+  // As above for one device; the updates are appended.
   void hear(const MacAddress& device,
             std::span<const CsiFrame> frames,
             std::vector<DeviceUpdate>& updates,
             std::optional<Timestamp> heard_since = std::nullopt,
             const FrameDoubt& doubt = {});
 
-  // No frame before `now` comes any more: appends where the silent ones may be, forgets the lost.
+  // No frame before `now` will arrive: appends predictions of silent devices, removes lost tracks.
   void advance(Timestamp now, std::vector<DeviceUpdate>& updates);
 
-  // What was heard so far may have been wrong: each device may be anywhere, and is followed on.
+  // Earlier bursts may have been wrong: each device may be anywhere, and its track continues.
   void forget_places();
 
-  // Every track ends, for that reason: time may go back.
+  // Ends every track with this reason, since time may go back.
   void restart(const std::string& reason, std::vector<DeviceUpdate>& updates);
 
-  // Whether it has a track of the device at all.
+  // True if the device has a track.
   bool has(const MacAddress& device) const { return tracks_.count(device) > 0; }
-  // The same of one that was confirmed: one heard once may be anybody.
+  // True if the device has a confirmed track: a single burst may come from any sender.
   bool follows(const MacAddress& device) const;
-  // When the device that has been silent longest of those with a track was heard; `now` without
-  // any.
+  // Time of the last usable burst of the tracked device that has been silent longest; `now` without
+  // tracks.
   Timestamp heard_until(Timestamp now) const;
   std::size_t size() const { return tracks_.size(); }
   const TrackerCounters& counters() const { return counters_; }
@@ -100,15 +100,15 @@ class DeviceTracker {
  private:
   struct Entry {
     Track track;
-    Timestamp due;  // of the next predicted position, if the device stays silent
+    Timestamp due;  // time of the next predicted position, if the device stays silent
   };
   using Tracks = std::map<MacAddress, Entry>;
 
-  // States what is due before `until`; false when the track is lost.
+  // Appends the predictions due before `until`; false when the track is lost.
   bool coast(Tracks::value_type& track, Timestamp until, std::vector<DeviceUpdate>& updates);
-  // The track of a burst, coasted up to it; the end when there are too many.
+  // Track of a burst, predicted up to the burst; end() when there are too many tracks.
   Tracks::iterator track_of(const DeviceBurst& burst, std::vector<DeviceUpdate>& updates);
-  // What becomes of the track of one device, and of nothing else.
+  // Updates the track of one device and no other state.
   TrackerCounters hear_moments(Tracks::value_type& track,
                                const DeviceBurst& burst,
                                std::vector<DeviceUpdate>& updates) const;

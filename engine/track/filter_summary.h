@@ -1,4 +1,4 @@
-// summarise_filter: what a filter knows of a target's place, as an estimate.
+// summarise_filter: converts the filtered distribution of a target's position to an estimate.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,12 @@
 
 namespace rayloc {
 
-// Of masses; finite where there is none.
+// Logarithms of masses; finite for a mass of zero.
 std::vector<double> log_masses(std::vector<double> mass);
 
-// Fills what summarise_posterior() fills. `grid`: of the room. `options`: cells_of_room is set
-// here, and what is out of the filter's window joins the outlier. `within`: where in the best cells
-// of the room.
+// Fills the same fields as summarise_posterior(). `grid`: grid of the room. `options`:
+// cells_of_room is set here, and the mass outside the filter's window is added to the outlier
+// probability. `within`: distribution of the position inside the best cells of the room.
 void summarise_filter(const GridFilter& filter,
                       const RoomGrid& grid,
                       PosteriorOptions options,

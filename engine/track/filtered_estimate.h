@@ -1,4 +1,4 @@
-// FilteredEstimate: where a track has its target, and where in its life the track is (track.h).
+// FilteredEstimate: the filtered position of a target and the state of its track (track.h).
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ enum class TrackState { kTentative, kConfirmed, kCoasting, kLost };
 
 struct TrackTransition {
   Timestamp time;
-  std::optional<TrackState> before;  // nothing: the track begins
+  std::optional<TrackState> before;  // empty: the track begins
   TrackState after = TrackState::kTentative;
   std::string reason;
 };
@@ -23,7 +23,7 @@ struct FilteredEstimate {
   LocationEstimate location;
   TrackState state = TrackState::kTentative;
   bool predicted = false;         // from earlier bursts only
-  std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when that was not heard
+  std::optional<Vec3d> velocity;  // [m/s], over the last second; absent when no burst arrived in it
   double standing = 0.0;          // probability
   std::optional<TrackTransition> transition;
 };

@@ -1,6 +1,6 @@
-// FreeSpace: the cells of a room where a device can be, and the moves between neighbours that no
-// wall or furniture is in the way of, at the height of the grid. A device is free to pass above a
-// table that ends below it.
+// FreeSpace: cells of a room that a device can occupy, and the moves between neighbours that no
+// wall or furniture blocks, at the height of the grid. A device can pass above a table that ends
+// below it.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ struct FreeSpace {
   std::vector<std::uint8_t> link_y;  // 1: it can move to the next cell in y (1 further)
 };
 
-// Cells inside a closed object are not free. An object around a place of `inside` (the access
-// points') is the hull of the room, not a thing in it. When nothing would be free, the plan is
-// not believed and everything is.
+// Cells inside a closed object are not free. An object around a position of `inside` (the access
+// points') is the hull of the room, not an obstacle. When no cell would be free, the plan is
+// rejected and every cell is free.
 FreeSpace make_free_space(const Scene& scene,
                           const RoomGrid& grid,
                           const std::vector<Vec3d>& inside);

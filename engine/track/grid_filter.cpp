@@ -17,8 +17,8 @@ namespace {
 constexpr int kDirections = 8;  // a count, METHODS B6: 45 degrees apart
 // Probability below which a cell is empty; keeps the arithmetic out of the subnormal numbers.
 constexpr float kEmpty = 1e-30F;
-// Probability, chosen, below which that of being outside of a window never falls: the window may be
-// wrong, and what bursts say of the rest of the room is a sample's word.
+// Lower limit of the probability of being outside the window, chosen: the window may be wrong, and
+// bursts are compared with only a sample of the rest of the room.
 constexpr double kLeastAway = 1e-4;
 
 double sum_of(const std::vector<float>& values) {
@@ -67,7 +67,7 @@ void GridFilter::normalise() {
   }
 }
 
-// Between standing and walking, and between the directions and speeds of a walk.
+// Transitions between standing and walking, and between directions and speeds of a walk.
 void GridFilter::change_modes(double seconds) {
   const auto switched =
       static_cast<float>(-0.5 * std::expm1(-2.0 * motion_.switching_rate * seconds));
@@ -88,8 +88,8 @@ void GridFilter::change_modes(double seconds) {
   }
 }
 
-// Moves `share` of each cell's mass over the link to the next cell in x, or back from it. The order
-// of the cells is such that no mass moves twice.
+// Moves `share` of each cell's mass over the link to the next cell in x, or to the previous one.
+// The order of the cells ensures that no mass moves twice.
 void GridFilter::move_x(double share, std::vector<float>& mass) const {
   const auto part = static_cast<float>(std::abs(share));
   const std::size_t columns = window_.count_y;
@@ -106,7 +106,7 @@ void GridFilter::move_x(double share, std::vector<float>& mass) const {
   }
 }
 
-// The same in y.
+// As move_x(), in y.
 void GridFilter::move_y(double share, std::vector<float>& mass) const {
   const auto part = static_cast<float>(std::abs(share));
   const std::size_t columns = window_.count_y;
@@ -138,11 +138,11 @@ void GridFilter::carry(Mode& mode, double seconds) const {
 
 void GridFilter::predict(Duration elapsed) {
   RAYLOC_CHECK(elapsed >= Duration::zero());
-  // A walk that turns on its way: modes change in between.
+  // A walk may turn within the interval, so modes change between the partial steps.
   const double seconds = to_seconds(elapsed);
   const double parts = std::max(1.0, std::ceil(4.0 * seconds / motion_.direction_time));
   for (auto left = static_cast<std::size_t>(parts); left > 0; --left) {
-    // Masses are read and written once to change, and once for each step of each walk.
+    // Masses are read and written once for the mode change and once for each step of each walk.
     WorkDone::add(modes_.size() * window_.size() * 4, modes_.size() * window_.size() * 12);
     change_modes(seconds / parts);
     for (std::size_t k = 1; k < modes_.size(); ++k) {
@@ -154,7 +154,7 @@ void GridFilter::predict(Duration elapsed) {
 void GridFilter::weigh_change(double change) {
   const auto stand = static_cast<float>(std::pow(motion_.change_odds, -change));
   const auto walk = static_cast<float>(std::pow(motion_.change_odds, change - 1.0));
-  if (away_ > 0.0) {  // where it is says nothing of how it moves
+  if (away_ > 0.0) {  // being outside carries no information on motion
     const double standing = this->standing();
     away_ *= standing * static_cast<double>(stand) + (1.0 - standing) * static_cast<double>(walk);
   }
@@ -183,7 +183,7 @@ GridFilter::Relative GridFilter::relative(const Sampled& burst,
       cells += weight;
     }
   }
-  // Over the mean of the free cells, so that numbers stay near 1.
+  // Relative to the mean of the free cells, so that numbers stay near 1.
   result.scale = sum > 0.0 ? (1.0 - outlier) * cells / sum : 0.0;
   return result;
 }
@@ -213,7 +213,7 @@ void GridFilter::update(const Sampled& burst, double exponent, double elsewhere)
   normalise();
 }
 
-// Mass outside of the window is away, what was away stays so; cells that come in are empty.
+// Mass outside the new window is added to away(); cells that enter the window are empty.
 void GridFilter::take(const CellWindow& window) {
   const RoomGrid& grid = space_->grid;
   for (Mode& mode : modes_) {
@@ -247,12 +247,12 @@ void GridFilter::narrow(double share, Duration reach) {
   }
   const double fastest =
       *std::max_element(motion_.walking_speeds.begin(), motion_.walking_speeds.end());
-  // From the first on and behind the last, of the room.
+  // Removes cells at both ends; indices are those of the room's grid.
   const auto kept = [&](const std::vector<double>& masses,
                         std::size_t first,
                         std::size_t most,
                         double step) -> std::array<std::size_t, 2> {
-    const double out = 0.25 * share * all;  // of what may be left out, on each of four sides
+    const double out = 0.25 * share * all;  // mass that may be left out on each of four sides
     std::size_t begin = 0;
     std::size_t end = masses.size();
     for (double sum = masses[begin]; sum <= out && begin + 1 < end; sum += masses[begin]) {
@@ -321,7 +321,7 @@ void GridFilter::rest(std::size_t most, const std::vector<double>& mass) {
       left -= static_cast<double>(mode.mass[cell]);
     }
     kept_.others.push_back(others > 0.0 ? static_cast<float>(std::max(0.0, left) / others) : 0.0F);
-    mode.mass = std::vector<float>();  // gives the memory back
+    mode.mass = std::vector<float>();  // releases the memory
   }
 }
 
@@ -344,7 +344,7 @@ void GridFilter::wake() {
   kept_ = {};
 }
 
-// Of the window, a count.
+// Number of free cells in the window.
 double GridFilter::free_cells() const {
   double count = 0.0;
   for (std::size_t n = 0; n < window_.size(); ++n) {

@@ -1,14 +1,14 @@
-// GridFilter: a Bayes filter over the cells of a room for one target that stands or walks.
+// GridFilter: a Bayes filter over the cells of a room for one standing or walking target.
 //
-// METHODS B6. A mass per cell and mode of motion: one mode stands, the others walk in eight
-// directions at two speeds. A walking mass moves over the open links of FreeSpace, so that it
-// passes no wall; what a step carries only part of the way to the next cell spreads it, which
-// stands for the speeds between. A walk keeps its direction for about a second.
+// METHODS B6. Each cell has a mass per mode of motion: one mode is standing, the others are walks
+// in eight directions at two speeds. Walking mass moves over the open links of FreeSpace, so it
+// passes no wall. A step shorter than a cell spreads the mass, which represents the speeds in
+// between. A walk keeps its direction for about a second.
 //
-// A filter may narrow itself to a window of the room that holds nearly all of its mass: it then
-// costs and takes what the window does, whatever the size of the room. The rest of the mass is one
-// number, away(), of a target that is anywhere else. The window moves and grows with the mass.
-// Between two bursts a filter may rest: it then takes little memory, however wide its window is.
+// A filter may narrow itself to a window of the room that holds nearly all of its mass; time and
+// memory are then those of the window, whatever the size of the room. The rest of the mass is one
+// number, away(): the target is outside. The window moves and grows with the mass. A filter may
+// rest between two bursts: it then takes little memory at any window size.
 #pragma once
 
 #include <cstddef>
@@ -26,31 +26,31 @@ namespace rayloc {
 
 struct MotionModel {
   std::vector<double> walking_speeds{0.5, 1.0};  // [m/s], a stroll and a brisk walk
-  double direction_time = 1.0;                   // [s], for which a walk keeps its direction
-  double switching_rate = 0.5;                   // [1/s], from standing to walking and back
-  // Odds that a channel which has changed is one of a walk, and one that has not of a stand.
+  double direction_time = 1.0;                   // [s], mean duration of one direction of a walk
+  double switching_rate = 0.5;                   // [1/s], rate from standing to walking and back
+  // Odds of a walk when the channel has changed, and of standing when it has not.
   double change_odds = 10.0;
-  // Probability that a burst says nothing of the place: somebody is in the way, or the model is
-  // wrong there. It bounds what one burst can rule out.
+  // Probability that a burst carries no information on the position: a person blocks the path, or
+  // the model is wrong there. It bounds how much one burst can rule out.
   double outlier = 0.02;
 };
 
 class GridFilter {
  public:
-  // Everywhere that is free, standing or walking with equal probability.
-  // REQUIRES: a walking speed, all of them positive.
+  // Uniform over all free cells, standing or walking with equal probability.
+  // REQUIRES: at least one walking speed, all of them positive.
   GridFilter(std::shared_ptr<const FreeSpace> space, MotionModel motion);
 
-  // Time passes. REQUIRES: elapsed >= 0.
+  // Predicts over `elapsed`. REQUIRES: elapsed >= 0.
   void predict(Duration elapsed);
 
-  // The channel has changed since the last measurement: 0 not at all, 1 as by a move.
+  // Change of the channel since the last measurement: 0 none, 1 as by a move.
   void weigh_change(double change);
 
-  // What a burst says of every cell; `exponent` tempers it.
+  // Updates with the log-likelihood of every cell; `exponent` tempers it.
   void update(std::span<const double> log_likelihood, double exponent, double elsewhere = 0.0);
-  // What it says of some cells that stand for the room. Of cells that it was not compared with it
-  // says no more than of the room in the mean.
+  // Log-likelihoods of some cells that represent the room. Cells that were not compared get the
+  // mean likelihood of the room.
   struct Sampled {
     std::span<const double> log_likelihood;
     std::span<const std::size_t> cells;  // empty: all
@@ -58,22 +58,22 @@ class GridFilter {
   };
   void update(const Sampled& burst, double exponent, double elsewhere);
 
-  // To the least window that leaves out no more than `share` of the mass, and beside it whatever a
-  // walk reaches within `reach`. For predict(reach) to come.
+  // Narrows to the smallest window that leaves out at most `share` of the mass, extended by the
+  // cells that a walk reaches within `reach`. Call before predict(reach).
   void narrow(double share, Duration reach);
-  // To the whole room: the mass that is away is anywhere else in it.
+  // Widens to the whole room: the mass of away() is spread over the other cells.
   void widen();
   const CellWindow& window() const { return window_; }
   double away() const { return away_; }  // probability
 
-  // Keeps the masses of the `most` best cells of the window, where it has more; the rest is spread
-  // evenly over the others, mode by mode. Nothing but wake() until then. `mass`: mass().
+  // Keeps the masses of the `most` best cells of the window if it has more; the rest is spread
+  // evenly over the others, mode by mode. Only wake() may be called next. `mass`: mass().
   void rest(std::size_t most, const std::vector<double>& mass);
   void wake();
   bool is_resting() const { return !kept_.cells.empty(); }
 
-  std::vector<double> mass() const;  // [cell of window()], of all modes, sums to 1
-  double standing() const;           // probability, of a target in the window
+  std::vector<double> mass() const;  // [cell of window()], over all modes, sums to 1
+  double standing() const;           // probability of standing, for a target in the window
 
  private:
   struct Mode {
@@ -81,16 +81,16 @@ class GridFilter {
     double velocity_y = 0.0;
     std::vector<float> mass;  // [cell of window_]
   };
-  struct Relative {  // likelihoods over the mean of the free cells
+  struct Relative {  // likelihoods relative to the mean of the free cells
     std::vector<double> of;
     double scale = 0.0;
   };
 
-  // What a resting filter keeps.
+  // State of a resting filter.
   struct Kept {
     std::vector<std::uint32_t> cells;  // of window_, in order
-    std::vector<float> mass;           // [mode][of cells]
-    std::vector<float> others;         // [mode], of every other cell that is free
+    std::vector<float> mass;           // [mode][index in cells]
+    std::vector<float> others;         // [mode], mass of every other free cell
   };
 
   double free_cells() const;
@@ -106,8 +106,8 @@ class GridFilter {
   MotionModel motion_;
   CellWindow window_;
   double away_ = 0.0;
-  std::vector<Mode> modes_;  // the first stands; without masses while it rests
-  Kept kept_;                // empty: it is awake
+  std::vector<Mode> modes_;  // the first is standing; without masses while the filter rests
+  Kept kept_;                // empty: the filter is awake
 };
 
 }  // namespace rayloc

@@ -8,17 +8,17 @@
 namespace rayloc {
 namespace {
 
-constexpr double kNotCompared = 1e-3;  // a probability, chosen: of the window's mass
-constexpr std::size_t kOthers = 64;    // a count, chosen: cells that stand for the rest of the room
+constexpr double kNotCompared = 1e-3;  // a probability, chosen: share of the window's mass
+constexpr std::size_t kOthers = 64;    // a count, chosen: cells that represent the rest of the room
 
-// `cells`: in order.
+// `cells`: in ascending order.
 std::vector<std::size_t> sample_of_others(const FreeSpace& space,
                                           const std::vector<std::size_t>& cells,
                                           std::size_t burst) {
   const RoomGrid& grid = space.grid;
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::round(std::sqrt(static_cast<double>(grid.size()) / kOthers))));
-  // From one lattice to the next by about the golden section of their number.
+  // The step from one lattice to the next is about the golden section of their number.
   const std::size_t lattices = stride * stride;
   const std::size_t turn =
       burst % lattices * static_cast<std::size_t>(0.618 * static_cast<double>(lattices)) % lattices;

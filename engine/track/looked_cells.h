@@ -1,5 +1,5 @@
-// LookedCells: the cells that a burst of a target is compared with, told by the filter that follows
-// it: where the target may be, and a lattice that stands for the rest of the room.
+// LookedCells: the cells that a target's burst is compared with, chosen from its filter: the cells
+// that may hold the target, and a lattice that represents the rest of the room.
 #pragma once
 
 #include <cstddef>
@@ -10,27 +10,27 @@
 
 namespace rayloc {
 
-// Probabilities, chosen: what the window of a filter that is followed leaves out ...
+// Probabilities, chosen: mass left out of the window of a filter that is followed ...
 inline constexpr double kOutOfWindow = 1e-4;
-// ... and of being out of it, from which on the whole room is looked at.
+// ... and mass outside the window from which on the whole room is evaluated.
 inline constexpr double kMostAway = 0.02;
-// Chosen: from one look at the whole room to the next, after the target might have been anywhere. A
-// hill that was followed wrongly explains enough to be followed on, and most such are chosen where
-// little is known.
+// Chosen: time between two evaluations of the whole room, after the target might have been
+// anywhere. A wrongly followed peak explains enough to be followed on, and most such peaks are
+// chosen while little is known of the position.
 inline constexpr Duration kFirstWholeRoomPeriod = std::chrono::seconds(1);
-// Chosen: each takes twice as long as the one before, up to this.
+// Chosen: each period is twice as long as the one before, up to this.
 inline constexpr Duration kWholeRoomPeriod = std::chrono::seconds(5);
 
 struct LookedCells {
-  std::vector<std::size_t> cells;   // of the room, in order; empty: all of it
-  std::vector<double> mass;         // of each of them, by the filter
-  std::vector<std::size_t> others;  // a lattice over the rest
+  std::vector<std::size_t> cells;   // of the room, in ascending order; empty: all cells
+  std::vector<double> mass;         // mass of each of them in the filter
+  std::vector<std::size_t> others;  // a lattice over the remaining cells
 
   bool is_all() const { return cells.empty(); }
 };
 
-// `turn`: a count of bursts. Every burst has another lattice, so that in time all of the room is
-// looked at.
+// `turn`: number of the burst. Every burst uses another lattice, so that all cells of the room are
+// evaluated over time.
 LookedCells looked_cells(const GridFilter& filter, const FreeSpace& space, std::size_t turn);
 
 }  // namespace rayloc

@@ -11,11 +11,11 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinMomentWeight = 0.02;  // of a moment that is worth working out the map for
-// Height at which walls are in the way of a walk and chairs are not, share of the body's.
+constexpr double kMinMomentWeight = 0.02;  // least weight of a moment for which the map is computed
+// Height at which walls block a walk and chairs do not, as a share of the body's height.
 constexpr double kWalkHeight = 0.8;
-// Share of the power by which two frames of a room at rest differ beyond noise: the phases of
-// chains jitter by a degree or two.
+// Share of the power by which two frames of a room at rest differ beyond noise: the phases of the
+// receive chains jitter by a degree or two.
 constexpr double kStillChange = 1e-3;
 
 FreeSpace make_space(const RoomModel& room, const StandingRoom& standing, const TargetBody& body) {
@@ -42,7 +42,7 @@ FreeSpace make_space(const RoomModel& room, const StandingRoom& standing, const 
   return space;
 }
 
-// Squared, of what two moments hear, both aligned to the empty room.
+// Squared correlation of the arrays of two moments, both aligned to the empty room.
 double correlation(const PersonLikelihood::Observed& a, const PersonLikelihood::Observed& b) {
   const auto& x = a.y[PersonLikelihood::kDelays / 2];
   const auto& y = b.y[PersonLikelihood::kDelays / 2];
@@ -80,8 +80,8 @@ PersonTracker::PersonTracker(std::shared_ptr<const PersonLocalizer> localizer,
           localizer_->room(), localizer_->standing_room(), localizer_->reference().person.body))),
       time_(options_.last_moment) {}
 
-// By how much what the person adds has changed since the last moment: 0 not at all, 1 as by a move.
-// The access points count by what they hear of the person.
+// Change of the person's contribution since the last moment: 0 none, 1 as by a move. Access points
+// are weighted by the power that they receive from the person.
 double PersonTracker::change_of(const PersonObservation& observation) const {
   double changed = 0.0;
   double added = 0.0;
@@ -127,8 +127,8 @@ PersonMap PersonTracker::map(const PersonObservation& observation,
   return localizer_->map(observation, localizer_->reference().person.likelihood_exponent, context);
 }
 
-// Where the filter has somebody; the whole room where it does not know, where nobody is seen there,
-// and now and then.
+// Evaluates the cells where the filter has a person. Evaluates the whole room if the filter is
+// undecided, if no person is seen in these cells, and at regular intervals.
 PersonMap PersonTracker::look(const PersonObservation& observation) {
   Life& life = *life_;
   if (life.time - life.looked >= kWholeRoomPeriod || life.filter.away() > kMostAway) {
@@ -146,7 +146,7 @@ PersonMap PersonTracker::look(const PersonObservation& observation) {
   return map(observation, {});
 }
 
-// The filter hears of the cells that were looked at.
+// Updates the filter with the cells that were evaluated.
 void PersonTracker::learn(const PersonMap& map, double weight) {
   if (map.cells.empty()) {
     life_->filter.update(map.log_likelihood, weight);
@@ -243,7 +243,7 @@ std::optional<TrackTransition> PersonTracker::age(Timestamp time, bool is_seen) 
   return transition;
 }
 
-// Of a time at which nothing was heard.
+// Estimate for a time without a burst.
 LocationEstimate PersonTracker::unheard(Timestamp time) const {
   LocationEstimate location;
   location.accuracy_confidence = localizer_->options().accuracy_confidence;
@@ -253,7 +253,7 @@ LocationEstimate PersonTracker::unheard(Timestamp time) const {
   return location;
 }
 
-// Says where the track is; one that is lost is forgotten.
+// Reports the state of the track; a lost track is removed.
 void PersonTracker::report(LocationEstimate location,
                            bool is_seen,
                            std::optional<TrackTransition> transition,
@@ -320,7 +320,7 @@ void PersonTracker::hear_moment(std::span<const CsiFrame> frames,
 
 void PersonTracker::restart(const std::string& reason, std::vector<PersonUpdate>& updates) {
   if (life_) {
-    // Later than the last estimate: what is said of an instant has one name (event_id).
+    // Later than the last estimate, because an event of one instant has one name (event_id).
     const Timestamp time = life_->time + std::chrono::microseconds(1);
     const TrackTransition lost{time, life_->state, TrackState::kLost, reason};
     life_->state = TrackState::kLost;

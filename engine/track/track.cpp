@@ -11,15 +11,15 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinBurstWeight = 0.02;  // of a burst that is worth working out the map for
-constexpr double kLeastChange = 1e-12;    // of the power; less is rounding
-// Counts of cells, chosen: what a resting track keeps, with 17 modes 29 KiB ...
+constexpr double kMinBurstWeight = 0.02;  // least weight of a burst for which the map is computed
+constexpr double kLeastChange = 1e-12;    // of the power; a smaller change is rounding
+// Counts of cells, chosen: kept by a resting track, with 17 modes 29 KiB ...
 constexpr std::size_t kRestingCells = 400;
-constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... and where in a cell its mass is
+constexpr std::size_t kRestingWithin = 64;  // a count, chosen: ... with positions in the cell
 // [s], chosen: a step or two of a walk.
 constexpr Duration kVelocityWindow = std::chrono::seconds(1);
 
-// Of a cell; 0 of one that the burst was not compared with. The first of its cells are in order.
+// Log-likelihood of a cell; 0 for a cell that was not compared. The cells are in ascending order.
 double value_of(const Localizer::Evidence& evidence, std::size_t cell) {
   if (evidence.cells.empty()) {
     return evidence.log_likelihood[cell];
@@ -45,7 +45,7 @@ Track::Track(std::shared_ptr<const Localizer> localizer,
       filter_(space_, options.motion),
       whole_room_period_(kFirstWholeRoomPeriod) {}
 
-// Share of the power that differs from the last burst, mean over the access points that heard both.
+// Share of the power that differs from the last burst, mean over access points present in both.
 std::optional<double> Track::change_of(const RoomObservation& observation) const {
   double sum = 0.0;
   double count = 0.0;
@@ -60,9 +60,9 @@ std::optional<double> Track::change_of(const RoomObservation& observation) const
   return count > 0.0 ? std::optional(std::max(sum / count, kLeastChange)) : std::nullopt;
 }
 
-// 0: no more has changed than by noise and the radio, 1: the device must have moved.
+// 0: the change is explained by noise and the radio, 1: the device must have moved.
 double Track::motion_of(double change, const RoomObservation& observation) const {
-  // What lies outside the delays of a room is noise, and both bursts have it.
+  // The power outside the delays of a room is noise, and both bursts have it.
   double noise = 0.0;
   for (const HeardArray& heard : observation.arrays) {
     noise += 2.0 * (1.0 - heard.observed.array.captured) /
@@ -78,14 +78,14 @@ double Track::motion_of(double change, const RoomObservation& observation) const
 bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   const std::optional<double> change = change_of(observation);
   const double novelty = change ? std::clamp(*change / options_.moved_change, 0.0, 1.0) : 1.0;
-  // What access points say that join is all new, also of a device at rest.
+  // Evidence from access points that join is entirely new, also for a device at rest.
   const bool is_joining = is_joined(observation);
   const double credit = is_joining ? 0.0 : credit_ * (1.0 - novelty);
-  const Duration unseen = time_ - looked_;  // what is out of the window
+  const Duration unseen = time_ - looked_;  // without evidence outside the window
   bool is_wide = widens(is_joining);
-  // Cells that come into the window have had no evidence of their own since then: this burst counts
-  // for as long. Else no single look could leave a hill that was followed wrongly, for the next
-  // window leaves out again what little mass it gave to the right one.
+  // Cells that enter the window have had no evidence of their own since then, so this burst counts
+  // for all of that time. Otherwise no single evaluation could leave a wrongly followed peak,
+  // because the next window would again exclude the small mass that was given to the right one.
   const bool is_new = knows_nothing_ || is_joining;
   const auto weight_of_burst = [&] {
     const Duration since = is_wide ? std::max(elapsed, unseen) : elapsed;
@@ -97,7 +97,7 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   Localizer::Evidence evidence;
   const std::vector<double>& map = evidence.log_likelihood;
   if (weight >= kMinBurstWeight) {
-    if (is_joining) {  // soon again: one burst of one more may mislead
+    if (is_joining) {  // evaluated again soon: one burst of a joining access point may mislead
       whole_room_period_ = kFirstWholeRoomPeriod;
     }
     evidence = look(observation, is_wide);
@@ -135,8 +135,8 @@ bool Track::weigh(const RoomObservation& observation, Duration elapsed) {
   return true;
 }
 
-// One of its access points was heard, or believed, in no burst that was weighed in the last
-// seconds: it may tell places apart that all others find alike.
+// True if one of its access points was absent or suspect in every burst weighed in the last
+// seconds: it may separate places that all others find alike.
 bool Track::is_joined(const RoomObservation& observation) const {
   return std::any_of(
       observation.arrays.begin(), observation.arrays.end(), [&](const HeardArray& heard) {
@@ -145,10 +145,10 @@ bool Track::is_joined(const RoomObservation& observation) const {
       });
 }
 
-// Now and then, where an access point joins, and where the filter has the target elsewhere: a hill
-// that was followed wrongly explains enough to be followed on.
+// Periodically, when an access point joins, and when the filter has the target in another place: a
+// wrongly followed peak explains enough to be followed on.
 bool Track::widens(bool is_joining) const {
-  // By the time of the frames, not by when the track began: who takes it over looks when it would.
+  // By frame time, not by the track's begin, so that a successor evaluates at the same times.
   const auto number = [&](Timestamp time) {
     return (time.time_since_epoch() + phase_) / whole_room_period_;
   };
@@ -157,7 +157,7 @@ bool Track::widens(bool is_joining) const {
          (is_due || filter_.away() > kMostAway || is_joining);
 }
 
-// Also at the whole room where nothing in the window explains the burst: then `is_wide`.
+// Also evaluates the whole room if no place in the window explains the burst: then `is_wide`.
 Localizer::Evidence Track::look(const RoomObservation& observation, bool& is_wide) {
   const auto look_wide = [&] {
     filter_.widen();
@@ -180,8 +180,8 @@ Localizer::Evidence Track::look(const RoomObservation& observation, bool& is_wid
   return evidence;
 }
 
-// Where the filter has the device, and how high: what is said of the burst does not depend on it,
-// but where the burst is looked at, and where closely.
+// Cells and heights that the filter gives for the device. They select where the burst is evaluated,
+// and where finely; they do not change its likelihoods.
 SearchFocus Track::focus() const {
   SearchFocus focus;
   focus.is_quick = !options_.is_exhaustive;
@@ -199,15 +199,15 @@ SearchFocus Track::focus() const {
   return focus;
 }
 
-// To where the device may be when `reach` has gone by. The first bursts are of the whole room.
+// Narrows to the area reachable within `reach`. The first bursts use the whole room.
 void Track::narrow(Duration reach) {
   if (!options_.is_exhaustive && bursts_ > 0) {
     filter_.narrow(kOutOfWindow, reach);
   }
 }
 
-// The height is a probability of each layer, the same wherever the device is. A burst of which only
-// a share is new counts by that share.
+// The height is a probability of each layer, the same at every position of the device. A burst of
+// which only a share is new is weighted by that share.
 void Track::learn_height(const std::vector<double>& mass, double weight) {
   const HeightLayers& heights = localizer_->heights();
   if (heights.is_known()) {
@@ -230,7 +230,7 @@ void Track::learn_height(const std::vector<double>& mass, double weight) {
   }
   double sum = 0.0;
   for (std::size_t layer = 0; layer < said.size(); ++layer) {
-    // Cells that nobody looked at say nothing of the height.
+    // Cells that were not evaluated carry no information on the height.
     const double all = said[layer] + std::max(0.0, 1.0 - known) * layers_[layer];
     layers_[layer] = std::pow(layers_[layer], 1.0 - weight) * std::pow(all, weight);
     sum += layers_[layer];
@@ -240,7 +240,7 @@ void Track::learn_height(const std::vector<double>& mass, double weight) {
   }
 }
 
-// A device that is carried rises and sinks, now and then by much.
+// A carried device rises and sinks, occasionally by a large amount.
 void Track::spread_height(double seconds) {
   if (layers_.empty()) {
     return;
@@ -300,7 +300,7 @@ FilteredEstimate Track::summarise(LocationEstimate location, const KnownCells& w
   return estimate;
 }
 
-// Slope of the positions of the last second, in least squares.
+// Least-squares slope of the positions of the last second.
 void Track::remember(FilteredEstimate& estimate) {
   if (!estimate.location.position) {
     return;
@@ -411,7 +411,7 @@ FilteredEstimate Track::predict(Timestamp time) {
 }
 
 FilteredEstimate Track::end(std::string reason) {
-  // Later than the last estimate: what is said of an instant has one name (event_id).
+  // Later than the last estimate, because an event of one instant has one name (event_id).
   const Timestamp time = time_ + std::chrono::microseconds(1);
   FilteredEstimate estimate = predict(time);
   enter(TrackState::kLost, time, std::move(reason), estimate);

@@ -1,11 +1,11 @@
-// Track: one target through time: its filter, and where in its life it is.
+// Track: one target through time: its filter and the state of its life cycle.
 //
-//   tentative --enough bursts--> confirmed --unheard--> coasting --too long--> lost
-//                                    ^-------heard---------'
+//   tentative --enough bursts--> confirmed --silence--> coasting --too long--> lost
+//                                    ^-------burst---------'
 //
-// Time is that of the frames; nothing here reads a clock. METHODS B6: successive bursts share what
-// is wrong with the model, so they are not evidence of their own however fast they come: a walker's
-// add up to one snapshot in `evidence_time`, and those through the same channel to one at most.
+// Time is that of the frames; no clock is read. METHODS B6: successive bursts share the errors of
+// the model, so they are not independent evidence at any rate: the bursts of a walker add up to one
+// snapshot in `evidence_time`, and those through an unchanged channel to one at most.
 #pragma once
 
 #include <complex>
@@ -29,67 +29,67 @@ namespace rayloc {
 
 struct TrackOptions {
   MotionModel motion;
-  // For which what is wrong with the model stays the same along a walk: the bursts within it weigh
-  // as much as one snapshot, at any rate of frames.
+  // Correlation time of the model error along a walk: the bursts within it together weigh as much
+  // as one snapshot, at any rate of frames.
   Duration evidence_time = std::chrono::milliseconds(400);
   // Share of the power that differs between two bursts when the device has moved by a quarter of
-  // the wavelength: that of a room where three quarters of the power come the direct way.
+  // the wavelength: that of a room with three quarters of the power in the line of sight.
   double moved_change = 0.25;
-  // Share of the power that differs between two bursts of a device at rest, beyond their noise: its
-  // radio's own changes. From `walking_ratio` times as much on, the device certainly walks: even
-  // where nearly all power comes the direct way, steps of a few centimetres change more.
+  // Share of the power that differs between two bursts of a device at rest, beyond their noise:
+  // changes of its own radio. From `walking_ratio` times as much on, the device certainly walks:
+  // even with nearly all power in the line of sight, steps of a few centimetres change more.
   double still_change = 0.005;
   double walking_ratio = 5.0;
   std::size_t confirming_bursts = 5;
-  Duration coast_after = std::chrono::milliseconds(500);  // unheard, a track coasts
-  Duration forget_after = std::chrono::seconds(1);        // unheard, a tentative track is lost
-  Duration lose_after = std::chrono::seconds(5);          // unheard, any track is lost
-  // [1/s], by which a height is less known again: of being another than before.
+  Duration coast_after = std::chrono::milliseconds(500);  // time without a burst, to coasting
+  Duration forget_after = std::chrono::seconds(1);        // the same, from tentative to lost
+  Duration lose_after = std::chrono::seconds(5);          // the same, from any state to lost
+  // [1/s], rate at which a height becomes uncertain again, by a change to another height.
   double height_change_rate = 0.05;
-  double height_speed = 0.1;  // [m/s], of a device that is carried
-  // Every burst is compared with the whole room, and the filter keeps all of it: the reference of
-  // what is compared where the device may be.
+  double height_speed = 0.1;  // [m/s], vertical speed of a carried device
+  // Compares every burst with the whole room and keeps the whole room in the filter: the reference
+  // for the restricted search.
   bool is_exhaustive = false;
 };
 
-// Why a moment gave no estimate.
+// Reason why a moment gave no estimate.
 enum class MomentRefusal {
-  kOutOfOrder,   // not later than what the track has seen
-  kUnusable,     // no access point heard anything that can be used
-  kUnexplained,  // no place of the room explains it
+  kOutOfOrder,   // not later than the last moment of the track
+  kUnusable,     // no access point received usable frames
+  kUnexplained,  // no place of the room explains the moment
 };
 
 class Track {
  public:
-  // `localizer` and `space` belong together: the same grid. `phase`: of the moments at which the
-  // whole room is looked at, another one for each target, so that not all are at once.
+  // `localizer` and `space` have the same grid. `phase`: time offset of the evaluations of the
+  // whole room, different for each target so that they do not coincide.
   Track(std::shared_ptr<const Localizer> localizer,
         std::shared_ptr<const FreeSpace> space,
         const TrackOptions& options,
         Duration phase = {});
 
-  // Takes little memory until the next call.
+  // Reduces the memory until the next call.
   void rest();
 
-  // Frames of the target within a moment that it does not move in.
+  // Updates with frames of the target within a moment in which it does not move.
   tl::expected<FilteredEstimate, MomentRefusal> hear(std::span<const CsiFrame> frames,
                                                      const FrameDoubt& doubt = {});
 
-  // What was heard so far may have been wrong: the target may be anywhere, and is followed on.
+  // Earlier bursts may have been wrong: the target may be anywhere, and the track continues.
   void forget_place();
 
-  // It is `now` and the target has been silent. Nothing unless it coasts, or is lost for good.
+  // The target has been silent until `now`. Empty unless the track coasts or is lost.
   std::optional<FilteredEstimate> coast(Timestamp now);
 
-  // The track ends as if it had not been heard for too long, for that reason. REQUIRES: state().
+  // Ends the track as after a long silence, with this reason. REQUIRES: state().
   FilteredEstimate end(std::string reason);
 
-  // Nothing before the first usable burst.
+  // Empty before the first usable burst.
   std::optional<TrackState> state() const { return state_; }
   Timestamp heard() const { return heard_; }  // last usable burst
 
  private:
-  // What is compared with the next burst.
+  // Earlier arrays that the next burst is compared with.
   struct Earlier {
     std::size_t ap = 0;                   // HeardArray::ap
     std::vector<std::complex<double>> h;  // HeardArray::h
@@ -121,24 +121,23 @@ class Track {
   Aligner aligner_;
   std::shared_ptr<const FreeSpace> space_;
   GridFilter filter_;
-  std::optional<TrackState> state_;  // nothing before the first usable burst
-  Timestamp time_;                   // of the filter
-  Timestamp heard_;                  // last usable burst
-  Timestamp looked_;                 // at the whole room, last
-  Duration whole_room_period_;       // until it is looked at again
-  std::vector<std::optional<Timestamp>>
-      looked_with_;            // last look with its frames, [HeardArray::ap]
-  std::size_t bursts_ = 0;     // usable ones
-  bool knows_nothing_ = true;  // of the place: no usable burst yet, or forgotten
-  double credit_ = 0.0;        // of a snapshot's weight, given to the present channel
+  std::optional<TrackState> state_;                    // empty before the first usable burst
+  Timestamp time_;                                     // time of the filter
+  Timestamp heard_;                                    // last usable burst
+  Timestamp looked_;                                   // last evaluation of the whole room
+  Duration whole_room_period_;                         // time to its next evaluation
+  std::vector<std::optional<Timestamp>> looked_with_;  // its last evaluated burst, [HeardArray::ap]
+  std::size_t bursts_ = 0;                             // usable bursts
+  bool knows_nothing_ = true;  // no usable burst yet, or the place was forgotten
+  double credit_ = 0.0;        // share of a snapshot's weight already given to the present channel
   double loss_ = 0.0;          // at the last position
-  // Of the last frames: all that the filter holds rests on the same chains, and is doubted alike.
+  // From the last frames: all evidence of the filter relies on the same chains, equally suspect.
   FrameDoubt doubt_;
-  // Where in a cell its mass is, of the best cells of the last burst that was weighed.
+  // Distribution inside the best cells, from the last weighed burst.
   KnownCells within_;
-  std::vector<double> layers_;  // probability of each layer of heights; empty: known, or the prior
-  std::vector<Earlier> last_;   // of the last usable burst
-  std::deque<Fix> fixes_;       // of the last second
+  std::vector<double> layers_;  // probability of each layer of heights; empty: given, or the prior
+  std::vector<Earlier> last_;   // arrays of the last usable burst
+  std::deque<Fix> fixes_;       // positions of the last second
 };
 
 }  // namespace rayloc

@@ -11,11 +11,11 @@
 namespace rayloc {
 namespace {
 
-// Two words: what an image shows.
+// Two words: the content of an image.
 constexpr std::array kInputs = std::to_array<std::string_view>({"phase", "aoa"});
 
 std::span<const BaselineSetting> cifi_table() {
-  // Each says its unit; 16 images are the paper's, the others chosen.
+  // Each states its unit; 16 images are the paper's, the others chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"input", "what an image shows", 0.0, 0.0, 0.0, false, kInputs},
       {"images", "of a burst", 16.0, 1.0, 256.0, true},
@@ -29,7 +29,7 @@ std::size_t neighbour_pairs(std::size_t antennas) {
   return antennas - std::min<std::size_t>(1, antennas);
 }
 
-// The phase from antenna `pair` to the next.
+// The phase difference from antenna `pair` to the next.
 double phase(const ImageFrame& frame, std::size_t pair, std::size_t tone) {
   return std::arg(frame.h[(pair + 1) * frame.tones + tone] *
                   std::conj(frame.h[pair * frame.tones + tone]));

@@ -1,9 +1,9 @@
-// CiFi: a device by images of the phase differences between its access points' antennas [CF].
+// CiFi: locates a device by images of phase differences between access points' antennas [CF].
 //
-// The published value of a tone is the angle asin(phase lambda / 2 pi d). At more than half a
-// wavelength between antennas it is no direction, and it jumps where the phase wraps; nearer it is
-// undefined for some. Ours are the cosine and the sine of the phase, which do not jump; `input=aoa`
-// gives the published value, cut to what an arcsine takes.
+// The published value of a tone is the angle asin(phase lambda / 2 pi d). At antenna distances
+// above half a wavelength it is not a direction, and it jumps where the phase wraps; at smaller
+// distances it is undefined for some phases. Ours are the cosine and the sine of the phase, which
+// do not jump; `input=aoa` gives the published value, clipped to the range of an arcsine.
 //
 // References: [CF] X. Wang, X. Wang, S. Mao, CiFi, IEEE ICC 2017 and TNSE 2018.
 #pragma once
@@ -21,8 +21,8 @@ namespace rayloc {
 
 std::span<const BaselineSetting> cifi_settings();
 
-// What was learned with is what is located with. An Error as of PlaceClassifier, or where `values`
-// states another image than the training has.
+// Uses the values of the training. Errors: as of PlaceClassifier, and if `values` states another
+// image than the training.
 Expected<PlaceClassifier> make_cifi(std::shared_ptr<const RoomModel> room,
                                     const BaselineValues& values,
                                     std::uint64_t seed,

@@ -10,7 +10,7 @@ namespace rayloc {
 namespace {
 
 std::span<const BaselineSetting> dscp_table() {
-  // Each says its unit; chosen.
+  // Each states its unit; chosen.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"cell_m", "of the areas that places are merged to [m]; 0: each is one", 0.0, 0.0, 100.0},
       {"images", "of a burst", 16.0, 1.0, 256.0, true},

@@ -1,8 +1,8 @@
-// DSCP: a person who carries nothing, by images of the differences of amplitude between the
+// DSCP: locates a person without a device by images of the amplitude differences between the
 // antennas of each access point, in the channel of a fixed transmitter [DS].
 //
-// Every place at which somebody stood is a class; `cell_m` merges them to areas, as the paper has
-// it. Ours: a class of the empty room, without which somebody is always seen.
+// Every surveyed place is a class; `cell_m` merges places to areas, as in the paper. Ours: a class
+// of the empty room; without it a person is always detected.
 //
 // References: [DS] DSCP: depthwise separable convolution passive location, WCMC 2021.
 #pragma once
@@ -20,7 +20,7 @@ namespace rayloc {
 
 std::span<const BaselineSetting> dscp_settings();
 
-// As make_cifi().
+// See make_cifi().
 Expected<PlaceClassifier> make_dscp(std::shared_ptr<const RoomModel> room,
                                     const BaselineValues& values,
                                     std::uint64_t seed,

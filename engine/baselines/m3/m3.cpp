@@ -17,15 +17,15 @@ namespace rayloc {
 namespace {
 
 constexpr int kAlignments = 5;              // of the hops to the paths, a count
-constexpr double kLeastSigmaTau = 1e-9;     // [s], of a delay behind the first path
+constexpr double kLeastSigmaTau = 1e-9;     // [s], of a delay after the first path
 constexpr double kSigmaOfResolution = 0.1;  // of 1 / band, a ratio
-constexpr double kDelays = 70e-9;           // [s], over which an unknown path may come
+constexpr double kDelays = 70e-9;           // [s], range of the delays of an unknown path
 
 double normal(double x, double sigma) {
   return std::exp(-0.5 * x * x / (sigma * sigma)) / (sigma * std::sqrt(kTwoPi));
 }
 
-// Row by row, as Aligner has arrays.
+// Row-major, as Aligner stores arrays.
 using Rows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::span<std::complex<double>> values(Rows& h) {
@@ -44,7 +44,7 @@ std::string one_decimal(double value) {
   return std::to_string(tenths / 10) + "." + std::to_string(tenths % 10);
 }
 
-// Warnings of the number of channels, and of the resolution of a single one.
+// Warnings about the number of channels, and about the resolution of a single one.
 void describe_hops(const RoomModel& room,
                    std::span<const M3Heard> heard,
                    std::vector<std::string>& warnings) {
@@ -70,7 +70,7 @@ void describe_hops(const RoomModel& room,
   }
 }
 
-// The bearing that all hops have most of.
+// The bearing with the most power over all hops.
 double strongest_bearing(const M3Heard& heard, const SageOptions& options) {
   double best = 0.0;
   double most = -1.0;
@@ -166,8 +166,8 @@ M3Paths M3::find_paths(const M3Heard& heard) const {
 double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
   const AntennaArray& array = room_->access_points[heard.access_point].array;
   const Vec3d& at = array.pose.position;
-  const double turns = kTwoPi * heard.line.spacing / heard.wavelength;  // [rad], of u = 1
-  // Between the sine of a path and that of a place, as near as aliases come.
+  const double turns = kTwoPi * heard.line.spacing / heard.wavelength;  // [rad], phase of u = 1
+  // Difference between the sine of a path and that of a place, for the nearest alias.
   const auto off = [&](double u, const Vec3d& from) {
     return wrapped(turns * u - psi_of(array, heard.line, from, heard.wavelength)) / turns;
   };
@@ -176,13 +176,13 @@ double M3::log_likelihood(const M3Paths& heard, const Vec3d& place) const {
                         normal(4.0 * options_.sigma_u, options_.sigma_u));
   const double sigma_tau = std::max(kLeastSigmaTau, kSigmaOfResolution / heard.band);
   const auto& mirrors = reflectors_[heard.access_point];
-  // A phase of a wide array stands for a part of the circle of sines.
+  // A phase of a wide array covers only a part of the circle of sines.
   const double anywhere = 1.0 / (std::min(2.0, kTwoPi / turns) * kDelays);
   for (std::size_t i = 1; i < heard.paths.size(); ++i) {
     double density = 0.0;
     for (const Plane<double>& mirror : mirrors) {
       if (distance(mirror, place) * distance(mirror, at) <= 0.0) {
-        continue;  // it stands between them
+        continue;  // the mirror is between them
       }
       const Vec3d image = mirrored(mirror, place);
       const double later = (norm(image - at) - norm(place - at)) / kSpeedOfLight;

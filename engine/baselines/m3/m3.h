@@ -1,18 +1,18 @@
-// M3: devices by the bearing of the direct path, and bearings and delays of reflections behind it,
-// at one access point [M3]. Which walls there are is known; radio channels that a device hops over
-// are one wide band.
+// M3: locates devices by the bearing of the direct path, and bearings and delays of reflections
+// after it, at one access point [M3]. The walls are given; radio channels that a device hops over
+// form one wide band.
 //
-// The published objective is not readable to us. Ours is the likelihood
+// The published objective was not available to us. Ours is the likelihood
 //
 //   ll(p) = ln N(u_0 - u_0(p); s_u) + sum over later paths i of
 //           ln[q / J sum over mirrors j of N(u_i - u_j(p); s) N(tau_i - tau_0 - D_j(p); s_tau)
 //              + (1 - q) uniform]
 //
-// with sines u on the circle of aliases, u_j and D_j of the place mirrored in j, and s_tau the
-// larger of 1 ns and a tenth of the band's resolution. A mirror is a plane without an end or a
+// with sines u on the circle of aliases, u_j and D_j for the place mirrored in j, and s_tau the
+// larger of 1 ns and a tenth of the band's resolution. A mirror is an infinite plane without a
 // material, and nothing is mirrored twice: the method traces no rays.
 //
-// locate() makes a hop of each channel that the frames state (m3_hops.h).
+// locate() makes one hop of each channel that the frames state (m3_hops.h).
 //
 // References: [M3] M3, IEEE Transactions on Mobile Computing, 2021.
 // Thread safety: const members may be used from many threads.
@@ -35,7 +35,7 @@
 
 namespace rayloc {
 
-// The paths of that, the first in time at the front, and their band [Hz].
+// The paths of an M3Heard, the earliest first, and their band [Hz].
 struct M3Paths {
   std::size_t access_point = 0;
   AntennaLine line;
@@ -46,14 +46,14 @@ struct M3Paths {
 
 class M3 {
  public:
-  // An Error where the room cannot be modelled at all, or no plane bounds it.
+  // An Error if the room cannot be modelled, or if no plane bounds it.
   static Expected<M3> create(std::shared_ptr<const RoomModel> room, const M3Options& options);
 
-  // `frames`: one transmitter, any access points, in order of time; of channels as wide as the
-  // site's.
+  // `frames`: one transmitter, any access points, in order of time; channels with the bandwidth of
+  // the site's.
   LocationEstimate locate(std::span<const CsiFrame> frames) const;
 
-  // The steps of it: for hops, studies and tests. REQUIRES: a hop, and at least one access point.
+  // The steps of locate(), for hops, studies and tests. REQUIRES: a hop and an access point.
   M3Paths find_paths(const M3Heard& heard) const;
   void summarise(std::span<const M3Paths> heard, LocationEstimate& estimate) const;
 
@@ -65,7 +65,7 @@ class M3 {
 
   std::shared_ptr<const RoomModel> room_;
   M3Options options_;
-  std::vector<std::size_t> usable_;                     // access points
+  std::vector<std::size_t> usable_;                     // indices of access points
   std::vector<std::vector<Plane<double>>> reflectors_;  // of each access point of the room
   std::vector<std::string> warnings_;
 };

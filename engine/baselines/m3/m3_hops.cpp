@@ -19,7 +19,7 @@ struct OneHop {
   BurstObservation burst;
 };
 
-// The antennas that most channels have.
+// The antennas that are usable on most channels.
 const AntennaLine& most_common_line(const std::vector<OneHop>& hops) {
   const auto count = [&](const OneHop& hop) {
     return std::count_if(hops.begin(), hops.end(), [&](const OneHop& other) {
@@ -50,7 +50,7 @@ BurstObservation summary_of(const std::vector<OneHop>& hops) {
 }  // namespace
 
 std::vector<ChannelFrames> by_channel(const OfdmGrid& site, std::span<const CsiFrame> frames) {
-  std::map<double, std::vector<CsiFrame>> channels;  // by the centre [Hz]
+  std::map<double, std::vector<CsiFrame>> channels;  // by centre frequency [Hz]
   for (const CsiFrame& frame : frames) {
     channels[is_on(site, frame) ? site.centre_hz : frame.channel->centre_hz].push_back(frame);
   }

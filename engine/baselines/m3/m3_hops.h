@@ -1,15 +1,15 @@
 // M3Heard: the CSI that one access point received from a device that hops over radio channels, one
-// array a channel.
+// array per channel.
 //
 // Each hop has an unknown factor and an unknown delay of its own, as every burst has. Its chain
 // gains are those of the site's channel, tone by tone from the centre: a site is calibrated on one
 // channel. The assumption is good for the response of a chain at baseband and for amplitudes. A
 // cable that is longer than another by a delay T changes the phase between the two chains by 2 pi T
 // times the distance between the channels: 0.1 ns, 2 cm of cable, give 0.09 rad from channel 36 to
-// 64. Phases between chains are therefore right as far as the cables are equally long.
-// `chain_delay_ns` of `rayloc simulate --impairments` simulates that error. Not done: to leave out
-// channels without gains of their own, since no recording would have a second hop; to extend the
-// phase slope of a chain to other channels, since filters at baseband have a slope that ends there.
+// 64. Phases between chains are therefore correct only for equal cables. `chain_delay_ns` of
+// `rayloc simulate --impairments` simulates that error. Rejected: to leave out channels without
+// gains of their own (no recording would have a second hop); to extend the phase slope of a chain
+// to other channels (the slope of baseband filters ends there).
 #pragma once
 
 #include <cstddef>
@@ -47,8 +47,8 @@ struct ChannelFrames {
   std::vector<CsiFrame> frames;
 };
 
-// By channel, the lowest first. Frames that state no channel belong to the site's, the one of
-// `site`.
+// Frames by channel, the lowest first. Frames that state no channel are assigned to the site's
+// channel, `site`.
 std::vector<ChannelFrames> by_channel(const OfdmGrid& site, std::span<const CsiFrame> frames);
 
 struct ObservedHops {
@@ -56,8 +56,8 @@ struct ObservedHops {
   BurstObservation burst;  // of the first hop, with the counts and times of all
 };
 
-// Nothing where an access point has no two antennas in a line on any channel. All hops have the
-// same antennas: channels on which another one is dead are left out. Problems become warnings.
+// Empty if an access point has no two antennas in a line on any channel. All hops have the same
+// antennas: channels with another dead antenna are left out. Problems become warnings.
 // REQUIRES: calibration_problem() of the access point is empty.
 std::optional<ObservedHops> observe_hops(const RoomModel& room,
                                          std::size_t access_point,

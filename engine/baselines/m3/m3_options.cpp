@@ -6,7 +6,7 @@ namespace rayloc {
 namespace {
 
 std::span<const BaselineSetting> m3_table() {
-  // Each says its unit; the paper's values are not readable, these are chosen (the study says).
+  // Each states its unit; the paper's values are not readable, these are chosen (see the study).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"paths", "that are looked for at an access point", 5.0, 1.0, 12.0, true},
       {"least_amplitude", "of a path, share of the strongest", 0.15, 0.0, 1.0},

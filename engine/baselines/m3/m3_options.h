@@ -1,4 +1,4 @@
-// What M3 can be told.
+// Options of M3.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@ namespace rayloc {
 
 struct M3Options {
   std::size_t paths = 5;
-  double least_amplitude = 0.15;  // of the strongest path's; weaker ones are none
+  double least_amplitude = 0.15;  // relative to the strongest path; weaker ones are dropped
   double sigma_u = 0.05;          // of the first path's sine
-  double sigma_u_later = 0.08;    // of later paths'
-  double known = 0.9;             // probability that a later path is of a reflector that is known
+  double sigma_u_later = 0.08;    // of the sines of later paths
+  double known = 0.9;             // probability that a later path is from a known reflector
   double grid = 0.05;             // [m]
   double accuracy_confidence = 0.95;
 };
 
 std::span<const BaselineSetting> m3_settings();
-// What `values` says, and the standard of all else.
+// The options in `values`, and defaults for all others.
 M3Options m3_options(const BaselineValues& values);
 
 }  // namespace rayloc

@@ -8,14 +8,14 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastArea = 1.0;   // [m^2], of a mirror that M3 knows of
+constexpr double kLeastArea = 1.0;   // [m^2], of a mirror that M3 uses
 constexpr double kUpright = 0.02;    // sine of the tilt of a vertical plane, chosen
 constexpr double kParallel = 0.999;  // cosine of the angle between the planes of one wall, chosen
-constexpr double kThickest = 0.3;    // [m], of a wall, chosen: its two faces are one mirror
+constexpr double kThickest = 0.3;    // [m], of a wall, chosen: its two faces form one mirror
 
 bool is_level(const Plane<double>& plane) { return std::abs(plane.normal.z) > 1.0 - kUpright; }
 
-// Two faces of one wall.
+// True for two faces of one wall.
 bool is_same_wall(const Plane<double>& a, const Plane<double>& b) {
   const double along = dot(a.normal, b.normal);
   return std::abs(along) > kParallel &&

@@ -1,4 +1,4 @@
-// The mirrors that M3 knows of: large planes of the scene that bound the room.
+// The mirrors of M3: large planes of the scene that bound the room.
 #pragma once
 
 #include <vector>
@@ -9,12 +9,12 @@
 
 namespace rayloc {
 
-// Vertical planes of 1 m^2 and more, floor and ceiling; of parallel ones close behind each other
-// that which `from` sees first. `from`: the access point.
+// Vertical planes of 1 m^2 and more, floor and ceiling; of closely spaced parallel planes only the
+// one nearest to `from`. `from`: the access point.
 std::vector<Plane<double>> reflectors_of(const RoomModel& room, const Vec3d& from);
 bool is_vertical(const Plane<double>& plane);
 
-// The place behind the mirror.
+// The mirror image of the place.
 Vec3d mirrored(const Plane<double>& plane, const Vec3d& place);
 
 }  // namespace rayloc

@@ -8,7 +8,7 @@
 
 namespace rayloc {
 
-// The poles of the low-pass prototype are moved to the band, then by the bilinear transform onto
+// The poles of the low-pass prototype are moved to the band, then by the bilinear transform into
 // the unit disc. Every section has a conjugate pair of them and zeros at both ends of the spectrum.
 BandPass::BandPass(double low, double high, double rate) {
   RAYLOC_CHECK(0.0 < low && low < high && high < 0.5 * rate);
@@ -41,7 +41,7 @@ BandPass::BandPass(double low, double high, double rate) {
 }
 
 void BandPass::run(std::vector<std::complex<double>>& signal) const {
-  std::complex<double> level = signal.front();  // what a section is fed in the steady state
+  std::complex<double> level = signal.front();  // input of a section in the steady state
   for (const Section& s : sections_) {
     const double at_rest = (s.b[0] + s.b[1] + s.b[2]) / (1.0 + s.a[0] + s.a[1]);
     std::complex<double> second = (s.b[2] - s.a[1] * at_rest) * level;

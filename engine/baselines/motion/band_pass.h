@@ -1,7 +1,7 @@
-// BandPass: a Butterworth filter that passes what moves and neither stands still nor is noise.
+// BandPass: a Butterworth filter that passes motion and removes static paths and noise.
 //
-// Fourth order, second-order sections, begun in the steady state, run forward and back over the
-// signal continued oddly by kContinued samples at each end: no delay. The same as SciPy's
+// Fourth order, second-order sections, initialised in the steady state, run forward and backward
+// over the signal extended oddly by kContinued samples at each end: zero delay. The same as SciPy's
 // butter(4, ..., 'band') and sosfiltfilt().
 //
 // Thread safety: const members may be used from many threads.
@@ -16,7 +16,7 @@ namespace rayloc {
 
 class BandPass {
  public:
-  static constexpr std::size_t kContinued = 27;  // samples, as SciPy has it for four sections
+  static constexpr std::size_t kContinued = 27;  // samples, as in SciPy for four sections
 
   // Frequencies in Hz. REQUIRES: 0 < low < high < rate / 2.
   BandPass(double low, double high, double rate);

@@ -1,11 +1,11 @@
-// The conjugate product of antennas: what Widar2.0 makes of frames, whose phase and delay are new
-// in each one but shared by all antennas [W2].
+// The conjugate product of antennas: the preprocessing of Widar2.0 for frames, whose phase and
+// delay change from frame to frame but are shared by all antennas [W2].
 //
-// The reference antenna is the one whose amplitude varies least. From the others the least
-// amplitude in time, what stands still, is taken off, and to the reference much is added. What is
-// left is mostly the moving path against the standing ones, exp(-j 2 pi v t / wavelength); its
-// conjugate, the reference's moving path, is made weak. The reference against itself is real and
-// has both senses alike.
+// The reference antenna is the one whose amplitude varies least. The least amplitude over time,
+// that of static paths, is subtracted from the other antennas, and a large constant is added to the
+// reference. The result is mostly the moving path against the static ones, exp(-j 2 pi v t /
+// wavelength); its conjugate, from the reference's moving path, becomes weak. The product of the
+// reference with itself is real and contains both signs alike.
 //
 // References: [W2] K. Qian et al., Widar2.0, ACM MobiSys 2018.
 #pragma once

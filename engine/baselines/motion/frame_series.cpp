@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kTelling = 20;  // frames, a count, chosen: fewer do not tell what is usual
+constexpr std::size_t kTelling = 20;  // frames, a count, chosen: fewer give no reliable median
 
 }  // namespace
 

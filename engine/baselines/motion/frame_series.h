@@ -1,8 +1,8 @@
-// FrameSeries: what one access point hears of one transmitter as samples in equal steps of time.
+// FrameSeries: the frames of one link, resampled in equal steps of time.
 //
-// Frames come when they come and some are lost. Between two that are at most kMostBridged steps
-// apart samples are interpolated; a longer gap ends the series. A retry is a
-// sample as any other: it was sent at its own time through the channel of that time.
+// Frames arrive at irregular times and some are lost. Samples are interpolated between two frames
+// that are at most kMostBridged steps apart; a longer gap ends the series. A retry is a sample like
+// any other: it was sent at its own time through the channel of that time.
 #pragma once
 
 #include <complex>
@@ -18,17 +18,17 @@ inline constexpr double kMostBridged = 4.5;  // [steps], from frame to frame: th
 
 class FrameSeries {
  public:
-  // False where the series ended before this frame: a gap. REQUIRES: times never decrease.
+  // False if the series ended before this frame: a gap. REQUIRES: times never decrease.
   bool add(Timestamp time, std::vector<std::complex<double>> values);
 
-  // Frames in a second, from the median of their distances; 0 of fewer than three frames.
+  // Frames per second, from the median of their distances; 0 for fewer than three frames.
   double rate() const;
   std::optional<Timestamp> first() const;
   std::optional<Timestamp> last() const;
 
-  // The values at `time`, interpolated; nothing outside of what was heard.
+  // The values at `time`, interpolated; empty outside the received interval.
   std::optional<std::vector<std::complex<double>>> at(Timestamp time) const;
-  // Keeps nothing that is not needed for `time` and later.
+  // Removes the values that are not needed for `time` and later.
   void forget_before(Timestamp time);
   void clear() { frames_.clear(); }
 

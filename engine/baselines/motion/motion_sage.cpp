@@ -69,8 +69,8 @@ Eigen::VectorXcd MotionSage::over_channel(const Eigen::MatrixXcd& window,
   return window * in_time.conjugate();
 }
 
-// One coordinate after the other; a path that is new begins with the rate that has most energy over
-// all antennas and tones.
+// Updates one coordinate after the other; a new path starts with the rate of most energy over all
+// antennas and tones.
 MotionSage::Index MotionSage::search(const Eigen::MatrixXcd& window,
                                      std::size_t reference,
                                      Index from,
@@ -80,7 +80,7 @@ MotionSage::Index MotionSage::search(const Eigen::MatrixXcd& window,
   if (is_new) {
     const Eigen::MatrixXcd all = window * rate_.adjoint();  // [channel][rate]
     all.colwise().squaredNorm().maxCoeff(&at.rate);
-    // Every antenna for itself: its phase is not known yet.
+    // Sums over antennas incoherently: their phase is not yet estimated.
     const Eigen::VectorXcd channel = all.col(at.rate);
     Eigen::VectorXd energy = Eigen::VectorXd::Zero(delay_.rows());
     for (Eigen::Index m = 0; m < antennas_; ++m) {

@@ -1,5 +1,5 @@
-// MotionSage: moving paths in a window of conjugate products by the SAGE algorithm [W2]: how fast a
-// path gets longer, its delay, and its phase from antenna to antenna.
+// MotionSage: moving paths in a window of conjugate products by the SAGE algorithm [W2]: the rate
+// of a path's length, its delay, and its phase from antenna to antenna.
 //
 //   product(m, k, t) = sum of a exp(j (psi (m - ref) - 2 pi (f_k - f_c) tau - 2 pi v t / lambda))
 //
@@ -16,10 +16,10 @@
 namespace rayloc {
 
 struct MotionPath {
-  double rate = 0.0;    // [m/s], positive: gets longer
-  double delay = 0.0;   // [s], behind what stands still
+  double rate = 0.0;    // [m/s], positive: the length grows
+  double delay = 0.0;   // [s], relative to static paths
   double psi = 0.0;     // [rad]
-  double energy = 0.0;  // of the window that it explains
+  double energy = 0.0;  // explained energy of the window
 };
 
 struct MotionSageOptions {
@@ -35,7 +35,7 @@ struct MotionSageOptions {
 
 class MotionSage {
  public:
-  // tone_hz: from the middle of the channel; step_s: from instant to instant.
+  // tone_hz: from the centre of the channel; step_s: from instant to instant.
   MotionSage(std::vector<double> tone_hz,
              std::size_t antennas,
              std::size_t instants,
@@ -43,8 +43,8 @@ class MotionSage {
              double wavelength,
              const MotionSageOptions& options = {});
 
-  // In the order in which they were found. window: [antenna * tones + tone][instant]; the phase of
-  // a path counts from antenna `reference`.
+  // In the order of detection. window: [antenna * tones + tone][instant]; the phase of a path is
+  // relative to antenna `reference`.
   std::vector<MotionPath> paths(const Eigen::MatrixXcd& window, std::size_t reference) const;
 
   std::size_t instants() const { return static_cast<std::size_t>(rate_.cols()); }

@@ -14,13 +14,13 @@ namespace {
 
 constexpr int kSmoothingPasses = 3;   // a count, of the published release
 constexpr std::size_t kChord = 2;     // samples from end to end of a tangent
-constexpr double kLeastRange = 1e-3;  // [rad/s], chosen: no turning is evener than that
+constexpr double kLeastRange = 1e-3;  // [rad/s], chosen: lower limit of a rotation's range
 
 int odd_samples(double seconds, double step_s) {
   return 2 * static_cast<int>(std::lround(0.5 * (seconds / step_s - 1.0))) + 1;
 }
 
-// Means over `window` samples about each one; fewer at the ends.
+// Means over `window` samples around each one; fewer at the ends.
 std::vector<double> moving_mean(const std::vector<double>& values, int window) {
   std::vector<double> sums(values.size() + 1);
   std::partial_sum(values.begin(), values.end(), sums.begin() + 1);
@@ -56,7 +56,7 @@ std::vector<PathRate> path_rates(std::span<const std::complex<double>> ratio,
     return std::vector<PathRate>(ratio.size());
   }
   const auto q = smoothed(ratio, odd_samples(options.smoothing_s, step_s));
-  // Of the tangent in the middle of sample i and the next: turning [rad/s].
+  // Rotation rate of the tangent between sample i and the next [rad/s].
   std::vector<double> turning(q.size());
   for (std::size_t i = 0; i + kChord + 1 < q.size(); ++i) {
     const auto now = q[i + kChord] - q[i];

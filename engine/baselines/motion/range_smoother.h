@@ -1,5 +1,5 @@
-// RangeSmoother: a length that is measured badly and whose rate is known well, filtered forward and
-// smoothed back [KS] over the last few steps.
+// RangeSmoother: a length with inaccurate measurements and an accurate rate, filtered forward and
+// smoothed backward [KS] over the last few steps.
 //
 // References: [KS] H. Rauch, F. Tung, C. Striebel, AIAA Journal 3 (1965) 1445.
 #pragma once
@@ -12,9 +12,9 @@ namespace rayloc {
 struct RangeSmootherOptions {
   double rate_sigma = 0.15;     // [m/s], of the rates
   double least_sigma = 0.5;     // [m], of a measurement
-  double least = 0.0;           // [m], the length is not shorter
-  std::size_t lag = 6;          // steps that are smoothed back
-  std::size_t remembered = 30;  // steps from which the measurements' variance is told
+  double least = 0.0;           // [m], lower limit of the length
+  std::size_t lag = 6;          // steps that are smoothed backward
+  std::size_t remembered = 30;  // steps used to estimate the measurements' variance
 };
 
 struct SmoothedRange {
@@ -26,9 +26,9 @@ class RangeSmoother {
  public:
   explicit RangeSmoother(const RangeSmootherOptions& options = {}) : options_(options) {}
 
-  // A step of `seconds` in which the length has grown by rate * seconds [m/s], and its measurement.
+  // A step of `seconds` in which the length grew by rate * seconds [m/s], and its measurement.
   void add(double rate, double seconds, double measured);
-  // options.lag steps ago. REQUIRES: is_ready().
+  // State options.lag steps ago. REQUIRES: is_ready().
   SmoothedRange smoothed() const;
   bool is_ready() const { return steps_.size() > options_.lag; }
   void clear();
@@ -44,7 +44,7 @@ class RangeSmoother {
 
   RangeSmootherOptions options_;
   std::deque<Step> steps_;
-  std::deque<double> off_;  // measurements less what was filtered [m]
+  std::deque<double> off_;  // measurements minus filtered values [m]
 };
 
 }  // namespace rayloc

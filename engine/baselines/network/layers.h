@@ -1,4 +1,4 @@
-// Layers that dlib lacks, in the form in which it wants them; for network.cpp alone.
+// Layers that dlib lacks, in the form that dlib requires; for network.cpp only.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace rayloc {
 
-// Images of which the shape is known when the program runs.
+// Images with a shape that is set at run time.
 struct PlainImage {
   const float* values = nullptr;
   ImageShape shape;
@@ -39,8 +39,8 @@ class PlainImages {
   friend std::ostream& operator<<(std::ostream& out, const PlainImages& /*layer*/) { return out; }
 };
 
-// A 3 x 3 convolution of each channel with a filter of its own, over zeros at the border; every
-// STRIDE-th column. Parameters: nine of each channel, then their offsets.
+// A 3 x 3 convolution of each channel with its own filter, zero-padded at the border; every
+// STRIDE-th column. Parameters: nine for each channel, then their offsets.
 template <long STRIDE>
 class Depthwise {
  public:
@@ -111,7 +111,7 @@ class Depthwise {
  private:
   static constexpr long kTaps = 9;  // of a filter, a count
 
-  // Those that lie on the image, about row r and the c-th column of the output.
+  // Calls `use` for the taps inside the image, about row r and the c-th column of the output.
   template <typename Use>
   static void each_tap(const dlib::tensor& in, long r, long c, const Use& use) {
     for (long dr = -1; dr <= 1; ++dr) {
@@ -132,9 +132,9 @@ class Depthwise {
   dlib::resizable_tensor parameters_;
 };
 
-// Batch normalisation whose running means and variances are parameters as all others are, so that
-// they are kept and restored with them. Of one image they are what is subtracted; of a batch its
-// own are, and they learn. Parameters: scale, offset, mean, variance of each channel.
+// Batch normalisation with running means and variances as parameters, saved and restored like all
+// others. A single image is normalised with them; a batch with its own, and updates them.
+// Parameters: scale, offset, mean, variance of each channel.
 class ChannelNorm {
  public:
   template <typename Subnet>
@@ -176,7 +176,7 @@ class ChannelNorm {
 
   template <typename Subnet>
   void backward(const dlib::tensor& slope, Subnet& below, dlib::tensor& parameter_slope) {
-    parameter_slope = 0.0F;  // nothing is learned of means and variances by descent
+    parameter_slope = 0.0F;  // means and variances are not trained by descent
     auto scale = part_(parameters_, 0);
     auto scale_slope = part_(parameter_slope, 0);
     auto offset_slope = part_(parameter_slope, part_.size());
@@ -199,8 +199,8 @@ class ChannelNorm {
   friend std::ostream& operator<<(std::ostream& out, const ChannelNorm& /*layer*/) { return out; }
 
  private:
-  static constexpr double kEpsilon = 1e-5;  // added to a variance, as is usual
-  static constexpr float kForget = 0.1F;    // share that a batch has in the running means, usual
+  static constexpr double kEpsilon = 1e-5;  // added to a variance, usual value
+  static constexpr float kForget = 0.1F;    // weight of a batch in the running means, usual value
 
   dlib::alias_tensor part_;
   dlib::resizable_tensor parameters_;

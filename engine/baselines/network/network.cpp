@@ -11,9 +11,9 @@
 namespace rayloc {
 namespace {
 
-// Three poolings or strides by two leave something of so many columns.
+// Three poolings or strides by two leave at least one of so many columns.
 constexpr std::size_t kLeastColumns = 8;  // a count
-constexpr std::size_t kLeNetRows = 5;     // a count: its last pooling takes all
+constexpr std::size_t kLeNetRows = 5;     // a count: its last pooling covers all
 
 // --- The networks, from the image at the end to the loss at the beginning. ---------------------
 
@@ -69,7 +69,7 @@ using MobileNet = dlib::loss_multiclass_log<
                                                              dlib::con_<32, 3, 3, 1, 2, 1, 1>,
                                                              PlainImages>>>>>>>>>>;
 
-// --- Beginning: deviations of sqrt(2 / inputs) [He], offsets 0. --------------------------------
+// --- Initialisation: deviations of sqrt(2 / inputs) [He], offsets 0. ---------------------------
 
 template <typename Layer>
 long outputs_of(const Layer& /*layer*/) {
@@ -88,7 +88,7 @@ long outputs_of(const Depthwise<STRIDE>& layer) {
   return layer.outputs();
 }
 
-// A normal deviate that is the same with every standard library.
+// Normal deviates that are the same with every standard library.
 class Normal {
  public:
   explicit Normal(std::uint64_t seed) : random_(seed) {}
@@ -99,7 +99,7 @@ class Normal {
   }
 
  private:
-  // In (0, 1].
+  // Uniform in (0, 1].
   double uniform() { return (static_cast<double>(random_() >> 11U) + 1.0) * 0x1p-53; }
   std::mt19937_64 random_;
 };
@@ -145,7 +145,7 @@ class Network::ModelOf : public Network::Model {
   ModelOf(const NetworkShape& shape, std::uint64_t seed) {
     net_.subnet().layer_details().set_num_outputs(static_cast<long>(shape.classes));
     const std::vector<float> nothing(shape.image.size());
-    logits({nothing.data(), shape.image});  // the layers learn their sizes
+    logits({nothing.data(), shape.image});  // the layers derive their sizes
     dlib::visit_computational_layers(net_, Begin{Normal(seed)});
   }
 

@@ -1,4 +1,4 @@
-// Network: the two image classifiers of the methods that learn, by dlib.
+// Network: the two image classifiers of the trained methods, by dlib.
 //
 // CiFi's has the shape of LeNet: three convolutions with pooling between them and two full layers.
 // DSCP's has that of MobileNet: a convolution and four blocks of a depthwise and a pointwise
@@ -8,7 +8,7 @@
 // Only this folder includes dlib. Images are [channel][row][column], columns fastest.
 //
 // References: [CF] X. Wang et al., CiFi, IEEE ICC 2017; [DS] DSCP, WCMC 2021; dlib 19.24.
-// Thread safety: for one thread; several objects may be used at once.
+// Thread safety: use from one thread only; several objects may be used at once.
 #pragma once
 
 #include <cstddef>
@@ -35,12 +35,12 @@ struct NetworkShape {
   std::size_t classes = 0;
 };
 
-// Rows and columns that the layers can still divide.
+// True if the layers can divide these rows and columns.
 bool is_possible(const NetworkShape& shape);
 
 class Network {
  public:
-  // Parameters as He has them, drawn by the seed. REQUIRES: is_possible(shape).
+  // Initial parameters by He, drawn from the seed. REQUIRES: is_possible(shape).
   Network(const NetworkShape& shape, std::uint64_t seed);
   ~Network();
   Network(Network&& other) noexcept;
@@ -49,16 +49,16 @@ class Network {
   const NetworkShape& shape() const { return shape_; }
 
   // Logarithms of the probabilities of the classes, up to a constant. One image at a time, so that
-  // no image depends on its neighbours. REQUIRES: an image of the shape.
+  // the result does not depend on other images. REQUIRES: an image of the shape.
   std::vector<double> logits(std::span<const float> image);
 
-  // All that was learned, the means and variances of the normalisation among it.
+  // All learned parameters, including the means and variances of the normalisation.
   std::vector<float> parameters();
-  // False: another count, or a number that is not finite; nothing is changed.
+  // False for another count, or a number that is not finite; nothing is changed then.
   bool set_parameters(std::span<const float> parameters);
 
-  // Mean cross entropy of a batch, and its derivative by every parameter, in their order.
-  // REQUIRES: two images or more.
+  // Mean cross entropy of a batch, and its derivative by every parameter, in their order. REQUIRES:
+  // at least two images.
   struct Slope {
     double loss = 0.0;
     std::vector<float> gradient;

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kSettling = 25;  // batches, a count: what was before weighs 0.9^25
+constexpr std::size_t kSettling = 25;  // batches, a count: the earlier state is weighted 0.9^25
 
 bool has_running_means(NetworkKind kind) { return kind == NetworkKind::kMobileNet; }
 
@@ -34,7 +34,7 @@ struct Batch {
   std::vector<std::size_t> labels;
 };
 
-// One image that is left over joins the last batch: alone it would have no variance.
+// A single remaining image joins the last batch: alone it would have no variance.
 std::vector<Batch> batches_of(std::span<const LabelledImage> images,
                               const std::vector<std::size_t>& order,
                               std::size_t size) {
@@ -101,7 +101,7 @@ void train_network(Network& network,
     }
   }
   RAYLOC_CHECK(network.set_parameters(state.parameters));
-  // The means of the normalisation have run behind the parameters; they settle where these stay.
+  // The running means lag behind the parameters; they settle with the parameters held constant.
   const std::vector<Batch> batches =
       batches_of(images, drawn_order(images.size(), options.seed, options.epochs), options.batch);
   for (std::size_t i = 0; has_running_means(network.shape().kind) && i < kSettling; ++i) {

@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-// Of the spacing, by how much an antenna may stand beside its place; a ratio, chosen: calibrated
-// arrays are off by 1 %, and at 5 % a bearing of 1.5 wavelengths is off by half a radian.
+// Allowed position error of an antenna relative to the spacing; a ratio, chosen: calibrated arrays
+// are off by 1 %, and at 5 % a bearing of 1.5 wavelengths is off by half a radian.
 constexpr double kMostOff = 0.05;
 
 }  // namespace

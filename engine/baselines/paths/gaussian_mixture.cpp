@@ -10,12 +10,12 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinComponentShare =
-    1e-9;  // of the points, a ratio: with less a component is gone
+    1e-9;  // of the points, a ratio: a smaller component is removed
 
-// Far from each other: each point is drawn in proportion to its squared distance from those before.
+// Well separated: each point is drawn in proportion to its squared distance from those before.
 Eigen::MatrixXd starts(const Eigen::MatrixXd& points, const MixtureOptions& options) {
   std::mt19937_64 random(options.seed);
-  // A uniform number of [0, 1) that is the same with every standard library.
+  // A uniform number in [0, 1) that is the same with every standard library.
   const auto draw = [&random] { return static_cast<double>(random() >> 11U) * 0x1p-53; };
   const Eigen::Index count = points.cols();
   const auto wanted = static_cast<Eigen::Index>(options.components);
@@ -93,7 +93,7 @@ GaussianMixture fit_mixture(const Eigen::MatrixXd& points, const MixtureOptions&
   if (points.cols() == 0) {
     return mixture;
   }
-  // The first shares are those of the nearest start alone.
+  // The first shares assign each point to the nearest start.
   const Eigen::MatrixXd centres = starts(points, options);
   Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(centres.cols(), points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {

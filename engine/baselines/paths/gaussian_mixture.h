@@ -22,13 +22,13 @@ struct GaussianMixture {
 
 struct MixtureOptions {
   std::size_t components = 5;
-  std::uint64_t seed = 1;  // of the starts, drawn as k-means++ draws them
+  std::uint64_t seed = 1;  // of the starts, drawn as in k-means++
   std::size_t most_rounds = 200;
-  double least_gain = 1e-6;      // of the mean log-likelihood in a round; less ends it
+  double least_gain = 1e-6;      // least gain of the mean log-likelihood in a round
   double least_variance = 1e-6;  // added to each, so that a component of one point has a density
 };
 
-// `points`: [coordinate][point]. Never more components than points; those that lose all points go.
+// `points`: [coordinate][point]. At most as many components as points; empty ones are removed.
 GaussianMixture fit_mixture(const Eigen::MatrixXd& points, const MixtureOptions& options);
 
 }  // namespace rayloc

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMinLevelPlaces = 10;  // a count, chosen: as for RayLoc's own levels
 constexpr double kMinLevelSpread = 1e-4;   // of log10 r, squared, chosen: all are equally far away
 constexpr double kMinLevelDistance = 0.1;  // [m], chosen: nearer is no far field
-constexpr double kMinLevelSigma = 0.5;     // [dB], chosen: receivers state whole dBm
+constexpr double kMinLevelSigma = 0.5;     // [dB], chosen: receivers report whole dBm
 
 double decades(double distance) { return std::log10(std::max(distance, kMinLevelDistance)); }
 

@@ -1,5 +1,5 @@
-// LevelLaw: how the level that a receiver states falls with distance, level = at_1m - 10 n log10 r,
-// learned from places that are known.
+// LevelLaw: path-loss law of the received power over distance, level = at_1m - 10 n log10 r,
+// learned from known positions.
 #pragma once
 
 #include <optional>
@@ -7,13 +7,13 @@
 
 namespace rayloc {
 
-// n of a furnished room where nothing was learned: a ratio, chosen between free space (2) and a
+// Default n of a furnished room without training: a ratio, chosen between free space (2) and a
 // closed box, whose walls keep the power.
 inline constexpr double kUsualExponent = 1.8;
-inline constexpr double kUsualLevelSigma = 3.0;  // [dB], about that line: fades of a room, chosen
+inline constexpr double kUsualLevelSigma = 3.0;  // [dB], about that line: fading of a room, chosen
 
 struct LevelLaw {
-  double at_1m_dbm = 0.0;  // of a transmitter that never changes its power
+  double at_1m_dbm = 0.0;  // of a transmitter with constant power
   double exponent = kUsualExponent;
   double sigma_db = kUsualLevelSigma;  // standard deviation, from place to place
 
@@ -25,7 +25,7 @@ struct LevelAtDistance {
   double level_dbm = 0.0;
 };
 
-// By least squares; nothing of fewer than 10 places or where all are equally far away.
+// By least squares; empty for fewer than 10 places or if all are equally far away.
 std::optional<LevelLaw> fit_level_law(std::span<const LevelAtDistance> places);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// The antennas of an access point that a bearing can be taken from.
+// The antennas of an access point that are usable for a bearing.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@
 
 namespace rayloc {
 
-// Those whose chains are alive (dead_chain()), where they are two or more on a line of equal steps;
-// else the reason is a warning.
+// Antennas with live chains (dead_chain()), if there are at least two on a line of equal steps;
+// otherwise empty, with a warning that states the reason.
 std::optional<AntennaLine> living_line(const RoomAccessPoint& access_point,
                                        const BurstObservation& burst,
                                        std::vector<std::string>& warnings);

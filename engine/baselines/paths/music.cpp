@@ -18,17 +18,17 @@ namespace {
 
 using std::complex;
 
-// Of a steering vector's power, what must be left of it beside the paths found before; a ratio.
+// Minimum share of a steering vector's power outside the paths already found; a ratio.
 constexpr double kLeastLeft = 1e-3;
 constexpr int kNewtonSteps = 4;  // a count: the second already moves it by less than 1e-4 steps
 constexpr double kProbe = 0.05;  // of a grid step: for derivatives by differences
 
 }  // namespace
 
-// What is left to explain: orthonormal columns.
+// Remaining signal subspace: orthonormal columns.
 struct Music::Subspace {
   Eigen::MatrixXcd found;   // steering vectors of the paths found
-  Eigen::MatrixXcd signal;  // of the signal beside them
+  Eigen::MatrixXcd signal;  // signal subspace without them
 };
 
 Music::Music(const SmoothingWindow& window, double step_hz, const MusicOptions& options)
@@ -111,7 +111,7 @@ PathAtArray Music::highest(const Subspace& space) const {
   return best;
 }
 
-// Newton's steps on the score, which never leave the cell of the grid.
+// Newton steps on the score, restricted to the cell of the grid.
 PathAtArray Music::refined(const Subspace& space, PathAtArray path) const {
   const double psi_step = kTwoPi / static_cast<double>(antenna_.rows());
   const double tau_step = 2.0 * options_.most_tau / static_cast<double>(tone_.rows() - 1);
@@ -157,7 +157,7 @@ PathAtArray Music::refined(const Subspace& space, PathAtArray path) const {
 std::vector<PathAtArray> Music::paths(const Eigen::MatrixXcd& h) const {
   const Eigen::MatrixXcd snapshots = smoothed_csi(h, window_);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(snapshots * snapshots.adjoint());
-  // Ascending by Eigen.
+  // Eigen returns them in ascending order.
   const Eigen::VectorXd values = eigen.eigenvalues().reverse().cwiseMax(0.0);
   const std::size_t count =
       std::min(count_paths({values.data(), static_cast<std::size_t>(values.size())},

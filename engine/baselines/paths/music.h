@@ -2,8 +2,8 @@
 // [RM] on the smoothed array [SF].
 //
 // The bearing is a phase psi from one antenna to the next, never an angle: at more than half a
-// wavelength several directions have the same. A path with phase psi and delay tau gives antenna m
-// and tone l of the window exp(j (psi m - 2 pi l tau step_hz)).
+// wavelength several directions have the same phase. A path with phase psi and delay tau gives
+// antenna m and tone l of the window exp(j (psi m - 2 pi l tau step_hz)).
 //
 // Thread safety: const members may be used from many threads.
 // References: [RM] J. Mosher, R. Leahy, IEEE Trans. SP 47 (1999) 332. [SF] M. Kotaru et al.,
@@ -20,11 +20,11 @@
 
 namespace rayloc {
 
-// One path as a frame shows it.
+// One path estimated from a frame.
 struct PathAtArray {
   double psi = 0.0;    // [rad], from one antenna to the next
-  double tau = 0.0;    // [s], less what all paths share
-  double score = 0.0;  // cosine squared between it and what is left of the signal; 1: it is in it
+  double tau = 0.0;    // [s], relative to the delay common to all paths
+  double score = 0.0;  // cosine squared between it and the remaining signal; 1: inside the signal
 };
 
 struct MusicOptions {
@@ -36,10 +36,10 @@ struct MusicOptions {
 
 class Music {
  public:
-  // `window`: of smoothed_csi(); `step_hz`: of the comb.
+  // `window`: from smoothed_csi(); `step_hz`: of the comb.
   Music(const SmoothingWindow& window, double step_hz, const MusicOptions& options = {});
 
-  // In the order in which they were found, the strongest first. `h`: [antenna][tone], sanitised.
+  // In the order of detection, the strongest first. `h`: [antenna][tone], sanitised.
   std::vector<PathAtArray> paths(const Eigen::MatrixXcd& h) const;
 
  private:

@@ -8,9 +8,8 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinEigenvalueShare =
-    0.03;                       // of the largest eigenvalue, a ratio: what counts as a path
-constexpr double kDrop = 1.58;  // from one eigenvalue to the next, a ratio: 2 dB
+constexpr double kMinEigenvalueShare = 0.03;  // of the largest eigenvalue, a ratio: least path
+constexpr double kDrop = 1.58;                // from one eigenvalue to the next, a ratio: 2 dB
 
 std::size_t by_drop(std::span<const double> e) {
   std::size_t last = 0;

@@ -1,4 +1,4 @@
-// How many paths a set of snapshots holds, by the eigenvalues of its covariance.
+// Number of paths in a set of snapshots, from the eigenvalues of its covariance.
 //
 // References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015. [WK] M. Wax, T. Kailath, IEEE Trans.
 // ASSP 33 (1985) 387.
@@ -15,14 +15,14 @@ enum class PathCountRule {
   kMdl,   // minimum description length [WK]
 };
 
-// The names that people write, in the order of the rules.
+// The names used in settings, in the order of the rules.
 std::span<const std::string_view> path_count_rule_names();
 
-inline constexpr std::size_t kFewestPaths = 2;  // a count, that methods look for at least
+inline constexpr std::size_t kFewestPaths = 2;  // a count, lower limit
 inline constexpr std::size_t kMostPaths = 5;    // a count, of a room [SF]
 
-// From kFewestPaths to kMostPaths. `eigenvalues`: descending, not negative; `snapshots`: that they
-// were made of.
+// From kFewestPaths to kMostPaths. `eigenvalues`: descending, not negative; `snapshots`: number of
+// snapshots in the covariance.
 std::size_t count_paths(std::span<const double> eigenvalues,
                         std::size_t snapshots,
                         PathCountRule rule = PathCountRule::kDrop);

@@ -9,9 +9,9 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kLeast = 10;  // errors, a count, chosen
-constexpr int kRounds = 500;  // of expectation maximisation, a count: it has ended long before
-constexpr double kMinPhaseSigma = 0.02;   // [rad], chosen: of no array that we know
-constexpr double kLeastOutliers = 0.005;  // a share, chosen: of a few dozen points none is no proof
+constexpr int kRounds = 500;  // of expectation maximisation, a count: it converges far earlier
+constexpr double kMinPhaseSigma = 0.02;   // [rad], chosen: below that of any known array
+constexpr double kLeastOutliers = 0.005;  // a share, chosen: none in a few dozen is no proof
 
 }  // namespace
 

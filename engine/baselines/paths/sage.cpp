@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-// From antenna to antenna [rad], of a path with u = 1.
+// Phase from antenna to antenna [rad] for a path with u = 1.
 double phase_of(const OfdmGrid& hop, double spacing) {
   return kTwoPi * hop.centre_hz * spacing / kSpeedOfLight;
 }
@@ -80,7 +80,7 @@ Eigen::MatrixXcd Sage::model(std::span<const SagePath> paths, std::size_t hop) c
 std::vector<SagePath> Sage::paths(std::span<const Eigen::MatrixXcd> h) const {
   std::vector<SagePath> found(options_.paths);
   std::vector<Index> at(options_.paths);
-  std::vector<Eigen::MatrixXcd> left(h.begin(), h.end());  // without all paths
+  std::vector<Eigen::MatrixXcd> left(h.begin(), h.end());  // minus all paths
   const auto add = [&](const SagePath& path, double sign) {
     for (std::size_t hop = 0; hop < hops_.size(); ++hop) {
       left[hop] += sign * model({&path, 1}, hop);

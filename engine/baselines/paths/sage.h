@@ -1,12 +1,12 @@
 // Sage: paths of a channel by the SAGE algorithm [SA], on one or several radio channels ("hops")
-// together, whose tones then are one wide band.
+// jointly, whose tones then form one wide band.
 //
 // A path with the sine u of its azimuth and the delay tau gives antenna m of hop c, at the tone of
 // frequency f, exp(j 2 pi f_c m d u / c) exp(-j 2 pi f tau): f_c is the hop's centre, since a hop
-// is narrow. Where antennas are more than half a wavelength apart several u fit one hop alike; hops
-// tell them apart as far as their wavelengths differ.
+// is narrow. For antenna distances above half a wavelength several u fit one hop alike; several
+// hops separate them as far as their wavelengths differ.
 //
-// Every path is searched for in what the others leave, over the whole grid, until none moves.
+// Every path is searched for in the residual of the others, over the whole grid, until convergence.
 //
 // References: [SA] B. Fleury et al., IEEE JSAC 17 (1999) 434.
 // Thread safety: const members may be used from many threads.
@@ -40,16 +40,16 @@ struct SageOptions {
 
 class Sage {
  public:
-  // `hops`: their tones; `spacing`: of the antennas [m], of which there are `antennas`.
+  // `hops`: their tones; `spacing` [m] and number of the `antennas`.
   Sage(std::vector<OfdmGrid> hops,
        double spacing,
        std::size_t antennas,
        const SageOptions& options = {});
 
-  // In the order in which they were found. `h`: of each hop [antenna][tone].
+  // In the order of detection. `h`: of each hop [antenna][tone].
   std::vector<SagePath> paths(std::span<const Eigen::MatrixXcd> h) const;
 
-  // What paths give hop `hop`: [antenna][tone].
+  // The sum of the paths in hop `hop`: [antenna][tone].
   Eigen::MatrixXcd model(std::span<const SagePath> paths, std::size_t hop) const;
 
   const std::vector<OfdmGrid>& hops() const { return hops_; }

@@ -10,7 +10,7 @@ namespace {
 
 using std::complex;
 
-// Turns from one tone to the next, of the sum over antennas: exact for a delay that all share.
+// Phase step from tone to tone of the sum over antennas, in turns: exact for a common delay.
 double common_turn(const Eigen::MatrixXcd& h) {
   complex<double> sum = 0.0;
   for (Eigen::Index m = 0; m < h.rows(); ++m) {
@@ -21,7 +21,7 @@ double common_turn(const Eigen::MatrixXcd& h) {
   return std::arg(sum);
 }
 
-// Each antenna's along the tones, and its first within half a turn of the first antenna's.
+// Each antenna's phase along the tones; its first value is within half a turn of antenna 0's.
 Eigen::MatrixXd unwrapped(const Eigen::MatrixXcd& h) {
   Eigen::MatrixXd phase(h.rows(), h.cols());
   for (Eigen::Index m = 0; m < h.rows(); ++m) {
@@ -39,7 +39,7 @@ Eigen::MatrixXd unwrapped(const Eigen::MatrixXcd& h) {
 Eigen::MatrixXcd sanitised(const Eigen::MatrixXcd& h) {
   const auto tones = static_cast<double>(h.cols());
   const double coarse = common_turn(h);
-  // Tones from the middle of the comb, so that slope and offset do not mix.
+  // Tones relative to the middle of the comb, so that slope and offset are uncorrelated.
   const auto at = [&](Eigen::Index k) { return static_cast<double>(k) - 0.5 * (tones - 1.0); };
   Eigen::MatrixXcd flat = h;
   for (Eigen::Index k = 0; k < h.cols(); ++k) {

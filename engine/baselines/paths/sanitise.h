@@ -1,5 +1,5 @@
-// sanitised: an array without what all antennas of a frame share: a phase and a timing offset [SF,
-// algorithm 1]. Phases between antennas stay; delays become relative.
+// sanitised: removes the phase and the timing offset that all antennas of a frame share [SF,
+// algorithm 1]. Phases between antennas are preserved; delays become relative.
 //
 // References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015.
 #pragma once
@@ -8,9 +8,9 @@
 
 namespace rayloc {
 
-// `h`: [antenna][tone], on a comb (ToneComb). The line that fits the unwrapped phases of all
-// antennas in least squares is taken off. A delay that all antennas have in common is undone before
-// the phases are unwrapped, so the result does not depend on it, whatever it is.
+// `h`: [antenna][tone], on a comb (ToneComb). Subtracts the line that fits the unwrapped phases of
+// all antennas in least squares. A delay common to all antennas is removed before the phases are
+// unwrapped, so the result does not depend on its value.
 Eigen::MatrixXcd sanitised(const Eigen::MatrixXcd& h);
 
 }  // namespace rayloc

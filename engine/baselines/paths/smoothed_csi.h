@@ -1,5 +1,5 @@
-// smoothed_csi: one frame as many snapshots of a smaller array, so that paths that come together
-// can be told apart [SF, figure 4]: every window of antennas and tones is a column.
+// smoothed_csi: rearranges one frame as many snapshots of a smaller array, so that coherent paths
+// can be separated [SF, figure 4]: every window of antennas and tones is a column.
 //
 // References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015.
 #pragma once
@@ -15,7 +15,7 @@ struct SmoothingWindow {
 
   Eigen::Index size() const { return antennas * tones; }
 };
-// Two antennas and half of the tones: 30 values of 3 x 30.
+// Two antennas and half of the tones: 30 values for 3 x 30.
 SmoothingWindow smoothing_window(const Eigen::MatrixXcd& h);
 
 // [antenna of the window * tones + tone of the window][place of the window]. REQUIRES: `h` has an

@@ -10,7 +10,7 @@ namespace rayloc {
 // exp(j phase).
 inline std::complex<double> turn(double phase) { return std::polar(1.0, phase); }
 
-// The phase [rad] within half a turn of 0.
+// The phase [rad] wrapped to half a turn about 0.
 inline double wrapped(double phase) { return std::remainder(phase, 2.0 * std::numbers::pi); }
 
 }  // namespace rayloc

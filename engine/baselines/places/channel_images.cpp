@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMostFrames = 64;  // of a burst at an access point, a count, chosen
+constexpr std::size_t kMostFrames = 64;  // limit of a burst at an access point, a count, chosen
 
 // The planes of each frame of an access point: [frame][plane][tone].
 std::vector<std::vector<float>> rows_of(const RoomModel& room,
@@ -23,7 +23,7 @@ std::vector<std::vector<float>> rows_of(const RoomModel& room,
           ? 0.0
           : norm(element_position(ap.array, 1) - element_position(ap.array, 0)) / wavelength;
   std::vector<std::vector<float>> rows;
-  std::vector<std::string> of_single_frames;  // the burst's have said it
+  std::vector<std::string> of_single_frames;  // already reported for the burst
   for (const CsiFrame& frame : frames) {
     if (frame.access_point != static_cast<int>(access_point) || rows.size() == kMostFrames) {
       continue;

@@ -1,7 +1,7 @@
-// Images of a burst, as networks that know places are shown them: planes of rows and columns, where
-// a row is a frame and a column a tone.
+// Images of a burst as inputs of the place networks: planes of rows and columns, where a row is a
+// frame and a column a tone.
 //
-// Frames of one burst differ by noise alone: several images of a burst are no several measurements.
+// Frames of one burst differ by noise only: several images of a burst are not independent.
 #pragma once
 
 #include <complex>
@@ -25,32 +25,32 @@ struct ImageFrame {
   double spacing = 0.0;  // [wavelengths], from antenna to antenna
 };
 
-// How a method draws a frame.
+// Drawing of a frame by a method.
 struct ImageKind {
   NetworkKind network = NetworkKind::kLeNet;
   std::size_t (*planes)(std::size_t antennas) = nullptr;                  // a count
   void (*draw)(const ImageFrame& frame, std::span<float> row) = nullptr;  // [plane][tone]
-  bool is_standardised = false;  // each plane to mean 0 and deviation 1 of the survey
+  bool is_standardised = false;  // normalises each plane to mean 0 and deviation 1 over the survey
 };
 
 inline constexpr std::size_t kImageRows = 5;  // frames of an image, a count, ours
 
 struct ImageOptions {
   std::size_t count = 16;  // images of a burst [CF]
-  std::uint64_t seed = 1;  // of the draw of their frames
+  std::uint64_t seed = 1;  // for the selection of their frames
 };
 
-// Of the access points by number in the room, in this order.
+// For these access points, by number in the room, in this order.
 ImageShape image_shape(const RoomModel& room,
                        std::span<const std::size_t> access_points,
                        const ImageKind& kind);
 
 struct BurstImages {
-  std::vector<std::vector<float>> images;  // [plane][row][tone] each; empty: nothing was heard
-  std::vector<bool> heard;                 // of each access point; planes of others are 0
+  std::vector<std::vector<float>> images;  // [plane][row][tone] each; empty: no usable frames
+  std::vector<bool> heard;                 // [access point]; planes of absent ones are 0
 };
 
-// Estimate: what was heard goes into its numbers, what was wrong into its warnings.
+// estimate: receives the numbers of frames and the warnings.
 BurstImages burst_images(const RoomModel& room,
                          std::span<const std::size_t> access_points,
                          std::span<const CsiFrame> frames,

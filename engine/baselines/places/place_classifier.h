@@ -1,13 +1,13 @@
-// PlaceClassifier: which surveyed place a burst comes from, by a network that has seen images of
-// bursts from each; and how it learns.
+// PlaceClassifier: selects the surveyed place of a burst with a network trained on images of bursts
+// from each place; and its training.
 //
-// CiFi and DSCP are this with different images and networks. The weights of the places are the mean
-// of the network's probabilities over the images of a burst.
+// CiFi and DSCP are this classifier with different images and networks. The weights of the places
+// are the mean of the network's probabilities over the images of a burst.
 //
-// Learning has two stages. In the first a fifth of the places is no class: what the network says of
-// them tells how sure it may be (weighted_places.h). In the second all places are classes.
+// Training has two stages. In the first a fifth of the places is not a class: the network's output
+// for them calibrates its confidence (weighted_places.h). In the second all places are classes.
 //
-// Thread safety: for one thread.
+// Thread safety: use from one thread only.
 #pragma once
 
 #include <cstddef>
@@ -30,14 +30,14 @@ namespace rayloc {
 struct PlaceClassifierOptions {
   std::string method;  // for messages
   ImageKind kind;
-  std::size_t images = 16;  // of a burst, a count
+  std::size_t images = 16;  // images of a burst, a count
   std::uint64_t seed = 1;
   PlaceAnswer answer;
 };
 
 class PlaceClassifier {
  public:
-  // An Error without a training, or with one that does not fit the room.
+  // An Error without a training, or with one that does not match the room.
   static Expected<PlaceClassifier> create(std::shared_ptr<const RoomModel> room,
                                           const PlaceClassifierOptions& options,
                                           std::shared_ptr<const Training> training);
@@ -63,10 +63,10 @@ class PlaceClassifier {
 struct PlaceTrainingOptions {
   PlaceClassifierOptions classifier;
   std::size_t epochs = 15;
-  double cell = 0.0;  // [m], of the areas that places are merged to; 0: each is one
+  double cell = 0.0;  // [m], of the areas that places are merged to; 0: no merging
 };
 
-// An Error for fewer than ten places, or tones that the network cannot divide.
+// An Error for fewer than ten places, or a number of tones that the network cannot divide.
 Expected<std::shared_ptr<const Training>> train_places(const TrainingInput& input,
                                                        const PlaceTrainingOptions& options);
 

@@ -7,8 +7,8 @@
 namespace rayloc {
 namespace {
 
-// The values told, and of what was learned with the training's. An Error (kUsage) where it is told
-// to be another.
+// The given values, with that of PlaceMethod::learned taken from the training. An Error (kUsage) if
+// a different value is given.
 Expected<BaselineValues> with_learned_value(const PlaceMethod& method,
                                             const BaselineValues& told,
                                             const Training* training) {
@@ -45,7 +45,7 @@ PlaceClassifierOptions options_of(const PlaceMethod& method,
 }  // namespace
 
 std::span<const std::string_view> place_answers() {
-  // Two words: which place is stated.
+  // Two words: the reported place.
   static constexpr std::array kAnswers = std::to_array<std::string_view>({"mean", "best"});
   return kAnswers;
 }

@@ -1,4 +1,4 @@
-// A method that is a classifier of places (place_classifier.h), told by its settings and its
+// A method that is a classifier of places (place_classifier.h), defined by its settings and its
 // images.
 #pragma once
 
@@ -19,14 +19,14 @@ std::span<const std::string_view> place_answers();
 
 struct PlaceMethod {
   std::string_view name;
-  // Has "images", "epochs" and "answer", and the key below.
+  // Contains "images", "epochs" and "answer", and the key below.
   std::span<const BaselineSetting> settings;
-  std::string_view learned;  // a key: what was learned with it is located with it
+  std::string_view learned;  // a key: its value at training also applies to localization
   ImageKind (*kind)(const BaselineValues& values) = nullptr;
-  std::string_view cell = {};  // a key: PlaceTrainingOptions::cell; empty: each place is one
+  std::string_view cell = {};  // a key: PlaceTrainingOptions::cell; empty: no merging
 };
 
-// An Error as of PlaceClassifier, or where `values` states another `learned` than the training.
+// Errors: as of PlaceClassifier, and if `values` states another `learned` than the training.
 Expected<PlaceClassifier> make_classifier(const PlaceMethod& method,
                                           std::shared_ptr<const RoomModel> room,
                                           const BaselineValues& values,

@@ -1,4 +1,4 @@
-// What a network says of images: probabilities of its classes.
+// Output of a network for images: probabilities of its classes.
 #pragma once
 
 #include <span>
@@ -9,10 +9,10 @@
 
 namespace rayloc {
 
-// Takes the mean off each plane and divides by its deviation, in place.
+// Subtracts the mean of each plane and divides by its deviation, in place.
 void standardise(const PlaceNetwork& learned, const ImageShape& shape, std::vector<float>& image);
 
-// Of the classes, mean over the images, which are standardised before. REQUIRES: an image.
+// Class probabilities, mean over the images, which are standardised first. REQUIRES: an image.
 std::vector<double> mean_probabilities(Network& network,
                                        const PlaceNetwork& learned,
                                        std::span<std::vector<float>> images);

@@ -12,16 +12,16 @@ namespace rayloc {
 namespace {
 
 constexpr std::size_t kMinSurveyPlaces = 10;  // a count, chosen: fewer are no survey
-constexpr std::size_t kHeldOutEvery = 5;      // of the classes one in so many is held out at first
-constexpr double kLeastDeviation = 1e-6;  // of a plane's values, chosen: a plane that is constant
-constexpr std::size_t kStages = 2;        // of learning, a count
-// The empty room is shown as often as so many places, a count, chosen: it is no place among many.
+constexpr std::size_t kHeldOutEvery = 5;      // one in so many classes is held out at first
+constexpr double kLeastDeviation = 1e-6;      // of a plane's values, chosen: for a constant plane
+constexpr std::size_t kStages = 2;            // of learning, a count
+// Weight of the empty room in places, a count, chosen: it is not one place among many.
 constexpr std::size_t kNobodyCounts = 8;
 
-// What was seen of a class.
+// Images of a class.
 struct Seen {
   Vec3d place;
-  std::vector<std::vector<float>> images;  // not standardised yet
+  std::vector<std::vector<float>> images;  // before standardisation
 };
 
 class Trainer {
@@ -44,7 +44,7 @@ class Trainer {
   const TrainingInput& input_;
   const PlaceTrainingOptions& options_;
   std::vector<std::size_t> access_points_;
-  std::vector<std::size_t> points_;  // heard by each access point
+  std::vector<std::size_t> points_;  // points with a burst at each access point
   std::vector<Seen> seen_;
   std::vector<std::vector<float>> nobody_;  // images of the empty room
   ImageShape shape_;
@@ -103,7 +103,7 @@ Expected<void> Trainer::see() {
   return {};
 }
 
-// One class of each area; its place is the mean of its points.
+// Merges the classes of each area; its place is the mean of its points.
 void Trainer::merge_cells() {
   std::map<std::pair<long, long>, std::pair<Seen, double>> cells;
   for (Seen& one : seen_) {
@@ -155,7 +155,7 @@ TrainingCheckpoint Trainer::begin_of(std::size_t stage) const {
   return begin;
 }
 
-// From images of these classes, and of the empty room.
+// Trains on images of these classes, and of the empty room.
 Network Trainer::learn(std::size_t stage, const std::vector<const Seen*>& classes) {
   std::vector<LabelledImage> images;
   const auto add = [&](const std::vector<std::vector<float>>& of_class, std::size_t label) {
@@ -214,7 +214,7 @@ PlaceCertainty Trainer::first_stage() {
   for (const Seen* one : others) {
     std::vector<std::vector<float>> images = one->images;
     weighted.weights = mean_probabilities(network, learned_, images);
-    weighted.weights.resize(classes.size());  // somebody was there
+    weighted.weights.resize(classes.size());  // a person is present
     held.push_back({weighted, one->place});
   }
   return fit_certainty(std::move(held));

@@ -15,20 +15,20 @@ namespace rayloc {
 namespace {
 
 constexpr double kLeastSurroundings = 0.05;  // [m], chosen: a survey is no finer
-constexpr double kLeastWeight = 1e-9;        // a share, chosen: it moves no map
+constexpr double kLeastWeight = 1e-9;        // a share, chosen: negligible in the map
 constexpr double kLeastResidual = 0.02;      // a probability, chosen
-constexpr double kRegion = 0.99;           // a probability: of the region that held-out truths miss
-constexpr double kCoolest = 0.25;          // a ratio, chosen: temperatures are tried from this
-constexpr double kWarmest = 64.0;          // a ratio, chosen: to this
-constexpr double kNextTemperature = 1.15;  // a ratio, chosen: in these steps
-constexpr std::size_t kRings = 12;         // of equal probability of a Gaussian, a count
-constexpr std::size_t kSpokes = 8;         // directions, a count
+constexpr double kRegion = 0.99;             // a probability: region for the share of missed truths
+constexpr double kCoolest = 0.25;            // a ratio, chosen: lowest temperature tried
+constexpr double kWarmest = 64.0;            // a ratio, chosen: highest temperature tried
+constexpr double kNextTemperature = 1.15;    // a ratio, chosen: step between temperatures
+constexpr std::size_t kRings = 12;           // rings of equal probability of a Gaussian, a count
+constexpr std::size_t kSpokes = 8;           // directions, a count
 
 double square_in_plan(const Vec3d& a, const Vec3d& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
-// Points that stand for a Gaussian of deviation 1 in plan, all with the same weight.
+// Points that represent a Gaussian of deviation 1 in plan, all with the same weight.
 std::vector<Vec3d> gaussian_points() {
   std::vector<Vec3d> points;
   for (std::size_t ring = 0; ring < kRings; ++ring) {
@@ -42,7 +42,7 @@ std::vector<Vec3d> gaussian_points() {
   return points;
 }
 
-// The value below which the share of the weight is.
+// The value with the share `share` of the weight below it.
 double quantile(std::vector<std::pair<double, double>> value_and_weight, double share) {
   std::sort(value_and_weight.begin(), value_and_weight.end());
   double total = 0.0;
@@ -59,7 +59,7 @@ double quantile(std::vector<std::pair<double, double>> value_and_weight, double 
   return value_and_weight.back().first;
 }
 
-// Of a value at the places where the target may be, with their probabilities.
+// Quantile of a value over the possible places of the target, weighted by their probabilities.
 template <typename Value>
 double quantile_of(const WeightedPlaces& weighted, double share, const Value& value) {
   static const std::vector<Vec3d> kPoints = gaussian_points();  // [m]

@@ -17,9 +17,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kDelayUnit = 100e-9;  // [s], so that delays and phases are numbers of one size
+constexpr double kDelayUnit = 100e-9;  // [s], so that delays and phases have similar magnitude
 
-// The frames of one access point, evenly from all.
+// Up to `most` frames of one access point, evenly spaced.
 std::vector<const CsiFrame*> chosen(std::span<const CsiFrame> frames,
                                     std::size_t access_point,
                                     std::size_t most) {
@@ -39,7 +39,7 @@ std::vector<const CsiFrame*> chosen(std::span<const CsiFrame> frames,
   return some;
 }
 
-// Of all clusters the most likely direct path.
+// The cluster that is most likely the direct path.
 std::pair<double, double> direct_cluster(const std::vector<PathAtArray>& paths,
                                          const DirectPathOptions& options,
                                          std::uint64_t seed) {
@@ -70,14 +70,14 @@ struct FramePaths {
   PathCountRule count;
 };
 
-// The paths of each frame that can be used.
+// The paths of each usable frame.
 std::vector<PathAtArray> paths_of_frames(const RoomModel& room,
                                          std::size_t access_point,
                                          const ToneComb& comb,
                                          const std::vector<const CsiFrame*>& frames,
                                          const FramePaths& how) {
   std::vector<PathAtArray> all;
-  std::vector<std::string> of_single_frames;  // the burst's have said it
+  std::vector<std::string> of_single_frames;  // already reported for the burst
   std::optional<Music> music;
   for (const CsiFrame* frame : frames) {
     const auto single = hear(room, access_point, {frame, 1}, {}, of_single_frames);

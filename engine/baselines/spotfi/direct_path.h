@@ -1,5 +1,5 @@
-// The direct path of a burst at one access point, as SpotFi finds it [SF]: MUSIC on each frame, the
-// paths of all frames in clusters, and of these the one that is tightest, heaviest and soonest.
+// The direct path of a burst at one access point, as in SpotFi [SF]: MUSIC on each frame, clusters
+// of the paths of all frames, and selection of the tightest, heaviest and earliest cluster.
 //
 // References: [SF] M. Kotaru et al., SpotFi, SIGCOMM 2015.
 #pragma once
@@ -20,8 +20,8 @@
 
 namespace rayloc {
 
-// Of ln L = share of the cluster w_share - deviation of its phase w_psi - of its delay w_tau - its
-// mean delay w_soon, with phases in half turns and delays in kDelayUnit.
+// Weights in ln L = share of the cluster w_share - deviation of its phase w_psi - of its delay
+// w_tau - its mean delay w_soon, with phases in half turns and delays in kDelayUnit.
 struct DirectPathOptions {
   std::size_t frames = 10;  // of a burst, at most
   std::size_t clusters = 5;
@@ -39,14 +39,14 @@ struct DirectPath {
   BurstObservation burst;  // all frames together, chain gains removed
 };
 
-// How it is looked for: `comb`, of the room's tones, outlives it.
+// Parameters of the search; `comb`, of the room's tones, must outlive it.
 struct DirectPathSearch {
   const ToneComb& comb;
   DirectPathOptions options;
   std::uint64_t seed = 1;
 };
 
-// Nothing where the access point heard nothing that can be used, and the reason is a warning.
+// Empty if the access point received no usable frames, with a warning that states the reason.
 // REQUIRES: calibration_problem() of the access point is empty, a comb that is not.
 std::optional<DirectPath> find_direct_path(const RoomModel& room,
                                            std::size_t access_point,

@@ -14,18 +14,18 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMostWidening = 3.0;  // of sigma, a ratio, chosen: of an unlikely direct path
+constexpr double kMostWidening = 3.0;  // of sigma, a ratio, chosen: for an unlikely direct path
 
 }  // namespace
 
-// What one access point says.
+// Measurement of one access point.
 struct Spotfi::Heard {
   std::size_t access_point = 0;
   DirectPath path;
   double sigma = 0.0;     // [rad]
   double outliers = 0.0;  // a share
   LevelLaw law;
-  bool is_power_constant = false;  // the law tells the distance itself
+  bool is_power_constant = false;  // the path-loss law gives the distance
 };
 
 Spotfi::Spotfi(std::shared_ptr<const RoomModel> room,
@@ -68,7 +68,7 @@ std::string Spotfi::refusal(std::span<const Heard> heard) const {
          "points; or declare constant_power, calibrate and train; or --baseline range=room)";
 }
 
-// Of a device whose power is constant the distances; of others what they differ by.
+// Uses the distances for a device with constant power; otherwise their differences.
 double Spotfi::level_log_likelihood(std::span<const Heard> heard, const Vec3d& place) const {
   const bool is_constant = heard.front().is_power_constant;
   double weights = 0.0;

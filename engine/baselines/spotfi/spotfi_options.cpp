@@ -11,7 +11,7 @@ namespace {
 constexpr std::array kRanges = std::to_array<std::string_view>({"level", "none", "room"});
 
 std::span<const BaselineSetting> spotfi_table() {
-  // Each says its unit; defaults are those of the paper, or measured, or chosen (the study says).
+  // Each states its unit; defaults are the paper's, or measured, or chosen (see the study).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"frames", "of a burst at an access point, at most", 10.0, 1.0, 64.0, true},
       {"clusters", "of the paths of a burst", 5.0, 1.0, 20.0, true},

@@ -1,4 +1,4 @@
-// What SpotFi can be told, and what it assumes where nothing was learned.
+// Options of SpotFi, and the defaults without training.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace rayloc {
 
-// What tells how far away a device is.
+// Source of the distance of a device.
 enum class SpotfiRange {
-  kLevel,  // its level, where that was learned; differences of levels between access points
-  kNone,   // nothing: bearings alone
-  kRoom,   // as kLevel, and a single bearing ends at the walls where there is no level
+  kLevel,  // received power if learned; differences of levels between access points
+  kNone,   // none: bearings only
+  kRoom,   // as kLevel; a single bearing without a level ends at the walls
 };
 
 struct SpotfiOptions {
   DirectPathOptions path;
-  double sigma_psi = 0.45;  // [rad], of a direct path's phase, where nothing was learned
-  double outliers = 0.15;   // share of bursts whose direct path is another
+  double sigma_psi = 0.45;  // [rad], of a direct path's phase, without training
+  double outliers = 0.15;   // share of bursts with a wrong direct path
   double grid = 0.05;       // [m]
   SpotfiRange range = SpotfiRange::kLevel;
   double accuracy_confidence = 0.95;
@@ -28,7 +28,7 @@ struct SpotfiOptions {
 };
 
 std::span<const BaselineSetting> spotfi_settings();
-// What `values` says, and the standard of all else.
+// The options in `values`, and defaults for all others.
 SpotfiOptions spotfi_options(const BaselineValues& values);
 
 }  // namespace rayloc

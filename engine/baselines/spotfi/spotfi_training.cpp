@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// The phases of every third point tell their spread well enough; levels cost nothing. A count.
+// Every third point suffices for the spread of phases; levels are cheap. A count.
 constexpr std::size_t kPhaseEvery = 3;
 
 bool is_constant(const TrainingInput& input, const MacAddress& transmitter) {

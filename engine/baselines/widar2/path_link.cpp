@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-// What a step from window to window costs 1 or 1/2 for, and what at most: measured with a
+// Differences from window to window with a cost of 1 or 1/2, and the maximum cost: measured with a
 // prototype.
 constexpr double kRateStep = 0.3;          // [m/s]
 constexpr double kDelayStep = 15e-9;       // [s]
@@ -55,7 +55,7 @@ std::optional<MotionPath> PathLink::add(std::vector<MotionPath> paths) {
   }
   const double least = *std::min_element(window.cost.begin(), window.cost.end());
   for (double& cost : window.cost) {
-    cost -= least;  // sums stay small
+    cost -= least;  // keeps the sums small
   }
   heard_.push_back(std::move(window));
   if (heard_.size() <= windows_) {

@@ -1,8 +1,8 @@
-// PathLink: which of the paths of each window are one target's [W2].
+// PathLink: selects the path of one target in each window [W2].
 //
-// The paper's binary programme over a few windows is, with one target, a shortest path: nodes cost
-// -ln of their share of the energy, edges what rate, delay and phase differ by. It is found
-// exactly, window by window, and told some windows later.
+// For one target, the paper's binary programme over a few windows is a shortest path: the cost of a
+// node is -ln of its share of the energy, that of an edge the difference of rate, delay and phase.
+// The solution is exact, window by window, and returned some windows later.
 //
 // References: [W2] as in engine/baselines/motion/conjugate_product.h.
 #pragma once
@@ -20,15 +20,15 @@ class PathLink {
  public:
   explicit PathLink(std::size_t windows) : windows_(windows) {}
 
-  // The target's path `windows` ago, where that was heard. REQUIRES: paths not empty.
+  // The target's path `windows` ago, if it was received. REQUIRES: paths not empty.
   std::optional<MotionPath> add(std::vector<MotionPath> paths);
   void clear() { heard_.clear(); }
 
  private:
   struct Window {
     std::vector<MotionPath> paths;
-    std::vector<double> cost;         // of the best way to each
-    std::vector<std::size_t> before;  // on that way
+    std::vector<double> cost;         // of the best sequence to each path
+    std::vector<std::size_t> before;  // predecessor in that sequence
   };
 
   std::size_t windows_;

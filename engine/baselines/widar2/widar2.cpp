@@ -19,20 +19,20 @@ namespace rayloc {
 namespace {
 
 constexpr double kLowest = 2.0;             // [Hz], of the band of motion, as published
-constexpr double kHighest = 50.0;           // [Hz], so
-constexpr double kMostOfBand = 0.45;        // of the rate of frames, where that is less
-constexpr double kBefore = 1.5;             // [s], heard before a window, for the filter to settle
-constexpr double kAfter = 0.5;              // [s], so after
-constexpr double kWidar2StillTime = 1.0;    // [s], without motion: nothing is stated
+constexpr double kHighest = 50.0;           // [Hz], as published
+constexpr double kMostOfBand = 0.45;        // of the frame rate, if that is less
+constexpr double kBefore = 1.5;             // [s], before a window, for the filter to settle
+constexpr double kAfter = 0.5;              // [s], the same after it
+constexpr double kWidar2StillTime = 1.0;    // [s], without motion: no estimate
 constexpr double kWidar2MotionRatio = 2.0;  // energy of the band over that of noise, 3 dB
-constexpr double kLeastDetour = 0.1;        // [m], of a path by way of somebody
+constexpr double kLeastDetour = 0.1;        // [m], of a path via a person
 constexpr std::size_t kLeastSamples = 10;   // of a window, a count, chosen
-constexpr double kElsewhere = 0.1;          // a probability, chosen: another path was followed
+constexpr double kElsewhere = 0.1;          // a probability, chosen: wrong path
 
 Vec3d in_plan(const Vec3d& v) { return {v.x, v.y, 0.0}; }
 
-// Mean over the rows of the energy of the band over that of the noise, which the differences of
-// neighbours tell.
+// Mean over the rows of the energy of the band relative to that of the noise, which is estimated
+// from differences of neighbours.
 bool is_moving(const Eigen::MatrixXcd& raw, const Eigen::MatrixXcd& band) {
   const Eigen::Index n = raw.cols();
   const double noise =
@@ -115,8 +115,8 @@ void Widar2::restart() {
   problem_.clear();
 }
 
-// Phases count from the first antenna of the line: what all antennas share is gone, and what is
-// left changes slowly enough to be interpolated.
+// Phases are relative to the first antenna of the line: the common phase is removed, and the rest
+// changes slowly enough to be interpolated.
 void Widar2::take(const CsiFrame& frame) {
   const auto found = std::find_if(receivers_.begin(), receivers_.end(), [&](const Receiver& one) {
     return static_cast<int>(one.access_point) == frame.access_point;
@@ -159,7 +159,7 @@ Eigen::MatrixXcd Widar2::samples_of(const Receiver& receiver, Timestamp from, Ti
   return h;
 }
 
-// Often enough, of all that were heard.
+// True if the frame rate of all active receivers is sufficient.
 bool Widar2::is_ready() {
   const double wavelength = kSpeedOfLight / room_->grid.centre_hz;
   const double least = options_.least_rate_hz(wavelength);
@@ -187,7 +187,7 @@ bool Widar2::is_ready() {
   return any;
 }
 
-// All that are being heard have been heard long enough beyond the window.
+// True if frames beyond the window have been received for long enough.
 bool Widar2::is_complete(Timestamp window) const {
   const Timestamp needed = window + from_seconds(options_.window_s + kAfter);
   Timestamp latest{};
@@ -280,7 +280,7 @@ LocationEstimate Widar2::estimate(std::span<const Heard> heard, Timestamp time) 
           const double off = length - one.range.length;
           const double turned =
               wrapped(one.psi - psi_of(array, one.receiver->line, place, wavelength));
-          // The echo comes from somewhere about the axis of the body.
+          // The echo originates anywhere around the axis of the body.
           const double away = std::max(options_.body, norm(in_plan(place - array.pose.position)));
           const double aside = 2.0 * std::numbers::pi * one.receiver->line.spacing / wavelength *
                                options_.body / away;
@@ -320,7 +320,7 @@ void Widar2::hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate
       }
     }
     if (!heard.empty()) {
-      // What is told now is of the middle of an earlier window.
+      // The current output belongs to the middle of an earlier window.
       const auto behind = static_cast<std::int64_t>(2 * options_.windows);
       out.push_back(estimate(heard, *window_ - behind * length + length / 2));
     }

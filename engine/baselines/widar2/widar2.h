@@ -1,16 +1,16 @@
-// Widar2.0: a person who walks, by one link: how fast the path by way of them gets longer, its
-// length and its bearing [W2].
+// Widar2.0: locates a walking person with one link: the rate of the length of the path via the
+// person, its length and its bearing [W2].
 //
-// The frames of an access point become conjugate products, the band of motion is kept, SAGE tells
-// the paths of every window, PathLink which are the target's, and RangeSmoother its length. A
-// length and a bearing are a place: r = (D^2 - |x_T|^2) / (2 (D - x_T . e)).
+// The frames of an access point become conjugate products, the band of motion is kept, SAGE
+// estimates the paths of every window, PathLink selects those of the target, and RangeSmoother
+// filters the length. A length and a bearing give a place: r = (D^2 - |x_T|^2) / (2 (D - x_T . e)).
 //
-// Ours: the place as a map, in which the phase counts on the circle, so that every direction that
-// fits stays a hypothesis and nothing picks one; several access points multiply their maps; motion
-// is told from noise; a gap begins anew.
+// Ours: the place as a map, with phases on the circle, so that every matching direction stays a
+// hypothesis and none is selected; several access points multiply their maps; motion is detected
+// against noise; a gap restarts the method.
 //
 // References: [W2] K. Qian et al., Widar2.0, ACM MobiSys 2018.
-// Thread safety: for one thread.
+// Thread safety: use from one thread only.
 #pragma once
 
 #include <cstddef>
@@ -35,23 +35,23 @@
 
 namespace rayloc {
 
-// Where the frames come from.
+// Source of the frames.
 struct Widar2Link {
   MacAddress transmitter;
   Vec3d position;                          // [m]
-  std::vector<std::size_t> access_points;  // that hear it
+  std::vector<std::size_t> access_points;  // receivers
 };
 
-// The distance in plan at which a path by way of it has this length. `to_transmitter`: from the
-// receiver, in plan; `direction`: of length 1. Not positive: no such place.
+// The distance in plan at which a path via it has this length. `to_transmitter`: from the receiver,
+// in plan; `direction`: unit vector. Not positive: no such place.
 double range_of(double length, const Vec3d& to_transmitter, const Vec3d& direction);
 
 class Widar2 {
  public:
-  // By which a position may be behind what was heard.
+  // Maximum delay of a position after the last frame.
   static constexpr Duration kMostLag = std::chrono::milliseconds(2500);
 
-  // An Error without an access point that is calibrated and has two antennas in a line.
+  // An Error without a calibrated access point that has two antennas in a line.
   static Expected<Widar2> create(std::shared_ptr<const RoomModel> room,
                                  Widar2Link link,
                                  const Widar2Options& options);
@@ -59,7 +59,7 @@ class Widar2 {
   // Appends a position for every window that these frames complete. `frames`: of the link's
   // transmitter, in order of time.
   void hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
-  // Why nothing follows from what was heard so far; empty: something does.
+  // Reason why there is no position so far; empty: there is one.
   const std::string& problem() const { return problem_; }
   void restart();
 
@@ -74,10 +74,10 @@ class Widar2 {
     double still_s = 0.0;
     PathLink link;
     RangeSmoother range;
-    // Of windows whose length is not smoothed back yet.
+    // For windows whose length is not smoothed yet.
     std::vector<double> psi = {};
   };
-  // What an access point says of a window.
+  // Measurement of an access point in a window.
   struct Heard {
     const Receiver* receiver = nullptr;
     SmoothedRange range;
@@ -98,7 +98,7 @@ class Widar2 {
   Widar2Options options_;
   std::vector<std::size_t> tones_;  // of the grid
   std::vector<Receiver> receivers_;
-  std::optional<Timestamp> window_;  // the next
+  std::optional<Timestamp> window_;  // the next window
   std::string problem_;
 };
 

@@ -6,7 +6,7 @@ namespace rayloc {
 namespace {
 
 std::span<const BaselineSetting> widar2_table() {
-  // Each says its unit; the first three are the paper's, the others chosen or measured.
+  // Each states its unit; the first three are the paper's, the others chosen or measured.
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"window_s", "of one search for paths [s]", 0.1, 0.02, 1.0},
       {"paths", "in a window", 5.0, 1.0, 20.0, true},

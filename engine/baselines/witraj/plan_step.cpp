@@ -9,8 +9,8 @@ namespace rayloc {
 namespace {
 
 constexpr double kLeastDeterminant = 0.05;  // of the normal equations, 1 for good geometry, chosen
-constexpr double kRidge = 0.1;              // added to their diagonal where it is less, chosen
-constexpr double kMinAntennaDistance = 0.05;  // [m], chosen: nobody stands in an antenna
+constexpr double kRidge = 0.1;              // added to their diagonal if it is smaller, chosen
+constexpr double kMinAntennaDistance = 0.05;  // [m], chosen: a person cannot be inside an antenna
 
 Eigen::Vector2d away_from(const Vec3d& from, double x, double y) {
   const Eigen::Vector2d off(x - from.x, y - from.y);

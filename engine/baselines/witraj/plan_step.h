@@ -1,4 +1,4 @@
-// One step of somebody who walks, from how fast paths by way of them get longer [WT]:
+// One step of a walking person, from the rates of the lengths of paths via the person [WT]:
 //
 //   (e_T + e_i) . dp = v_i dt     for each access point i
 //
@@ -23,8 +23,8 @@ struct PlanStep {
   std::array<double, 4> by_rate{};  // 2 x 2, covariance of the step for rates of variance 1 [m^2]
 };
 
-// From `place`, in `seconds`, by the midpoint rule, in least squares. Near the line of sight, where
-// the equations do not tell a direction, the step is damped. REQUIRES: two rates or more.
+// From `place`, in `seconds`, by the midpoint rule, in least squares. The step is damped near the
+// line of sight, where the equations are singular. REQUIRES: at least two rates.
 PlanStep plan_step(const Vec3d& transmitter,
                    std::span<const PathRateAt> rates,
                    const Vec3d& place,

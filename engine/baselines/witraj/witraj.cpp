@@ -16,17 +16,17 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kTones = 12;          // that vote, a count, of the published release
-constexpr double kBeginning = 1.0;          // [s], until which antenna is the stronger one is known
+constexpr std::size_t kTones = 12;          // tones that vote, a count, of the published release
+constexpr double kBeginning = 1.0;          // [s], time to determine the stronger antenna
 constexpr double kWitrajStillTime = 0.5;    // [s], without motion: the place is held
 constexpr double kWitrajMotionRatio = 2.0;  // variance of a ratio over that of its noise, 3 dB
-constexpr double kMotionWindow = 0.1;       // [s], to each side
-constexpr double kMostHeard = 0.97;  // probability of the Gaussian, as RayLoc leaves 0.03 over
+constexpr double kMotionWindow = 0.1;       // [s], on each side
+constexpr double kMostHeard = 0.97;  // probability of the Gaussian; RayLoc's outlier share is 0.03
 // The two of the published release, in seconds.
 constexpr std::array kRateSmoothings = {PathRateOptions{0.0275, 0.15},
                                         PathRateOptions{0.0425, 0.24}};
 
-// Evenly from all of a comb.
+// Evenly spaced tones of a comb.
 std::vector<std::size_t> voting_tones(const OfdmGrid& grid) {
   const ToneComb comb = tone_comb(grid);
   std::vector<std::size_t> tones;
@@ -46,7 +46,7 @@ double variance(std::span<const std::complex<double>> values) {
   return sum / count;
 }
 
-// Half of the power of the differences between neighbours: what noise alone would leave.
+// Half of the power of the differences between neighbours: the noise power.
 double noise_of(std::span<const std::complex<double>> values) {
   double sum = 0.0;
   for (std::size_t i = 1; i < values.size(); ++i) {
@@ -128,7 +128,7 @@ Expected<Witraj> Witraj::create(std::shared_ptr<const RoomModel> room,
   return made;
 }
 
-// The ratio of the outer antennas, either way, with the floor of csi_ratio().
+// The ratio of the outer antennas and its inverse, with the floor of csi_ratio().
 void Witraj::take(const CsiFrame& frame) {
   const auto found = std::find_if(receivers_.begin(), receivers_.end(), [&](const Receiver& one) {
     return static_cast<int>(one.access_point) == frame.access_point;
@@ -157,7 +157,7 @@ void Witraj::take(const CsiFrame& frame) {
     }
   }
   std::vector<std::complex<double>> ratios;
-  for (std::size_t side = 0; side < 2; ++side) {  // below the line: this one
+  for (std::size_t side = 0; side < 2; ++side) {  // denominator: antenna `side`
     for (const std::size_t k : receiver.tones) {
       const auto below = one->value(rows.at(side), k);
       const auto above = one->value(rows.at(1 - side), k);
@@ -175,7 +175,7 @@ void Witraj::take(const CsiFrame& frame) {
   }
 }
 
-// Enough was heard of two access points, and often enough.
+// True if two access points have enough frames at a sufficient rate.
 bool Witraj::is_ready() {
   for (const Receiver& receiver : receivers_) {
     const auto first = receiver.series.first();
@@ -200,7 +200,7 @@ bool Witraj::is_ready() {
 Witraj::Rates Witraj::rates_of(const Receiver& receiver,
                                Timestamp from,
                                std::size_t samples) const {
-  // The weaker antenna stands above.
+  // The weaker antenna is the numerator.
   const auto offset = [&](std::size_t tone) {
     const auto& power = options_.by_tone ? receiver.of_tone[tone] : receiver.power;
     return power[0] >= power[1] ? std::size_t{0} : receiver.tones.size();
@@ -292,7 +292,7 @@ void Witraj::step(std::span<const Rates> rates,
             ? 1U
             : 0U;
     place_ = next;
-    // The error of a rate stays for longer than a step.
+    // The error of a rate persists for longer than a step.
     const double grows = options_.sigma_v * options_.sigma_v * options_.rate_memory_s / seconds;
     for (std::size_t i = 0; i < covariance_.size(); ++i) {
       covariance_.at(i) += grows * step.by_rate.at(i);
@@ -310,7 +310,7 @@ LocationEstimate Witraj::estimate() const {
   const double middle = 0.5 * (covariance_[0] + covariance_[3]);
   const double half = std::hypot(0.5 * (covariance_[0] - covariance_[3]), covariance_[1]);
   estimate.accuracy_confidence = options_.accuracy_confidence;
-  // A circle about the ellipse: never too small.
+  // A circle around the ellipse: never too small.
   estimate.accuracy_m =
       std::sqrt(-2.0 * std::log(1.0 - options_.accuracy_confidence) * (middle + half));
   estimate.hypotheses = {{place_, estimate.covariance, kMostHeard}};
@@ -346,7 +346,7 @@ void Witraj::process(std::vector<LocationEstimate>& out) {
     return;
   }
   time_ = std::max(*time_, begin);
-  // Windows of all access points on one raster, on which the state's time is a sample.
+  // Windows of all access points on a common time grid, which contains the state's time.
   const auto before = std::min((*time_ - begin) / sample_, kLag / sample_);
   const Timestamp from = *time_ - before * sample_;
   const auto samples = static_cast<std::size_t>((end - from) / sample_) + 1;

@@ -1,16 +1,16 @@
-// Witraj: a person who walks, by adding steps to a known start [WT].
+// Witraj: tracks a walking person by adding steps to a known start [WT].
 //
-// The ratio of the outer antennas of each access point tells how fast the path from the transmitter
-// by way of the person gets longer (path_rate.h). Two smoothings are tried; of 12 tones the median
-// counts; of three access points the one that turns least evenly is dropped. plan_step() turns
-// rates into a step. A position is stated for every kStepSamples samples, kLag after it was.
+// The ratio of the outer antennas of each access point gives the rate of the length of the path
+// from the transmitter via the person (path_rate.h). Two smoothings are tried; the median of 12
+// tones is used; of three access points the one with the least even rotation is dropped.
+// plan_step() gives a step. A position is reported every kStepSamples samples, kLag later.
 //
-// Ours: damping near the line of sight, steps of at most v_max that stay in the room, the test of
-// standing still, what a gap does, and the uncertainty, which grows with every step. The paper's
-// classifier of walking on the spot is not built.
+// Ours: damping near the line of sight, steps of at most v_max that stay in the room, the test for
+// a standing person, the treatment of gaps, and the uncertainty, which grows with every step. The
+// paper's classifier of walking on the spot is not implemented.
 //
 // References: [WT] D. Wu et al., WiTraj, IEEE TMC 2023.
-// Thread safety: for one thread.
+// Thread safety: use from one thread only.
 #pragma once
 
 #include <array>
@@ -34,20 +34,20 @@
 
 namespace rayloc {
 
-// Where the frames come from.
+// Source of the frames.
 struct WitrajLink {
   MacAddress transmitter;
   Vec3d position;                          // [m]
-  std::vector<std::size_t> access_points;  // that hear it
+  std::vector<std::size_t> access_points;  // receivers
 };
 
 class Witraj {
  public:
   static constexpr std::size_t kStepSamples = 10;  // of a step, a count: 25 ms at 400 frames/s
-  // By which a window reaches beyond a step: three smoothings and the longest mean.
+  // Extension of a window beyond a step: three smoothings and the longest mean.
   static constexpr Duration kLag = std::chrono::milliseconds(250);
 
-  // By which a position may be behind what was heard: at the beginning.
+  // Maximum delay of a position after the last frame: at the beginning.
   static constexpr Duration kMostLag = std::chrono::milliseconds(1500);
 
   // `start`: [m], in plan. An Error with fewer than two calibrated access points, or without a
@@ -60,9 +60,9 @@ class Witraj {
   // Appends a position for every step that these frames complete. `frames`: of the link's
   // transmitter, in order of time.
   void hear(std::span<const CsiFrame> frames, std::vector<LocationEstimate>& out);
-  // Why nothing follows from what was heard so far; empty: something does.
+  // Reason why there is no position so far; empty: there is one.
   const std::string& problem() const { return problem_; }
-  // At the start again, whatever the time.
+  // Returns to the start, at any time.
   void restart();
 
  private:
@@ -75,7 +75,7 @@ class Witraj {
     std::vector<std::array<double, 2>> of_tone;  // the same of each tone
     std::size_t frames = 0;
   };
-  // What one access point says of a window, sample by sample.
+  // Measurement of one access point in a window, sample by sample.
   struct Rates {
     std::vector<PathRate> of_sample;
     std::vector<char> is_moving;
@@ -97,12 +97,12 @@ class Witraj {
   WitrajOptions options_;
   Vec3d start_;
   std::vector<Receiver> receivers_;
-  Duration sample_{};              // from one to the next; 0: not known yet
-  std::optional<Timestamp> time_;  // of the state
+  Duration sample_{};              // sampling interval; 0: not determined yet
+  std::optional<Timestamp> time_;  // time of the state
   Vec3d place_;
   std::array<double, 4> covariance_{};  // 2 x 2 [m^2]
-  double still_s_ = 0.0;                // nothing has moved for so long
-  std::size_t cut_ = 0;                 // steps that were longer than v_max, or left the room
+  double still_s_ = 0.0;                // time without motion
+  std::size_t cut_ = 0;                 // steps that were clipped by v_max or the room
   std::size_t gaps_ = 0;
   std::string problem_;
 };

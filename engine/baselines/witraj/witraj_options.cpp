@@ -5,13 +5,13 @@
 namespace rayloc {
 namespace {
 
-// Two words: whether the access point that turns least evenly counts.
+// Two words: use of the access point with the least even rotation.
 constexpr std::array kWorst = std::to_array<std::string_view>({"drop", "keep"});
-// Two words: of what the weaker antenna is told.
+// Two words: data that select the weaker antenna.
 constexpr std::array kWeaker = std::to_array<std::string_view>({"access_point", "tone"});
 
 std::span<const BaselineSetting> witraj_table() {
-  // Each says its unit; chosen but for the windows, which are the paper's (path_rate.h).
+  // Each states its unit; chosen, except for the windows, which are the paper's (path_rate.h).
   static const std::array kTable = std::to_array<BaselineSetting>({
       {"v_max", "of who walks [m/s]; faster steps are cut", 1.5, 0.1, 10.0},
       {"sigma_v", "standard deviation of a path's rate [m/s]", 0.12, 1e-3, 10.0},

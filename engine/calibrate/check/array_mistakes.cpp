@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// In degrees, above -180 and up to 180, without what rounding to radians left.
+// In degrees, above -180 and up to 180, without rounding errors of the conversion to radians.
 double degrees(double angle) {
   const double turned = std::remainder(angle / kDegree, 360.0);
   const double rounded = std::round(turned * 1e6) / 1e6 + 0.0;
@@ -26,7 +26,7 @@ std::string list_of(const RoomAccessPoint& ap, const std::vector<std::size_t>& o
   return text;
 }
 
-// `order`: of each antenna in the order of the site, which chain it is really wired to.
+// `order`: the chain to which each antenna, in the order of the site, is actually wired.
 ArrayMistake in_order(const RoomAccessPoint& ap, const std::vector<std::size_t>& order) {
   ArrayMistake mistake{"", "", ap.array};
   std::vector<std::size_t> moved;
@@ -88,7 +88,7 @@ void add_orders(const RoomAccessPoint& ap, std::vector<ArrayMistake>& mistakes) 
   }
 }
 
-// Whether it receives alike from all sides: upright, with a pattern of its elevation alone.
+// True if it receives equally from all azimuths: upright, with a pattern of elevation alone.
 bool is_round(const AntennaArray& array) {
   const AntennaPattern::Kind kind = array.pattern.kind();
   const bool round = kind == AntennaPattern::kIsotropic || kind == AntennaPattern::kDipole ||

@@ -20,13 +20,13 @@ namespace rayloc {
 namespace {
 
 using MistakeKind = TriedMistake::Kind;
-using Comparisons = std::vector<PairedComparison>;  // of each access point
+using Comparisons = std::vector<PairedComparison>;  // per access point
 
-// A mistake with what it says of recordings, and how they are explained.
+// A mistake, the recordings' meanings under it, and how well these explain the recordings.
 struct Candidate {
   TriedMistake told;
   std::vector<Meant> meant;
-  std::vector<Correlations> explained;  // of each of these
+  std::vector<Correlations> explained;  // for each of these
 };
 
 std::string concatenated(std::initializer_list<std::string_view> parts) {
@@ -49,7 +49,7 @@ TriedMistake tried(MistakeKind kind, const PairedComparison& comparison) {
   return mistake;
 }
 
-// "(0.71 at ap1, 0.66 at ap2)", of those where both hypotheses say something.
+// "(0.71 at ap1, 0.66 at ap2)", for access points with a value under both hypotheses.
 std::string means_text(const RoomModel& room,
                        const Comparisons& each,
                        double (PairedComparison::*mean)() const) {
@@ -63,7 +63,7 @@ std::string means_text(const RoomModel& room,
   return text + ")";
 }
 
-// "(-1.54, 1.10, 1.20)", the point, as stated, at which the other hypothesis is better by most.
+// "(-1.54, 1.10, 1.20)", the point, as stated, at which the other hypothesis gains most.
 std::string clearest_point(const StatedSurvey& survey, const std::vector<Correlations>& other) {
   std::vector<double> better(survey.points().size());
   for (std::size_t ap = 0; ap < other.size(); ++ap) {
@@ -79,7 +79,7 @@ std::string clearest_point(const StatedSurvey& survey, const std::vector<Correla
   return concatenated({"(", fixed_text(p.x), ", ", fixed_text(p.y), ", ", fixed_text(p.z), ")"});
 }
 
-// A mistake of the points shows at all access points.
+// A mistake of the points affects all access points.
 std::vector<Candidate> try_places(const StatedSurvey& survey) {
   std::vector<Candidate> all;
   const std::size_t count = survey.stated().size();
@@ -115,11 +115,11 @@ std::vector<Candidate> try_places(const StatedSurvey& survey) {
   return all;
 }
 
-// Of each access point, whose place its recording is said to be of; itself where it is as stated.
+// Per access point: the one whose place its recording is assigned to; itself where as stated.
 using Assignment = std::vector<std::size_t>;
 
-// One recording given for another access point, and of up to kAllOrders access points all in every
-// order, of more any two exchanged.
+// One recording given for another access point, any two exchanged, and, for up to kAllOrders access
+// points, every order.
 std::set<Assignment> other_assignments(const StatedSurvey& survey) {
   const std::size_t count = survey.stated().size();
   Assignment own(count);
@@ -138,7 +138,7 @@ std::set<Assignment> other_assignments(const StatedSurvey& survey) {
   while (count <= kAllOrders && std::next_permutation(order.begin(), order.end())) {
     all.insert(order);
   }
-  std::set<Assignment> heard;  // where there is no recording nothing is moved
+  std::set<Assignment> heard;  // access points without a recording stay as stated
   for (Assignment one : all) {
     for (std::size_t i = 0; i < count; ++i) {
       one[i] = survey.is_recorded(i) ? one[i] : i;
@@ -222,7 +222,7 @@ std::vector<Candidate> try_recordings(const StatedSurvey& survey) {
 }
 
 bool same(const Correlations& a, const Correlations& b) {
-  constexpr double kRounding = 1e-6;  // of a correlation, chosen: below what any mistake changes
+  constexpr double kRounding = 1e-6;  // of a correlation, chosen: below the effect of any mistake
   for (std::size_t i = 0; i < a.size(); ++i) {
     if (a[i].has_value() != b[i].has_value() || (a[i] && std::abs(*a[i] - *b[i]) > kRounding)) {
       return false;
@@ -231,7 +231,7 @@ bool same(const Correlations& a, const Correlations& b) {
   return true;
 }
 
-// Of one access point. Mistakes that no recording tells apart are one: which it is, people see.
+// For one access point. Mistakes that no recording distinguishes are merged: a person can decide.
 std::vector<Candidate> try_arrays(const StatedSurvey& survey, std::size_t ap) {
   const RoomAccessPoint& access_point = survey.room().access_points[ap];
   const Correlations& stated = survey.stated()[ap];
@@ -289,8 +289,8 @@ std::vector<Candidate> try_arrays(const StatedSurvey& survey, std::size_t ap) {
 
 bool gains_less(const TriedMistake& a, const TriedMistake& b) { return a.gained < b.gained; }
 
-// Whether the places that it says explain their recordings better than other places do. Of a survey
-// in disorder some mistake explains more than what was stated, but no more than chance does.
+// True if the places of the mistake explain their recordings better than other places do. For a
+// survey in disorder some mistake explains more than the stated inputs, but no more than by chance.
 bool is_above_chance(const StatedSurvey& survey, const Candidate& candidate) {
   PairedComparison comparison;
   for (std::size_t i = 0; i < candidate.meant.size(); ++i) {
@@ -299,7 +299,7 @@ bool is_above_chance(const StatedSurvey& survey, const Candidate& candidate) {
   return comparison.significance() > kClearly;
 }
 
-// The clear one that gains most.
+// The clear mistake with the largest gain.
 std::optional<TriedMistake> clearest(const StatedSurvey& survey,
                                      const std::vector<Candidate>& candidates) {
   const Candidate* best = nullptr;
@@ -349,7 +349,7 @@ InputCheck check_calibration_inputs(const RoomModel& room,
       keep_better({*std::move(best)}, check.found);
     }
   }
-  std::vector<TriedMistake> arrays;  // of each access point that stands otherwise
+  std::vector<TriedMistake> arrays;  // per access point that is mounted otherwise
   for (std::size_t ap = 0; ap < room.access_points.size(); ++ap) {
     if (auto best = add(try_arrays(survey, ap))) {
       arrays.push_back(*std::move(best));
@@ -368,7 +368,7 @@ InputCheck check_calibration_inputs(const RoomModel& room,
 std::vector<TriedMistake> try_carriers(const RoomModel& room,
                                        std::span<const CalibrationPoint> points) {
   const StatedSurvey survey(room, points);
-  // Of the whole channel, null tones at its edges and all.
+  // Width of the whole channel, including the null tones at its edges.
   const double used = room.grid.spacing_hz *
                       static_cast<double>(room.grid.tone_index.back() - room.grid.tone_index[0]);
   constexpr double kNarrowest = 20e6;  // [Hz], IEEE 802.11-2020: channels are 20 MHz or a multiple

@@ -25,11 +25,11 @@ std::optional<Usual> usual_fit(const std::vector<double>& shares) {
   if (shares.size() < kLeastPairs) {
     return std::nullopt;
   }
-  // Shares that agree to the last digit are no reason to refuse the next one.
+  // Lower bound: shares that agree to the last digit must not cause a refusal of the next one.
   constexpr double kLeastDeviation = 0.3;
   // A ratio: sigma of a normal distribution over its median deviation.
   constexpr double kOfNormal = 1.4826;
-  // How far the deviation of n values may be off itself: twice its relative error, 1.17 / sqrt(n).
+  // Uncertainty of the deviation of n values itself: twice its relative error, 1.17 / sqrt(n).
   const double allowance = 1.0 + 2.0 * 1.17 / std::sqrt(static_cast<double>(shares.size()));
   Usual usual;
   usual.share = median(shares);

@@ -1,7 +1,7 @@
-// PairedComparison: two hypotheses about a survey, by how well they explain the same points.
+// PairedComparison: compares two hypotheses on a survey by how well they explain the same points.
 //
-// Correlations of the same point are compared in pairs: a room that is modelled badly is so under
-// both hypotheses.
+// Correlations of the same point are compared in pairs: a room that is modelled badly is modelled
+// badly under both hypotheses.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 
 namespace rayloc {
 
-// How well each point is explained; nothing where it was not heard or is not reached.
+// How well each point is explained; nullopt where it was not received or is not reached.
 using Correlations = std::vector<std::optional<double>>;
 
-// Pairs of a point and an access point from which on their spread is known as if from many.
+// Pairs of a point and an access point from which on their spread counts as well estimated.
 constexpr std::size_t kLeastPairs = 12;
-// With fewer than these nothing is said. A ratio, chosen: half as many.
+// With fewer pairs than this no result is given. A ratio, chosen: half as many.
 constexpr std::size_t kFewestPairs = kLeastPairs / 2;
-// Quantiles of Student's t by which as many standard errors are as rare as 3 are of a normal
-// distribution (0.99865): of kFewestPairs pairs, and each one more (JCGM 100:2008, table G.2).
+// Quantiles of Student's t: the number of standard errors as rare as 3 of a normal distribution
+// (0.99865), for kFewestPairs pairs and each one more (JCGM 100:2008, table G.2).
 constexpr std::array<double, kLeastPairs - kFewestPairs> kThreeOfFew = {
     5.51, 4.90, 4.53, 4.28, 4.09, 3.96};
 
@@ -43,8 +43,8 @@ class PairedComparison {
   double other() const { return other_ / static_cast<double>(difference_.size()); }
   double gained() const { return other_ - stated_; }  // summed over the pairs
 
-  // Mean difference over its standard error; 0 where nothing can be said. With fewer than
-  // kLeastPairs pairs it is made smaller, so that 3 is as rare as with many.
+  // Mean difference over its standard error; 0 with too few pairs or no error. With fewer than
+  // kLeastPairs pairs it is reduced, so that 3 is as rare as with many.
   double significance() const {
     const auto count = static_cast<double>(difference_.size());
     if (difference_.size() < kFewestPairs) {

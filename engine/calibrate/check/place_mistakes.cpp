@@ -11,14 +11,14 @@ bool is_inside(const RoomModel& room, const Vec3d& p) {
          p.y <= room.bounds_max.y && p.z >= room.bounds_min.z && p.z <= room.bounds_max.z;
 }
 
-// By what `point` says of where each point was stated to be.
+// Places from `point` applied to the stated position of each point.
 PlaceMistake moved_places(std::string meaning,
                           std::span<const CalibrationPoint> points,
                           const std::function<Vec3d(const Vec3d&)>& point) {
   return {std::move(meaning), [=](std::size_t i) { return point(points[i].position); }};
 }
 
-// By which row of the survey is that of each point.
+// Places from `row`: the survey row that contains the place of each point.
 PlaceMistake reordered_places(std::string meaning,
                               std::span<const CalibrationPoint> points,
                               const std::function<std::size_t(std::size_t)>& row) {
@@ -26,7 +26,7 @@ PlaceMistake reordered_places(std::string meaning,
           [=](std::size_t i) { return points[row(i) % points.size()].position; }};
 }
 
-// Measured from the other end of the room. Where the origin is in the middle that is the other
+// Measured from the other end of the room. With the origin in the middle, this is the opposite
 // sign.
 void add_other_ends(const RoomModel& room,
                     std::span<const CalibrationPoint> points,

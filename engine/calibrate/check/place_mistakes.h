@@ -1,5 +1,5 @@
-// mistakes_of_places: where the points of a survey really were, if it made one of the mistakes that
-// surveys are known for.
+// mistakes_of_places: actual places of a survey's points under each of the usual mistakes of
+// surveys.
 #pragma once
 
 #include <cstddef>
@@ -16,12 +16,12 @@ namespace rayloc {
 
 struct PlaceMistake {
   std::string meaning;                      // "with x and y exchanged"
-  std::function<Vec3d(std::size_t)> place;  // of a point
+  std::function<Vec3d(std::size_t)> place;  // place of a point
 };
 
-// Only those that put every point inside of the room. Columns exchanged, axes that run the other
-// way (from the same origin, or from the other end of the room), rows one off or in reverse order.
-// REQUIRES: `points` outlive the result.
+// Returns only those that place every point inside the room: columns exchanged, axes reversed (from
+// the same origin, or from the other end of the room), rows one off or in reverse order. REQUIRES:
+// `points` outlive the result.
 std::vector<PlaceMistake> mistakes_of_places(const RoomModel& room,
                                              std::span<const CalibrationPoint> points);
 

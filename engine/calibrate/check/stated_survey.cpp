@@ -9,7 +9,7 @@
 namespace rayloc {
 namespace {
 
-// The measurement of `from`'s chains in the order of `to`'s; empty when they are not the same.
+// The measurement of `from`'s chains in the order of `to`'s; empty if the chains differ.
 std::vector<std::complex<double>> reordered(const std::vector<std::complex<double>>& h,
                                             const RoomAccessPoint& from,
                                             const RoomAccessPoint& to,

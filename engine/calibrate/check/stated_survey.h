@@ -1,5 +1,5 @@
-// StatedSurvey: how well the recordings of a survey are explained as stated, and how well if
-// another access point, another place, another array or another carrier were meant.
+// StatedSurvey: how well the recordings of a survey are explained as stated, and how well with
+// another access point, another place, another array or another carrier.
 #pragma once
 
 #include <complex>
@@ -16,38 +16,38 @@
 
 namespace rayloc {
 
-// What is meant by a recording, if it is not as stated.
+// An alternative meaning of a recording.
 struct Meant {
-  std::size_t recorded = 0;                       // the access point that it was given for
-  std::size_t pose = 0;                           // the one that made it
-  std::function<Vec3d(std::size_t point)> place;  // where the device was; empty: as stated
-  std::optional<AntennaArray> array;              // of `pose`; nothing: as stated
+  std::size_t recorded = 0;                       // access point stated for it
+  std::size_t pose = 0;                           // access point that made it
+  std::function<Vec3d(std::size_t point)> place;  // device position; empty: as stated
+  std::optional<AntennaArray> array;              // of `pose`; nullopt: as stated
 };
 
-// Correlations are crossed_correlations(), of each point.
+// Correlations are crossed_correlations(), per point.
 class StatedSurvey {
  public:
-  // Traces every point. `room` and `points` outlive it.
+  // Traces every point. `room` and `points` must outlive it.
   StatedSurvey(const RoomModel& room, std::span<const CalibrationPoint> points);
 
   const RoomModel& room() const { return room_; }
   std::span<const CalibrationPoint> points() const { return points_; }
-  // Of each access point, as stated.
+  // For each access point, as stated.
   const std::vector<Correlations>& stated() const { return stated_; }
   bool is_recorded(std::size_t access_point) const;
-  // The same, each with gains of all points: those that every point is compared with to see whether
-  // it stands alone.
+  // The same, each with gains fitted to all points: the reference with which every point is
+  // compared to find misfitting ones.
   std::vector<PointFit> fits() const;
 
   Correlations other(const Meant& meant) const;
-  // The same with every place exchanged for one half of the survey away: what recordings and places
-  // that have nothing to do with each other reach, gains fitted to them all the same.
+  // The same with every place exchanged for one half of the survey away: the correlation of
+  // unrelated recordings and places, with gains fitted to them.
   Correlations by_chance(const Meant& meant) const;
   Correlations at_carrier(std::size_t access_point, double centre_hz) const;
 
  private:
   struct Heard {
-    std::vector<std::size_t> point;  // of each sample
+    std::vector<std::size_t> point;  // for each sample
     AccessPointCalibrator calibrator;
   };
   using Rows = std::function<std::vector<std::complex<double>>(std::size_t point)>;
@@ -62,7 +62,7 @@ class StatedSurvey {
 
   const RoomModel& room_;
   std::span<const CalibrationPoint> points_;
-  std::vector<Heard> heard_;  // of each access point, as stated
+  std::vector<Heard> heard_;  // for each access point, as stated
   std::vector<Correlations> stated_;
 };
 

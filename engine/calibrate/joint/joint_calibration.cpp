@@ -20,19 +20,19 @@ namespace {
 
 using Kind = Unknown::Kind;
 
-constexpr double kTolerance = 0.01;  // by which a round may lessen the correlation
-constexpr double kLeastStep = 0.2;   // of what the least squares say
-constexpr int kShortenedPasses = 3;  // of a round whose steps had to be shortened
-// Of the surfaces whose other half-wave cycles are tried.
+constexpr double kTolerance = 0.01;  // largest decrease of the correlation in a round
+constexpr double kLeastStep = 0.2;   // share of the least-squares step
+constexpr int kShortenedPasses = 3;  // passes of a round with shortened steps
+// Selection of the surfaces whose other half-wave cycles are tried.
 constexpr double kTriedShare = 0.05;   // of the strongest's power, at least
 constexpr std::size_t kMostTried = 8;  // a count, chosen: bounds the time of the trials
-constexpr int kTrialIterations = 5;    // a count, chosen: what is better is then fitted to the end
-// Of a part of the work, beside the iterations: the scan, and what Ceres tells before the first.
+constexpr int kTrialIterations = 5;    // a count, chosen: a better state is then fitted fully
+// Progress steps of a part besides the iterations: the scan, and Ceres's call before the first.
 constexpr int kStepsBesides = 2;
-// [m], chosen: of a survey of which nobody says how exact it is. Where less is assumed than is
-// right, points that are far off explain nothing, and none of them says by how much.
+// [m], chosen: initial value for a survey of unknown accuracy. If the assumed value is too small,
+// points that are far off explain nothing, and their errors cannot be estimated.
 constexpr double kSurveyToBegin = 0.03;
-// A ratio, chosen: a survey error that is found this far from what was assumed is fitted again.
+// A ratio, chosen: if the survey error found differs this much from the assumed one, refit.
 constexpr double kOtherSurvey = 1.2;
 constexpr int kSurveyFits = 3;  // a count, chosen: at most, in a round
 
@@ -79,14 +79,14 @@ Expected<void> JointCalibration::retrace() {
     const Kind kind = unknowns_[i].kind;
     if (kind == Kind::kSurfaceGain || kind == Kind::kSurfacePhase || kind == Kind::kChainGain ||
         kind == Kind::kChainPhase || kind == Kind::kCoupling) {
-      traced_at_[i] = 0.0;  // no scene holds these
+      traced_at_[i] = 0.0;  // not represented by a scene
     }
   }
   measure();
   return {};
 }
 
-// Removes the chain gains and aligns to what is expected now.
+// Removes the chain gains and aligns to the currently expected arrays.
 void JointCalibration::measure() {
   h_.assign(sites_.size(), {});
   measured_.assign(sites_.size(), {});
@@ -102,7 +102,7 @@ void JointCalibration::measure() {
   });
 }
 
-// Weighs the coordinates by what the fit so far leaves of them, once it is near.
+// Weights the coordinates by the residual of the fit so far, once it is close.
 void JointCalibration::weigh(const JointRound& round) {
   if (!round.survey) {
     return;
@@ -153,8 +153,8 @@ double JointCalibration::median_correlation(std::span<const Use> uses,
   return each.empty() ? 0.0 : median(std::move(each));
 }
 
-// How well points are met. Where survey errors are fitted these points have theirs, too: at places
-// that are millimetres off, a room nearer to the truth need not be met better.
+// Median correlation of the points. Where survey errors are fitted, they are fitted for these
+// points, too: at places that are millimetres off, a room nearer to the truth need not fit better.
 double JointCalibration::met(const JointRound& round, std::span<const Use> uses) const {
   return median_correlation(uses, round.survey ? placed(round, used(uses)) : std::vector<Vec3d>());
 }
@@ -187,8 +187,8 @@ bool JointCalibration::solve(const JointRound& round,
   return !progress_.is_stopped();
 }
 
-// Tries the other half-wave cycles of the strongest surfaces; where one is better, all is fitted
-// again.
+// Tries the other half-wave cycles of the strongest surfaces; if one is better, all unknowns are
+// fitted again.
 bool JointCalibration::settle(const JointRound& round) {
   const std::vector<char> free = released(round);
   const auto samples = used(kFitted);
@@ -206,7 +206,7 @@ JointOptions JointCalibration::joint_options(const JointRound& round,
   return {round.floor, options_.iterations, round.survey ? survey_sigma_ : 0.0, free};
 }
 
-// The gains of the chains found so far, and their ripple over the tones, go into the chain gains.
+// Moves the chain factors found so far, and their ripple over the tones, into the chain gains.
 void JointCalibration::fold_chains() {
   const std::vector<double> changed = change();
   for (std::size_t a = 0; a < original_.access_points.size(); ++a) {
@@ -238,7 +238,7 @@ void JointCalibration::fold_chains() {
   measure();  // no path depends on them
 }
 
-// Strongest-first scans of surfaces, then everything at once.
+// Scans the surfaces, the strongest first, then fits all released unknowns at once.
 bool JointCalibration::search(const JointRound& round, bool cycles) {
   weigh(round);
   const auto samples = used(kFitted);
@@ -248,8 +248,8 @@ bool JointCalibration::search(const JointRound& round, bool cycles) {
          solve(round, kFitted, "fit") && find_survey(round) && (!cycles || settle(round));
 }
 
-// How exact the survey is, where nobody says it: found from the errors that were fitted, and these
-// fitted again.
+// Estimates the accuracy of the survey from the fitted errors, where it is not given, and fits
+// these again.
 bool JointCalibration::find_survey(const JointRound& round) {
   if (!options_.finds_survey || !round.survey) {
     return true;
@@ -270,10 +270,10 @@ bool JointCalibration::find_survey(const JointRound& round) {
   return true;
 }
 
-// Goes towards what was solved as far as the room, traced anew, bears it out, and returns the share
-// of the way; 0: back at `before`. The least squares know the room by its derivatives alone: a
-// reflection near its null, or a surface that comes to lie behind another, is elsewhere than they
-// say.
+// Moves towards the solution as far as the room, traced anew, confirms it, and returns the share
+// of the step; 0: back at `before`. The least squares use only derivatives of the room: a
+// reflection near its null, or a surface that moves behind another one, is not where they
+// predict.
 Expected<double> JointCalibration::go_from(const JointState& before,
                                            double met_before,
                                            const JointRound& round,
@@ -293,8 +293,8 @@ Expected<double> JointCalibration::go_from(const JointState& before,
   return retrace().map([] { return 0.0; });
 }
 
-// Whether it moved. A step that had to be shortened is one on the way: from where it led the
-// derivatives are others.
+// Returns true if the state moved. A shortened step is an intermediate one: at its end the
+// derivatives are different.
 Expected<bool> JointCalibration::run_round(std::size_t index) {
   const JointRound& round = joint_round(index);
   progress_.begin_part(static_cast<int>(index));
@@ -332,7 +332,7 @@ Expected<void> JointCalibration::go_back_to(const JointCheckpoint& reached) {
   return retrace();
 }
 
-// Where the points really were, as errors of their survey, the room held.
+// Survey errors of the points, fitted with the room held.
 std::vector<Vec3d> JointCalibration::placed(const JointRound& round,
                                             std::span<const JointSample> samples) const {
   const std::vector<char> none(unknowns_.size());
@@ -362,7 +362,7 @@ std::vector<RoomParameter> JointCalibration::parameters(const JointRound& round)
     if (!chain) {
       result.push_back(stated_parameter(unknowns_[i], original_, state_.values[i], sigma[i]));
     } else if (const std::uint32_t a = unknowns_[i].index; !assumed_[a].empty()) {
-      const ChainGains& found = original_.access_points[a].gains;  // by fold_chains
+      const ChainGains& found = original_.access_points[a].gains;  // from fold_chains
       result.push_back(stated_chain(unknowns_[i], original_, assumed_[a], found, sigma[i]));
     }
   }
@@ -380,8 +380,8 @@ void JointCalibration::checkpoint(JointCheckpoint& reached) const {
   }
 }
 
-// With the points that decided, too. Nobody is left to say whether another cycle is better, so
-// none is tried.
+// Includes the points that decided. No point is left to decide if another cycle is better, so none
+// is tried.
 Expected<double> JointCalibration::finish(const JointRound& round) {
   if (progress_.is_stopped()) {
     return 0.0;
@@ -416,7 +416,7 @@ Expected<RoomCalibration> JointCalibration::run() {
     }
   }
   progress_.set_heldout(median_correlation(kHeldOut, {}));
-  checkpoint(reached);  // so that what is interrupted in the first round can go on, too
+  checkpoint(reached);  // lets a run that is interrupted in the first round resume, too
   while (reached.rounds < kJointRounds && !progress_.is_stopped()) {
     const auto kept = run_round(static_cast<std::size_t>(reached.rounds));
     if (!kept) {

@@ -17,10 +17,10 @@
 namespace rayloc {
 namespace {
 
-constexpr double kLeastSurveySigma = 0.001;  // [m], chosen: nobody surveys better ...
-constexpr double kMostSurveySigma = 0.1;     // [m], chosen: ... and worse than this
+constexpr double kLeastSurveySigma = 0.001;  // [m], chosen: no survey is better ...
+constexpr double kMostSurveySigma = 0.1;     // [m], chosen: ... or worse than this
 
-// All values that Ceres moves, one after the other: its parameter blocks point into it.
+// All values that Ceres changes, contiguous: its parameter blocks point into them.
 struct Values {
   std::vector<double> room;                   // of each unknown
   std::vector<std::array<double, 3>> survey;  // [m], of each point
@@ -34,8 +34,8 @@ JointState state_of(const Values& values) {
   return state;
 }
 
-// Residuals and derivatives of all samples, made at once by all threads before Ceres asks for them
-// one by one: the order in which Ceres sums does not depend on the threads.
+// Residuals and derivatives of all samples, computed at once by all threads before Ceres requests
+// them one by one: the order in which Ceres sums does not depend on the threads.
 class Evaluations : public ceres::EvaluationCallback {
  public:
   Evaluations(const JointContext& context,
@@ -111,7 +111,7 @@ class SampleCost : public ceres::CostFunction {
   Eigen::Index coordinates_;
 };
 
-// A Gaussian about 0, of as many numbers as the block has.
+// A Gaussian prior about 0 with as many dimensions as the block.
 class PriorCost : public ceres::CostFunction {
  public:
   PriorCost(int size, double sigma) : size_(size), scale_(1.0 / sigma) {
@@ -149,7 +149,7 @@ class StopWhenTold : public ceres::IterationCallback {
   const JointObserver& observer_;
 };
 
-// Those that the sample's rays depend on and that are released, ascending.
+// The released unknowns that the sample's rays depend on, ascending.
 std::vector<std::uint32_t> unknowns_of(const TracedSample& sample, std::span<const char> released) {
   std::vector<std::uint32_t> result;
   for (const RayTerm& term : sample.terms) {
@@ -168,14 +168,14 @@ std::vector<std::uint32_t> unknowns_of(const TracedSample& sample, std::span<con
   return result;
 }
 
-// The Ceres problem and everything that its blocks point to.
+// The Ceres problem and all data that its blocks point to.
 struct Assembled {
   Values values;
   std::unique_ptr<Evaluations> evaluations;
   std::unique_ptr<ceres::LossFunction> loss;
   std::unique_ptr<ceres::Problem> problem;
   std::vector<std::uint32_t> released;  // unknowns that some sample depends on
-  std::vector<std::size_t> points;      // that some sample is of
+  std::vector<std::size_t> points;      // that have a sample
 };
 
 void add_priors(const JointContext& context,
@@ -250,7 +250,7 @@ void assemble(const JointContext& context,
   add_priors(context, options, used, used_point, assembled);
 }
 
-// J^T J, priors with it, of the released unknowns and then of the survey errors of the points,
+// J^T J, including priors, of the released unknowns followed by the survey errors of the points,
 // three each (where these are free).
 Eigen::MatrixXd information_of(Assembled& assembled, const JointOptions& options) {
   ceres::Problem::EvaluateOptions evaluate;
@@ -275,17 +275,17 @@ Eigen::MatrixXd information_of(Assembled& assembled, const JointOptions& options
   return Eigen::SparseMatrix<double>(jacobian.transpose() * jacobian);
 }
 
-// Along each axis that the measurements tell independently of the others: `said`, what they say
-// [1/m^2], and the error [m] that was found with one of variance `assumed` expected. Without that
-// the measurements alone say a greater one, the less they say the greater; what they hardly say
-// counts little. Their own noise is not taken off: `said` is of an evidence that is tempered.
+// Along each axis that the measurements determine independently of the others: `said`, their
+// information [1/m^2], and the error [m] found with an expected variance of `assumed`. Without that
+// prior the error would be larger, the more so the less the information; axes with little
+// information have little weight. Their noise is not subtracted: `said` is of tempered evidence.
 double spread_of(const Eigen::VectorXd& said, const Eigen::VectorXd& error, double assumed) {
   double sum = 0.0;
   double weights = 0.0;
   for (Eigen::Index i = 0; i < said.size(); ++i) {
     if (said[i] > 0.0) {
       const double share = said[i] * assumed / (1.0 + said[i] * assumed);
-      sum += error[i] * error[i];  // (error / share)^2, weighed by share^2
+      sum += error[i] * error[i];  // (error / share)^2, weighted by share^2
       weights += share * share;
     }
   }
@@ -353,7 +353,7 @@ double JointProblem::solve(const JointOptions& options,
     solver.linear_solver_ordering = ordering;
   }
   StopWhenTold stop(context_, assembled.values, observer);
-  solver.update_state_every_iteration = true;  // the observer looks at it
+  solver.update_state_every_iteration = true;  // the observer reads it
   solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, assembled.problem.get(), &summary);
@@ -397,7 +397,7 @@ double JointProblem::survey_sigma(const JointOptions& options, const JointState&
   const auto room = static_cast<Eigen::Index>(assembled.released.size());
   const Eigen::Index survey = all.rows() - room;
   const double assumed = options.survey_sigma * options.survey_sigma;
-  // What the measurements say of the errors, the room integrated out.
+  // Information of the measurements on the errors, the room integrated out.
   Eigen::MatrixXd said = all.bottomRightCorner(survey, survey);
   said.diagonal().array() -= 1.0 / assumed;
   if (room > 0) {

@@ -1,5 +1,5 @@
-// JointProgress: what a joint calibration tells while it runs: the steps so far, how far it is, and
-// whether it was asked to stop.
+// JointProgress: progress reports of a running joint calibration: the steps so far, the share of
+// work done, and any request to stop.
 #pragma once
 
 #include <cstddef>
@@ -9,26 +9,26 @@
 
 namespace rayloc {
 
-// The work is in parts that are counted as equals: each round, and the fit to all points at the
-// end.
+// The work is divided into parts of equal weight: each round, and the final fit to all
+// points.
 class JointProgress {
  public:
-  // `points`: that are fitted; `steps`: that a part takes when nothing has to be done again.
+  // `points`: number that is fitted; `steps`: steps of a part if no step is repeated.
   JointProgress(const CalibrationObserver& observer, std::size_t points, int steps)
       : observer_(observer), points_(points), steps_(steps) {}
 
-  // Goes on after those of an earlier run.
+  // Continues after the steps of an earlier run.
   void continue_from(const std::vector<CalibrationStep>& history);
   void set_heldout(double correlation) { heldout_ = correlation; }
 
-  // From 0 on; kJointRounds is the fit to all points.
+  // From 0 on; kJointRounds denotes the fit to all points.
   void begin_part(int part);
-  // One step further in the part; more steps than expected leave it at its end.
+  // Advances by one step in the part; more steps than expected leave it at its end.
   void advance();
 
-  // Adds a step to the history; false: stop.
+  // Adds a step to the history and reports it; false: stop.
   bool tell(const char* stage, double loss);
-  // Asks again, between trials that are no steps on the way.
+  // Polls for a stop again, between trials that are not steps of the history.
   bool go_on();
 
   bool is_stopped() const { return stopped_; }

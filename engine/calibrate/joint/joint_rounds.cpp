@@ -7,7 +7,7 @@
 namespace rayloc {
 namespace {
 
-// Chosen, in the order of METHODS B4: floors fall and more is released from round to round.
+// Chosen, in the order of METHODS B4: floors decrease and more is released from round to round.
 constexpr std::array<JointRound, kJointRounds> kRounds{{{0.3, 0.05, false, false, false},
                                                         {0.12, 0.03, true, false, false},
                                                         {0.05, 0.03, true, true, true},

@@ -1,5 +1,5 @@
-// The rounds of the joint calibration: from coarse to fine, each releases more than the one before
-// (METHODS B4).
+// The rounds of the joint calibration: from coarse to fine, each releases more unknowns than the
+// one before (METHODS B4).
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,22 @@
 
 namespace rayloc {
 
-// A count: gains, materials, survey errors with cycles, and once more.
+// A count: gains, materials, survey errors with cycles, and a final round.
 inline constexpr int kJointRounds = 4;
 
 struct JointRound {
-  double floor;       // of the share left unexplained, below which a sample pulls no more
-  double scan_range;  // [m], of surfaces to either side
+  double floor;       // of the unexplained share, below which a sample has no more influence
+  double scan_range;  // [m], of surfaces, on each side
   bool corrections;   // materials and the gains and phases of surfaces
-  bool survey;        // survey errors and the places of antennas
+  bool survey;        // survey errors and the positions of antennas
   bool cycles;        // other half-wave cycles are tried
 };
 
 // REQUIRES: index < kJointRounds.
 const JointRound& joint_round(std::size_t index);
 
-// Whether the round moves each unknown. `power`: surface_power(); of a surface that carries next to
-// nothing the data say nothing either.
+// True for each unknown that the round changes. `power`: surface_power(); a surface that carries
+// almost no power is not constrained by the data.
 std::vector<char> released(const JointRound& round,
                            const RoomUnknowns& unknowns,
                            std::span<const double> power);

@@ -60,20 +60,20 @@ class JointCalibration {
   std::vector<RoomParameter> parameters(const JointRound& round);
 
   RoomModel original_;               // its chain gains are improved
-  std::vector<ChainGains> assumed_;  // those of the beginning
+  std::vector<ChainGains> assumed_;  // initial chain gains
   std::span<const CalibrationPoint> points_;
   const JointCalibrationOptions& options_;
   RoomUnknowns unknowns_;
   SampleModel plain_;
-  SampleModel model_;     // weighs coordinates
-  std::vector<Use> use_;  // of each point
+  SampleModel model_;     // with weighted coordinates
+  std::vector<Use> use_;  // for each point
   std::vector<SampleSite> sites_;
   JointState state_;
   std::vector<double> traced_at_;
   std::vector<TracedSample> traced_;
   std::vector<double> power_;  // surface_power()
   std::vector<MeasuredSample> measured_;
-  std::vector<std::vector<std::complex<double>>> h_;  // of each sample, chain gains removed
+  std::vector<std::vector<std::complex<double>>> h_;  // for each sample, chain gains removed
   std::vector<WaveCycle> other_cycles_;
   double survey_sigma_;  // [m], of the points
   JointProgress progress_;

@@ -11,9 +11,9 @@
 namespace rayloc {
 
 int usual_draws(std::span<const CalibrationPoint> points) {
-  // Arrays heard, chosen: up to here three draws, each takes little time.
+  // Received arrays, chosen: up to this count three draws, each takes little time.
   constexpr std::size_t kFewHeard = 100;
-  constexpr std::size_t kMostHeard = 200;  // arrays heard, chosen: up to here two draws, then one
+  constexpr std::size_t kMostHeard = 200;  // received arrays, chosen: two draws, above it one
   std::size_t heard = 0;
   for (const CalibrationPoint& point : points) {
     heard += static_cast<std::size_t>(std::count_if(

@@ -1,10 +1,10 @@
-// calibrate_from_draws: a joint calibration (joint_calibration.h) begun several times, of which the
-// best stays.
+// calibrate_from_draws: runs a joint calibration (joint_calibration.h) several times and returns
+// the best result.
 //
-// Which points decide is drawn, and a step that one draw refuses another takes: runs end in rooms
-// that differ by millimetres, and now and then with a wall in another half-wave cycle. The run
-// whose room meets the points best that were fitted, each where it fits best within the survey's
-// error, is the best of them; points held out have no say.
+// The points that decide are drawn at random, and a step that one draw refuses is accepted in
+// another: runs end in rooms that differ by millimetres, and occasionally with a wall in another
+// half-wave cycle. The best run is the one whose room explains the fitted points best, each at its
+// best place within the survey's error; held-out points have no influence.
 #pragma once
 
 #include <span>
@@ -14,13 +14,13 @@
 
 namespace rayloc {
 
-// How often a calibration is begun unless told: more than once where that takes half a minute or
-// so, by the number of bursts.
+// Default number of runs of a calibration: more than one where that takes about half a minute,
+// depending on the number of bursts.
 int usual_draws(std::span<const CalibrationPoint> points);
 
-// Draw number i has options.seed + i. Checkpoints are of the first run, which is the one that goes
-// on from `options.resume`; where a later one is interrupted the best so far is returned, as
-// interrupted. The history is that of the best. REQUIRES: draws > 0.
+// Draw number i has options.seed + i. Checkpoints are of the first run, which is the one that
+// resumes from `options.resume`; if a later run is interrupted, the best result so far is returned
+// and marked as interrupted. The history is that of the best run. REQUIRES: draws > 0.
 Expected<RoomCalibration> calibrate_from_draws(const RoomModel& room,
                                                std::span<const CalibrationPoint> points,
                                                const JointCalibrationOptions& options,
@@ -28,7 +28,7 @@ Expected<RoomCalibration> calibrate_from_draws(const RoomModel& room,
                                                const CalibrationObserver& observer);
 
 // Mean over the points that are not held out of the logarithm of the share left unexplained at the
-// best place: the less the better.
+// best place; lower is better.
 double left_unexplained(std::span<const CalibrationPoint> points,
                         const RoomCalibration& calibration);
 

@@ -21,7 +21,7 @@ using Kind = Unknown::Kind;
 constexpr double kParallel = 0.999;  // cosine between normals
 constexpr double kTouching = 1e-4;   // [m]
 
-// Walls, floor and ceiling lie about the room, furniture in it.
+// Walls, floor and ceiling bound the room; furniture is inside it.
 bool is_furniture(const RoomModel& room, std::uint32_t s) {
   const std::uint32_t object = room.scene->owner(s).object;
   Vec3d lower = room.scene->objects()[object].mesh.vertices.front();
@@ -50,7 +50,7 @@ std::string direction_name(const Vec3d& n) {
   return "face" + std::to_string(degrees) + "deg";
 }
 
-// Faces of one object that look the same way are told apart by a number.
+// Faces of one object with the same normal direction are distinguished by a number.
 std::string surface_name(const Scene& scene, std::uint32_t s) {
   const std::uint32_t object = scene.owner(s).object;
   const std::string direction = direction_name(scene.surfaces()[s].plane().normal);
@@ -67,7 +67,7 @@ std::string surface_name(const Scene& scene, std::uint32_t s) {
          (same > 1 ? std::to_string(before + 1) : "");
 }
 
-// "ap1.core2/core0.coupling.re": what the antenna of core 2 takes from that of core 0.
+// "ap1.core2/core0.coupling.re": coupling into the antenna of core 2 from that of core 0.
 ParameterId coupling_id(const Unknown& unknown, const RoomAccessPoint& ap) {
   const std::size_t others = ap.cores.size() - 1;
   const std::size_t to = unknown.part / 2 / others;
@@ -77,7 +77,7 @@ ParameterId coupling_id(const Unknown& unknown, const RoomAccessPoint& ap) {
           unknown.part % 2 == 0 ? Quantity::kCouplingReal : Quantity::kCouplingImaginary};
 }
 
-// Adds a coupling (RoomUnknowns::coupling()) between the antennas and that of the gains.
+// Combines a coupling (RoomUnknowns::coupling()) of the antennas with that of the gains.
 void set_coupling(const double* values, ChainGains& gains) {
   const std::size_t cores = gains.cores.size();
   if (gains.empty() || std::all_of(values, values + 2 * cores * (cores - 1), [](double value) {

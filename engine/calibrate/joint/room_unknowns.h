@@ -1,7 +1,7 @@
-// RoomUnknowns: what of a room the joint calibration may change, as one list of numbers, each with
-// what is assumed of it before: 0, give or take sigma.
+// RoomUnknowns: the parameters of a room that the joint calibration may change, as one list of
+// numbers, each with a Gaussian prior of mean 0 and deviation sigma.
 //
-// All are changes against the model as it came (floor plan, survey, table of materials), so that
+// All are changes relative to the input model (floor plan, survey, table of materials), so that
 // values, scans and posteriors of all kinds are handled alike.
 #pragma once
 
@@ -17,13 +17,13 @@
 namespace rayloc {
 
 struct CalibrationPriors {
-  double room_surface = 0.015;      // [m], walls, floor, ceiling: what lies about the room
-  double furniture_surface = 0.03;  // [m], what lies in it
+  double room_surface = 0.015;      // [m], walls, floor, ceiling: the surfaces that bound the room
+  double furniture_surface = 0.03;  // [m], surfaces inside the room
   double position = 0.005;          // [m], of the access point, each axis
-  double angle = 0.02;              // [rad], each of three
+  double angle = 0.02;              // [rad], each of three angles
   double element = 0.001;           // [m], of an antenna along the array's y
-  double chain = 0.3;               // natural logarithm of gain, and phase [rad]: what is left of
-                                    // what the chain gains of before say
+  double chain = 0.3;               // natural logarithm of gain, and phase [rad]: error that the
+                                    // initial chain gains leave
   double coupling = 0.03;           // of two antennas, real and imaginary part: about -28 dB
   double permittivity = 0.2;        // natural logarithm
   double conductivity = 0.5;
@@ -33,7 +33,7 @@ struct CalibrationPriors {
   double survey = 0.005;        // [m], of a surveyed point, each axis
 };
 
-// What a number is of, and which.
+// Kind and index of an unknown.
 struct Unknown {
   enum class Kind : std::uint8_t {
     kSurfaceOffset,    // [m] along the normal of surface `index`
@@ -74,7 +74,7 @@ class RoomUnknowns {
   }
   // REQUIRES: element > 0; the phase follows the gain.
   std::uint32_t chain_gain(std::size_t access_point, std::size_t element) const;
-  // Real and imaginary part of what element 0 takes from 1, from 2 ..., then 1 from 0, from 2 ...
+  // Real and imaginary part of the coupling into element 0 from 1, from 2 ..., into 1 from 0 ...
   std::uint32_t coupling(std::size_t access_point) const;
 
  private:
@@ -88,7 +88,7 @@ class RoomUnknowns {
   std::vector<std::size_t> elements_;
 };
 
-// The room with all changes but those of the surfaces' gains and phases, which no scene can hold:
+// The room with all changes except the gains and phases of surfaces, which a scene cannot contain:
 // they are in RoomModel::surface_correction. Chain gains are multiplied.
 Expected<RoomModel> changed_room(const RoomModel& original,
                                  const RoomUnknowns& unknowns,

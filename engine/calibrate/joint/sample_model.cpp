@@ -15,12 +15,12 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], a whole one
-constexpr double kLeastLeftOver = 0.03;           // of the coordinate that is explained worst
-constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the delay that is left
-constexpr double kLeastShare = 0.02;  // left of a sample, below which it counts no more
+constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad], one full rotation
+constexpr double kLeastLeftOver = 0.03;           // of the largest residual of a coordinate
+constexpr int kAlignmentSteps = 3;    // a count, chosen: each is linear in the remaining delay
+constexpr double kLeastShare = 0.02;  // residual of a sample, below which its weight saturates
 
-// A ray's delay and amplitude where the model is asked for.
+// A ray's delay and amplitude at the requested point.
 struct RayValue {
   double delay = 0.0;
   Value amplitude;
@@ -40,14 +40,14 @@ RayValue value_of(const TracedSample& sample, const LinearRay& ray, const ModelP
   return value;
 }
 
-// exp(-j 2 pi f tau), of the whole turns only what counts.
+// exp(-j 2 pi f tau), evaluated with the fractional part of the cycles.
 Value carrier_phasor(double frequency, double delay) {
   const double turns = frequency * delay;
   return std::polar(1.0, -kTurn * (turns - std::floor(turns)));
 }
 
-// What is left of vectors when an array (times any complex factor) and its derivative by delay
-// (times a real one) are taken out.
+// Removes from vectors the components along an array (times any complex factor) and along its
+// derivative by delay (times a real one).
 class Projection {
  public:
   Projection(const Eigen::VectorXcd& array,
@@ -66,7 +66,7 @@ class Projection {
 
   // y ~ factor * array
   const Value& factor() const { return factor_; }
-  // By which the array would have to come later, to first order.
+  // Delay by which the array would have to be later, to first order.
   double delay() const { return delay_; }
 
   template <typename Vector>
@@ -82,7 +82,7 @@ class Projection {
   double delay_ = 0.0;
 };
 
-// What antennas take from each other, added to the segment of each.
+// Adds the mutual coupling of the antennas to the segment of each.
 void couple(const TracedSample& sample, const ModelPoint& at, std::span<Value> array) {
   const std::size_t elements = sample.rays.size();
   const auto factors = std::span(at.change).subspan(sample.coupling, 2 * elements * (elements - 1));
@@ -106,7 +106,7 @@ void couple(const TracedSample& sample, const ModelPoint& at, std::span<Value> a
   }
 }
 
-// The derivatives of that by those of `unknowns` that couple antennas, added to their columns.
+// Adds the derivatives of couple() by the coupling unknowns in `unknowns` to their columns.
 void add_coupling(const TracedSample& sample,
                   std::span<const std::uint32_t> unknowns,
                   const Eigen::VectorXcd& array,
@@ -131,7 +131,7 @@ std::span<Value> entries(Eigen::Ref<Eigen::VectorXcd> array) {
   return {array.data(), static_cast<std::size_t>(array.size())};
 }
 
-// What a ray adds to the rows of its antenna; `share`: the ray's part of the array.
+// Adds a ray's derivatives to the rows of its antenna; `share`: the ray's part of the array.
 void add_terms(std::span<const RayTerm> terms,
                std::span<const std::uint32_t> unknowns,
                const Eigen::VectorXcd& share,
@@ -162,8 +162,8 @@ void couple_columns(const TracedSample& sample, const ModelPoint& at, Eigen::Mat
 
 SampleModel::SampleModel(const OfdmGrid& grid)
     : grid_(grid), cfr_(grid), basis_(grid), aligner_(grid) {
-  // The basis vectors are those of the projection; their derivative by delay in the tones is a
-  // multiplication, which the basis sees as a matrix.
+  // The basis vectors are those of the projection. Their derivative by delay is a multiplication in
+  // the tones and a matrix in the basis.
   const std::size_t q = basis_.size();
   const std::size_t tones = grid.size();
   Eigen::MatrixXcd tone_of(tones, q);  // conj(basis)
@@ -186,7 +186,7 @@ SampleModel::SampleModel(const OfdmGrid& grid)
 
 SampleModel SampleModel::weighed(const Eigen::MatrixXcd& left_over) const {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd> eigen(left_over);
-  // No coordinate is trusted without bounds.
+  // The weight of a coordinate is bounded.
   const Eigen::VectorXd power =
       eigen.eigenvalues().cwiseMax(kLeastLeftOver * eigen.eigenvalues().maxCoeff());
   SampleModel result = *this;
@@ -287,7 +287,7 @@ MeasuredSample SampleModel::measured(const TracedSample& sample,
       result.origin = std::min(result.origin, ray.delay);
     }
   }
-  if (!std::isfinite(result.origin)) {  // no ray leads there: all of h is left over
+  if (!std::isfinite(result.origin)) {  // no ray reaches it: all of h is residual
     result.origin = 0.0;
   }
   // `expected` delayed by -delay fits h; so h delayed by +delay fits `expected`.
@@ -299,7 +299,7 @@ MeasuredSample SampleModel::measured(const TracedSample& sample,
   }
   result.outside = power > 0.0 ? std::max(0.0, 1.0 - result.y.squaredNorm() / power) : 0.0;
   weigh(result.y);
-  if (weighed_) {  // other delays fit best then
+  if (weighed_) {  // the best delays are different then
     Eigen::VectorXcd array = expected(sample, result.origin, at);
     Eigen::VectorXcd delayed = by_delay(array);
     weigh(array);
@@ -317,7 +317,7 @@ MeasuredSample SampleModel::measured(const TracedSample& sample,
   return result;
 }
 
-// Of `h`, that much earlier.
+// Coordinates of `h`, advanced by `delay`.
 Eigen::VectorXcd SampleModel::coordinates(std::span<const Value> h, double delay) const {
   std::vector<Value> earlier(h.begin(), h.end());
   aligner_.apply({delay, 1.0, 0.0}, earlier);
@@ -380,7 +380,7 @@ SampleResidual SampleModel::residual(const TracedSample& sample,
               value.delay - measured.origin,
               share);
       array.segment(row, q) += share;
-      if (count > 0) {  // no rows are there to be taken from an array without columns
+      if (count > 0) {  // rows cannot be taken from a matrix without columns
         add_terms(sample.terms_of(ray),
                   unknowns,
                   share,

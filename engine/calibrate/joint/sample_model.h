@@ -1,10 +1,10 @@
-// SampleModel: the array that a surveyed point should give at an access point, in the coordinates
-// of a delay basis, what of the measured one it leaves unexplained, and the derivatives of that.
+// SampleModel: the expected array of a surveyed point at an access point, in the coordinates of a
+// delay basis, its residual against the measured array, and the residual's derivatives.
 //
-// Measured and expected arrays are compared up to one complex factor and one delay, which every
-// burst has of its own (METHODS B1): the residual is what remains of the measured array, scaled to
-// unit norm, when the expected one and its derivative by delay are projected out. Its squared norm
-// is 1 - |<h, h'>|^2 / (|h|^2 |h'|^2) at the best delay.
+// Measured and expected arrays are compared up to one complex factor and one delay per burst
+// (METHODS B1): the residual is the part of the measured array, scaled to unit norm, that remains
+// when the expected one and its derivative by delay are projected out. Its squared norm is
+// 1 - |<h, h'>|^2 / (|h|^2 |h'|^2) at the best delay.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -25,8 +25,8 @@
 
 namespace rayloc {
 
-// Where in the space of the unknowns a model is asked for: changes against where the rays were
-// traced, and where the device stood against the survey.
+// A point in the space of the unknowns: changes relative to the traced state, and the offset of the
+// device from its surveyed position.
 struct ModelPoint {
   std::span<const double> change;  // of each unknown
   Vec3d survey;                    // [m]
@@ -41,7 +41,7 @@ struct MeasuredSample {
 
 struct SampleResidual {
   Eigen::VectorXcd value;       // [antenna][coordinate]
-  Eigen::MatrixXcd derivative;  // a column for each unknown asked for
+  Eigen::MatrixXcd derivative;  // a column for each requested unknown
   Eigen::MatrixXcd by_survey;   // [.., 3]
   double unexplained() const { return value.squaredNorm(); }
 };
@@ -50,20 +50,20 @@ class SampleModel {
  public:
   explicit SampleModel(const OfdmGrid& grid);
 
-  // The model that counts every coordinate of the delay basis by the inverse of what is left
-  // unexplained of it anyway: diffuse power comes with some delays more than with others.
-  // `left_over`: add_left_over() of a model that weighs nothing.
+  // A model that weights every coordinate of the delay basis by the inverse of its usual residual:
+  // diffuse power is concentrated at some delays. `left_over`: add_left_over() of a model without
+  // weights.
   SampleModel weighed(const Eigen::MatrixXcd& left_over) const;
 
-  // Adds the covariance of what is left of a sample, of one antenna in coordinates, relative to
-  // all that is left of it. `h` as for measured().
+  // Adds the covariance of a sample's residual, of one antenna in coordinates, relative to its
+  // total residual. `h` as for measured().
   Eigen::MatrixXcd nothing_left_over() const;
   void add_left_over(const TracedSample& sample,
                      const ModelPoint& at,
                      std::span<const std::complex<double>> h,
                      Eigen::MatrixXcd& sum) const;
 
-  // `h`: measured, chain gains removed, [antenna][tone]; aligned to what the model expects there.
+  // `h`: measured, chain gains removed, [antenna][tone]; is aligned to the expected array at `at`.
   MeasuredSample measured(const TracedSample& sample,
                           const ModelPoint& at,
                           std::span<const std::complex<double>> h) const;
@@ -76,13 +76,13 @@ class SampleModel {
   double unexplained(const TracedSample& sample,
                      const MeasuredSample& measured,
                      const ModelPoint& at) const;
-  // With those by `unknowns`, which are in ascending order.
+  // With derivatives by `unknowns`, which are in ascending order.
   SampleResidual residual(const TracedSample& sample,
                           const MeasuredSample& measured,
                           const ModelPoint& at,
                           std::span<const std::uint32_t> unknowns) const;
 
-  // unexplained() along one unknown, at `values` of it instead of its own value.
+  // unexplained() along one unknown, at each of `values` instead of its own value.
   std::vector<double> scan(const TracedSample& sample,
                            const MeasuredSample& measured,
                            const ModelPoint& at,
@@ -93,7 +93,7 @@ class SampleModel {
 
  private:
   Eigen::VectorXcd expected(const TracedSample& sample, double origin, const ModelPoint& at) const;
-  // Adds the share of one ray.
+  // Adds the contribution of one ray.
   void add_ray(const std::complex<double>& phasor,
                double delay,
                Eigen::Ref<Eigen::VectorXcd> sum) const;
@@ -108,7 +108,7 @@ class SampleModel {
   Aligner aligner_;
   Eigen::MatrixXcd slope_;  // d/d delay of coordinates [1/s]
   bool weighed_ = false;
-  Eigen::MatrixXcd weight_;  // of the coordinates of one antenna; of a weighed model only
+  Eigen::MatrixXcd weight_;  // of one antenna's coordinates; weighted model only
 };
 
 }  // namespace rayloc

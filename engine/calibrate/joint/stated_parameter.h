@@ -1,4 +1,4 @@
-// An unknown of the joint calibration as a person reads it: in its own unit instead of as a change.
+// An unknown of the joint calibration as reported to users: a value in its own unit, not a change.
 #pragma once
 
 #include <complex>
@@ -10,17 +10,17 @@
 
 namespace rayloc {
 
-// `room`: the original. Factors are stated as values of what they multiply, with the slope of the
-// exponential for sigma.
+// `room`: the original. A factor is reported as the value of the quantity it multiplies, with sigma
+// from the slope of the exponential.
 RoomParameter stated_parameter(const Unknown& unknown,
                                const RoomModel& room,
                                double value,
                                double sigma);
 
-// The mean gain of a chain over the tones, as a factor on the first chain's.
+// The mean gain of a chain over the tones, relative to the first chain's.
 std::complex<double> chain_ratio(const ChainGains& gains, std::size_t element);
 
-// A chain's gain [dB] or phase [deg] against the first: its value in `found` and, as prior, in
+// A chain's gain [dB] or phase [deg] relative to the first: its value in `found` and, as prior, in
 // `assumed`, about which the unknown has its own prior. Phases are next to the assumed ones.
 RoomParameter stated_chain(const Unknown& unknown,
                            const RoomModel& room,

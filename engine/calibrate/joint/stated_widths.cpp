@@ -9,11 +9,11 @@
 namespace rayloc {
 namespace {
 
-// Of what is left unexplained, the share that one echo has: chosen on a furnished meeting room with
-// four access points, held against a corridor with four (engine/studies/2026-11-stated-widths.md).
+// Share of the unexplained power in one echo: chosen on a furnished meeting room with four access
+// points, compared with a corridor with four (engine/studies/2026-11-stated-widths.md).
 constexpr double kUnmodelledEcho = 0.15;
 
-// Of an offset whose half-wave cycle nothing but its prior tells.
+// Variance of an offset whose half-wave cycle is determined by its prior only.
 double variance_of_cycles(double value, double prior_sigma, double half_wave) {
   double mass = 0.0;
   double spread = 0.0;
@@ -40,16 +40,16 @@ void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
     }
     const double echo = kUnmodelledEcho * power.unexplained;
     const double carried = std::max(power.carried[surface], 1e-9);
-    // A phase of 2 pi is half a wave of offset. An echo of relative power q turns the phase by
-    // sqrt(q / 2), and by no more than a fraction of a turn while it is the weaker one.
+    // A phase of 2 pi is half a wave of offset. An echo of relative power q changes the phase by
+    // sqrt(q / 2), and by no more than a fraction of a cycle while it is the weaker one.
     const double turned = std::sqrt(0.5 * std::min(echo / carried, 1.0)) / (2.0 * std::numbers::pi);
     const double stronger = std::exp(-carried / std::max(echo, 1e-12));
     const double cycles = variance_of_cycles(state.values[i], unknowns[i].sigma, power.half_wave);
     sigma[i] = std::sqrt(sigma[i] * sigma[i] + turned * turned * power.half_wave * power.half_wave +
                          stronger * cycles);
   }
-  // What stands at an array echoes at all points alike, to one antenna otherwise than to the next:
-  // of relative power q it turns a chain by sqrt(q / 2), and is as much of its gain.
+  // An object at an array causes the same echo at all points, but a different one at each antenna:
+  // with relative power q it changes a chain's phase by sqrt(q / 2), and its gain by as much.
   const double of_chain = std::sqrt(0.5 * kUnmodelledEcho * power.unexplained);
   for (std::uint32_t i = 0; i < unknowns.size(); ++i) {
     const Unknown::Kind kind = unknowns[i].kind;

@@ -1,10 +1,10 @@
-// stated_widths: how wide the joint calibration says that its unknowns are known.
+// stated_widths: reported standard deviations of the unknowns of the joint calibration.
 //
-// The Gaussian about the fit believes the model. For the offsets of surfaces, and of the last for
-// the chains, three things are added that it cannot know: that a surface would fit as well
-// elsewhere within a few centimetres (surface_scan.h), that the trials of other half-wave cycles
-// cost little more (wave_cycles.h), and that the room holds echoes that the model lacks (below):
-// all points may agree on a wrong place.
+// The Gaussian about the fit assumes that the model is right. For the offsets of surfaces, and in
+// the last case for the chains, three errors are added that it does not contain: a surface may fit
+// as well at another offset within a few centimetres (surface_scan.h), the trials of other
+// half-wave cycles may cost little more (wave_cycles.h), and the room contains echoes that the
+// model lacks (below): all points may agree on a wrong place.
 #pragma once
 
 #include <span>
@@ -15,26 +15,26 @@
 
 namespace rayloc {
 
-// What the rays of a room leave to be doubted.
+// Power that the rays of a room do not explain.
 struct UnmodelledPower {
   std::vector<double> carried;  // surface_power()
   double unexplained = 0.0;     // mean_unexplained()
   double half_wave = 0.03;      // [m]
 };
 
-// Adds to the standard deviation of each surface's offset what an echo that the model lacks may do
-// to it. Such an echo is taken to carry a share x of all that is left unexplained, exponentially
-// distributed with mean kUnmodelledEcho. One weaker than the surface's own turns its phase, and
-// with it the offset; one that is stronger is what the surface was fitted to, and then the
-// half-wave cycle is known from its prior only. A chain is told by the whole array of every point,
-// and turned by an echo that all of them share.
+// Adds to the standard deviation of each surface's offset the effect of an echo that the model
+// lacks. Such an echo is assumed to carry a share x of all unexplained power, exponentially
+// distributed with mean kUnmodelledEcho. An echo weaker than the surface's own changes its phase,
+// and with it the offset; if it is stronger, the surface was fitted to the echo, and the half-wave
+// cycle is known from its prior only. A chain is determined by the whole array of every point, and
+// its phase is changed by an echo that all of them share.
 void widen_by_unmodelled_echo(const RoomUnknowns& unknowns,
                               const UnmodelledPower& power,
                               const JointState& state,
                               std::vector<double>& sigma);
 
-// Standard deviation of every released unknown, 0 for the others: the Gaussian's, and all of the
-// above.
+// Standard deviation of every released unknown, 0 for the others: that of the Gaussian with all of
+// the above.
 std::vector<double> stated_widths(const JointContext& context,
                                   const JointOptions& options,
                                   const JointState& state,

@@ -12,8 +12,8 @@ namespace rayloc {
 namespace {
 
 constexpr double kMinScanPower = 1e-3;     // of the strongest surface's power
-constexpr std::size_t kMostSurfaces = 40;  // that are worth a scan
-// Others that would move along are held: an alternative is likelier than a scan says.
+constexpr std::size_t kMostSurfaces = 40;  // largest number of scanned surfaces
+// Other surfaces that would move are held: an alternative is likelier than the scan indicates.
 constexpr double kHeldOthers = 0.5;
 
 // Minus the logarithm of the posterior at each value of one unknown, up to a constant; empty when
@@ -24,7 +24,7 @@ std::vector<double> profile(const JointContext& context,
                             std::uint32_t unknown,
                             std::span<const double> values) {
   const std::vector<double> change = context.change(state.values);
-  std::vector<double> moved(values.begin(), values.end());  // as changes against the traced room
+  std::vector<double> moved(values.begin(), values.end());  // as changes from the traced room
   for (double& value : moved) {
     value -= context.traced_at[unknown];
   }
@@ -52,7 +52,7 @@ std::vector<double> profile(const JointContext& context,
   return sum;
 }
 
-// Places about `centre` that a surface may take.
+// Candidate offsets of a surface about `centre`.
 std::vector<double> places(double centre, double range, double step) {
   std::vector<double> result;
   const auto steps = static_cast<int>(std::lround(range / step));

@@ -46,7 +46,7 @@ struct Columns {
   std::vector<Parameter> parameters;
 };
 
-// Those that matter, so that only they are differentiated.
+// The relevant paths, so that only these are differentiated.
 Paths strong(const Paths& paths) {
   const auto power_of = [](const Path& path) {
     return path.a.re * path.a.re + path.a.im * path.a.im;
@@ -157,7 +157,7 @@ class SampleBuilder {
     }
   }
 
-  // Terms of one unknown are one: a path may meet a surface twice.
+  // Terms of the same unknown are merged: a path may meet a surface twice.
   RayTerm& term(const LinearRay& ray, std::uint32_t unknown) {
     const auto first = sample_.terms.begin() + static_cast<std::ptrdiff_t>(ray.first_term);
     const auto found = std::find_if(

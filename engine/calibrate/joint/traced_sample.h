@@ -1,10 +1,10 @@
-// TracedSample: the rays from a surveyed point to every antenna of an access point, and how their
-// delays and amplitudes follow the unknowns of the room, to first order about where the room was
-// traced.
+// TracedSample: the rays from a surveyed point to every antenna of an access point, and the
+// dependence of their delays and amplitudes on the unknowns of the room, to first order about the
+// traced state.
 //
 // Delays in a room of planes are nearly linear in the offsets of the planes: over a centimetre the
-// second order is less than a tenth of a millimetre of path. Amplitudes follow materials.
-// What a change does to which paths exist is seen when the room is traced anew.
+// second order is less than a tenth of a millimetre of path. Amplitudes depend on materials.
+// Changes in the set of existing paths take effect when the room is traced anew.
 #pragma once
 
 #include <array>
@@ -38,9 +38,9 @@ struct LinearRay {
 struct TracedSample {
   std::size_t point = 0;  // index of the CalibrationPoint
   std::size_t access_point = 0;
-  std::vector<std::vector<LinearRay>> rays;  // of each antenna
+  std::vector<std::vector<LinearRay>> rays;  // for each antenna
   std::vector<RayTerm> terms;
-  std::uint32_t coupling = 0;  // the first unknown of how the antennas couple
+  std::uint32_t coupling = 0;  // index of the first antenna coupling unknown
 
   std::span<const RayTerm> terms_of(const LinearRay& ray) const {
     return std::span(terms).subspan(ray.first_term, ray.end_term - ray.first_term);

@@ -12,15 +12,15 @@ namespace {
 
 using Kind = Unknown::Kind;
 
-// Of the cost: what a few more iterations gain where nothing has moved is less.
+// Cost decrease of an improvement: more than extra iterations gain if nothing has moved.
 constexpr double kLeastGain = 1.0;
 constexpr int kMaxSurfacePasses =
-    8;  // over all surfaces, at most: one that moves can set another right
-constexpr std::size_t kPaired = 4;  // of the surfaces that come first, in pairs
-// Moves with which the whole room is fitted anew: those that cost least while most of it is held.
+    8;  // over all surfaces, at most: a moved surface can correct another one
+constexpr std::size_t kPaired = 4;  // first surfaces that are tried in pairs
+// Moves for which the whole room is fitted anew: those of lowest cost while most of it is held.
 constexpr std::size_t kFittedAnew = 4;
 
-// Surfaces that are moved together, and each to which side.
+// Surfaces that are moved together, and the side of each.
 struct Move {
   std::vector<std::uint32_t> surfaces;
   std::vector<double> sides;
@@ -29,11 +29,11 @@ struct Move {
 struct Trial {
   JointState state;
   double cost = 0.0;
-  double excess = 0.0;  // of its cost, most of the room held
+  double excess = 0.0;  // of its cost, with most of the room held
 };
 
-// What can hide a wrong cycle: the surfaces themselves, the arrays and, as JointOptions say, the
-// survey.
+// Unknowns that can hide a wrong cycle: the surfaces themselves, the arrays and, depending on
+// JointOptions, the survey errors.
 std::vector<char> released_in_trial(const RoomUnknowns& unknowns,
                                     std::span<const std::uint32_t> surfaces,
                                     std::span<const char> released) {
@@ -101,8 +101,8 @@ bool WaveCycleSettler::stop() {
   return stopped_;
 }
 
-// Fits from each of from(i), all at once: what Ceres does alone between two evaluations is as long
-// as what all threads do in one.
+// Fits from each from(i), all in parallel: the serial part of Ceres between two evaluations takes
+// as long as one evaluation on all threads.
 template <typename From>
 std::vector<Trial> WaveCycleSettler::fitted(const JointOptions& options,
                                             std::size_t count,
@@ -115,7 +115,7 @@ std::vector<Trial> WaveCycleSettler::fitted(const JointOptions& options,
   return trials;
 }
 
-// Moves of the same surfaces; whether one was better.
+// Tries moves of the same surfaces; returns true if one was better.
 bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCycle>* others) {
   if (stopped_) {
     return false;
@@ -123,7 +123,7 @@ bool WaveCycleSettler::try_moves(std::span<const Move> moves, std::vector<WaveCy
   const auto free = released_in_trial(unknowns_, moves.front().surfaces, search_.options.released);
   JointOptions options = search_.options;
   options.released = free;
-  // The priors that count are those of what is released.
+  // Only the priors of released unknowns count.
   double cost = problem_.cost(options, state_);
   if (stop()) {
     return false;
@@ -174,7 +174,7 @@ bool WaveCycleSettler::try_pairs() {
   return false;
 }
 
-// The rest of the room came to terms with the wrong cycle and holds it there.
+// Needed where the rest of the room has adapted to the wrong cycle and holds it there.
 bool WaveCycleSettler::fit_anew() {
   std::sort(worse_.begin(), worse_.end(), [](const Trial& a, const Trial& b) {
     return a.excess < b.excess;
@@ -204,7 +204,7 @@ WaveCycles WaveCycleSettler::run() {
     better = try_single(result.others) || try_pairs() || fit_anew();
     result.moved = result.moved || better;
   }
-  if (better) {  // the last pass was too short to say what else each could be
+  if (better) {  // the last pass was too short to list the alternatives
     result.others.clear();
     try_single(result.others);
   }

@@ -1,12 +1,12 @@
-// Half-wave cycles of surfaces: whether a surface that has been fitted would do better, or as well,
-// half a wave further to either side.
+// Half-wave cycles of surfaces: tests if a fitted surface would fit better, or as well, half a wave
+// further to either side.
 //
-// A scan of one surface with the rest held cannot tell once the rest has come to terms with the
-// wrong cycle: the surface's own gain and phase, the survey errors and the array have taken up what
-// is left. Here these are fitted anew for the cycle on trial. Where no surface alone does better,
-// the strongest are tried in pairs (a wall can hold the wall opposite, and the array between them,
-// in the wrong place), and after that the whole room is fitted anew from the trials that cost
-// least.
+// A scan of one surface with the rest held cannot decide once the rest has adapted to the wrong
+// cycle: the surface's own gain and phase, the survey errors and the array have absorbed the
+// residual. Here these are fitted anew for the cycle on trial. Where no single surface improves the
+// fit, the strongest are tried in pairs (a wall can hold the wall opposite, and the array between
+// them, in the wrong place), and after that the whole room is fitted anew from the trials with the
+// lowest cost.
 #pragma once
 
 #include <cstdint>
@@ -18,32 +18,32 @@
 
 namespace rayloc {
 
-// What else a surface's offset could be.
+// An alternative offset of a surface.
 struct WaveCycle {
   std::uint32_t surface = 0;
-  double offset = 0.0;  // [m], of the surface, as JointState::values has it
-  double excess = 0.0;  // of the cost there over that of the state
+  double offset = 0.0;  // [m], of the surface, in the frame of JointState::values
+  double excess = 0.0;  // cost there minus the cost of the state
 };
 
 struct WaveCycleSearch {
-  std::span<const std::uint32_t> surfaces;  // in this order
+  std::span<const std::uint32_t> surfaces;  // in order of trial
   double half_wave = 0.03;                  // [m]
-  JointOptions options;                     // of the round, its iterations those of a trial
-  std::function<bool()> go_on;              // asked before each trial
+  JointOptions options;                     // of the round, with the iterations of a trial
+  std::function<bool()> go_on;              // called before each trial
 };
 
 struct WaveCycles {
-  bool moved = false;             // the state is another
-  std::vector<WaveCycle> others;  // of every surface those that were tried last and not taken
+  bool moved = false;             // the state has changed
+  std::vector<WaveCycle> others;  // per surface, those tried last and not taken
 };
 
-// Moves `state` to better cycles as long as there are any.
+// Moves `state` to better cycles until none is better.
 WaveCycles settle_wave_cycles(const JointContext& context,
                               const WaveCycleSearch& search,
                               JointState& state);
 
-// Adds to the standard deviation of each surface's offset what its other cycles are worth, as the
-// odds exp(-excess) between them and the one that was taken.
+// Adds to the standard deviation of each surface's offset the effect of its other cycles, with odds
+// exp(-excess) relative to the one that was taken.
 void widen_by_wave_cycles(std::span<const WaveCycle> others,
                           const RoomUnknowns& unknowns,
                           const JointState& state,

@@ -16,17 +16,17 @@ namespace {
 
 using Value = std::complex<double>;
 
-constexpr int kFactorRounds = 20;  // a count, chosen: factors settle to a thousandth of a degree
-// Of the power of an empty room, that chairs and bumps may change: more is another transmitter, or
-// it stands elsewhere. A ratio, chosen: chairs moved 0.1 to 1 % in two rooms.
+constexpr int kFactorRounds = 20;  // a count, chosen: factors converge to a thousandth of a degree
+// Share of an empty room's power that chairs and bumps may change: more is another transmitter, or
+// another place of it. A ratio, chosen: moved chairs changed 0.1 to 1 % in two rooms.
 constexpr double kMostChanged = 0.1;
-// A count of standard deviations, chosen: chains that differ by less are as they were.
+// A count of standard deviations, chosen: chains that differ by less are unchanged.
 constexpr double kTurned = 2.0;
-// [rad], 3 degrees: an access point that is bumped by 0.3 degrees turns its antennas' phases by
-// more.
+// [rad], 3 degrees: a bump that rotates an access point by 0.3 degrees changes its antennas' phases
+// by more.
 constexpr double kBump = 0.05;
 
-// Two days of one array, brought together.
+// Two days of one array, aligned.
 class DayFit {
  public:
   DayFit(const OfdmGrid& grid, std::vector<Value> before, std::vector<Value> after)
@@ -47,7 +47,7 @@ class DayFit {
 
   const std::vector<Value>& turn() const { return turn_; }
 
-  // Share of the power of a chain, of the day after, that its factor does not explain.
+  // Share of a chain's power, on the later day, that its factor does not explain.
   double left(std::size_t row) const {
     double off = 0.0;
     double power = 0.0;
@@ -58,7 +58,7 @@ class DayFit {
     return power > 0.0 ? off / power : 1.0;
   }
 
-  // The same of all chains together.
+  // The same for all chains together.
   double left() const {
     double sum = 0.0;
     for (std::size_t row = 0; row < turn_.size(); ++row) {
@@ -68,7 +68,7 @@ class DayFit {
   }
 
  private:
-  // Chains at unknown phases would cancel: the one with the most in common tells the delay.
+  // Chains at unknown phases would cancel: the one with the best correlation gives the delay.
   void align_by_one_chain() {
     Alignment best;
     for (std::size_t row = 0; row < turn_.size(); ++row) {
@@ -105,7 +105,7 @@ class DayFit {
     aligner_.apply(alignment, after_);
   }
 
-  // A tone at which the days differ by much more than at most tones says little of the chain.
+  // A tone with a much larger difference than most tones has little weight for the chain.
   void weigh() {
     for (std::size_t row = 0; row < turn_.size(); ++row) {
       std::vector<double> off;
@@ -170,8 +170,8 @@ Expected<TurnedChains> compare_days(const OfdmGrid& grid,
   const Value common = std::polar(std::sqrt(level), std::arg(chains.turn.front()));
   for (std::size_t row = 0; row < chains.turn.size(); ++row) {
     chains.turn[row] /= common;
-    // What moved is wrong in about the same way at all tones: as much of it as is left may have
-    // been taken for the chain.
+    // A change of the room has about the same error at all tones: an amount equal to the residual
+    // may have been attributed to the chain.
     chains.sigma.push_back(std::sqrt(fit.left(row)));
   }
   return chains;

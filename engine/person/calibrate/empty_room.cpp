@@ -17,7 +17,7 @@ namespace {
 
 using Value = std::complex<double>;
 
-// Of the squared correlation that is missing: diffuse power that no traced room explains.
+// Floor of the missing squared correlation: diffuse power that no traced room explains.
 constexpr double kFloor = 0.03;
 constexpr double kReach = 2.5;  // places within this many standard deviations are tried
 constexpr int kSteps = 4;       // on each side of the surveyed place, along an axis
@@ -77,7 +77,7 @@ class EmptyRoomFit {
     const Vec3d off = place - surveyed_.position;
     double sum = dot(off, off) / (sigma * sigma);
     for (std::size_t i = 0; i < heard_.size(); ++i) {
-      // As many numbers as the array has antennas tell of the place.
+      // The array has as many informative numbers on the place as antennas.
       const std::size_t numbers = heard_[i].h.size() / room_.grid.size();
       sum +=
           2.0 * static_cast<double>(numbers) * std::log(kFloor + 1.0 - align(i, place).correlation);
@@ -95,8 +95,8 @@ class EmptyRoomFit {
         static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin()));
   }
 
-  // With the power of the traced room: least squares would take what the trace does not explain for
-  // a loss.
+  // Scaled to the power of the traced room: least squares would treat power that the trace does not
+  // explain as a loss.
   PersonLink link(std::size_t i, const Vec3d& place) const {
     PersonLink result{heard_[i].access_point, heard_[i].h, 1.0, 0.0};
     Alignment alignment = align(i, place);

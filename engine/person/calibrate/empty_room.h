@@ -1,8 +1,8 @@
-// reference_links: the empty room as each access point hears it of a fixed transmitter, brought
-// into the phase and delay of the traced room (PersonReference), and where the transmitter is.
+// reference_links: the empty room as each access point receives it from a fixed transmitter, with
+// the phase and delay of the traced room (PersonReference), and the transmitter's place.
 //
-// A transmitter is surveyed to a few millimetres, which turn its paths against each other by a
-// radian; so its place is fitted, with a prior, to what all access points hear of the empty room.
+// A transmitter is surveyed to a few millimetres, which change its paths' relative phases by a
+// radian. Its place is therefore fitted, with a prior, to the empty room at all access points.
 #pragma once
 
 #include <complex>
@@ -15,18 +15,18 @@
 
 namespace rayloc {
 
-// What an access point hears of the transmitter while nobody is in the room.
+// Array that an access point receives from the transmitter while the room is empty.
 struct EmptyRoom {
   std::size_t access_point = 0;         // of RoomModel::access_points
   std::vector<std::complex<double>> h;  // [core][tone], chain gains removed
 };
 
 struct EmptyRoomOptions {
-  double place_sigma = 0.005;  // [m], of each axis of the surveyed place
+  double place_sigma = 0.005;  // [m], along each axis of the surveyed place
 };
 
 // Fills `transmitter` and `links` of a reference. An Error names an access point that no path of
-// the room leads to. REQUIRES: `heard` is not empty; all its access points are calibrated.
+// the room reaches. REQUIRES: `heard` is not empty; all its access points are calibrated.
 Expected<PersonReference> fit_empty_room(const RoomModel& room,
                                          const Transmitter& surveyed,
                                          std::span<const EmptyRoom> heard,

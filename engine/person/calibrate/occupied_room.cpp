@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kBackgroundRounds =
     5;  // a count, chosen: the background and the frames nearest to it, in turn
-constexpr std::size_t kFramesPerQuiet = 2;  // a count: the quietest frame of so many is kept
+constexpr std::size_t kFramesPerQuiet = 2;  // a count: the quietest one in so many frames is kept
 
 struct Heard {
   const CsiFrame* frame;
@@ -32,7 +32,7 @@ std::optional<BurstObservation> hear_background(const RoomModel& room,
     if (frame.access_point != static_cast<int>(access_point)) {
       continue;
     }
-    std::vector<std::string> ignored;  // of the whole recording they have been said
+    std::vector<std::string> ignored;  // already reported for the whole recording
     if (auto one = hear(room, access_point, {&frame, 1}, options, ignored)) {
       heard.push_back({&frame, std::move(one->h)});
     }

@@ -1,9 +1,9 @@
-// hear_background: the empty room as one access point hears it, from a recording in which people
-// walk about: for places that are never empty (METHODS B5: moving people need no empty room).
+// hear_background: the empty room as received by one access point, from a recording with walking
+// people: for places that are never empty (METHODS B5: moving people need no empty room).
 //
-// What a walker adds is another array in every frame and mostly small; the room is what the frames
-// have in common. The half of the frames that differ least from their mean is taken, again and
-// again (least trimmed squares). A person who stands still throughout counts as a piece of
+// A walking person adds a different and mostly small array to every frame; the room is the
+// common part of the frames. The half of the frames that differ least from their mean is
+// selected, repeatedly (least trimmed squares). A person who stands still throughout counts as
 // furniture.
 #pragma once
 
@@ -19,7 +19,7 @@
 
 namespace rayloc {
 
-// As hear() of engine/room/hear_burst.h, of the frames that differ least.
+// As hear() of engine/room/hear_burst.h, for the frames that differ least.
 std::optional<BurstObservation> hear_background(const RoomModel& room,
                                                 std::size_t access_point,
                                                 std::span<const CsiFrame> frames,

@@ -1,4 +1,4 @@
-// The offsets of a cube, for a search about a place that a descent would leave by the wrong way.
+// The offsets of a cube, for a search about a place where a descent would end in a wrong minimum.
 #pragma once
 
 #include <cstddef>

@@ -12,13 +12,13 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kFolds = 3;  // a count, chosen: each third is judged by what the others say
-// Spots from which the most that a second person explains is known, and the least that it is said
-// to be.
+constexpr std::size_t kFolds = 3;  // a count, chosen: each third is tested with a fit of the others
+// Spots needed to estimate the largest gain of a second person, and the smallest value reported for
+// it.
 constexpr std::size_t kLeastSpots = 20;
-constexpr double kLeastGain = 20.0;  // [nat], chosen: a second person is said to explain no less
+constexpr double kLeastGain = 20.0;  // [nat], chosen: lower bound of a second person's gain
 
-// What the best second person explains; 0 where none is looked for.
+// Gain of the best second person; 0 where none is searched for.
 double second_gain(const PersonLocalizer& localizer, const PersonObservation& observation) {
   if (observation.arrays.empty()) {
     return 0.0;
@@ -73,7 +73,7 @@ Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
   }
   PersonCertainty certainty;
   if (!known.places.empty()) {
-    // Places known to a centimetre do not tell whether less than that is left in every position.
+    // Places known to a centimetre cannot reveal a smaller error floor of all positions.
     const std::array usual{PosteriorOptions{}.least_sigma};
     std::vector<JudgedExponent> judged;
     for (std::size_t t = 0; t < kExponents.size(); ++t) {

@@ -1,6 +1,6 @@
-// fit_person_certainty: the exponent of the likelihood with which the probabilities stated for a
-// person's place are honest, and what a second person must explain to be believed, by
-// cross-validation: every spot is judged by a model that was fitted without it.
+// fit_person_certainty: exponent of the likelihood that makes the reported probabilities of a
+// person's place valid, and required gain of a second person, by cross-validation: every spot is
+// tested with a model that was fitted without it.
 #pragma once
 
 #include <optional>
@@ -15,12 +15,12 @@ namespace rayloc {
 
 struct PersonCertainty {
   double likelihood_exponent = 0.35;
-  // PersonModel::second_person: the most that a second one explained where one stood, so that a
-  // next spot exceeds it once in as many spots. Nothing from fewer than 20 spots.
+  // PersonModel::second_person: the largest gain of a second person where one person stood, so that
+  // a next spot exceeds it once in as many spots. nullopt from fewer than 20 spots.
   std::optional<double> second_person;
 };
 
-// `frames`: of each spot. The body is that of `fit`; everything else is fitted anew for each part.
+// `frames`: per spot. The body is that of `fit`; everything else is fitted anew for each part.
 Expected<PersonCertainty> fit_person_certainty(const RoomModel& room,
                                                const PersonFit& fit,
                                                std::span<const PersonSpot> spots,

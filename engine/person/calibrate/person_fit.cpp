@@ -24,14 +24,14 @@ constexpr std::array<double, 6> kFitLevels = {0.4, 0.6, 0.8, 1.0, 1.25, 1.6};
 // Ratios of a ray's power, chosen: 3 dB apart.
 constexpr std::array<double, 9> kVariances = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
-// The same, of a way's.
+// The same, for a path.
 constexpr std::array<double, 8> kWayVariances = {0.0, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0, 2.0};
 // Ratios of the traced power, chosen: 3 dB apart.
 constexpr std::array<double, 9> kDiffuseScan = {
     0.004, 0.008, 0.015, 0.03, 0.06, 0.12, 0.25, 0.5, 1.0};
 // Ratios of all the power, chosen: 3 to 4 dB apart.
 constexpr std::array<double, 6> kNoiseScan = {1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 4e-3};
-// [m], chosen: a wave that comes straight back turns by 0.6 to 6.5 rad.
+// [m], chosen: the phase of a wave that comes straight back changes by 0.6 to 6.5 rad.
 constexpr std::array<double, 2> kFronts = {0.0, 0.03};
 constexpr int kErrorRounds = 4;         // a count, chosen: over the errors, one after the other
 constexpr double kFitLevelSigma = 0.3;  // of the logarithm of |a|
@@ -42,7 +42,7 @@ struct HeardSpot {
   PersonLikelihood::Observed observed;
 };
 
-// What one link heard of all spots, with one body.
+// Observations of all spots by one link, with one body.
 struct FitLink {
   PersonLikelihood likelihood;
   std::vector<HeardSpot> heard;
@@ -184,7 +184,7 @@ double PersonFitter::of_all(const std::vector<FitLink>& links,
   return total;
 }
 
-// A scan over phase and level, then a finer one about the best.
+// A scan over phase and amplitude, then a finer one about the best.
 Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) const {
   Value best = 1.0;
   double most = -std::numeric_limits<double>::infinity();
@@ -211,7 +211,7 @@ Value PersonFitter::best_scale(const FitLink& link, const PersonModel& model) co
   return best;
 }
 
-// One after the other until none gets better.
+// Fits the errors one after the other until none improves.
 PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
                                       const std::vector<Value>& scales,
                                       PersonModel model) const {
@@ -241,7 +241,7 @@ PersonModel PersonFitter::best_errors(const std::vector<FitLink>& links,
   return model;
 }
 
-// The fit of a body that is known.
+// The fit with a known body.
 Expected<PersonFit> fit_body(const RoomModel& room,
                              const PersonReference& reference,
                              std::span<const PersonSpot> spots,

@@ -1,6 +1,6 @@
-// fit_person: from people who stood at known places, what a person of this site does to the fixed
-// links: the complex factor of each access point, the body's radius, the errors of the model and
-// the exponent of the likelihood with which stated probabilities are honest (METHODS B5).
+// fit_person: from people at known places, the effect of a person on the fixed links of this site:
+// the complex factor of each access point, the body's radius, the errors of the model and the
+// exponent of the likelihood with which reported probabilities are valid (METHODS B5).
 #pragma once
 
 #include <complex>
@@ -17,27 +17,27 @@
 
 namespace rayloc {
 
-// Somebody at a known place, as the links of a reference heard it.
+// A person at a known place, as received by the links of a reference.
 struct PersonSpot {
   TargetPosition place;
-  // Of each link, [core][tone] with chain gains removed; empty where the link heard nothing.
+  // For each link, [core][tone] with chain gains removed; empty where the link received nothing.
   std::vector<std::vector<std::complex<double>>> h;
 };
 
 struct PersonFitOptions {
-  double place_sigma = 0.01;        // [m], of each axis of the known places
-  double transmitter_sigma = 0.01;  // [m], of each axis of the transmitter's place
+  double place_sigma = 0.01;        // [m], along each axis of the known places
+  double transmitter_sigma = 0.01;  // [m], along each axis of the transmitter's place
   double radius_sigma = 0.02;       // [m], of people about the stated one
   double least_radius = 0.05;       // [m]
   int depth = PersonLocalizerOptions{}.depth;
-  // [m], from the stated radius, that are tried. Empty: the geometry stays as it is.
+  // [m], offsets from the stated radius to try. Empty: the geometry is not fitted.
   std::vector<double> radius_steps{0.0, -0.03, -0.02, -0.01, 0.01, 0.02, 0.03};
 };
 
 struct PersonFit {
   PersonReference reference;    // with `scale` of every link and `person` as fitted
   double log_likelihood = 0.0;  // of the spots, over that of the empty room
-  std::size_t spots = 0;        // that were used
+  std::size_t spots = 0;        // used
 };
 
 // An Error when fewer than kLeastPersonSpots spots can be used. `likelihood_exponent` is not fitted

@@ -20,21 +20,21 @@ constexpr PatchPlan kPlan{0.0, 0.0, 0.042, 7};  // about a known place
 constexpr int kGeometryPhases = 24;             // a count, chosen: 15 degrees apart
 // Ratios to a body's wave, chosen: 2 to 3 dB apart.
 constexpr std::array<double, 5> kGeometryLevels = {0.5, 0.7, 0.9, 1.1, 1.4};
-constexpr double kGeometryLevelSigma = 0.3;  // of the logarithm of the level
+constexpr double kGeometryLevelSigma = 0.3;  // of the logarithm of the amplitude
 constexpr double kCoarse = 0.005;            // [m], step of the scan of the transmitter's place
 constexpr int kCoarseSteps = 3;              // on each side
 constexpr double kFine = 0.001;              // [m], last step of the search
-// What is wrong with a person's rays while the geometry is unknown.
+// Errors of a person's rays while the geometry is unknown.
 constexpr double kVariance = 0.3;
 constexpr double kGeometryDiffuse = 0.3;  // a ratio, as PersonModel::diffuse
 constexpr double kGeometryNoise = 1e-3;   // a ratio, as PersonModel::noise
 
-// A spot as one link heard it.
+// A spot as received by one link.
 struct Spot {
   std::size_t number = 0;
   ScatteredRays rays;
   WhitenedGaussian errors;
-  std::vector<Value> y;      // whitened, the empty room taken out
+  std::vector<Value> y;      // whitened, empty room projected out
   std::vector<Value> empty;  // whitened, unit
 };
 
@@ -203,7 +203,7 @@ class GeometryFit {
     return {shift(best), values[best]};
   }
 
-  // Along the axes in turn, by smaller and smaller steps.
+  // Searches along the axes in turn, with decreasing steps.
   Best refine(const std::vector<GeometryLink>& links, Best best) const {
     double step = 0.5 * kCoarse;
     while (step > 0.5 * kFine) {
@@ -255,7 +255,7 @@ Expected<PersonGeometry> fit_person_geometry(const RoomModel& room,
         return tl::make_unexpected(traced.error());
       }
     }
-    // The transmitter is where it is, whatever the radius: looked for afresh only once.
+    // The transmitter's place does not depend on the radius: it is scanned only once.
     auto here = std::isfinite(best.value)
                     ? GeometryFit::Best{best.shift, fit.value(links, best.shift)}
                     : fit.scan(links);

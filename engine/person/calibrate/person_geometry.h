@@ -1,10 +1,10 @@
-// fit_person_geometry: where the fixed transmitter is, to millimetres, and how wide a person is,
-// from people who stood at known places.
+// fit_person_geometry: place of the fixed transmitter, to millimetres, and width of a person, from
+// people at known places.
 //
-// The empty room does not tell the transmitter's place well: one array hears it over few strong
-// paths. People at tens of places are as many mirrors around it. The squared residuals of a spot,
-// whitened, with the empty room and a delay taken out, are compared over all complex factors of a
-// link and all places near the known one, which cost next to nothing once the rays are known.
+// The empty room does not determine the transmitter's place well: one array receives it over few
+// strong paths. People at tens of places act as tens of mirrors around it. The squared residuals of
+// a spot, whitened, with the empty room and a delay projected out, are compared over all complex
+// factors of a link and all places near the known one, at little cost once the rays are known.
 #pragma once
 
 #include <span>

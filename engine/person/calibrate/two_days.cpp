@@ -20,7 +20,7 @@ const EmptyRoom* find_array(std::span<const EmptyRoom> heard, std::size_t access
   return found == heard.end() ? nullptr : &*found;
 }
 
-// Of both days those that heard on the other one, too.
+// The arrays of both days that were received on the other day, too.
 HeardDays on_both(const HeardDays& heard) {
   HeardDays both{heard.surveyed, {}, {}};
   for (const EmptyRoom& one : heard.today) {
@@ -44,7 +44,7 @@ Expected<TurnedChains> compare(const RoomModel& room, const EmptyRoom& people, E
   return chains;
 }
 
-// Of arrays from which the gains `before` were removed, to be removed are `after`.
+// Replaces the gains removed from arrays: puts back `before` and removes `after`.
 void remove_others(const ChainGains& before, const ChainGains& after, std::vector<Value>& h) {
   apply_coupling(before, h);
   for (std::size_t j = 0; j < h.size(); ++j) {
@@ -63,7 +63,7 @@ double fit_of(const PersonReference& reference, std::size_t access_point) {
   return 0.0;
 }
 
-// What each access point's days differ by, by the transmitter of which least has changed.
+// Change of each access point between the days, from the transmitter with the least change.
 Expected<std::vector<DayChange>> changes_of(const RoomModel& room,
                                             std::span<const HeardDays> heard) {
   std::vector<DayChange> changes;

@@ -1,9 +1,9 @@
-// tell_days_apart: the empty rooms of two days, heard of fixed transmitters, and the chain gains of
-// each: people were recorded on one day, and are looked for on the other.
+// tell_days_apart: the empty rooms of two days, received from fixed transmitters, and the chain
+// gains of each: people were recorded on one day, and are located on the other.
 //
-// The calibration's gains are of one of the days, or of a day between power cycles of its own: of
-// the day on which the traced room explains an access point better they are believed, and the other
-// day's are what compare_days() says beside them.
+// The calibration's gains are of one of the days, or of a day between power cycles of its own. They
+// are used for the day on which the traced room explains an access point better; the other day's
+// gains follow from these by compare_days().
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace rayloc {
 
-// What the access points hear of one transmitter, with the calibration's gains removed.
+// Arrays received from one transmitter, with the calibration's gains removed.
 struct HeardDays {
   Transmitter surveyed;
   std::vector<EmptyRoom> people;  // on the day when people were recorded
@@ -29,7 +29,7 @@ struct DayChange {
   std::size_t access_point = 0;
   TurnedChains chains;
   bool is_turned = false;
-  // Of turned chains, those of today; else the calibration's are today's.
+  // For turned chains: today's are turned; false: today's are as calibrated.
   bool is_today_turned = true;
 };
 
@@ -40,12 +40,12 @@ struct TwoDays {
   std::vector<DayChange> changes;
 };
 
-// An Error when an access point hears a transmitter as if it were another one, or when no access
-// point heard a transmitter on both days. REQUIRES: all access points that heard are calibrated.
+// An Error when an access point receives a transmitter as if it were another one, or when no access
+// point received one on both days. REQUIRES: all access points with arrays are calibrated.
 Expected<TwoDays> tell_days_apart(const RoomModel& room, std::span<const HeardDays> heard);
 
-// A reference of the day of the people, moved to today: each link gets today's empty room with the
-// phase, delay and level that it has, by what both days have in common, so that `scale` holds.
+// A reference of the day of the people, moved to today: each link gets today's empty room with its
+// own phase, amplitude and delay, from the common part of both days, so that `scale` holds.
 PersonReference moved_to_today(const OfdmGrid& grid,
                                PersonReference reference,
                                std::span<const EmptyRoom> today);

@@ -8,7 +8,7 @@
 namespace rayloc {
 namespace {
 
-// A count, chosen: as many boxes are compared as fast as two nodes are visited.
+// A count, chosen: comparing so many boxes takes as long as visiting two nodes.
 constexpr std::size_t kLeafBoxes = 4;
 
 bool have_common_point(const Box2& a, const Box2& b) {

@@ -1,4 +1,4 @@
-// BoxTree: which of many boxes in a plane meet another, without a comparison of each with each.
+// BoxTree: finds the boxes in a plane that meet another, without comparing all pairs.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@ class BoxTree {
 
  private:
   struct Node {
-    Box2 box;               // around all below
+    Box2 box;               // around all descendants
     std::size_t first = 0;  // of order_
     std::size_t end = 0;
     std::size_t children = 0;  // the first of two; 0: a leaf

@@ -27,7 +27,7 @@ double furthest_left(const Point2& a, const Point2& b, std::span<const Point2> p
   return furthest;
 }
 
-// Whether a side of `a` has all of `b` on its outer side, up to the tolerance.
+// True if a side of `a` has all of `b` on its outer side, up to the tolerance.
 bool has_separating_side(std::span<const Point2> a, std::span<const Point2> b, double tolerance) {
   for (std::size_t i = 0; i < a.size(); ++i) {
     const Point2& from = a[i];
@@ -47,7 +47,7 @@ bool is_thin(std::span<const Point2> polygon, double tolerance) {
   return polygon.size() < 3 || has_separating_side(polygon, polygon, tolerance);
 }
 
-// The two parts of a polygon beside the line from a to b: left, right.
+// The two parts of a polygon on the sides of the line from a to b: left, right.
 std::pair<Polygon, Polygon> cut_along(const Polygon& polygon, const Point2& a, const Point2& b) {
   std::pair<Polygon, Polygon> parts;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -141,7 +141,7 @@ std::vector<Triangle2> disjoint_triangles(std::span<const Triangle2> triangles, 
   for (std::size_t i = 0; i < turned.size(); ++i) {
     std::vector<Triangle2> covering;
     for (const std::size_t k : tree.meeting(boxes[i])) {
-      // A thin one covers nothing, and its sides give no direction to cut along.
+      // A thin one covers no area, and its sides give no direction to cut along.
       if (k < i && do_overlap(turned[i], turned[k], tolerance) && !is_thin(turned[k], tolerance)) {
         covering.push_back(turned[k]);
       }

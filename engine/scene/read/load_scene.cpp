@@ -29,7 +29,7 @@ Expected<std::string> read_file(const fs::path& file) {
   return bytes;
 }
 
-// No vector grows by more.
+// Upper bound of the stretch of any vector.
 double largest_stretch(const Mat3d& m) {
   return std::sqrt(dot(m.row0, m.row0) + dot(m.row1, m.row1) + dot(m.row2, m.row2));
 }

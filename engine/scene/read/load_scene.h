@@ -1,9 +1,9 @@
-// load_scene: a scene file, as Sionna RT and Mitsuba write it, into a Scene. The only part of the
-// engine that reads files.
+// load_scene: reads a scene file, as Sionna RT and Mitsuba write it, into a Scene. The only part of
+// the engine that reads files.
 //
 // Mitsuba XML with <shape type="ply|obj|cube|rectangle">, mesh paths relative to the XML file,
 // <transform name="to_world">, <default>. A material is that of the shape's <bsdf> or <ref>:
-//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-4, or what <string name="type"> says beside;
+//   - an id "mat-itu_NAME" or "itu_NAME": ITU-R P.2040-4, or its <string name="type"> beside;
 //   - <bsdf type="itu-radio-material"> with <string name="type">;
 //   - <bsdf type="radio-material"> with <float name="relative_permittivity"|"conductivity">;
 // each with <float name="thickness">, 0.1 m without, and Sionna RT's scattering_coefficient,
@@ -12,9 +12,9 @@
 // material's name is the id without "mat-" and "itu_", the object's name the shape's id without
 // "mesh-".
 //
-// What is not read is an error, but for what only the eye needs (visual_names.h). Every error names
-// file:line:column, what is wrong and what to write instead; all of the XML's come at once, one a
-// line. What a person should know of a scene that was read stands in Scene::notes().
+// Any part of the file that is not read is an error, except visual properties (visual_names.h).
+// Every error states file:line:column, the fault and the remedy; all errors of the XML are reported
+// together, one per line. Notes on a scene that was read are in Scene::notes().
 #pragma once
 
 #include <filesystem>
@@ -39,14 +39,14 @@ struct RadioMaterialOverride {
 };
 
 struct SceneOptions {
-  double carrier_hz = 0.0;  // materials are evaluated here
-  // By material name ("concrete"). One that no shape of the scene uses is an error.
+  double carrier_hz = 0.0;  // frequency of the materials
+  // By material name ("concrete"). A name that no shape of the scene uses is an error.
   std::map<std::string, RadioMaterialOverride> materials;
 };
 
 Expected<Scene> load_scene(const std::filesystem::path& file, const SceneOptions& options);
 
-// The same from memory: `xml_name` stands for the file in errors, `read_mesh` gives the bytes of a
+// The same from memory: `xml_name` denotes the file in errors, `read_mesh` returns the bytes of a
 // mesh file named in the XML.
 using ReadFile = std::function<Expected<std::string>(const std::string& name)>;
 Expected<Scene> parse_scene(std::string_view xml,

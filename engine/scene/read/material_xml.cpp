@@ -13,17 +13,17 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMaterialPrefix = "mat-";  // as Mitsuba's exporters begin ids
-constexpr std::string_view kItuPrefix = "itu_";  // as Sionna RT names materials of ITU-R P.2040-4
+constexpr std::string_view kMaterialPrefix = "mat-";  // prefix of ids from Mitsuba's exporters
+constexpr std::string_view kItuPrefix = "itu_";  // prefix of ITU-R P.2040-4 materials in Sionna RT
 constexpr std::string_view kRadio = "radio-material";         // a type of bsdf of Sionna RT
 constexpr std::string_view kItuRadio = "itu-radio-material";  // a type of bsdf of Sionna RT
-constexpr std::size_t kMostLevels = 64;  // of bsdfs in bsdfs; people write two or three
+constexpr std::size_t kMostLevels = 64;  // of nested bsdfs; files have two or three
 
 std::string_view without_prefix(std::string_view text, std::string_view prefix) {
   return text.starts_with(prefix) ? text.substr(prefix.size()) : text;
 }
 
-// "concrete" of "mat-itu_concrete"; "" of an id that names no ITU material.
+// "concrete" of "mat-itu_concrete"; "" for an id that names no ITU material.
 std::string_view itu_id(std::string_view id) {
   const std::string_view bare = without_prefix(id, kMaterialPrefix);
   return bare.starts_with(kItuPrefix) ? bare.substr(kItuPrefix.size()) : std::string_view();
@@ -35,10 +35,10 @@ bool is_itu_material(const std::string& name) {
 }
 
 bool is_left_out_of_conductor(std::string_view name) {
-  return is_visual_of_bsdf(name) || name == "material";  // of which metal the colour is
+  return is_visual_of_bsdf(name) || name == "material";  // the metal of the colour
 }
 
-// Of several statements the outermost counts, and another one beside it is a mistake.
+// The outermost of several statements is used; a different one beside it is a mistake.
 template <typename T>
 void keep(XmlElement& element,
           std::string_view name,
@@ -51,7 +51,7 @@ void keep(XmlElement& element,
   }
 }
 
-// What the user states counts more.
+// Values stated by the user take precedence.
 void replace(const RadioMaterialOverride& by, RadioMaterial& material) {
   const auto set = [](const std::optional<double>& value, double& number) {
     number = value.value_or(number);

@@ -1,5 +1,5 @@
-// MaterialReader: the radio material that a <bsdf> states, as Sionna RT reads it. Internal to
-// load_scene; load_scene.h says what is read.
+// MaterialReader: the radio material of a <bsdf>, as Sionna RT reads it. Internal to load_scene;
+// load_scene.h lists the properties that are read.
 #pragma once
 
 #include <map>
@@ -18,12 +18,12 @@
 
 namespace rayloc {
 
-// kVisual says nothing about radio; kNull is Mitsuba's surface that is not there.
+// kVisual has no radio properties; kNull is Mitsuba's invisible surface.
 enum class BsdfKind { kRadio, kVisual, kNull };
 
 class MaterialReader {
  public:
-  using Bsdfs = std::map<std::string, pugi::xml_node>;  // those of the scene, by id
+  using Bsdfs = std::map<std::string, pugi::xml_node>;  // all of the scene, by id
 
   MaterialReader(XmlFile& file,
                  const SceneOptions& options,
@@ -33,21 +33,21 @@ class MaterialReader {
 
   BsdfKind kind_of(const pugi::xml_node& bsdf) const;
 
-  // At the carrier, with the overrides. What is wrong is complained of, and where nothing is left
-  // to be read there is no material. `user` names one whose <bsdf> has no id.
+  // Evaluated at the carrier, with the overrides. Faults are reported as complaints, and the result
+  // is empty where nothing can be read. `user` names one whose <bsdf> has no id.
   std::optional<RadioMaterial> read(const pugi::xml_node& bsdf, const std::string& user);
 
  private:
-  // What the <bsdf> and those within it state.
+  // Values stated in the <bsdf> and in those within it.
   struct Stated {
     std::string name;
-    // Of the outermost id "mat-itu_...", a name that the table may not have; and another one,
-    // where it is not the id of the whole.
+    // Outermost id "mat-itu_...", a name that the table may not have; and another one, where it is
+    // not the id of the whole.
     std::string itu_id, other_itu_id;
     std::optional<double> permittivity, conductivity, thickness;
     std::optional<std::string> itu_type;
-    bool radio_material = false;      // a <bsdf type="radio-material"> is among them
-    bool itu_radio_material = false;  // an "itu-radio-material"
+    bool radio_material = false;      // contains a <bsdf type="radio-material">
+    bool itu_radio_material = false;  // contains an "itu-radio-material"
     std::optional<double> scattering, xpd, alpha_r, alpha_i, lambda;
     std::optional<std::string> pattern;
   };
@@ -72,7 +72,7 @@ class MaterialReader {
   std::vector<SceneNote>& notes_;
 };
 
-// "concrete" of "mat-itu_concrete": what a person calls the material.
+// "concrete" of "mat-itu_concrete": the name of the material for people.
 std::string material_name(std::string_view id);
 
 }  // namespace rayloc

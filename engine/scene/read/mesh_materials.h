@@ -1,4 +1,4 @@
-// A mesh whose faces have several materials, where a shape has one. Internal to read_mesh.
+// Handles a mesh whose faces have several materials, while a shape has one. Internal to read_mesh.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@
 
 namespace rayloc {
 
-// A count, chosen: a message names no more.
+// A count, chosen: the limit for names in a message.
 inline constexpr std::size_t kMostNamedMaterials = 8;
 
-// Notes more than one material of faces. `name` is that of the file.
+// Adds a note if the faces have more than one material. `name` is that of the file.
 void note_materials(const std::set<std::string>& materials,
                     const std::string& name,
                     std::vector<SceneNote>& notes);

@@ -1,5 +1,5 @@
-// Own reader and not assimp's: that one keeps vertices as float, leaves out in silence what it does
-// not know and tells no place in its errors.
+// A separate reader instead of assimp's, which keeps vertices as float, silently drops unknown
+// elements and reports no place in its errors.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -19,15 +19,15 @@
 namespace rayloc {
 namespace {
 
-// Says nothing about where the faces are: names, materials, normals, lines, points, display.
+// No effect on faces: names, materials, normals, lines, points, display.
 constexpr std::array<std::string_view, 20> kPassedOver{
     "vn",        "vt",    "vp",       "g",        "o",      "s",    "mg",
     "l",         "p",     "mtllib",   "usemap",   "maplib", "lod",  "shadow_obj",
     "trace_obj", "bevel", "c_interp", "d_interp", "ctech",  "stech"};
-// Wavefront's words for curves and curved surfaces.
+// Wavefront's keywords for curves and curved surfaces.
 constexpr std::array<std::string_view, 4> kCurved{"curv", "curv2", "surf", "cstype"};
 
-constexpr std::string_view kObjBlank = " \t\r\f\v";  // what parts words within a line
+constexpr std::string_view kObjBlank = " \t\r\f\v";  // separators of words within a line
 
 template <std::size_t N>
 bool is_keyword_of(std::string_view word, const std::array<std::string_view, N>& words) {
@@ -68,7 +68,7 @@ class ObjReader {
     return bad_input(name_ + ":" + std::to_string(line_) + ": " + what);
   }
 
-  // A line without its comment; with '\' at its end together with the next one.
+  // A line without its comment; with '\' at its end joined with the next one.
   std::string next_statement() {
     std::string statement;
     line_ = next_line_;
@@ -86,7 +86,7 @@ class ObjReader {
     return statement;
   }
 
-  // The next word of the statement, cut off from it; empty at its end.
+  // Removes and returns the next word of the statement; empty at its end.
   static std::string_view next_word(std::string_view& rest) {
     rest.remove_prefix(std::min(rest.find_first_not_of(kObjBlank), rest.size()));
     const std::string_view word = rest.substr(0, rest.find_first_of(kObjBlank));
@@ -174,7 +174,7 @@ class ObjReader {
     return {};
   }
 
-  std::string_view bytes_;  // what is left
+  std::string_view bytes_;  // the unread part
   const std::string& name_;
   std::size_t line_ = 1;
   std::size_t next_line_ = 1;
@@ -182,7 +182,7 @@ class ObjReader {
   TextPrecision precision_;
   PolygonList faces_;
   std::vector<std::size_t> line_of_face_;
-  std::string material_;             // of the faces that follow
+  std::string material_;             // of the following faces
   std::set<std::string> materials_;  // of faces
 };
 

@@ -33,7 +33,7 @@ std::size_t size_of(PlyType type) {
 
 PlyBody::PlyBody(std::string_view bytes, const PlyHeader& header)
     : bytes_(bytes), encoding_(header.encoding), at_(header.size), line_(header.lines + 1) {
-  // Blanks, and the fill of a last block: zeros, the end mark of DOS.
+  // Blanks, and the padding of a last block: zeros, the end mark of DOS.
   constexpr std::string_view kFill{" \t\r\n\0\x1a", 6};
   const std::size_t last = bytes.find_last_not_of(kFill);
   end_ = last == std::string_view::npos ? 0 : last + 1;
@@ -56,7 +56,7 @@ std::optional<double> PlyBody::next_text() {
   std::string_view rest = bytes_.substr(at_);
   const auto value = read_number(rest);
   if (!rest.empty() && kPlyBlank.find(rest[0]) == std::string_view::npos) {
-    return std::nullopt;  // "1,5" and "4m" are no numbers
+    return std::nullopt;  // "1,5" and "4m" are not numbers
   }
   text_ = bytes_.substr(at_, bytes_.size() - rest.size() - at_);
   at_ = bytes_.size() - rest.size();

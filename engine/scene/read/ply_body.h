@@ -1,5 +1,5 @@
-// PlyBody: the numbers of a PLY file's body, one after the other, in whichever encoding. Internal
-// to read_ply.
+// PlyBody: the numbers of a PLY file's body, one after the other, in any encoding.
+// Internal to read_ply.
 #pragma once
 
 #include <cstddef>
@@ -15,19 +15,19 @@ class PlyBody {
  public:
   PlyBody(std::string_view bytes, const PlyHeader& header);
 
-  // Nothing at the end of the bytes or where no number is.
+  // Nothing at the end of the bytes or where there is no number.
   std::optional<double> next(PlyType type) {
     return encoding_ == PlyEncoding::kAscii ? next_text() : next_binary(type);
   }
   bool is_text() const { return encoding_ == PlyEncoding::kAscii; }
   std::size_t bytes_left() const { return bytes_.size() - at_; }
-  // How the newest number is written; empty in a binary file.
+  // Text of the last number; empty in a binary file.
   std::string_view text() const { return text_; }
-  // Whether the newest number is the first of its line of text.
+  // True if the last number is the first of its line of text.
   bool begins_line() const { return begins_line_; }
-  // Whether blanks are left only, or the fill that follows some files.
+  // True if only blanks are left, or the padding at the end of some files.
   bool is_at_end() const;
-  // Of the next byte: ":12", ": byte 40".
+  // Place of the next byte: ":12", ": byte 40".
   std::string place() const;
 
  private:
@@ -40,7 +40,7 @@ class PlyBody {
   std::string_view text_;
   PlyEncoding encoding_;
   std::size_t at_;
-  std::size_t end_;  // of what is no fill
+  std::size_t end_;  // end without the padding
   std::size_t line_;
   bool begins_line_ = false;
 };

@@ -12,7 +12,7 @@ constexpr double kLeastCorners = 3.0;
 
 struct PlyCount {
   std::size_t element = 0;  // index in PlyHeader::elements
-  std::size_t count = 0;    // as the body has it
+  std::size_t count = 0;    // matching the body
 };
 
 class CountSearch {
@@ -31,7 +31,7 @@ class CountSearch {
 
   std::optional<PlyCount> find() {
     std::optional<PlyCount> found;
-    // The last element may simply go on, so it is tried before those that all others depend on.
+    // The last element may just be longer, so it is tried before those that all others depend on.
     for (std::size_t i = header_.elements.size(); i-- > 0 && !found;) {
       found = find(i);
     }
@@ -39,7 +39,7 @@ class CountSearch {
   }
 
  private:
-  // With another count of that element, and all others as the header has them.
+  // With another count for that element, and the header's counts for all others.
   std::optional<PlyCount> find(std::size_t changed) {
     PlyBody body = body_;
     for (std::size_t i = 0; i < changed; ++i) {
@@ -66,7 +66,7 @@ class CountSearch {
     return found;
   }
 
-  // Whether the body from here to its end is the elements from `first` on.
+  // True if the body from here to its end consists of the elements from `first` on.
   bool fits(PlyBody body, std::size_t first) {
     for (std::size_t i = first; i < header_.elements.size(); ++i) {
       if (!skip(body, header_.elements[i], header_.elements[i].count)) {
@@ -78,7 +78,7 @@ class CountSearch {
 
   bool skip(PlyBody& body, const PlyElement& element, std::size_t count) {
     if (element.properties.empty()) {
-      return true;  // as many as there may be, they take no byte
+      return true;  // any number of them, they take no byte
     }
     for (std::size_t i = 0; i < count; ++i) {
       if (!skip_entry(body, element)) {
@@ -122,7 +122,7 @@ class CountSearch {
   }
 
   const PlyHeader& header_;
-  PlyBody body_;  // at its begin
+  PlyBody body_;  // at its beginning
   std::size_t vertices_ = 0;
   std::size_t work_left_ = 0;  // [numbers]
 };

@@ -207,7 +207,7 @@ class HeaderReader {
   PlyHeader header_;
 };
 
-// Exporters that number the materials of faces do not agree on a name.
+// Exporters that number the materials of faces use different names.
 bool is_material_number(std::string_view name) {
   std::string lower(name);
   std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {

@@ -1,5 +1,5 @@
-// The header of a PLY file: which elements the body has, and the properties of each. Internal to
-// read_ply.
+// The header of a PLY file: the elements of the body, and the properties of each.
+// Internal to read_ply.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace rayloc {
 
-// Blanks that part words of a header and numbers of a body.
+// Separators of words in a header and of numbers in a body.
 inline constexpr std::string_view kPlyBlank = " \t\r\n";
 
 enum class PlyEncoding : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
@@ -48,12 +48,12 @@ struct PlyHeader {
   std::size_t lines = 0;  // in it
 };
 
-// What a property is to the mesh.
+// The role of a property in the mesh.
 enum class PlyUse : std::uint8_t { kNone, kX, kY, kZ, kFace, kStrips, kMaterial };
 PlyUse use_of(const PlyElement& element, const PlyProperty& property);
 
 // An Error names the line. A header whose vertices lack a coordinate, or whose faces lack their
-// list of vertices, is one: without it the mesh would be another one.
+// list of vertices, is an error: the mesh would be wrong without it.
 Expected<PlyHeader> read_ply_header(std::string_view bytes, const std::string& name);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// Own reader and not assimp's: that one keeps vertices as float and tells no place in its errors.
+// A separate reader instead of assimp's, which keeps floats and reports no place in its errors.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -52,8 +52,8 @@ class MeshReader {
 
   Expected<void> read_elements() {
     for (const PlyElement& element : header_.elements) {
-      // Each entry takes at least a byte per property: a count beyond that is a lie that must not
-      // cost time.
+      // Each entry takes at least a byte per property: a larger count is invalid and
+      // must not cost time.
       if (element.count >
           body_.bytes_left() / std::max<std::size_t>(element.properties.size(), 1)) {
         return refuse("the file is too short for " + std::to_string(element.count) +
@@ -149,7 +149,7 @@ class MeshReader {
     }
   }
 
-  // A float of a binary file tells no more than its 24 bits.
+  // A float of a binary file has no more precision than its 24 bits.
   Expected<void> note_rounding(const PlyElement& element, const Vec3d& vertex) {
     // A ratio: half of the last bit of a float, 2^-24.
     constexpr double kFloatRounding = 5.9604644775390625e-8;
@@ -210,8 +210,8 @@ class MeshReader {
     faces_.end_face();
   }
 
-  // Each vertex after the second makes a triangle with the two before it, every other one turned
-  // round; -1 begins another strip. A vertex named twice only turns the strip.
+  // Each vertex after the second makes a triangle with the two before it, every other one with
+  // reversed winding; -1 begins another strip. A vertex named twice only reverses the strip.
   void add_strips(std::span<const double> vertices) {
     std::size_t first = 0;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -236,7 +236,7 @@ class MeshReader {
   const PlyHeader& header_;
   PlyBody body_;
   bool is_entry_begun_ = false;
-  // Text has one entry a line, and faces have corners.
+  // Text has one entry per line, and faces have corners.
   bool is_regular_ = true;
   Mesh mesh_;
   TextPrecision precision_;

@@ -1,4 +1,4 @@
-// PolygonList: the faces of a mesh file as they are written, of any number of corners.
+// PolygonList: the faces of a mesh file as written, with any number of corners.
 #pragma once
 
 #include <cstddef>
@@ -12,18 +12,18 @@
 
 namespace rayloc {
 
-// Files may name faces before the vertices that these need, so they are cut when all is read.
+// Files may list faces before their vertices, so faces are cut after the whole file is read.
 class PolygonList {
  public:
   void add_corner(std::uint32_t vertex) { corners_.push_back(vertex); }
-  // After the corners of each face.
+  // Call after the corners of each face.
   void end_face() { ends_.push_back(corners_.size()); }
 
   std::size_t size() const { return ends_.size(); }
 
-  // Into triangles of `mesh`, whose vertices are complete. place_of(i): where face i is written
-  // ("a.obj:12"). An Error, with place and number of the face (from 1), when a face refers to a
-  // vertex that is not there or cannot be cut (triangulate.h).
+  // Cuts the faces into triangles of `mesh`, whose vertices are complete. place_of(i): place of
+  // face i in the file ("a.obj:12"). An Error, with place and number of the face (from 1), when a
+  // face refers to a vertex that does not exist or cannot be cut (triangulate.h).
   template <typename PlaceOf>
   Expected<void> append_to(Mesh& mesh, const PlaceOf& place_of) const {
     for (std::size_t i = 0; i < size(); ++i) {

@@ -20,7 +20,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::string_view kMeshPrefix = "mesh-";  // as Mitsuba's exporters begin ids
+constexpr std::string_view kMeshPrefix = "mesh-";  // prefix of ids from Mitsuba's exporters
 
 // Mitsuba's [-1, 1]^2 in the plane z = 0, and [-1, 1]^3.
 Mesh rectangle_mesh() {
@@ -78,7 +78,7 @@ class SceneReader {
   }
 
  private:
-  // Registers what has an id, and complains of what is neither read nor left out.
+  // Registers elements with an id, and reports elements that are neither read nor left out.
   void check_scene(const pugi::xml_node& root) {
     XmlElement element(file_, root, "scene");
     for (const pugi::xml_attribute& attribute : root.attributes()) {
@@ -148,7 +148,7 @@ class SceneReader {
     const bool has_mesh = read_mesh(element, shape);
     if (!has_mesh && !is_readable(element.attribute("type"))) {
       scene_.shapes.emplace_back();
-      return;  // what it has means something to that type only
+      return;  // its properties are specific to that type
     }
     if (const pugi::xml_node to_world = element.property("transform", "to_world")) {
       shape.world_from_mesh = read_transform(file_, to_world, odd_axes_);
@@ -166,7 +166,7 @@ class SceneReader {
     }
   }
 
-  // "floor" of "mesh-floor"; a name that no other shape has.
+  // "floor" of "mesh-floor"; made unique among shapes.
   std::string name_of(const pugi::xml_node& node) {
     const std::string_view id = node.attribute("id").value();
     std::string name(id.starts_with(kMeshPrefix) ? id.substr(kMeshPrefix.size()) : id);
@@ -191,7 +191,7 @@ class SceneReader {
     return type == "shapegroup" || type == "instance";
   }
 
-  // Once for the file: each of many copies has the same cause and the same remedy.
+  // Reported once per file: each of many copies has the same cause and the same remedy.
   void complain_of_instances() {
     if (instances_ > 0) {
       file_.complain(first_instance_,
@@ -202,7 +202,7 @@ class SceneReader {
     }
   }
 
-  // Of shapes that are there for the eye only.
+  // The reason for leaving out a visual-only shape.
   std::string why_left_out(const pugi::xml_node& shape) const {
     bool is_lamp = !shape.child("emitter").empty();
     std::optional<BsdfKind> kind;
@@ -222,7 +222,7 @@ class SceneReader {
         const auto visual = visual_ids_.find(id);
         is_lamp = is_lamp || (visual != visual_ids_.end() && visual->second == "emitter");
         if (visual == visual_ids_.end()) {
-          kind = BsdfKind::kRadio;  // of an unknown id: a mistake to be named
+          kind = BsdfKind::kRadio;  // of an unknown id: reported as a mistake
         }
       }
     }
@@ -256,8 +256,8 @@ class SceneReader {
     return false;
   }
 
-  // Index of the shape's material, which is evaluated when it is first met. Nothing where there is
-  // a complaint.
+  // Index of the shape's material, which is evaluated on first use. Nothing where
+  // there is a complaint.
   std::optional<std::uint32_t> material_of_shape(const pugi::xml_node& shape,
                                                  const std::string& name) {
     std::vector<pugi::xml_node> found;
@@ -317,8 +317,8 @@ class SceneReader {
     return known->second;
   }
 
-  // Materials are known by their names. Where "mat-concrete" and "mat-itu_concrete" are the same,
-  // they are one, else the second needs a name of its own.
+  // Materials are identified by their names. Equal "mat-concrete" and "mat-itu_concrete" are one,
+  // otherwise the second needs a separate name.
   std::uint32_t add_material(RadioMaterial material, const pugi::xml_node& bsdf) {
     const std::string name = material.name;
     auto& materials = scene_.materials;
@@ -382,7 +382,7 @@ class SceneReader {
   const SceneOptions& options_;
   SceneDescription scene_;
   MaterialReader::Bsdfs bsdfs_;
-  std::map<std::string, std::string> visual_ids_;  // the tag of what only the eye needs, by id
+  std::map<std::string, std::string> visual_ids_;  // tag of a visual-only element, by id
   std::map<std::string, pugi::xml_node> shapes_;   // by name
   std::map<std::ptrdiff_t, std::optional<std::uint32_t>> evaluated_;  // by place of the bsdf
   MaterialReader materials_;

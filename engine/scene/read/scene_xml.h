@@ -27,7 +27,7 @@ struct ShapeDescription {
 
 struct SceneDescription {
   std::vector<ShapeDescription> shapes;
-  std::vector<RadioMaterial> materials;  // those that shapes use, at the carrier, overridden
+  std::vector<RadioMaterial> materials;  // those used by shapes, at the carrier, overridden
   std::vector<SceneNote> notes;
 };
 

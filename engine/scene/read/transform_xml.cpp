@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Axes are written with four digits and more; of a room of ten metres that is a millimetre.
+// Axes are written with four digits and more; in a room of ten metres that is a millimetre.
 constexpr double kUnitTolerance = 1e-4;
 constexpr double kMatrixRounding = 1e-9;  // of a product of matrices
 
@@ -76,7 +76,7 @@ class StepReader {
     return {{{v[0], v[1], v[2]}, {v[4], v[5], v[6]}, {v[8], v[9], v[10]}}, {v[3], v[7], v[11]}};
   }
 
-  // Stated as value="x y z", value="s", or x="" y="" z="" with `missing` for what is not there.
+  // Given as value="x y z", value="s", or x="" y="" z="" with `missing` for absent ones.
   Vec3d vector(double missing) {
     constexpr std::array<const char*, 3> kNames{"x", "y", "z"};  // attributes of Mitsuba's vectors
     const std::string value = element_.attribute("value");
@@ -141,7 +141,7 @@ AffineTransform read_transform(XmlFile& file, const pugi::xml_node& transform, O
   AffineTransform world_from_mesh;
   XmlElement element(file, transform, {});
   element.attribute("name");
-  element.allow_all_tags();  // StepReader knows them
+  element.allow_all_tags();  // StepReader handles them
   for (const pugi::xml_node& step : transform.children()) {
     if (step.type() == pugi::node_element) {
       world_from_mesh = StepReader(file, step, odd_axes).read() * world_from_mesh;

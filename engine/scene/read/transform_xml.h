@@ -28,7 +28,7 @@ struct OddAxes {
   double length = 0.0;  // of the first
 };
 
-// What cannot be read is complained of and left out.
+// Steps that cannot be read are reported and left out.
 AffineTransform read_transform(XmlFile& file, const pugi::xml_node& transform, OddAxes& odd_axes);
 
 }  // namespace rayloc

@@ -12,16 +12,16 @@
 namespace rayloc {
 namespace {
 
-// A face that is nowhere wider has no area [m].
+// A face narrower than this in all places has no area [m].
 constexpr double kLeastWidth = 1e-6;
-// Where rounding has moved a corner across a line by this much, it is on the line [m].
+// A corner that rounding has moved across a line by this much is on the line [m].
 constexpr double kOnLine = 1e-9;
 
-// The end of every refusal of a face.
+// The last part of every error message for a face.
 const std::string kAdvice = "; cut the face into triangles in the program that made it";
 
-// Newell's: of a plane face, twice its area along its normal; from the first corner, so that
-// nothing is lost far from the origin.
+// Newell's formula: for a plane face, twice its area along its normal; relative to the first
+// corner, so that no precision is lost far from the origin.
 Vec3d twice_area_vector(std::span<const std::uint32_t> corners, const Mesh& mesh) {
   const Vec3d& first = mesh.vertices[corners[0]];
   Vec3d sum;
@@ -44,12 +44,12 @@ bool has_no_area(std::span<const std::uint32_t> corners, const Mesh& mesh) {
   });
 }
 
-// The corners in the plane of the face, which they run round anticlockwise.
+// The corners in the plane of the face, in anticlockwise order.
 std::vector<Point2> flattened(std::span<const std::uint32_t> corners,
                               const Mesh& mesh,
                               const Vec3d& normal) {
   const Vec3d& origin = mesh.vertices[corners[0]];
-  // Of the axes of the world the one that is most across: walls and floors keep round numbers.
+  // The world axis closest to the normal is dropped: walls and floors keep round numbers.
   const std::array<Vec3d, 3> axes{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   const Vec3d& across =
       *std::min_element(axes.begin(), axes.end(), [&](const auto& a, const auto& b) {
@@ -73,7 +73,7 @@ double distance_from_line(const Point2& a, const Point2& b, const Point2& p) {
                       : std::hypot(p.u - a.u, p.v - a.v);
 }
 
-// Every corner turns left, and all together once round.
+// Every corner turns left, and the total turn is one revolution.
 bool is_strictly_convex(std::span<const Point2> points) {
   int rounds = 0;
   const std::size_t n = points.size();
@@ -84,7 +84,7 @@ bool is_strictly_convex(std::span<const Point2> points) {
     if (distance_from_line(a, c, b) >= -kOnLine) {
       return false;
     }
-    // Once round passes the lowest point once.
+    // One revolution passes the lowest point once.
     rounds += (b.v < a.v || (b.v == a.v && b.u < a.u)) && (c.v > b.v || (c.v == b.v && c.u > b.u))
                   ? 1
                   : 0;
@@ -101,7 +101,7 @@ bool cross_each_other(const Point2& a, const Point2& b, const Point2& c, const P
          lie_apart(distance_from_line(c, d, a), distance_from_line(c, d, b));
 }
 
-// How often the outline goes round the point.
+// Number of times the outline winds round the point.
 double winding(std::span<const Point2> points, const Point2& at) {
   double angle = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -144,9 +144,9 @@ Expected<void> check_outline(std::span<const Point2> points) {
   return {};
 }
 
-// Cuts off ears: corners whose triangle holds no other corner. Whatever triangles are cut off, the
-// outline goes round a point as often as it lies in triangles, minus what is left; so when all of
-// them are the right way round and nothing is left, they cover the face, and nothing else.
+// Cuts off ears: corners whose triangle contains no other corner. For any triangles cut off, the
+// outline winds round a point as often as the point lies in triangles, minus the remaining outline;
+// so when all of them have the correct winding and nothing is left, they cover exactly the face.
 class EarClipper {
  public:
   explicit EarClipper(std::span<const Point2> points) : points_(points) {
@@ -177,7 +177,7 @@ class EarClipper {
  private:
   const Point2& point(std::size_t i) const { return points_[ring_[i % ring_.size()]]; }
 
-  // The first after the newest cut that is wanted; ring_.size(): none.
+  // The first wanted corner after the newest cut; ring_.size(): none.
   template <typename Wanted>
   std::size_t find(const Wanted& is_wanted) const {
     for (std::size_t k = 0; k < ring_.size(); ++k) {
@@ -189,8 +189,8 @@ class EarClipper {
     return ring_.size();
   }
 
-  // Whether ring_[i] can be cut off: no other corner is within the triangle nor, if `strictly`, on
-  // one of the two edges that go.
+  // True if ring_[i] can be cut off: no other corner is within the triangle nor, if `strictly`, on
+  // one of the two edges that are removed.
   bool is_ear(std::size_t i, bool strictly) const {
     const Point2& a = point(i + ring_.size() - 1);
     const Point2& b = point(i);
@@ -212,7 +212,7 @@ class EarClipper {
     });
   }
 
-  // A corner on the line between its neighbours, or where the outline turns back.
+  // A corner on the line between its neighbours, or where the outline reverses.
   bool is_flat(std::size_t i) const {
     const Point2& a = point(i + ring_.size() - 1);
     const Point2& b = point(i);

@@ -10,7 +10,7 @@ namespace {
 
 using Name = std::string_view;
 
-// Mitsuba's plugins that change what is seen, not what is heard.
+// Mitsuba's plugins that affect light and not radio.
 constexpr std::array<Name, 10> kTags{"emitter",
                                      "film",
                                      "integrator",
@@ -22,10 +22,10 @@ constexpr std::array<Name, 10> kTags{"emitter",
                                      "texture",
                                      "volume"};
 
-// Children of Mitsuba's bsdfs that have no part in radio.
+// Children of Mitsuba's bsdfs that do not affect radio.
 constexpr std::array<Name, 5> kBsdfTags{"rgb", "spectrum", "texture", "color", "medium"};
 
-// Mitsuba's plugins of bsdfs, all for light.
+// Mitsuba's plugins of bsdfs without radio properties.
 constexpr std::array<Name, 25> kBsdfTypes{"blendbsdf",    "bumpmap",        "circular",
                                           "conductor",    "dielectric",     "diffuse",
                                           "hair",         "mask",           "measured",
@@ -85,7 +85,7 @@ constexpr std::array<Name, 43> kBsdfProperties{"alpha",
                                                "scale_tilt",
                                                "wavelength"};
 
-// Beginnings of Mitsuba's properties of bsdfs with layers.
+// Prefixes of Mitsuba's properties of bsdfs with layers.
 constexpr std::array<Name, 9> kBsdfPrefixes{"base_",
                                             "coat_",
                                             "emission_",
@@ -98,7 +98,7 @@ constexpr std::array<Name, 9> kBsdfPrefixes{"base_",
 
 constexpr Name kSamplingRate = "_sampling_rate";  // of the principled ones
 
-// Mitsuba 0.6 wrote "intIOR" where it is "int_ior" now.
+// Mitsuba 0.6 wrote "intIOR" instead of "int_ior".
 std::string without_style(Name name) {
   std::string plain;
   for (const char c : name) {

@@ -13,7 +13,7 @@
 namespace rayloc {
 namespace {
 
-// A few lines of <default>s that name each other must not become gigabytes.
+// A few lines of <default>s that refer to each other must not become gigabytes.
 constexpr std::size_t kLongestValue = 1024;
 
 using Defaults = std::map<std::string, std::string>;
@@ -37,7 +37,7 @@ class Replacement : public pugi::xml_tree_walker {
   }
 
  private:
-  // The longest name that `text` begins with: "$height" is not "$h" and "eight".
+  // The longest name at the beginning of `text`: "$height" is not "$h" and "eight".
   Defaults::const_iterator longest_name(std::string_view text) const {
     auto best = defaults_.end();
     for (auto it = defaults_.begin(); it != defaults_.end(); ++it) {

@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-// Elements that are a value of the element around them.
+// Elements that are a value of the enclosing element.
 constexpr std::array<std::string_view, 10> kPropertyTags{"float",
                                                          "integer",
                                                          "string",
@@ -49,7 +49,7 @@ std::string meant(std::string_view word, const std::vector<std::string_view>& na
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r\n";  // what XML takes for blanks
+  constexpr std::string_view kBlanks = " \t\r\n";  // the blanks of XML
   const std::size_t first = text.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) {
     return std::nullopt;
@@ -63,7 +63,7 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
-  // Blanks of XML, and commas: Mitsuba takes both.
+  // Blanks of XML, and commas: Mitsuba accepts both.
   constexpr std::string_view kSeparators = " \t\r\n,";
   std::vector<double> numbers;
   for (std::size_t begin = text.find_first_not_of(kSeparators); begin != std::string_view::npos;) {

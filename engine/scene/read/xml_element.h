@@ -1,5 +1,5 @@
-// XmlElement: one element of a scene file, read property by property. What nobody asked for was not
-// read, and finish() complains of it. Internal to load_scene.
+// XmlElement: one element of a scene file, read property by property. finish() reports all parts
+// that were never requested. Internal to load_scene.
 //
 // A property is <TAG name="NAME" value="..."/>: <float> or <string>.
 #pragma once
@@ -18,9 +18,9 @@
 
 namespace rayloc {
 
-// One finite number, nothing else but blanks around it.
+// One finite number, with only blanks around it.
 std::optional<double> parse_number(std::string_view text);
-// Numbers separated by blanks or commas; nothing when something else is among them.
+// Numbers separated by blanks or commas; nothing when the text contains anything else.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
 class XmlElement {
@@ -28,29 +28,29 @@ class XmlElement {
   // `name` is for messages: "shape 'wall'". All views must outlive the element.
   XmlElement(XmlFile& file, const pugi::xml_node& node, std::string name);
 
-  // "" when there is none.
+  // "" when it is absent.
   std::string attribute(std::string_view name);
   bool has_attribute(std::string_view name) const;
 
-  // The child of that tag and name; a second one is complained of.
+  // The child of that tag and name; a second one is reported.
   pugi::xml_node property(std::string_view tag, std::string_view name);
-  // Complain where the value is none.
+  // Report a fault where the value is missing or invalid.
   std::optional<double> number(std::string_view name, std::string_view tag = "float");
   // The same, written as <float> or as <integer>.
   std::optional<double> whole_or_number(std::string_view name);
   std::optional<std::string> text(std::string_view name);
-  // Complains where the property is there.
+  // Reports a fault where the property is present.
   void refuse(std::string_view name, const std::string& why);
 
-  // Children of these tags are read elsewhere, or left out knowingly, whatever their names.
+  // Children of these tags are read by other code, or left out knowingly, with any name.
   void allow_tags(std::initializer_list<std::string_view> tags);
   void allow_tags(std::span<const std::string_view> tags);
   void allow_all_tags() { all_tags_ = true; }
-  // Properties that are left out knowingly: tells whether a name is one.
+  // Properties that are left out knowingly: `is_left_out` tests a name.
   void leave_out(bool (*is_left_out)(std::string_view name)) { is_left_out_ = is_left_out; }
 
   void complain(const std::string& what) { file_.complain(node_, what); }
-  // Complains of every attribute, property, other child and text that was not asked for.
+  // Reports every attribute, property, other child and text that was not requested.
   void finish();
 
  private:
@@ -63,7 +63,7 @@ class XmlElement {
   XmlFile& file_;
   pugi::xml_node node_;
   std::string name_;
-  std::vector<std::string_view> attributes_;                               // asked for
+  std::vector<std::string_view> attributes_;                               // requested
   std::vector<std::pair<std::string_view, std::string_view>> properties_;  // name, tag
   std::vector<std::string_view> tags_;
   bool all_tags_ = false;

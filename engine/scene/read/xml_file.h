@@ -1,7 +1,7 @@
-// XmlFile: a scene file as a tree whose nodes know their line, and the list of what is wrong with
-// it: of load_scene, and of drawings in XML.
+// XmlFile: a scene file as a tree whose nodes have a line number, and the list of its faults: for
+// load_scene, and for drawings in XML.
 //
-// Reading goes on after a mistake, so that a person sees all of them at once.
+// Reading continues after a mistake, so that all of them are reported at once.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +19,10 @@ namespace rayloc {
 
 class XmlFile {
  public:
-  // `name` stands for the file in errors.
+  // `name` denotes the file in errors.
   XmlFile(std::string_view xml, std::string name);
 
-  // The element that all others are in. An Error when the text is no XML or has no such element.
+  // The root element. An Error when the text is no XML or has no such element.
   Expected<pugi::xml_node> parse(const std::string& root_name = "scene");
 
   const std::string& name() const { return name_; }
@@ -30,13 +30,13 @@ class XmlFile {
   std::string place(const pugi::xml_node& node) const;
 
   void complain(const pugi::xml_node& node, const std::string& what);
-  // False once there are so many that no further one is printed: its text need not be made.
+  // False once the limit of printed complaints is reached: further texts need not be made.
   bool listens() const { return complaints_.size() < kMostComplaints; }
-  // All complaints in the order of the file, one a line; kBadInput.
+  // All complaints in the order of the file, one per line; kBadInput.
   Expected<void> check() const;
 
  private:
-  // A count, chosen: more than one reads at once.
+  // A count, chosen: more than a person reads at once.
   static constexpr std::size_t kMostComplaints = 20;
 
   std::string place(std::ptrdiff_t offset) const;

@@ -16,7 +16,7 @@ bool EdgeFinder::find(std::uint32_t edge, const LitWay& from, const LitWay& to) 
     return false;
   }
   const Vec3d bend = wedge.from + height * wedge.along;
-  // What is cheap first.
+  // Cheap tests come first.
   if (!before_.trace(from, bend) || !after_.trace(to, bend)) {
     return false;
   }

@@ -1,14 +1,14 @@
-// EdgeFinder: the paths of a link over one edge, as lists of what they meet.
+// EdgeFinder: the paths of a link over one edge, as lists of their interactions.
 //
-// A way to the edge from each end, over images (lit_edges.h), make one path: it bends where Fermat
-// says. Up to kMostBesideEdge interactions lie on each side, no more than the depth in all. Where
-// the bend is must be on the edge, and both ways must be free to it; each is looked for as a path
-// without an edge would be (interaction_finder.h).
+// A path to the edge from each end, over images (lit_edges.h), makes one path: its bend follows
+// from Fermat's principle. Up to kMostBesideEdge interactions lie on each side, no more than the
+// depth in total. The bend must be on the edge, and both parts must be unobstructed; each is
+// searched like a path without an edge (interaction_finder.h).
 //
-// Not found are ways that turn at corners where an edge ends, and from within a wedge. Those that
-// turn twice: edge_pair_finder.h.
+// Paths that bend at corners where an edge ends, and paths from within a wedge are not found. For
+// paths that bend twice see edge_pair_finder.h.
 //
-// Thread safety: one finder a thread (it holds scratch memory).
+// Thread safety: one finder per thread (it holds scratch memory).
 #pragma once
 
 #include <cstdint>

@@ -8,10 +8,9 @@
 namespace rayloc {
 namespace {
 
-constexpr double kMinEdgeDistance =
-    1e-6;                         // [m], chosen: nearer to each other than that nothing bends
-constexpr double kExact = 1e-12;  // [m], chosen: of a step that changes nothing any more
-constexpr int kMostSteps = 60;    // a count, chosen: a few are usual
+constexpr double kMinEdgeDistance = 1e-6;  // [m], chosen: closer points have no bend
+constexpr double kExact = 1e-12;           // [m], chosen: length of a negligible step
+constexpr int kMostSteps = 60;             // a count, chosen: a few are usual
 
 using Edges = std::pair<EdgeLine<double>, EdgeLine<double>>;
 
@@ -28,7 +27,7 @@ double length_of(const Edges& edges,
 std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
                                                    const Vec3d& source,
                                                    const Vec3d& observer) {
-  // From where each line is nearest to the middle of the ends.
+  // Starts where each line is nearest to the middle of the ends.
   const Vec3d middle = 0.5 * (source + observer);
   EdgePairBends<double> bends{dot(middle - edges.first.from, edges.first.along),
                               dot(middle - edges.second.from, edges.second.along)};
@@ -47,7 +46,7 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
     if (std::max(std::abs(by_first), std::abs(by_second)) < kExact) {
       return aim;
     }
-    // The length is convex: a half of a step that is too long is shorter than none.
+    // The length is convex: half of a step that is too long shortens the path.
     EdgePairBends<double> next = aim;
     double shorter = length_of(edges, source, observer, next);
     for (int halved = 0; shorter > length && halved < kMostSteps; ++halved) {
@@ -57,7 +56,7 @@ std::optional<EdgePairBends<double>> shortest_over(const Edges& edges,
       shorter = length_of(edges, source, observer, next);
     }
     if (shorter > length) {
-      return bends;  // rounding is larger than what is left
+      return bends;  // rounding exceeds the remaining improvement
     }
     bends = next;
     length = shorter;

@@ -1,4 +1,4 @@
-// Two edges in a row: where a way over both bends, and the face that both may share.
+// Two edges in a row: the bends of a path over both, and the face that both may share.
 #pragma once
 
 #include <optional>
@@ -16,7 +16,7 @@ struct EdgePairBends {
   T first{}, second{};
 };
 
-// The three parts of a way over two lines.
+// The three parts of a path over two lines.
 template <typename T>
 struct EdgePairWay {
   T before{}, between{}, behind{};  // [m]
@@ -41,8 +41,8 @@ EdgePairWay<T> edge_pair_way(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
   return way;
 }
 
-// How the length is curved with the heights of both bends [1/m]. Its determinant is positive unless
-// the way goes along an edge.
+// Second derivatives of the length by the heights of both bends [1/m]. Their determinant is
+// positive unless the path is along an edge.
 template <typename T>
 struct EdgePairCurvature {
   T first{}, mixed{}, second{};
@@ -62,8 +62,8 @@ EdgePairCurvature<T> edge_pair_curvature(const std::pair<EdgeLine<T>, EdgeLine<T
           across(f_across) / way.between + across(dot(f, way.out)) / way.behind};
 }
 
-// One step of Newton's towards the shortest way. From bends that are right in their values it
-// gives their first derivatives.
+// One Newton step towards the shortest path. From bends with correct values it gives their
+// first derivatives.
 template <typename T>
 EdgePairBends<T> improved(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
                           const Vec3<T>& source,
@@ -78,21 +78,21 @@ EdgePairBends<T> improved(const std::pair<EdgeLine<T>, EdgeLine<T>>& edges,
           bends.second - (curved.first * by_second - curved.mixed * by_first) / determinant};
 }
 
-// The shortest way over both lines: the length is convex, so there is one. Nothing where it cannot
-// be told: it comes too near to an end or to where the lines meet.
+// The shortest path over both lines: the length is convex, so there is one. Nothing where it cannot
+// be determined: it comes too near to an end or to the intersection of the lines.
 std::optional<EdgePairBends<double>> shortest_over(
     const std::pair<EdgeLine<double>, EdgeLine<double>>& edges,
     const Vec3d& source,
     const Vec3d& observer);
 
-// A side of a face that two edges share: the way between them goes along it. Azimuths of it [rad].
+// A side of a face that two edges share: the path between them follows it. Its azimuths [rad].
 struct SharedSide {
   double at_first = 0.0;
   double at_second = 0.0;
 };
 
-// Along face 0 or face n of the first; nothing: the second one does not share that side. Free
-// edges of one sheet share both.
+// The side along face 0 or face n of the first; nothing: the second one does not share that side.
+// Free edges of one sheet share both.
 std::optional<SharedSide> shared_side(const std::pair<const Wedge&, const Wedge&>& edges,
                                       bool along_face_n);
 

@@ -6,14 +6,14 @@
 namespace rayloc {
 namespace {
 
-// Edges nearer to one line are on it [m], chosen: no way turns from the one to the other.
+// Edges nearer to one line are on it [m], chosen: no path bends from one to the other.
 constexpr double kOnLine = 1e-6;
 
 double distance_from_line(const Wedge& wedge, const Vec3d& point) {
   return norm(cross(point - wedge.from, wedge.along));
 }
 
-// Within the wedge, not on its faces.
+// Inside the wedge, not on its faces.
 bool is_within_wedge(const Wedge& wedge, const Vec3d& point) {
   const Vec3d off = point - wedge.from;
   const double above_0 = dot(off, wedge.normal);
@@ -36,7 +36,7 @@ bool EdgePairFinder::may_follow(std::uint32_t first, std::uint32_t second) const
     return distance_from_line(line, other.from) < kOnLine &&
            distance_from_line(line, other.to) < kOnLine;
   };
-  // A wedge is convex: of an edge with both ends in it nothing is outside.
+  // A wedge is convex: an edge with both ends in it has no part outside.
   const auto hides = [](const Wedge& wedge, const Wedge& other) {
     return is_within_wedge(wedge, other.from) && is_within_wedge(wedge, other.to);
   };
@@ -112,14 +112,14 @@ bool EdgePairFinder::is_open(const Vec3d& from, const Vec3d& to) {
   return finder_.find({}, end_at(from), end_at(to), between_);
 }
 
-// The face goes on below the whole way, and nothing stands on it.
+// True if the face continues below the whole path, and no object is on it.
 bool EdgePairFinder::is_joined(const Wedge& first,
                                const Vec3d& bend,
                                const Vec3d& other,
                                bool along_face_n) {
   const std::uint32_t face = along_face_n ? first.face_n : first.face_0;
   const Vec3d outward = along_face_n ? first.normal_n() : first.normal;
-  // Shares of the way at which the face is looked for, chosen: a face has few corners.
+  // Positions along the path at which the face is tested, chosen: a face has few corners.
   for (const double share : {0.01, 0.25, 0.5, 0.75, 0.99}) {
     if (!context_->scene->surfaces()[face].contains(bend + share * (other - bend))) {
       return false;

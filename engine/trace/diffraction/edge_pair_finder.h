@@ -1,16 +1,16 @@
-// EdgePairFinder: the paths of a link over two edges in a row, as lists of what they meet.
+// EdgePairFinder: the paths of a link over two edges in a row, as lists of their interactions.
 //
-// As EdgeFinder: a way to the first edge from one end and a way from the second edge to the other,
-// over images, make a path that bends at both where it is shortest. Between the edges nothing
-// reflects. Two edges of one face are joined by it: the way goes along it, on a sheet along both
-// sides (two paths). The depth counts both edges.
+// As in EdgeFinder, a path to the first edge from one end and a path from the second edge to the
+// other, over images, make a path whose bends minimise its length. Between the edges nothing
+// reflects. Two edges of one face are joined by it: the path follows the face, on a sheet along
+// both sides (two paths). The depth counts both edges.
 //
-// Not found are ways between edges whose faces are in one plane and touch, and what EdgeFinder does
-// not find.
+// Paths between edges whose faces are in one plane and touch are not found, nor those that
+// EdgeFinder does not find.
 //
-// Takes time as the number of edges squared.
+// The run time grows as the number of edges squared.
 //
-// Thread safety: one finder a thread (it holds scratch memory).
+// Thread safety: one finder per thread (it holds scratch memory).
 #pragma once
 
 #include <cstdint>
@@ -60,16 +60,16 @@ class EdgePairFinder {
  private:
   using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
-  // Along which face of the first edge that both share the way goes: true for its face n, false for
+  // The face of the first edge that both share and the path follows: true for its face n, false for
   // face 0; nothing: through space.
   using Between = std::optional<bool>;
 
-  // False where geometry proves that no way goes from the one to the other.
+  // False where geometry proves that no path leads from the first to the second.
   bool may_follow(std::uint32_t first, std::uint32_t second) const;
   std::vector<Between> ways_between(std::uint32_t first, std::uint32_t second) const;
   // Fills interactions_; false when there is no such path.
   bool find(const Pair& pair, const LitWay& from, const LitWay& to, const Between& between);
-  // Fill between_; false where something is in the way.
+  // Fill between_; false where the path is obstructed.
   bool is_joined(const Wedge& first, const Vec3d& bend, const Vec3d& other, bool along_face_n);
   bool is_open(const Vec3d& from, const Vec3d& to);
 

@@ -1,16 +1,16 @@
 // A path over two edges in a row: the field along it.
 //
-// Each edge makes of a wave what wedge_dyad.h says, from a source or towards an observer that is
-// the other edge. The spreading is that of stationary phase over both edges: the lengths of the
-// parts and how the whole is curved with both bends (for parallel edges it is that of [KP]).
-// Along a face that both edges share a wave vanishes, or its slope does. So what the first edge
-// makes is taken with its slope across the way ([A], wedge_diffraction.h), and both half: the wave
-// that comes and the one that the face reflects are one.
+// Each edge diffracts a wave as in wedge_dyad.h, from a source or towards an observer that is the
+// other edge. The spreading is that of stationary phase over both edges: the lengths of the parts
+// and the second derivatives of the length by both bends (for parallel edges it is that of [KP]).
+// Along a face that both edges share a wave vanishes, or its slope does. So the field diffracted by
+// the first edge is used with its slope across the path ([A], wedge_diffraction.h), and both with
+// factor one half: the incident wave and the one that the face reflects are one.
 //
-// Where it fails: where both edges are near to a boundary of shadow or reflection of each other at
-// once (ends and edges in about one plane), what is one transition of two variables ([AB]) is taken
-// as two of one. Where the way between is shorter than a wavelength, waves go to and fro that are
-// left out.
+// Limits: where both edges are near to a boundary of shadow or reflection of each other at once
+// (ends and edges in about one plane), one transition of two variables ([AB]) is replaced by two
+// of one. Where the path between them is shorter than a wavelength, multiple diffraction between
+// them is left out.
 //
 // References:
 //   [KP] R. G. Kouyoumjian, P. H. Pathak, Proc. IEEE 62 (1974) 1448.
@@ -35,11 +35,11 @@
 
 namespace rayloc {
 
-// A face that a wave goes along from one edge to the other. At grazing incidence any face but a
-// conductor reflects a wave to nothing; over a short way it does not yet. A magnetic field along
-// the edges becomes F = 1 - w G(w) of what it is on a conductor, w = sqrt(k d / 2) |Z| ([N], with
-// the face's surface impedance Z over that of free space and G of wedge_transition.h). Each edge
-// has the root of it.
+// A face along which a wave travels from one edge to the other. At grazing incidence any face
+// except a conductor reflects a wave to zero field; over a short path not completely. A magnetic
+// field along the edges becomes F = 1 - w G(w) of its value on a conductor, w = sqrt(k d / 2) |Z|
+// ([N], with the face's surface impedance Z over that of free space and G of wedge_transition.h).
+// Each edge has the square root of it.
 template <typename T>
 struct FaceAlong {
   WedgeFace<T> face;
@@ -55,7 +55,7 @@ struct FaceAlong {
  private:
   SlabTable::Pair<T> grazing() const {
     using std::sqrt;
-    // The impedance is that of R = (c - Z) / (c + Z) at a small cosine c, chosen.
+    // The impedance follows from R = (c - Z) / (c + Z) at a small cosine c, chosen.
     constexpr double kSmall = 0.01;
     constexpr double kTiny = 1e-24;  // chosen: keeps the slope of a root finite at 0
     const auto size = [&](const Complex<T>& z) {
@@ -72,18 +72,18 @@ struct FaceAlong {
   }
 };
 
-// How a way over two edges meets them.
+// Geometry of a path over two edges.
 template <typename T>
 struct EdgePairRays {
   std::pair<EdgeLine<T>, EdgeLine<T>> edges;
   EdgePairWay<T> way;
-  std::optional<SharedSide> side;     // along which the way between goes
-  T sin_first{}, sin_second{};        // of the angles between edges and way
+  std::optional<SharedSide> side;     // followed by the part between
+  T sin_first{}, sin_second{};        // of the angles between edges and path
   T length_first{}, length_second{};  // [m], L of each edge
   WedgeRay<T> ray_first, ray_second;
 };
 
-// `ends`: source and observer, images through what reflects before and behind the edges.
+// `ends`: source and observer, images through the mirrors before and behind the edges.
 template <typename T>
 EdgePairRays<T> edge_pair_rays(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>& at,
                                std::span<const Interaction> interactions,
@@ -129,9 +129,9 @@ EdgePairRays<T> edge_pair_rays(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>& at
   return rays;
 }
 
-// The path over `facets`, as `interactions` says.
-// REQUIRES: as edge_path(); nothing reflects between the edges; the interactions stand where the
-// path bends.
+// The path over `facets`, with the kinds of `interactions`. REQUIRES: as
+// edge_path(); nothing reflects between the edges; the interactions are located at
+// the bends of the path.
 template <typename T>
 PathCoefficient<T> edge_pair_path(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>& at,
                                   std::span<const Interaction> interactions,
@@ -139,7 +139,7 @@ PathCoefficient<T> edge_pair_path(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>&
                                   const std::pair<const LinkEnd<T>&, const LinkEnd<T>&>& ends,
                                   const T& wavelength) {
   using std::sqrt;
-  const EdgeOfPath<T>& one = at.first;  // not bindings: clang 14 takes none into a lambda
+  const EdgeOfPath<T>& one = at.first;  // not bindings: clang 14 cannot capture them in a lambda
   const EdgeOfPath<T>& two = at.second;
   const T wave_number = T(2.0 * std::numbers::pi) / wavelength;
   const EdgePairRays<T> rays =
@@ -173,7 +173,7 @@ PathCoefficient<T> edge_pair_path(const std::pair<EdgeOfPath<T>, EdgeOfPath<T>>&
     wave = diffracted(wave, along_2, way.out, at_second);
     return carried<T>(wave, interactions, facets, {two.place + 1, facets.size()}, wavelength);
   };
-  // Per metre across the way at the second edge, towards larger azimuths of its source, over k.
+  // Per metre across the path at the second edge, towards larger azimuths of its source, over k.
   const T slope = dot(cross(along_1, way.across), cross(way.across, along_2)) /
                   (rays.sin_first * rays.sin_first * rays.sin_second * rays.sin_second *
                    way.between * wave_number);

@@ -1,12 +1,12 @@
-// A path over one edge: where it bends, and the field along it.
+// A path over one edge: its bend, and the field along it.
 //
-// What reflects before the edge makes an image of the transmitter, what reflects after it one of
-// the receiver. Between both images the way is the shortest one over the edge's line (Fermat):
-// exact, and without a search. What the wave crosses changes neither.
+// Reflections before the edge make an image of the transmitter, those after it one of the receiver.
+// Between both images the path is the shortest one over the edge's line (Fermat): exact, and
+// without a search. Faces that the wave crosses change neither.
 //
 // Written in a scalar T, so that with dual numbers the coefficient carries derivatives by both
-// ends, the planes, the edge, the materials and the orientations. Whether the points lie on the
-// edge and on the mirrors and whether anything is in the way is decided elsewhere (edge_finder.h).
+// ends, the planes, the edge, the materials and the orientations. edge_finder.h tests that the
+// points lie on the edge and on the mirrors and that the path is not obstructed.
 #pragma once
 
 #include <cmath>
@@ -41,7 +41,7 @@ EdgeLine<T> edge_line(const Wedge& wedge) {
   return {constant(wedge.from), constant(wedge.along), constant(wedge.in_face), wedge.n};
 }
 
-// A point as seen from an edge: all that says where a way over the edge bends.
+// A point relative to an edge: the data that determine the bend of a path over the edge.
 template <typename T>
 struct OffEdge {
   T height{};  // [m], along the edge from EdgeLine::from
@@ -67,14 +67,14 @@ AboutEdge<T> about_edge(const EdgeLine<T>& edge, const Vec3<T>& point) {
   return {{dot(off, edge.along), sqrt(x * x + y * y)}, azimuth};
 }
 
-// How far along the edge the shortest way from one point over it to another bends [m]: there both
+// Height at which the shortest path from one point over the edge to another bends [m]: there both
 // legs make the same angle with it (Fermat, Keller).
 template <typename T>
 T edge_height(const OffEdge<T>& from, const OffEdge<T>& to) {
   return (from.height * to.radius + to.height * from.radius) / (from.radius + to.radius);
 }
 
-// A face as wedge_dyad.h asks for it.
+// A face in the form that wedge_dyad.h requires.
 template <typename T>
 struct WedgeFace {
   Facet<T> facet;
@@ -88,10 +88,10 @@ struct WedgeFace {
   }
 };
 
-// The line of a wedge whose faces have moved: where their planes meet, of a sheet with it.
+// The line of a wedge whose faces have moved: the intersection of their planes.
 template <typename T>
 EdgeLine<T> edge_line(const Wedge& wedge, const Facet<T>& face_0, const Facet<T>& face_n) {
-  // Faces in about one plane meet nowhere: the sine between them, chosen.
+  // Almost coplanar faces have no intersection: the sine between them, chosen.
   constexpr double kParallel = 1e-3;
   EdgeLine<T> line = edge_line<T>(wedge);
   const double cosine = std::cos(wedge.n * std::numbers::pi);
@@ -108,7 +108,7 @@ EdgeLine<T> edge_line(const Wedge& wedge, const Facet<T>& face_0, const Facet<T>
   return line;
 }
 
-// The wave behind the edge, of one that goes on in the direction `out`.
+// The wave behind the edge that continues in the direction `out`.
 template <typename T>
 Wave<T> diffracted(const Wave<T>& in,
                    const Vec3<T>& along,
@@ -129,13 +129,13 @@ Wave<T> diffracted(const Wave<T>& in,
   return {{s_out.re * to_soft + h_out.re * to_hard, s_out.im * to_soft + h_out.im * to_hard}, out};
 }
 
-// A wedge that a path bends at, as it is.
+// A wedge at which a path bends, unmodified.
 struct MetWedge {
   const Wedge& wedge;
   WedgeBody body;
 };
 
-// An edge that a path bends at. The facet of its place is the wedge's face 0.
+// An edge at which a path bends. The facet at its place is the wedge's face 0.
 template <typename T>
 struct EdgeOfPath {
   MetWedge met;
@@ -167,7 +167,7 @@ Vec3<T> image_behind(std::span<const Interaction> interactions,
   return observer;
 }
 
-// How a wave leaves the transmitter that comes to the interaction at `end` in the direction `in`.
+// Direction of departure of the wave that reaches the interaction at `end` in direction `in`.
 template <typename T>
 Vec3<T> departure_of(std::span<const Interaction> interactions,
                      std::span<const Facet<T>> facets,
@@ -196,8 +196,8 @@ Wave<T> carried(Wave<T> wave,
   return wave;
 }
 
-// The path over `facets`, as `interactions` says.
-// REQUIRES: the images of both ends are off the edge's line and outside of the wedge.
+// The path over `facets`, with the kinds of `interactions`. REQUIRES: the images of both ends are
+// off the edge's line and outside of the wedge.
 template <typename T>
 PathCoefficient<T> edge_path(const EdgeOfPath<T>& at,
                              std::span<const Interaction> interactions,

@@ -1,7 +1,7 @@
-// EdgeSide: the way between an end and where a path bends at an edge, over the mirrors of a
-// LitEdge.
+// EdgeSide: the path between an end and the bend at an edge, over the
+// mirrors of a LitEdge.
 //
-// Thread safety: one a thread (it holds scratch memory).
+// Thread safety: one per thread (it holds scratch memory).
 #pragma once
 
 #include <memory>
@@ -16,17 +16,17 @@
 
 namespace rayloc {
 
-// Faces may be so far off the edge that they meet at, twice the tolerance of meshes [m]. What is in
-// the way is looked for as far outside of the wedge: its own faces are not.
+// Maximum distance of faces from the edge at which they meet, twice the tolerance of meshes [m].
+// Obstructions are searched from a point this far outside of the wedge, to exclude its own faces.
 inline constexpr double kOffEdge = 2e-5;
 
 // REQUIRES: the bend is on the edge.
 Vec3d beside_edge(const Wedge& wedge, const Vec3d& bend);
 
-// As a path has it, where it bends at an edge.
+// The interaction of a path that bends at an edge.
 Interaction turn_at(const TraceContext& context, std::uint32_t edge, const Vec3d& bend);
 
-// How an end lights a part of an edge.
+// The mirrors over which an end lights a part of an edge.
 struct LitWay {
   const LitEdge& lit;
   const LitEdges& end;
@@ -36,11 +36,11 @@ class EdgeSide {
  public:
   explicit EdgeSide(std::shared_ptr<const TraceContext> context) : finder_(std::move(context)) {}
 
-  // Whether the mirrors are where the way to the bend wants them.
+  // True if the mirrors reflect at the points that the path to the bend needs.
   bool trace(const LitWay& way, const Vec3d& bend);
-  // Whether the way to a point beside the edge is free; fills met(). REQUIRES: trace().
+  // True if the path to a point beside the edge is unobstructed; fills met(). REQUIRES: trace().
   bool find(const LitWay& way, const Vec3d& beside);
-  // From the bend to the end.
+  // Interactions from the bend to the end.
   const std::vector<Interaction>& met() const { return met_; }
 
  private:

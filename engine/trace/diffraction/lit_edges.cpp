@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// An end nearer to the line of an edge is on it [m]: no way bends there.
+// An end nearer to the line of an edge is on it [m]: no path bends there.
 constexpr double kOnEdge = 1e-6;
 
 // An edge nearer to a plane is in it, twice the tolerance of meshes [m].
@@ -23,7 +23,7 @@ int most_mirrors(const TraceOptions& options) {
 
 }  // namespace
 
-// Collects what one end lights.
+// Collects the edges that one end lights.
 class LitEdges::Search {
  public:
   Search(const TraceContext& context, const ImageTree& tree, std::size_t root)
@@ -87,10 +87,10 @@ class LitEdges::Search {
   }
 
  private:
-  // Edges whose box is looked at before they are: those of a body are neighbours, chosen.
+  // Edges whose common box is tested first: those of a body are neighbours, chosen.
   static constexpr std::size_t kTogether = 8;
 
-  // Such a mirror does not reflect what comes from the edge, wherever rounding puts the edge.
+  // Such a mirror does not reflect waves from the edge, for any rounding of the edge's position.
   bool is_in_mirror(const Wedge& wedge, std::uint32_t node) const {
     const Plane<double>& plane = surfaces_[tree_.node(node).surface].plane();
     return std::abs(distance(plane, wedge.from)) < kInMirror &&
@@ -138,7 +138,7 @@ LitEdges::LitEdges(const TraceContext& context,
     const std::uint32_t parent = tree_->node(node).parent;
     mirrors.push_back(parent == kRootNode ? 1 : mirrors[parent] + 1);
     if (mirrors.back() > most) {
-      break;  // those of more mirrors come after
+      break;  // nodes with more mirrors come later
     }
     if ((tree_->node(node).roots >> root & 1U) != 0) {
       search.add_over(node, static_cast<std::uint32_t>(mirrors.back()));

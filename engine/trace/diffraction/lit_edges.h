@@ -1,8 +1,8 @@
-// LitEdges: which edges one end of a link may light, directly and over mirrors.
+// LitEdges: the edges that one end of a link may light, directly and over mirrors.
 //
-// Exhaustive as the tree of images is: an edge is left out only when geometry proves that no wave
-// comes to it (outside of the beam of the last mirror; from within the wedge). What stands in the
-// way is tested for a path (edge_finder.h).
+// Exhaustive like the image tree: an edge is left out only when geometry proves that no wave
+// reaches it (outside of the beam of the last mirror; from within the wedge). Obstructions are
+// tested for each path (edge_finder.h).
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@
 
 namespace rayloc {
 
-// A way to some part of an edge.
+// A path to some part of an edge.
 struct LitEdge {
-  std::uint32_t node = kRootNode;  // of the tree: the mirrors on the way, from the end on
-  std::uint32_t mirrors = 0;       // how many
+  std::uint32_t node = kRootNode;  // of the tree: the mirrors on the path, from the end on
+  std::uint32_t mirrors = 0;       // their number
   OffEdge<double> image;           // the end, seen through them
   double lower = 0.0;              // [m], the part lies between these heights
   double upper = 0.0;
@@ -28,7 +28,7 @@ struct LitEdge {
 
 class LitEdges {
  public:
-  // Of root number `root` of the tree, over as many mirrors as options allow before an edge.
+  // For root number `root` of the tree, over as many mirrors as options allow before an edge.
   LitEdges(const TraceContext& context, std::shared_ptr<const ImageTree> tree, std::size_t root);
 
   std::span<const LitEdge> of(std::uint32_t edge) const {
@@ -36,7 +36,7 @@ class LitEdges {
   }
   const ImageTree& tree() const { return *tree_; }
   std::size_t root() const { return root_; }
-  const Vec3d& end() const { return tree_->roots()[root_]; }  // [m], where the end is
+  const Vec3d& end() const { return tree_->roots()[root_]; }  // [m], position of the end
   std::size_t size() const { return lit_.size(); }
 
  private:
@@ -45,10 +45,10 @@ class LitEdges {
   std::shared_ptr<const ImageTree> tree_;
   std::size_t root_;
   std::vector<LitEdge> lit_;        // edge by edge
-  std::vector<std::size_t> first_;  // of each edge, and the end
+  std::vector<std::size_t> first_;  // start index of each edge, and the end
 };
 
-// A tree for one end that has no other use for it.
+// A tree for one end that no other code uses.
 std::shared_ptr<const ImageTree> edge_tree(const TraceContext& context, const Vec3d& end);
 
 }  // namespace rayloc

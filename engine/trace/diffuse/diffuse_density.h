@@ -1,5 +1,5 @@
 // DiffuseDensity: the power that rough surfaces scatter from one antenna to another, by delay and
-// angles: a sum over points of the surfaces, each of which stands for what is about it.
+// angles: a sum over points of the surfaces, each representing the area about it.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@
 
 namespace rayloc {
 
-// What comes over one point, as a Path is for specular ways; its phase is random.
+// The contribution of one point, as Path is for a specular path; its phase is random.
 struct DiffuseEcho {
   double power = 0.0;  // mean of |a|^2
   double tau = 0.0;    // [s]
-  Vec3d departure;     // unit, world: the way that the wave leaves the transmitter
-  Vec3d arrival;       // unit, world: from the receiver towards where the wave comes from
+  Vec3d departure;     // unit, world: direction of travel at the transmitter
+  Vec3d arrival;       // unit, world: from the receiver towards the arriving wave
   ScatteringPatch patch;
-  std::vector<Interaction> before;  // the patch, from the transmitter on
-  std::vector<Interaction> after;   // the patch, from the receiver on
+  std::vector<Interaction> before;  // interactions before the patch, from the transmitter on
+  std::vector<Interaction> after;   // interactions after the patch, from the receiver on
 };
 
 class DiffuseDensity {
@@ -34,9 +34,9 @@ class DiffuseDensity {
   // Power: the mean of |h|^2 over all realisations.
   PowerDelay power_delay() const;
   double power() const { return power_delay().power; }
-  // By what the integration may be off, estimated.
+  // Estimated error of the integration.
   double error() const { return error_; }
-  // Power by delay: of bin i from first + i * step on; what lies outside is left out. [s]
+  // Power by delay: bin i begins at first + i * step [s]; power outside all bins is left out.
   std::vector<double> profile(double first, double step, std::size_t bins) const;
 
  private:
@@ -44,7 +44,7 @@ class DiffuseDensity {
   double error_ = 0.0;
 };
 
-// How every echo changes with every parameter.
+// Derivatives of every echo by every parameter.
 class DiffuseDerivatives {
  public:
   struct Derivative {

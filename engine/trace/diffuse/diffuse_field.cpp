@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-// Steele, Lea, Flood 2014: the finaliser of SplitMix64; neighbouring numbers become unlike.
+// Steele, Lea, Flood 2014: the finaliser of SplitMix64; neighbouring numbers become unrelated.
 std::uint64_t mixed(std::uint64_t value) {
   value += 0x9e37'79b9'7f4a'7c15U;
   value = (value ^ (value >> 30U)) * 0xbf58'476d'1ce4'e5b9U;
@@ -87,7 +87,7 @@ Path DiffuseField::path(const End::Lit& in, const End::Lit& out) const {
   const RoughMaterial<double>& rough = *materials_.of_surface(patch.surface);
   const ScatteredWay<double> way = scattered_way<double>(
       rough, context_->facets[patch.surface], in.leg, out.leg, context_->wavelength);
-  // The same when both ends are exchanged.
+  // Symmetric in both ends.
   const std::uint64_t number =
       mixed(options_.seed ^ mixed(2 * in.patch + (in.above ? 1 : 0))) + in.mirrors + out.mirrors;
   const double amplitude = std::sqrt(way.per_area * patch.area);

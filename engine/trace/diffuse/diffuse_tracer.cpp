@@ -39,12 +39,12 @@ constexpr std::array<TriangleNode, 7> kRule{
      {{kFar, 1.0 - 2.0 * kFar, kFar}, kFarWeight},
      {{1.0 - 2.0 * kFar, kFar, kFar}, kFarWeight}}};
 
-// Whether faces would move with it.
+// True if faces would move with the parameter.
 bool moves_faces(const Parameter& parameter) {
   return parameter.kind == Kind::kObjectTranslation || parameter.kind == Kind::kSurfaceOffset;
 }
 
-// Of a leg that is tried in many ways.
+// Data of a leg that is reused in many paths.
 struct KnownLeg {
   const FoundLeg* found;
   LegToPatch<double> leg;
@@ -52,7 +52,7 @@ struct KnownLeg {
 
 }  // namespace
 
-// One density in the making.
+// State of the computation of one density.
 class DiffuseTracer::Integration {
  public:
   Integration(const DiffuseTracer& tracer, const Transmitter& transmitter, const Receiver& receiver)
@@ -95,7 +95,7 @@ class DiffuseTracer::Integration {
     std::vector<DiffuseEcho> echoes;
     double power = 0.0;
   };
-  // A cell by its halves, and by how much both differ.
+  // A cell as its halves, and their difference from the whole.
   struct Pair {
     std::array<Cell, 2> halves;
     double error = 0.0;
@@ -103,9 +103,9 @@ class DiffuseTracer::Integration {
   };
 
   void add(std::uint32_t surface) {
-    // The first cells must be small enough to see what is near, and what shadows are cast.
+    // The first cells must be small enough to resolve nearby surfaces and shadows.
     constexpr double kSmallest = 0.5;    // [m], chosen
-    constexpr double kOfDistance = 0.5;  // of that to the nearer end, chosen
+    constexpr double kOfDistance = 0.5;  // of the distance to the nearer end, chosen
     const auto most_edge = [&](const SurfaceTriangle& triangle) {
       const Vec3d middle = triangle.middle();
       const double nearer =
@@ -212,7 +212,7 @@ class DiffuseTracer::Integration {
   LinkEnd<double> receiver_;
   LegFinder from_;
   LegFinder to_;
-  std::vector<Pair> pairs_;  // a heap: the widest first
+  std::vector<Pair> pairs_;  // a heap: the largest difference first
   double power_ = 0.0;
   double error_ = 0.0;
   std::size_t points_ = 0;

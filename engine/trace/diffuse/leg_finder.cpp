@@ -10,9 +10,9 @@ namespace {
 
 // [m], twice the tolerance of meshes, as beside an edge.
 constexpr double kBeside = 2e-5;
-// A cosine, chosen: what comes flatter carries nothing.
+// A cosine, chosen: a leg at a lower angle carries no power.
 constexpr double kMinLegCosine = 1e-6;
-// A count, chosen: faces in front of a mirror that are crossed on the way to it, a wall or a door.
+// A count, chosen: faces in front of a mirror that the path to it crosses, a wall or a door.
 constexpr int kMostCrossed = 2;
 
 std::shared_ptr<const ImageTree> tree_at(const TraceContext& context,
@@ -21,7 +21,7 @@ std::shared_ptr<const ImageTree> tree_at(const TraceContext& context,
   TraceOptions options = context.options;
   options.max_depth = most_mirrors;
   if (options.transmission && most_mirrors > 0) {
-    // The tree leaves out a mirror behind more faces than its depth allows to cross.
+    // The tree omits a mirror behind more faces than its depth allows to cross.
     options.max_depth = std::max(
         most_mirrors, std::min(context.options.max_depth - 1, most_mirrors + kMostCrossed));
   }

@@ -1,9 +1,9 @@
-// LegFinder: the ways from one antenna to a point of a surface, as lists of what they meet.
+// LegFinder: the paths from one antenna to a point of a surface, as lists of interactions.
 //
-// Over as many mirrors as it is told. What stands in the way is looked for beside the point, as for
-// edges (diffraction/edge_finder.h): a face does not stand before itself.
+// The number of mirrors is limited by an argument. Obstructions are searched beside the point, as
+// for edges (diffraction/edge_finder.h): a face does not obstruct itself.
 //
-// Thread safety: one finder a thread (it holds scratch memory).
+// Thread safety: one finder per thread (it holds scratch memory).
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ class LegFinder {
  public:
   LegFinder(std::shared_ptr<const TraceContext> context, const Vec3d& end, int most_mirrors);
 
-  // `side`: the unit normal of the surface, on the side that is asked for.
+  // `side`: the unit normal of the surface, on the requested side.
   const std::vector<FoundLeg>& find(const Vec3d& point, const Vec3d& side);
 
  private:

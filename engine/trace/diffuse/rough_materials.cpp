@@ -32,7 +32,7 @@ RoughMaterials::RoughMaterials(const TraceContext& context) {
     const std::uint32_t material = scene.objects()[scene.owner(surface).object].material;
     material_.push_back(material);
     const SurfaceScattering& rough = scene.materials()[material].scattering;
-    // What reflects nothing, as air does, scatters nothing either.
+    // A material that reflects nothing, such as air, scatters nothing either.
     const auto reflects = [&] {
       const auto reflectance = reflectance_of<double>(context.facets[surface], context.wavelength);
       return *std::min_element(reflectance.begin(), reflectance.end()) > 0.0;

@@ -14,10 +14,10 @@
 
 namespace rayloc {
 
-// For what scatters: hard edges, and paths that end there.
+// Options for scattered paths: hard edges, and paths that end at the scatterer.
 TraceOptions diffuse_options(const TraceOptions& trace);
 
-// What is wrong with a scene that is to scatter: that nothing does.
+// An Error for a scene without a scattering surface.
 Expected<void> check_scatters(const Scene& scene);
 
 // `facet`: of any surface of the material.
@@ -29,7 +29,7 @@ typename ScatteringLobe<T>::AtNodes reflectance_of(const Facet<T>& facet, const 
   }
   return reflectance;
 }
-// REQUIRES: it reflects.
+// REQUIRES: the material reflects.
 template <typename T>
 ScatteringLobe<T> lobe_of(const LobeShape<T>& shape, const Facet<T>& facet, const T& wavelength) {
   return {shape, reflectance_of(facet, wavelength)};
@@ -39,7 +39,7 @@ class RoughMaterials {
  public:
   explicit RoughMaterials(const TraceContext& context);
 
-  // nullptr of a smooth one.
+  // nullptr for a smooth surface.
   const RoughMaterial<double>* of_surface(std::uint32_t surface) const {
     const auto& found = materials_[material_[surface]];
     return found ? &found->rough : nullptr;
@@ -52,7 +52,7 @@ class RoughMaterials {
     Duals(const RoughMaterials& materials,
           const TraceContext& context,
           const ParameterBlock<N>& block);
-    // REQUIRES: it is rough.
+    // REQUIRES: the surface is rough.
     const RoughMaterial<Dual<N>>& of_surface(std::uint32_t surface) const {
       return *materials_[material_[surface]];
     }
@@ -65,7 +65,7 @@ class RoughMaterials {
  private:
   struct OfMaterial {
     RoughMaterial<double> rough;
-    std::uint32_t surface = 0;  // one of its
+    std::uint32_t surface = 0;  // one of its surfaces
   };
 
   std::vector<std::uint32_t> material_;  // of each surface

@@ -1,15 +1,15 @@
-// A way from one antenna to a patch of a rough surface and on to another antenna: how much power it
-// carries, and its field but for the patch's random phase.
+// A path from one antenna to a patch of a rough surface and on to another antenna: its power, and
+// its field without the patch's random phase.
 //
-// Both ends send a wave to the patch, over what they meet; antennas and faces work the same both
-// ways. With the direction d of one wave, mirrored to d' by the patch, and k the way to the other
-// end, the field keeps its polarisation in this sense: mirrored as d is, then turned the shortest
-// way from d' to k. That is smooth everywhere and does not change when the ends are exchanged; the
-// directions te and tm, which Sionna RT keeps, turn about at normal incidence. The share k_x of the
-// power is in the other polarisation, whose field changes its sign when ends are exchanged.
+// Both ends send a wave to the patch, over their interactions; antennas and faces are reciprocal.
+// With the direction d of one wave, mirrored to d' by the patch, and k the direction to the other
+// end, the field keeps its polarisation in this sense: mirrored as d is, then rotated by the
+// smallest rotation from d' to k. That is smooth everywhere and symmetric in both ends; the
+// directions te and tm, which Sionna RT keeps, rotate abruptly at normal incidence. The share k_x
+// of the power is in the other polarisation, whose field changes its sign when ends are exchanged.
 //
 // Written in a scalar T, so that with dual numbers power and field carry derivatives by both ends,
-// the materials and the lobes. The patch stays where it is.
+// the materials and the lobes. The patch is fixed.
 #pragma once
 
 #include <cmath>
@@ -28,7 +28,7 @@
 
 namespace rayloc {
 
-// A point of a surface that stands for what is about it.
+// A point of a surface that represents the area about it.
 struct ScatteringPatch {
   std::uint32_t surface = 0;  // index into Scene::surfaces()
   Vec3d position;             // [m], world
@@ -51,8 +51,8 @@ struct LegToPatch {
   Vec3<T> departure{};  // unit, from the end
 };
 
-// Over `interactions`, from the end on; `facet_of(surface)` gives a Facet<T>. REQUIRES: none of
-// them is an edge; end and patch are not at one place.
+// Leg over `interactions`, from the end on; `facet_of(surface)` returns a Facet<T>. REQUIRES: none
+// of them is an edge; end and patch are not at one position.
 template <typename T, typename FacetOf>
 LegToPatch<T> leg_to_patch(const LinkEnd<T>& end,
                            std::span<const Interaction> interactions,
@@ -88,10 +88,10 @@ LegToPatch<T> leg_to_patch(const LinkEnd<T>& end,
 
 template <typename T>
 struct ScatteredWay {
-  T per_area{};      // [1/m^2], of |a|^2, where the receiver takes all polarisations with gain 1
-  Complex<T> co;     // what both antennas make of the polarisation that is kept
-  Complex<T> cross;  // and of the other one
-  T length{};        // [m], from end to end
+  T per_area{};      // [1/m^2], of |a|^2, for a receiver of all polarisations with gain 1
+  Complex<T> co;     // response of both antennas to the kept polarisation
+  Complex<T> cross;  // and to the other one
+  T length{};        // [m], between the ends
 
   // [1/m^2], of |a|^2.
   T power(const RoughMaterial<T>& rough) const {
@@ -123,7 +123,7 @@ ScatteredWay<T> scattered_way(const RoughMaterial<T>& rough,
   const Vec3<T> from = mirrored(in.wave.direction);
   const Vec3<T> to = -out.wave.direction;
   const T cos_reflected = dot(from, to);
-  // Across `from`, the shortest turn takes v to v - (v . to) (from + to) / (1 + from . to).
+  // Across `from`, the smallest rotation maps v to v - (v . to) (from + to) / (1 + from . to).
   const Vec3<T> middle = (T(1) / (T(1) + cos_reflected)) * (from + to);
   const auto turned = [&](const Vec3<T>& v) { return v - dot(v, to) * middle; };
   const ComplexVec3<T> kept{turned(mirrored(in.wave.field.re)), turned(mirrored(in.wave.field.im))};

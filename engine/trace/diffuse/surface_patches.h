@@ -1,4 +1,4 @@
-// Triangles of surfaces, to be cut as finely as somebody needs them.
+// Triangles of surfaces, which can be cut to any required size.
 #pragma once
 
 #include <array>
@@ -20,13 +20,13 @@ struct SurfaceTriangle {
   }
   Vec3d middle() const { return (1.0 / 3.0) * (corners[0] + corners[1] + corners[2]); }
   double longest_edge() const;                                 // [m]
-  std::pair<SurfaceTriangle, SurfaceTriangle> halves() const;  // by the middle of that edge
+  std::pair<SurfaceTriangle, SurfaceTriangle> halves() const;  // cut at the middle of that edge
 };
 
-// Of all of the surface.
+// The triangles of the whole surface.
 std::vector<SurfaceTriangle> triangles_of(const Scene& scene, std::uint32_t surface);
 
-// Cut until no edge is longer than `most_edge(triangle)` [m].
+// Cuts until no edge is longer than `most_edge(triangle)` [m].
 template <typename MostEdge>
 void cut(const SurfaceTriangle& triangle,
          const MostEdge& most_edge,

@@ -60,8 +60,8 @@ void beam_planes(std::span<const Vec3d> apexes,
   const double inwards = side > 0.0 ? -1.0 : 1.0;
   Vec3d from = window.back();
   for (const Vec3d& to : window) {
-    // Of the planes through the side the one that has every apex on it or outside: the beams of the
-    // others stay inside of it.
+    // The plane through the side that has every apex on it or outside: the beams of the other
+    // apexes stay inside of it.
     const Vec3d* apex = &apexes.front();
     Vec3d a = from - *apex;
     Vec3d b = to - *apex;

@@ -1,5 +1,5 @@
-// Beams: what a mirror sends out, bounded by planes; and windows, the parts of surfaces that a beam
-// lights. Windows are kept a little too wide, so that rounding cannot cut a path off.
+// Beams: the waves from a mirror, bounded by planes; and windows, the parts of surfaces that a beam
+// lights. Windows are kept slightly too wide, so that rounding cannot cut a path off.
 #pragma once
 
 #include <span>
@@ -10,31 +10,31 @@
 
 namespace rayloc {
 
-// A beam is kept this much wider than it is [m].
+// A beam is widened by this margin [m].
 inline constexpr double kBeamMargin = 1e-7;
 
-using Polygon = std::vector<Vec3d>;  // convex and plane
+using Polygon = std::vector<Vec3d>;  // convex and planar
 
-// Whether no corner is in front of the plane.
+// True if no corner is in front of the plane.
 bool is_outside(const Plane<double>& plane, std::span<const Vec3d> polygon);
 
-// Cuts off what lies behind the plane. `scratch`: memory to work in.
+// Removes the part behind the plane. `scratch`: working memory.
 void clip(const Plane<double>& plane, Polygon& polygon, Polygon& scratch);
 
-// A convex outline, anticlockwise seen from where `normal` points to, with its edges moved outwards
-// by `margin`.
+// A convex outline, anticlockwise as seen from the side of `normal`, with its edges moved
+// outwards by `margin`.
 Polygon grown(std::span<const Vec3d> outline, const Vec3d& normal, double margin);
 
-// The planes through the sides of `window`, looking inwards, that hold what the apexes see through
-// it. `window`: its corners come anticlockwise seen from where the normal of its plane points to;
-// `side`: by its sign, of which side of that plane the apexes are (all on one). A side seen end on
-// bounds nothing that rounding could not move, so it is left out. REQUIRES: apexes is not empty.
+// The planes through the sides of `window`, facing inwards, that bound the apexes' view through it.
+// `window`: its corners are anticlockwise as seen from the side of its plane's normal; `side`: its
+// sign is the side of that plane where the apexes are (all on one). A side seen end on gives no
+// bound that is stable under rounding, so it is left out. REQUIRES: apexes is not empty.
 void beam_planes(std::span<const Vec3d> apexes,
                  double side,
                  std::span<const Vec3d> window,
                  std::vector<Plane<double>>& planes);
 
-// The plane turned so that `point` is behind it.
+// The plane oriented so that `point` is behind it.
 inline Plane<double> facing_away(const Plane<double>& plane, const Vec3d& point) {
   return distance(plane, point) < 0.0 ? plane : Plane<double>{-plane.normal, -plane.offset};
 }

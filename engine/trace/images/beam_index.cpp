@@ -13,8 +13,8 @@ namespace {
 
 // A cube is divided down to this half of its side [m], or while it has more beams than this.
 constexpr float kLeastHalf = 0.15F;
-constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are looked at faster than divided
-// Beams that are fetched from memory before they are looked at.
+constexpr std::size_t kFewBeams = 32;  // a count, chosen: so few are faster to test than to divide
+// Number of beams that are prefetched from memory before their test.
 constexpr std::size_t kAhead = 8;
 
 Vec3<float> single(const Vec3d& v) {
@@ -28,7 +28,7 @@ float largest(const Vec3<float>& v) {
 }  // namespace
 
 BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root) {
-  constexpr float kEverywhere = -1e30F;  // [m], chosen: a plane so far outside cuts nothing off
+  constexpr float kEverywhere = -1e30F;  // [m], chosen: a plane so far outside removes nothing
   for (std::size_t i = 0; i < kPlanes; ++i) {
     const bool used = i < planes.size();
     const Plane<double> plane = used ? planes[i] : Plane<double>{};
@@ -40,7 +40,7 @@ BeamBounds::BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root)
 }
 
 bool BeamBounds::meets(const Vec3<float>& from_root, float half, float margin) const {
-  // In a form that compilers turn into vector instructions: outside of one plane is a sign bit.
+  // In a form that compilers vectorise: a point outside of a plane sets a sign bit.
   Lanes inside;
   for (std::size_t i = 0; i < kPlanes; ++i) {
     inside[i] = x[i] * from_root.x + y[i] * from_root.y + z[i] * from_root.z - offset[i] +
@@ -79,7 +79,7 @@ bool BeamBounds::meets(const Vec3<float>& from,
   if (outside >> 31U != 0) {
     return false;
   }
-  // Shares are rounded as well.
+  // Fractions are rounded as well.
   constexpr double kRoundedShare = 1e-5;
   part = {};
   for (std::size_t i = 0; i < kPlanes; ++i) {

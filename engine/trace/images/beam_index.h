@@ -1,10 +1,10 @@
-// BeamIndex: which of many beams come by a point.
+// BeamIndex: finds the beams near a point among many.
 //
-// A tree of cubes over the scene; each cube lists the beams that meet it, from the list of the cube
-// around it. Cubes are made when somebody asks for a point in them, so that a single query costs
-// little more than a look at every beam, and the next ones nearby hundreds of times less. A cube
-// that is asked often is looked at closely once: beams that come to nothing in all of it, as the
-// caller says, are left out from then on.
+// A tree of cubes over the scene; each cube lists the beams that meet it, selected from the list
+// of the enclosing cube. Cubes are made on the first query of a point in them, so that a single
+// query costs little more than a test of every beam, and later ones nearby hundreds of times less.
+// A cube that is queried often is refined once: beams that the caller rejects in all of it are
+// left out from then on.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -22,27 +22,27 @@
 
 namespace rayloc {
 
-// A part of a segment, by shares of it from its start.
+// A part of a segment, as fractions of its length from its start.
 struct SharesOfSegment {
   double first = 0.0;
   double last = 1.0;
 };
 
-// Half spaces that hold a beam, in single precision and relative to the root of its tree.
+// Half spaces that contain a beam, in single precision and relative to the root of its tree.
 struct BeamBounds {
   static constexpr std::size_t kPlanes = 8;  // a count, chosen: a register of eight floats (AVX2)
   using Lanes = std::array<float, kPlanes>;
   alignas(32) Lanes x, y, z, offset;
 
-  // The first kPlanes of `planes`.
+  // Uses the first kPlanes of `planes`.
   BeamBounds(std::span<const Plane<double>> planes, const Vec3d& root);
 
-  // Whether a point at `from_root` is no further than `margin` outside each of the planes, or, with
+  // True if a point at `from_root` is no further than `margin` outside each of the planes, or, with
   // `half` > 0, some point of the cube around it.
   bool meets(const Vec3<float>& from_root, float half, float margin) const;
-  // The same of some point of a box around it.
+  // The same test for some point of a box around it.
   bool meets(const Vec3<float>& from_root, const Vec3<float>& half, float margin) const;
-  // The same of some point of a segment; `part` is then where such points are.
+  // The same test for some point of a segment; `part` then contains such points.
   bool meets(const Vec3<float>& from,
              const Vec3<float>& to,
              float margin,
@@ -57,8 +57,8 @@ struct CubeRegion {
 
 class BeamIndex {
  public:
-  // Where points are looked for (others are found too, slowly), and how often in one cube until a
-  // close look pays.
+  // The box of expected queries (others are answered too, slowly), and the number of queries of one
+  // cube after which its refinement pays off.
   struct Region {
     Vec3d lower;
     Vec3d upper;
@@ -66,9 +66,9 @@ class BeamIndex {
   };
   BeamIndex(std::vector<BeamBounds> beams, const Vec3d& root, const Region& region);
 
-  // The numbers of the beams that hold the point, ascending, and some of others that it is near.
-  // Fills `found`, whose memory is used again. is_vain(beam, CubeRegion): whether the caller has no
-  // use for the beam anywhere in the region; such beams may be found or not.
+  // The numbers of the beams that contain the point, ascending, and some of others nearby. Fills
+  // `found`, whose memory is reused. is_vain(beam, CubeRegion): true if the caller has no use for
+  // the beam anywhere in the region; such beams may be included or not.
   template <typename IsVain>
   void find(const Vec3d& point, std::vector<std::uint32_t>& found, const IsVain& is_vain) const {
     const Cube* cube = cube_at(point);
@@ -106,7 +106,7 @@ class BeamIndex {
   };
   Segment segment(const Vec3d& from, const Vec3d& to) const;
   Box box(const Vec3d& lower, const Vec3d& upper) const;
-  // Whether a beam holds some point of it, or is near one; those of a segment are within `part`.
+  // True if a beam contains some point of it, or is near one; those of a segment are within `part`.
   bool meets(std::uint32_t beam, const Segment& segment, SharesOfSegment& part) const {
     return beams_[beam].meets(segment.from, segment.to, segment.margin, part);
   }
@@ -114,7 +114,7 @@ class BeamIndex {
     return beams_[beam].meets(box.centre, box.half, box.margin);
   }
 
-  std::size_t bytes() const;  // of the beams and of the cubes so far
+  std::size_t bytes() const;  // memory of the beams and of the cubes so far
 
  private:
   struct Cube {
@@ -126,10 +126,10 @@ class BeamIndex {
     Tally asked;
     Lazy<std::vector<std::uint32_t>> useful;
   };
-  // A close look costs as much as some five queries save.
+  // A refinement costs as much as some five queries save.
   static constexpr std::uint32_t kOften = 4;
 
-  const Cube* cube_at(const Vec3d& point) const;  // the smallest; nullptr outside of all
+  const Cube* cube_at(const Vec3d& point) const;  // the smallest cube; nullptr outside of all cubes
   CubeRegion region_of(const Cube& cube) const;
   void select(const Vec3d& point,
               std::span<const std::uint32_t> from,

@@ -1,8 +1,8 @@
-// BeamShadow: what certainly stands in the way of a beam.
+// BeamShadow: detects surfaces that certainly block a beam.
 //
-// A convex piece of a surface hides a window from the beam's apex when it hides every corner. So
-// that no rounding or tolerance of a later test of a path can change that, and no soft edge lets a
-// part pass, it must do so with a margin to its edges and to both ends.
+// A convex piece of a surface hides a window from the beam's apex when it hides every corner. It
+// must do so with a margin to its edges and to both ends, so that no rounding or tolerance of a
+// later test of a path can change the result, and no soft edge lets a part pass.
 #pragma once
 
 #include <cmath>
@@ -16,7 +16,7 @@ namespace rayloc {
 class BeamShadow {
  public:
   // A beam from a point, or, with `start`, one that leaves a mirror: the plane of the mirror,
-  // looking to where the beam goes. `margin` [m], > 0.
+  // facing the direction of the beam. `margin` [m], > 0.
   BeamShadow(const Vec3d& apex, const Plane<double>* start, double margin)
       : apex_(apex), start_(start), margin_(margin) {}
 

@@ -9,11 +9,11 @@
 namespace rayloc {
 namespace {
 
-// So far inside of all limits rounding changes nothing [m].
+// Inside all limits by this margin, rounding changes nothing [m].
 constexpr double kCertainInside = 1e-6;
 
-// Where the line from `point` to the image of a mirror meets the mirror; nothing when the point is
-// not certainly in front.
+// Intersection of the line from `point` to the image of a mirror with the mirror; nothing when the
+// point is not certainly in front.
 std::optional<Vec3d> reflection(const Image& image,
                                 const Plane<double>& plane,
                                 const Vec3d& point) {
@@ -78,7 +78,7 @@ bool BlockedChains::is_blocked(std::uint32_t node,
     front = facing_away(scene_.surfaces()[from_surface].plane(), apex);
   }
   const BeamShadow shadow(apex, node == kRootNode ? nullptr : &front, kCertainInside);
-  // What blocks all blocks the middle.
+  // A surface that blocks all paths also blocks the middle one.
   std::vector<Crossing> crossings;
   scene_.crossings({from, to.middle, from_surface, to.surface}, crossings);
   return std::any_of(crossings.begin(), crossings.end(), [&](const Crossing& crossing) {

@@ -1,10 +1,10 @@
 // FibonacciLattice: directions spread evenly over the sphere, in rings whose successive directions
-// are neighbours on the sphere, so that rays shot in that order meet the same things.
+// are neighbours on the sphere, so that rays shot in that order meet the same objects.
 //
-// Direction i of n has z = 1 - (2 i + 1) / n and i times the golden angle as azimuth. A ring is F
-// successive directions, F a Fibonacci number; in steps of the Fibonacci number before F (modulo F)
-// they come in the order of their azimuth. F is chosen so that kTile directions in that order fill
-// about a square.
+// Direction i of n has z = 1 - (2 i + 1) / n and i times the golden angle as azimuth. A ring is
+// F successive directions, F a Fibonacci number; in steps of the Fibonacci number before F
+// (modulo F) they are sorted by azimuth. F is chosen so that kTile directions in that order
+// fill about a square.
 //
 // References: R. Swinbank, R. J. Purser, Q. J. R. Meteorol. Soc. 132 (2006) 1769.
 #pragma once
@@ -32,7 +32,7 @@ class FibonacciLattice {
   std::size_t size() const { return size_; }
   std::size_t rings() const { return (size_ + ring_size_ - 1) / ring_size_; }
 
-  // The directions of a ring, of length 1. Fills `directions`, whose memory is used again.
+  // The directions of a ring, of length 1. Fills `directions`, whose memory is reused.
   // REQUIRES: ring < rings().
   void directions(std::size_t ring, std::vector<Vec3d>& directions) const {
     directions.clear();
@@ -58,7 +58,7 @@ class FibonacciLattice {
   }
 
  private:
-  // A count of directions, chosen: neighbours meet the same things.
+  // A count of directions, chosen: neighbours meet the same objects.
   static constexpr double kTile = 16.0;
   static constexpr double kGoldenTurn = 2.0 - std::numbers::phi;  // the golden angle / 2 pi
 

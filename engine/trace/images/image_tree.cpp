@@ -11,8 +11,8 @@
 namespace rayloc {
 namespace {
 
-// A cube that a root's queries ask more often than this is looked at closely: what that costs (85
-// us) as many more queries save (18 us each).
+// A cube that a root's queries ask more often than this is refined: that costs (85 us) as much as
+// so many more queries save (18 us each).
 constexpr std::size_t kOften = 4;
 
 }  // namespace

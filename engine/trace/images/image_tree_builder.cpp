@@ -16,17 +16,17 @@
 namespace rayloc {
 namespace {
 
-// Parents that one task takes.
+// Parents per task.
 constexpr std::size_t kPortion = 32;
-// In looks at a surface by a beam, each about 0.5 ns: what an image costs, and the most that an
-// exhaustive tree may.
+// In units of one test of a surface against a beam, each about 0.5 ns: the cost of an image, and
+// the maximum of an exhaustive tree.
 constexpr double kWorkOfImage = 1000.0;
-constexpr double kMostWork = 2e8;  // in looks as well, chosen: about 0.1 s
-// Of that, what a tree of several roots may: each root's own, of about as many images, then is
-// exhaustive too, so that a root hears from both the same.
+constexpr double kMostWork = 2e8;  // same unit, chosen: about 0.1 s
+// Part of that for a tree of several roots: the separate tree of each root, with about as many
+// images, is then exhaustive too, so that both give the same result for a root.
 constexpr double kSharedPart = 0.5;
 
-// Appends the portions in their order.
+// Appends the portions in order.
 void join(const std::vector<GrownNodes>& portions,
           std::size_t roots,
           GrownTree& tree,
@@ -83,7 +83,7 @@ class Growth {
     ++depth_;
   }
 
-  // Of an exhaustive search, with the next level, if that grows as the last one did.
+  // Work of an exhaustive search including the next level, if that grows as the last one did.
   double work_with_next_level() const {
     const auto parents = static_cast<double>(depth_ == 0 ? 1 : tree_.nodes.size() - first_);
     return work_ +
@@ -93,7 +93,7 @@ class Growth {
   GrownTree take() && { return std::move(tree_); }
 
  private:
-  // Number `i` of the newest level.
+  // Node `i` of the newest level.
   MirrorGrower::Parent parent(std::size_t i) const {
     if (depth_ == 0) {
       const auto all = static_cast<RootSet>((std::uint64_t{1} << roots_.size()) - 1);
@@ -120,7 +120,7 @@ class Growth {
   std::size_t first_ = 0;  // its first node
   int depth_ = 0;
   double work_ = 0.0;
-  double growth_ = 0.0;  // images of the newest level for each of the one before
+  double growth_ = 0.0;  // ratio of images between the newest level and the previous one
 };
 
 GrownTree grow_from_rays(const Scene& scene, const Vec3d& root, const TraceOptions& options) {

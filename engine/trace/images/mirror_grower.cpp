@@ -14,17 +14,17 @@
 namespace rayloc {
 namespace {
 
-// So far inside the edges of what stands in the way, and so far from both ends, no rounding and no
-// tolerance changes a verdict [m].
+// At this distance inside the edges of an obstruction, and from both ends, no rounding and no
+// tolerance changes the result [m].
 constexpr double kCertainOcclusion = 1e-6;
-// Of the mirrors that a beam lights, so many are tried as things in the way of the others.
+// Maximum number of lit mirrors that are tested as obstructions of the others.
 constexpr std::size_t kMaxOccluders = 12;
-// A count of lit mirrors, chosen: with no more, images of the last level are not tried for shadows.
+// A count, chosen: with so few lit mirrors images of the last level get no shadow test.
 constexpr std::size_t kFewLit = 16;
-// Of an object with more surfaces than this only those that rays met are proposed.
+// For an object with more surfaces than this only those that rays met are proposed.
 constexpr std::uint32_t kMostNeighbours = 32;
 
-// About the solid angle that a polygon fills, seen from `apex_distance` away from its plane.
+// About the solid angle of a polygon, seen from `apex_distance` away from its plane.
 double apparent_size(std::span<const Vec3d> polygon, const Vec3d& apex, double apex_distance) {
   Vec3d twice_area;
   Vec3d sum;
@@ -76,11 +76,11 @@ void MirrorGrower::grow(const Parent& parent, GrownNodes& grown) {
   }
   find_lit(parent);
   occluders_.clear();
-  // A few images too many at the last level cost less than to see that they are.
+  // A few superfluous images at the last level cost less than the test that finds them.
   if (parent.depth + 1 < options_.max_depth || lit_.size() > kFewLit) {
     choose_occluders();
   }
-  // Interactions that are left for crossings.
+  // Interactions left for crossings.
   const int allowed = options_.transmission ? options_.max_depth - parent.depth - 1 : 0;
   for (const Lit& lit : lit_) {
     const int met = parent.crossings +
@@ -98,7 +98,7 @@ int MirrorGrower::crossings(const Parent& parent,
   const auto window = std::span(corners_).subspan(lit.first, lit.count);
   int count = 0;
   for (auto i = occluders_.begin(); i != occluders_.end() && count <= limit; ++i) {
-    // What hides a window fills more of the view; the sizes are estimates.
+    // A surface that hides a window fills more of the view; the sizes are estimates.
     if (2.0 * i->size <= lit.size || i->surface == lit.surface) {
       continue;
     }
@@ -176,7 +176,7 @@ std::uint32_t MirrorGrower::trie_child(std::uint32_t trie_node, std::uint32_t su
              : first + static_cast<std::uint32_t>(found - surfaces.begin());
 }
 
-// Whether the beam reaches the surface from that side; polygon_ is then the part that it lights.
+// True if the beam reaches the surface from that side; polygon_ is then the part that it lights.
 bool MirrorGrower::light(std::uint32_t surface, double side, std::span<const Vec3d> window) {
   const Plane<double>& plane = table_.plane(surface);
   const Plane<double> front = side > 0.0 ? plane : Plane<double>{-plane.normal, -plane.offset};
@@ -193,7 +193,7 @@ bool MirrorGrower::light(std::uint32_t surface, double side, std::span<const Vec
   return true;
 }
 
-// The largest, as the apex sees them.
+// Chooses the largest, as the apex sees them.
 void MirrorGrower::choose_occluders() {
   order_.resize(lit_.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
@@ -204,7 +204,7 @@ void MirrorGrower::choose_occluders() {
   });
   for (auto i = order_.begin(); i != end; ++i) {
     const Lit& lit = lit_[*i];
-    // Lit from both sides by different roots, a surface still is one thing in the way.
+    // Lit from both sides by different roots, a surface still is one obstruction.
     const bool is_known =
         std::any_of(occluders_.begin(), occluders_.end(), [&](const Occluder& occluder) {
           return occluder.surface == lit.surface;
@@ -229,7 +229,7 @@ void MirrorGrower::add(const Parent& parent, const Lit& lit, int crossings, Grow
     apexes_.push_back(grown.images[first + root].point);
   });
   beam_planes(apexes_, -lit.side, window, planes_);
-  // First of all the front, which is always needed.
+  // The front is inserted first, since it is always needed.
   planes_.insert(planes_.begin(), facing_away(plane, apexes_.front()));
   grown.beams.emplace_back(planes_, table_.reference());
   if (parent.depth + 1 < options_.max_depth) {

@@ -1,5 +1,5 @@
-// MirrorGrower: which mirrors the beam of one mirror lights, and what becomes of them in a tree of
-// images (image_tree.h). One a thread: it holds scratch memory.
+// MirrorGrower: finds the mirrors that the beam of one mirror lights, and adds them to a tree of
+// images (image_tree.h). One per thread: it holds scratch memory.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,12 @@ namespace rayloc {
 
 class MirrorTrie;
 
-// What the next level needs to know of the nodes of one level.
+// Data of the nodes of one level that the next level needs.
 struct LitWindows {
-  std::vector<std::uint8_t> crossings;  // on the way to each node, for certain
-  std::vector<std::size_t> ends;        // in corners, of each node's window
+  std::vector<std::uint8_t> crossings;  // certain crossings on the path to each node
+  std::vector<std::size_t> ends;        // end index in corners, of each node's window
   std::vector<Vec3d> corners;
-  std::vector<std::uint32_t> trie_nodes;  // of each node; none when there is no trie
+  std::vector<std::uint32_t> trie_nodes;  // of each node; empty without a trie
 
   std::span<const Vec3d> window(std::size_t i) const {
     const std::size_t first = i == 0 ? 0 : ends[i - 1];
@@ -36,16 +36,16 @@ struct LitWindows {
 struct GrownNodes {
   std::vector<ImageNode> nodes;
   std::vector<Image> images;      // of every root, node by node
-  std::vector<BeamBounds> beams;  // where the waves go after each node
-  LitWindows windows;             // none at the last level
+  std::vector<BeamBounds> beams;  // beam of each node
+  LitWindows windows;             // empty at the last level
 };
 
 class MirrorGrower {
  public:
-  // Whose children are wanted.
+  // The node whose children are grown.
   struct Parent {
     std::uint32_t node = kRootNode;  // number in the tree
-    std::span<const Image> images;   // of every root; for the roots themselves, they
+    std::span<const Image> images;   // of every root; for the roots themselves, the roots
     RootSet roots = 0;
     std::uint32_t surface = kNoSurface;
     std::span<const Vec3d> window = {};  // the part of the surface that the chain so far lights
@@ -55,8 +55,8 @@ class MirrorGrower {
   };
   static constexpr std::uint32_t kNoTrieNode = 0xffffffff;  // no index of a node
 
-  // All must outlive the grower. With a trie (in order) mirrors follow each other as it says, and
-  // other surfaces of the same objects besides, which rays may have passed by.
+  // All arguments must outlive the grower. With a trie (in order) mirrors follow each other as in
+  // the trie, and other surfaces of the same objects are added, which rays may have missed.
   MirrorGrower(const Scene& scene,
                const MirrorTable& table,
                const TraceOptions& options,
@@ -71,11 +71,11 @@ class MirrorGrower {
   struct Lit {
     std::uint32_t surface;
     RootSet roots;
-    double side;               // of the plane, by its sign, on which their images are
+    double side;               // its sign is the side of the plane on which their images are
     std::size_t first, count;  // corners of the window, in corners_
     double size;               // about the solid angle of the window
   };
-  // What may stand in the way of others.
+  // A surface that may block others.
   struct Occluder {
     std::uint32_t surface;
     const Surface* shape;
@@ -87,7 +87,7 @@ class MirrorGrower {
   std::uint32_t trie_child(std::uint32_t trie_node, std::uint32_t surface) const;
   bool light(std::uint32_t surface, double side, std::span<const Vec3d> window);
   void choose_occluders();
-  // How many surfaces hide the window from all roots that light it; no more than `limit` + 1.
+  // Number of surfaces that hide the window from all roots that light it; no more than `limit` + 1.
   int crossings(const Parent& parent, const Plane<double>* start, const Lit& lit, int limit) const;
   void add(const Parent& parent, const Lit& lit, int crossings, GrownNodes& grown);
 

@@ -10,11 +10,11 @@
 namespace rayloc {
 namespace {
 
-// Winding numbers closer than this to a whole number are that number.
+// Winding numbers closer than this to a whole number are rounded to it.
 constexpr double kWindingTolerance = 0.01;
 
-// Which side of an object's faces waves from `root` can meet when they do not go through: that of
-// the normal (+1), the other (-1), or both (0).
+// The side of an object's faces that waves from `root` can meet without transmission: that of the
+// normal (+1), the other (-1), or both (0).
 int lit_side(const Solid& solid, const Mesh& mesh, const Vec3d& root) {
   if (solid.shells == 0) {
     return 0;
@@ -76,7 +76,7 @@ void MirrorTable::add_object(std::uint32_t object, const TraceOptions& options) 
 
 void MirrorTable::put_into_block(std::uint32_t surface) {
   const Surface& s = scene_->surfaces()[surface];
-  std::array<double, 2> u{0.0, 0.0};  // least and largest plane coordinate
+  std::array<double, 2> u{0.0, 0.0};  // smallest and largest plane coordinate
   std::array<double, 2> v{0.0, 0.0};
   for (const Vec3d& corner : outlines_[surface]) {
     const Vec3d from_origin = corner - s.origin();

@@ -1,5 +1,5 @@
-// MirrorTable: the surfaces of a scene as mirrors for waves from some points, laid out so that a
-// beam finds those that it may light without looking at each closely.
+// MirrorTable: the surfaces of a scene as mirrors for waves from some points, in a layout that lets
+// a beam find those that it may light without a close test of each.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -20,29 +20,29 @@ class MirrorTable {
  public:
   // All surfaces of the scene, which must outlive the table.
   MirrorTable(const Scene& scene, std::span<const Vec3d> roots, const TraceOptions& options);
-  // Only those of some objects; the others are not asked for.
+  // Only those of some objects; the others are never requested.
   MirrorTable(const Scene& scene,
               std::span<const Vec3d> roots,
               const TraceOptions& options,
               std::span<const std::uint32_t> objects);
 
-  // The first root: what single precision is relative to.
+  // The first root: the reference point of single-precision coordinates.
   const Vec3d& reference() const { return roots_.front(); }
 
   const Plane<double>& plane(std::uint32_t surface) const {
     return scene_->surfaces()[surface].plane();
   }
-  // Of the mirror: the surface's, a little larger (kBeamMargin and the softness).
+  // Outline of the mirror: the surface's, enlarged by kBeamMargin and the softness.
   const Polygon& outline(std::uint32_t surface) const { return outlines_[surface]; }
 
-  // Whether waves from a root can come to a face from the side where `image_distance`, the signed
-  // distance of a point from its plane, says that they come from.
+  // True if waves from a root can reach a face from the side given by the sign of `image_distance`,
+  // the signed distance of their apparent source from its plane.
   bool is_lit(std::uint32_t surface, std::size_t root, double image_distance) const {
     return image_distance * side_[surface * roots_.size() + root] >= 0.0;
   }
 
-  // The surfaces, ascending and of the whole scene, of which no bound cuts off all. Some others are
-  // among them: single precision with a margin decides. Fills `found`, whose memory is used again.
+  // The surfaces, ascending and of the whole scene, that no bound removes completely. Some others
+  // are included: single precision with a margin decides. Fills `found`, whose memory is reused.
   void find(std::span<const Plane<double>> bounds, std::vector<std::uint32_t>& found) const;
 
  private:
@@ -70,7 +70,7 @@ class MirrorTable {
   std::vector<Vec3d> roots_;
   double reach_ = 0.0;  // the largest coordinate, relative to the first root [m]
   std::vector<Polygon> outlines_;
-  // Of each surface for each root. +1: that of the normal; -1: the other; 0: both.
+  // Lit side of each surface for each root. +1: that of the normal; -1: the other; 0: both.
   std::vector<std::int8_t> side_;
   std::vector<Block> blocks_;
 };

@@ -1,4 +1,4 @@
-// MirrorTrie: a set of sequences of mirrors, as a tree: each node one mirror after another.
+// MirrorTrie: a set of sequences of mirrors, as a tree: each node appends one mirror to its parent.
 #pragma once
 
 #include <cstddef>
@@ -10,15 +10,15 @@ namespace rayloc {
 
 class MirrorTrie {
  public:
-  // The index of the empty sequence, which is always there.
+  // The index of the empty sequence, which always exists.
   static constexpr std::uint32_t kRoot = 0;
 
   MirrorTrie();
 
-  // Nodes, the root counted.
+  // Number of nodes, including the root.
   std::size_t size() const { return nodes_.size(); }
 
-  // The node of the sequence of `node` with `surface` after it; a new one when there is none.
+  // The node of the sequence of `node` with `surface` appended; a new one when there is none.
   std::uint32_t extended(std::uint32_t node, std::uint32_t surface) {
     const std::uint64_t key = key_of(node, surface);
     for (std::size_t slot = hash(key);; ++slot) {
@@ -32,18 +32,18 @@ class MirrorTrie {
     }
   }
 
-  // All sequences of both.
+  // Adds all sequences of the other trie.
   void merge(const MirrorTrie& other);
 
-  // Numbers the nodes by length, then by surfaces, so that the children of each are neighbours and
-  // the trie of a set of sequences is always the same. Nodes cannot be added afterwards.
+  // Numbers the nodes by length, then by surfaces, so that the children of each are adjacent and
+  // the trie of a set of sequences is unique. Nodes cannot be added afterwards.
   void put_in_order();
 
-  // After put_in_order(): every surface of every sequence, many times.
+  // After put_in_order(): every surface of every sequence, with repetitions.
   std::span<const std::uint32_t> surfaces() const { return std::span(surfaces_).subspan(1); }
 
-  // After put_in_order(): the number of the first child, and the surfaces of all children,
-  // ascending.
+  // After put_in_order(): the number of the first child, and the surfaces of all
+  // children, ascending.
   struct Children {
     std::uint32_t first;
     std::span<const std::uint32_t> surfaces;
@@ -62,7 +62,7 @@ class MirrorTrie {
     std::uint64_t key;
     std::uint32_t node;
   };
-  // No key: its node would have the number 2^32 - 1.
+  // No valid key: its node would have the number 2^32 - 1.
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
   static std::uint64_t key_of(std::uint32_t node, std::uint32_t surface) {
@@ -77,7 +77,7 @@ class MirrorTrie {
   std::vector<Slot> slots_;  // open addressing
   std::size_t mask_ = 0;
   unsigned shift_ = 0;
-  // After put_in_order().
+  // Valid after put_in_order().
   std::vector<std::uint32_t> first_child_;
   std::vector<std::uint32_t> surfaces_;
 };

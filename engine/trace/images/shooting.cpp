@@ -16,10 +16,10 @@
 namespace rayloc {
 namespace {
 
-// Portions of the lattice, each with a trie of its own: few, for the tries overlap and are joined.
+// Portions of the lattice, each with its own trie: few, since the tries overlap and are merged.
 constexpr std::size_t kPortions = 16;
 
-// Whether the root is in the matter of a closed object.
+// True if the root is inside the material of a closed object.
 bool is_within_object(const Scene& scene, std::uint32_t object, const Vec3d& root) {
   return scene.solid(object).shells > 0 && is_inside(scene.objects()[object].mesh, root);
 }
@@ -32,9 +32,9 @@ bool is_coplanar(const Surface& face, const Surface& other) {
          });
 }
 
-// For each surface, whose it counts as for rays that leave the root and only reflect. Where objects
-// touch, a ray within one meets two faces in one place, and Embree gives it either, differently
-// from one instruction set to the next: it is the one of the object that the ray is in.
+// For each surface, the surface that it counts as for rays that leave the root and only reflect.
+// Where objects touch, a ray within one meets two coincident faces, and Embree returns either,
+// depending on the instruction set: the face of the object that contains the ray is used.
 std::vector<std::uint32_t> met_faces(const Scene& scene, const Vec3d& root) {
   std::vector<std::uint32_t> met(scene.surfaces().size());
   std::iota(met.begin(), met.end(), 0U);
@@ -44,7 +44,7 @@ std::vector<std::uint32_t> met_faces(const Scene& scene, const Vec3d& root) {
     }
     const auto [first, end] = scene.surfaces_of(object);
     for (std::uint32_t face = first; face < end; ++face) {
-      // Within two objects at once, both of a pair would stand for the other.
+      // Within two objects at once, each face of a pair would replace the other.
       for (std::uint32_t other = 0; met[face] == face && other < met.size(); ++other) {
         if (met[other] == other && scene.owner(other).object != object &&
             is_coplanar(scene.surfaces()[face], scene.surfaces()[other])) {
@@ -62,7 +62,7 @@ struct Flight {
   RayStream::Lanes<std::uint32_t> node;  // of the trie
 };
 
-// Follows the rays of one portion. Holds a stream for each number of interactions: 10 kB each.
+// Follows the rays of one portion. It has a stream for each number of interactions: 10 kB each.
 class Follower {
  public:
   // REQUIRES: options.max_depth > 0.
@@ -75,7 +75,7 @@ class Follower {
     }
   }
 
-  // Takes rays until there are enough for a stream; finish() sends the rest.
+  // Collects rays until a stream is full; finish() sends the rest.
   void add(const Vec3d& from, const Vec3d& direction) {
     Flight& flight = *flights_[0];
     const std::size_t i = flight.rays.size++;
@@ -100,7 +100,7 @@ class Follower {
   std::size_t segments = 0;
 
  private:
-  // The rays of flights_[interactions], which have met so much and perhaps passed through some.
+  // Follows the rays of flights_[interactions], some of which may have passed through faces.
   void follow(std::size_t interactions, bool passed) {
     Flight& flight = *flights_[interactions];
     if (flight.rays.size == 0) {
@@ -122,10 +122,10 @@ class Follower {
     follow(interactions + 1, passed);
   }
 
-  // Notes the mirrors that the rays meet; the rays go on into `next` unless this is the last.
+  // Records the mirrors that the rays meet; the rays continue into `next` unless this is the last.
   template <bool kLast>
   void reflect(const Flight& flight, bool passed, Flight& next);
-  // The rays go straight on.
+  // The rays continue straight.
   void pass(const Flight& flight, Flight& next) const;
 
   const RayShooter& shooter_;
@@ -140,7 +140,7 @@ void Follower::reflect(const Flight& flight, bool passed, Flight& next) {
   RayStream& out = next.rays;
   const auto triangles = shooter_.triangles();
   std::size_t kept = 0;
-  // Neighbours mostly meet the same.
+  // Neighbours mostly meet the same surfaces.
   std::uint32_t node = MirrorTrie::kRoot;
   std::uint32_t surface = kNoSurface;
   std::uint32_t child = MirrorTrie::kRoot;

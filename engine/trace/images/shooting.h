@@ -1,16 +1,16 @@
-// Shooting and bouncing rays: which sequences of mirrors waves from a point meet.
+// Shooting and bouncing rays: the sequences of mirrors that waves from a point meet.
 //
-// Rays leave the point in the directions of a Fibonacci lattice; where one meets a surface it is
-// reflected and, with transmission, also goes straight on. What each has met so far is a sequence
-// of surfaces (planes of an object, not triangles). The set of all sequences proposes mirrors to
+// Rays leave the point in the directions of a Fibonacci lattice; a ray that meets a surface is
+// reflected and, with transmission, also continues straight. The surfaces that each has met so far
+// are a sequence (planes of an object, not triangles). The set of all sequences proposes mirrors to
 // the image tree, which finds the exact paths; rays themselves are no part of a result.
 //
-// What may be missed: a sequence whose beam passes between the rays. It narrows with every mirror
-// and with the mirror's size seen from the root, so what is missed are mostly late and small
-// mirrors (engine/studies/2026-11-ray-tracer.md has the shares); with soft edges also
-// what only the soft part of an edge reaches; with transmission, of two faces of different objects
-// nearer to each other than rays can tell, what is reflected at the one behind. Everything that one
-// ray meets is found.
+// Sequences that may be missed: those whose beam passes between the rays. A beam narrows with
+// every mirror and with the mirror's size seen from the root, so mostly late and small mirrors
+// are missed (engine/studies/2026-11-ray-tracer.md has the shares); with soft edges also paths
+// that only the soft part of an edge reaches; with transmission, for two faces of different
+// objects too close together for rays to separate, reflections at the rear one. Every sequence
+// that one ray meets is found.
 //
 // References: H. Ling, R.-C. Chou, S.-W. Lee, IEEE Trans. Antennas Propag. 37 (1989) 194.
 #pragma once
@@ -25,10 +25,10 @@ namespace rayloc {
 
 struct ShotMirrors {
   MirrorTrie trie;           // in order
-  std::size_t segments = 0;  // that the rays made
+  std::size_t segments = 0;  // number of ray segments
 };
 
-// options.rays rays. The same whatever the number of threads.
+// Shoots options.rays rays. The result does not depend on the number of threads.
 ShotMirrors shoot_mirrors(const Scene& scene, const Vec3d& root, const TraceOptions& options);
 
 }  // namespace rayloc

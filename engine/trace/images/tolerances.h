@@ -1,4 +1,4 @@
-// What rounding leaves of a verdict about images and mirrors.
+// Rounding tolerances of decisions about images and mirrors.
 #pragma once
 
 namespace rayloc {

@@ -1,8 +1,8 @@
-// The one switch over the kinds of interaction, and what all of them answer.
+// The one switch over the kinds of interaction, and the properties of each kind.
 //
-// Whoever asks what an interaction does, asks here: a kind that a visitor does not take or that
-// lacks an answer does not compile, and neither does one that the switch does not name
-// (-Werror=switch).
+// All code that depends on the kind of an interaction uses this file: a kind that a visitor does
+// not handle or that lacks a property does not compile, and neither does one that the switch does
+// not name (-Werror=switch).
 #pragma once
 
 #include "engine/base/check.h"
@@ -17,9 +17,9 @@ namespace rayloc {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic error "-Wswitch"
 
-// visitor(interactions::Reflection{}), or Transmission{}, Shadowing{} or Diffraction{}, which say
-// what the kind does. Inlined it is a branch by the kind, as the comparisons would be that it
-// stands for.
+// visitor(interactions::Reflection{}), or Transmission{}, Shadowing{} or Diffraction{},
+// which have the properties of the kind. Inlined it is a branch by the kind, equivalent to
+// explicit comparisons.
 template <typename Visitor>
 constexpr decltype(auto) visit_interaction(InteractionKind kind, const Visitor& visitor) {
   switch (kind) {
@@ -37,23 +37,23 @@ constexpr decltype(auto) visit_interaction(InteractionKind kind, const Visitor& 
 
 #pragma GCC diagnostic pop
 
-// As reports write it.
+// The letter used in reports.
 constexpr char letter_of(InteractionKind kind) {
   return visit_interaction(kind, [](auto met) { return decltype(met)::kLetter; });
 }
 
-// Whether what lies before the surface is seen in it as in a mirror: the path turns there, and is
-// straight towards the mirror's image (image_method.h). Otherwise it goes straight on.
+// True if the path is mirrored at the surface: it is straight towards the mirror's image
+// (image_method.h). Otherwise its direction does not change.
 constexpr bool is_mirror(InteractionKind kind) {
   return visit_interaction(kind, [](auto met) { return decltype(met)::kIsMirror; });
 }
 
-// Whether the path bends at an edge, anywhere but where an image would have it (edge_path.h).
+// True if the path bends at an edge, which is not described by an image (edge_path.h).
 constexpr bool is_edge(InteractionKind kind) {
   return visit_interaction(kind, [](auto met) { return decltype(met)::kIsEdge; });
 }
 
-// Whether the wave goes through the face.
+// True if the wave passes through the face.
 constexpr bool goes_through(InteractionKind kind) {
   return visit_interaction(kind, [](auto met) { return decltype(met)::kGoesThrough; });
 }

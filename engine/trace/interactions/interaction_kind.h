@@ -1,4 +1,4 @@
-// InteractionKind: what a wave does where a path meets a surface.
+// InteractionKind: the effect of a surface on a wave at a point of its path.
 //
 // Each kind is a file of this folder; interaction.h has the one switch over them.
 #pragma once

@@ -1,10 +1,10 @@
-// Reflection: the wave turns back at a face.
+// Reflection: the wave is reflected at a face.
 //
-// With q = (d x n) x d, q_out the same of the direction that it leaves in and M the mirror, the
-// field is
+// With q = (d x n) x d, q_out the same for the outgoing direction and M the
+// mirror, the field is
 //   r_te M(E) + (r_te + r_tm) / sin^2 (E . q) q_out.
 //
-// Found by the images of the receiver (images/image_tree.h), which lead to its place as well.
+// It is found by the images of the receiver (images/image_tree.h), which also give its position.
 #pragma once
 
 #include "engine/trace/interactions/wave.h"
@@ -12,12 +12,12 @@
 namespace rayloc::interactions {
 
 struct Reflection {
-  static constexpr char kLetter = 'R';         // as reports write it
+  static constexpr char kLetter = 'R';         // used in reports
   static constexpr bool kIsMirror = true;      // is_mirror() of this kind
   static constexpr bool kGoesThrough = false;  // goes_through() of this kind
   static constexpr bool kIsEdge = false;       // is_edge() of this kind
 
-  // Of a wave with that cosine of incidence, and of a face without its roughness.
+  // Coefficients for a wave with that cosine of incidence, and for a face without roughness.
   template <typename T>
   static SlabTable::Pair<T> smooth_coefficients(const T& cos_theta_i,
                                                 const Facet<T>& facet,
@@ -28,7 +28,7 @@ struct Reflection {
     const SlabCoefficients<T> slab = facet_coefficients(cos_theta_i, facet, wavelength);
     return {slab.r_te, slab.r_excess};
   }
-  // As the face is.
+  // Including the roughness of the face.
   template <typename T>
   static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
                                          const Facet<T>& facet,
@@ -41,7 +41,7 @@ struct Reflection {
     return found;
   }
 
-  // A direction.
+  // Mirrors a direction.
   template <typename T>
   static Vec3<T> mirrored(const Vec3<T>& v, const Vec3<T>& normal) {
     return v - (T(2) * dot(v, normal)) * normal;

@@ -1,9 +1,9 @@
-// Transmission: the wave goes straight on to the other side of a face.
+// Transmission: the wave passes straight through a face to its other side.
 //
 // With q = (d x n) x d the field is
 //   t_te E + (t_tm - t_te) / sin^2 (E . q) q.
 //
-// Found where a segment between two mirrors meets a face (TraceContext::crossings).
+// It is found where a segment between two mirrors meets a face (TraceContext::crossings).
 #pragma once
 
 #include "engine/trace/interactions/wave.h"
@@ -11,12 +11,12 @@
 namespace rayloc::interactions {
 
 struct Transmission {
-  static constexpr char kLetter = 'T';        // as reports write it
+  static constexpr char kLetter = 'T';        // used in reports
   static constexpr bool kIsMirror = false;    // is_mirror() of this kind
   static constexpr bool kGoesThrough = true;  // goes_through() of this kind
   static constexpr bool kIsEdge = false;      // is_edge() of this kind
 
-  // Of a wave with that cosine of incidence.
+  // Coefficients for a wave with that cosine of incidence.
   template <typename T>
   static SlabTable::Pair<T> coefficients(const T& cos_theta_i,
                                          const Facet<T>& facet,

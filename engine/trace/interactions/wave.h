@@ -1,8 +1,8 @@
-// A plane wave and a face as it meets it: what the kinds of interaction are written in.
+// A plane wave and a face that it meets: the common types of the kinds of interaction.
 //
-// With e_te = d x n / |d x n| and e_tm = e_te x d, a slab turns a field E into r_te E_te + r_tm
-// E_tm or t_te E_te + t_tm E_tm. At normal incidence these directions are undefined and their
-// derivatives infinite, so reflection.h and transmission.h write the same without them.
+// With e_te = d x n / |d x n| and e_tm = e_te x d, a slab maps a field E to r_te E_te + r_tm E_tm
+// or t_te E_te + t_tm E_tm. At normal incidence these directions are undefined and their
+// derivatives infinite, so reflection.h and transmission.h use an equivalent form without them.
 //
 // Written in a scalar T, so that with dual numbers a wave carries derivatives by both ends, the
 // planes, the materials and the orientations.
@@ -22,13 +22,13 @@ namespace rayloc {
 // One face as a wave meets it.
 template <typename T>
 struct Facet {
-  Plane<T> plane;  // either way round
+  Plane<T> plane;  // normal of either sign
   Complex<T> relative_permittivity;
   T thickness{};    // [m]; infinite: half space
-  Vec3<T> shift{};  // [m], of its edges; the plane has its own
-  // Of exactly this permittivity and thickness, neither of which is varied; nullptr: none.
+  Vec3<T> shift{};  // [m], of its edges; the plane is displaced separately
+  // Table for exactly this permittivity and thickness, neither of which varies; nullptr: none.
   const SlabTable* table = nullptr;
-  T specular = T(1);  // what is left of a reflected field, the rest is scattered; 1: smooth
+  T specular = T(1);  // share of the reflected field that is not scattered; 1: smooth
 };
 
 template <typename T>
@@ -70,13 +70,13 @@ SlabCoefficients<T> facet_coefficients(const T& cos_theta_i,
                    cos_theta_i, facet.relative_permittivity, facet.thickness, wavelength);
 }
 
-// Whether the face's table is to be asked instead of facet_coefficients().
+// True if the face's table applies instead of facet_coefficients().
 template <typename T>
 bool has_table_at(const T& cos_theta_i, const Facet<T>& facet) {
   return facet.table != nullptr && facet.table->covers(value_of(cos_theta_i));
 }
 
-// (E . from) to, scaled.
+// scale (E . from) to.
 template <typename T>
 ComplexVec3<T> turned(const ComplexVec3<T>& e,
                       const Vec3<T>& from,

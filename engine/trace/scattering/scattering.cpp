@@ -21,12 +21,12 @@ namespace {
 
 using PlaceDual = ceres::Jet<double, 2>;
 
-// Largest gain of a body, against a mirror in its place; beyond what any material has shown.
+// Largest gain of a body, relative to a mirror at its position; above that of any material tested.
 constexpr double kLargestGain = 4.0;
 
 double size(const BodyRay<double>& ray) { return std::sqrt(abs2(ray.theta) + abs2(ray.phi)); }
 
-// The middles of equal parts of the body's height.
+// The centres of equal parts of the body's height.
 std::vector<double> sample_heights(const CylinderBody& body, double step) {
   const int count = std::max(1, static_cast<int>(std::ceil(body.height / step)));
   std::vector<double> heights;
@@ -59,14 +59,14 @@ class TargetLink::Impl {
         transmitter_(std::move(transmitter)),
         receiver_(shared_->context, receiver) {
     const double distance = norm(receiver.position - transmitter_->device().position);
-    // Both ends at the same place hear each other infinitely well.
+    // For both ends at one position the direct amplitude is infinite.
     threshold_ = distance > 0.0 ? shared_->options.negligible / distance : 0.0;
   }
 
   Expected<TargetPaths> trace(const TargetPosition& position, bool differentiate) const;
 
  private:
-  // A pair that counts, with all that derivatives need.
+  // A pair that is not negligible, with all data for its derivatives.
   struct Pair {
     ScatteringPlace<double> place;
     std::vector<Interaction> in;   // from the body on

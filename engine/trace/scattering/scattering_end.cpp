@@ -49,7 +49,7 @@ std::vector<MirrorChains> ScatteringEnd::chains_to(const TargetPosition& positio
       return group.chains.front().surfaces.size() == chain.surfaces.size() &&
              norm(group.image - image) < kSameImage;
     });
-    // Each of two mirrors at one place has its share of a wave where both count.
+    // Each of two coincident mirrors has its share of a wave where both count.
     const bool all_count = context_->options.softness > 0.0 || context_->options.transmission;
     if (known == groups.end() || all_count) {
       groups.push_back({image, {std::move(chain)}});

@@ -1,8 +1,8 @@
 // ScatteringEnd: one device of a link past a body, and the rays between it and the body.
 //
-// A ray goes over a chain of mirrors to a point of the body's axis. Which one depends on the other
-// end's ray (scattering.h), so chains are found for the whole height and each ray is tested at its
-// point.
+// A ray leads over a chain of mirrors to a point of the body's axis. The point depends on the
+// other end's ray (scattering.h), so chains are found for the whole height and each ray is
+// tested at its point.
 //
 // Thread safety: const members may be used from many threads.
 #pragma once
@@ -27,14 +27,14 @@ struct MirrorChains {
   std::vector<SpecularChain> chains;  // the surfaces, from the device on; points are scratch
 };
 
-// What arrives at the body, seen from it, or by reciprocity what leaves it.
+// The wave that arrives at the body, seen from it, or by reciprocity the one that leaves it.
 template <typename T>
 struct BodyRay {
-  // Field along theta^ and phi^ of `away`, in units of that of an isotropic antenna's line of
-  // sight.
+  // Field along theta^ and phi^ of `away`, relative to the line-of-sight field of an
+  // isotropic antenna.
   Complex<T> theta, phi;
-  Vec3<T> away;     // unit, from the body to where the ray comes from
-  Vec3<T> arrival;  // unit, the way that a wave from the body travels when it reaches the device
+  Vec3<T> away;     // unit, from the body towards the incoming ray
+  Vec3<T> arrival;  // unit, direction of travel of a wave from the body at the device
 };
 
 class ScatteringEnd {
@@ -43,18 +43,18 @@ class ScatteringEnd {
 
   const RadioDevice& device() const { return device_; }
 
-  // All that reach one of `heights` above the position, fewest mirrors first.
+  // All chains that reach one of `heights` above the position, fewest mirrors first.
   std::vector<MirrorChains> chains_to(const TargetPosition& position,
                                       std::span<const double> heights) const;
 
-  // What the ray to `point` meets, from there on; false when there is none. Of opaque surfaces with
-  // hard edges the first of the chains that has it; else MirrorChains has one only.
+  // Finds the interactions of the ray to `point`, starting there; false when there is none. The
+  // first valid chain applies (opaque surfaces, hard edges); else MirrorChains has only one.
   bool find(MirrorChains& chains,
             const Vec3d& point,
             InteractionFinder& finder,
             std::vector<Interaction>& interactions) const;
 
-  // The ray that find() gave.
+  // The ray that find() returned.
   template <typename T>
   BodyRay<T> evaluate(std::span<const Interaction> interactions, const Vec3<T>& point) const;
 
@@ -89,7 +89,7 @@ BodyRay<T> ScatteringEnd::evaluate(std::span<const Interaction> interactions,
                     {},
                     facet.table};
   };
-  // An isotropic probe in each polarisation instead of the body.
+  // An isotropic probe in each polarisation replaces the body.
   const auto probed = [&](Polarization polarization) {
     const LinkEnd<T> probe{point, AntennaPattern::kIsotropic, polarization, {}};
     return evaluate_path<T>(*context_, interactions, facet_of, probe, device);

@@ -1,5 +1,5 @@
-// One pair of rays past a body, in a scalar T: from where the body stands to the path's
-// coefficient.
+// One pair of rays past a body, in a scalar T: computes the path's coefficient from the
+// body's position.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace rayloc {
 
-// The images of both ends, and the body's place.
+// The images of both ends, and the body's position.
 template <typename T>
 struct ScatteringPlace {
   Vec3d source;
@@ -47,8 +47,8 @@ struct ScatteredCoefficient {
 };
 
 // `in`, `out`: the rays at the route's point. The body's v is -theta^ of `away` on both sides; its
-// h is -phi^ of the incident ray's `away`, against which the wave travels, and phi^ of the outgoing
-// one's.
+// h is -phi^ of the incident ray's `away`, which is opposite to the direction of travel, and phi^
+// of the outgoing one's.
 template <typename T>
 ScatteredCoefficient<T> scattered(const CylinderScatterer& scatterer,
                                   const CylinderRoute<T>& route,

@@ -1,5 +1,5 @@
-// TargetBody: a person or another upright body that carries no device, as it changes the channel of
-// others: an elliptic lossy cylinder that stands at a movable place.
+// TargetBody: a person or another upright body without a device, modelled as an elliptic lossy
+// cylinder at a movable position, which changes the channel of links.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@ struct TargetBody {
   double conductivity = 4.0;                  // [S/m]
 };
 
-// Where its axis stands, world [m].
+// Position of its axis, world [m].
 struct TargetPosition {
   double x = 0.0;
   double y = 0.0;
 };
 
-// An Error that names the value that cannot be used.
+// An Error that names the invalid value.
 Expected<CylinderScatterer> make_scatterer(const TargetBody& body, double carrier_hz);
 
 }  // namespace rayloc
