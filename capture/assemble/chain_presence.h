@@ -1,5 +1,5 @@
-// ChainPresence: which of the expected receive chains have brought nothing for so long that no loss
-// of datagrams explains it.
+// ChainPresence: detects expected receive chains that have been absent from more consecutive frames
+// than datagram loss explains.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace rayloc {
 
 class ChainPresence {
  public:
-  // Frames in a row without a chain: with a third of all datagrams lost, one in 10^9.
+  // Consecutive frames without a chain; with a third of all datagrams lost, probability 10^-9.
   static constexpr std::uint32_t kFrames = 20;
-  // Of a frame that lacks a chain which as many frames before it lacked, too.
+  // Flag of a frame that lacks a chain which at least as many frames before it lacked as well.
   static constexpr std::string_view kFlag = "absent_core";
 
-  // Without an expected core none is ever absent.
+  // With no expected cores, no chain is ever reported as absent.
   explicit ChainPresence(const std::vector<std::uint8_t>& expected_cores);
 
-  // Flags the frame, and counts it for the cores that it lacks. Frames in the order in which they
-  // are emitted.
+  // Flags the frame and counts it for each core that it lacks. REQUIRES: frames come in the order
+  // in which they are emitted.
   void mark(CsiFrame& frame, std::map<std::uint8_t, std::uint64_t>& without_core);
 
  private:
-  std::map<std::uint8_t, std::uint32_t> without_;  // frames in a row, by core
+  std::map<std::uint8_t, std::uint32_t> without_;  // consecutive frames without the core, by core
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// ChannelLog: the channels that the datagrams of one access point state.
+// ChannelLog: records the channels that the datagrams of one access point state.
 //
 // Thread safety: one thread.
 #pragma once
@@ -16,16 +16,16 @@ namespace rayloc {
 
 class ChannelLog {
  public:
-  // `expected`: the site's channel; nothing: every channel is. `accepts_hops`: channels that a
-  // device reaches from it by a hop (is_hop()) are as well.
+  // `expected`: the site's channel; empty: every channel is expected. `accepts_hops`: channels that
+  // a device reaches from it by a hop (is_hop()) are expected as well.
   ChannelLog(std::optional<RadioChannel> expected, bool accepts_hops)
       : expected_(expected), accepts_hops_(accepts_hops) {}
 
-  // Returns whether a frame of that channel may be used: it states none, or an expected one.
+  // Returns true if a frame of that channel may be used: it states none, or an expected one.
   bool add(const std::optional<RadioChannel>& channel, Timestamp time);
 
   std::uint64_t changes() const { return changes_ + (latest_ ? 1U : 0U); }
-  // The latest channel is not an expected one: names it and the site's. Empty otherwise.
+  // Names the latest channel and the site's if the latest is not expected. Empty otherwise.
   std::string trouble() const;
   void report(CsiReceiverCounters& counters) const;
 

@@ -32,7 +32,7 @@ class CsiReceiver::Impl {
         held_(options.reject_mixture ? options.settle : Duration::zero()) {}
 
   void push(const Datagram& datagram, std::vector<CsiFrame>& out) {
-    // First what this datagram's time ends, then the datagram: frames of earlier times come first.
+    // Frames that this datagram's time ends are emitted before the datagram is added.
     assembler_.went_back_to(datagram.time);
     advance(datagram.time, out);
     ++counters_.received;
@@ -119,7 +119,7 @@ class CsiReceiver::Impl {
     return transmitter == MacAddress() ? std::optional(RejectReason::kZeroAddress) : std::nullopt;
   }
 
-  // Judges the source after a datagram of it; counts the datagram where it is rejected.
+  // Evaluates the source after one of its datagrams; counts the datagram if it is rejected.
   bool admit(bool is_expected_channel) {
     held_.hold_from(mixture_.newest_beginning());
     const bool is_mixture = reject_mixture_ && mixture_.is_mixture();
@@ -153,7 +153,7 @@ class CsiReceiver::Impl {
     }
   }
 
-  // One datagram with a whole frame.
+  // Handles one datagram with a whole frame.
   void push_frame(FrameResult frame, const Datagram& datagram, std::vector<CsiFrame>& out) {
     if (!frame) {
       reject(frame.error());
@@ -166,7 +166,7 @@ class CsiReceiver::Impl {
     if (!admit(is_expected_channel)) {
       return;
     }
-    // The short records of an Intel 5300 state no address at all.
+    // The short records of an Intel 5300 contain no address.
     if (const auto reason = no_device(frame->transmitter); reason == RejectReason::kGroupAddress) {
       reject(*reason);
       return;
@@ -231,7 +231,7 @@ class CsiReceiver::Impl {
   MixtureDetector mixture_;
   HeldFrames held_;
   Timestamp now_ = Timestamp::min();
-  // Of the last update_trouble().
+  // Values at the last update_trouble().
   std::pair<std::uint64_t, MixtureDetector::Evidence> judged_{};
   std::string trouble_;
   std::vector<std::string> troubles_;

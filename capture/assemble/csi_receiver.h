@@ -1,19 +1,19 @@
-// CsiReceiver: datagrams of one access point in, CsiFrames out: recognise, decode, assemble,
-// normalise, and count every datagram exactly once. A datagram that carries a whole frame
+// CsiReceiver: converts datagrams of one access point to CsiFrames: recognises, decodes, assembles,
+// normalises, and counts every datagram exactly once. A datagram that carries a whole frame
 // (capture/decode/frame_decoder.h) is neither assembled nor normalised.
 //
 //   CsiReceiver receiver(options);
-//   receiver.push(datagram, frames);        // appends the frames that became complete
-//   receiver.advance(watermark, frames);    // appends the partial frames whose time is over
-//   receiver.flush(frames);                 // at the end of the input: everything that is left
+//   receiver.push(datagram, frames);        // appends the newly completed frames
+//   receiver.advance(watermark, frames);    // appends the partial frames that timed out
+//   receiver.flush(frames);                 // at the end of the input: all remaining frames
 //
-// Datagrams of another channel than the site's, and of a source that several access points send to,
-// are rejected where the options ask for it: their CSI would be located without an error, and
-// wrongly.
+// Datagrams of another channel than the site's, and of a source that receives several access
+// points, are rejected if the options request it: their CSI would be located without an error, and
+// the position would be wrong.
 //
-// The frames are a function of the datagrams and their times alone. `advance` may be called as
-// often as one likes or only implicitly through push(), which advances to the datagram's time.
-// Thread safety: one thread; counters() is a copy for that thread.
+// The frames are a function of the datagrams and their times alone. `advance` may be called at any
+// rate, or only implicitly through push(), which advances to the datagram's time. Thread safety:
+// one thread; counters() is a copy for that thread.
 #pragma once
 
 #include <cstdint>
@@ -34,32 +34,32 @@ struct DecoderRow;
 
 struct CsiReceiverOptions {
   int access_point = 0;
-  // Name of a wire format ("axcsi-v4"), or empty: recognised by datagram (WIRE_FORMATS 1.8).
+  // Name of a wire format ("axcsi-v4"), or empty: detected for each datagram (WIRE_FORMATS 1.8).
   std::string format;
-  // Receive chains that a complete frame must have, besides those learned from the traffic itself.
+  // Receive chains that a complete frame must have, besides those learned from recent traffic.
   std::vector<std::uint8_t> expected_cores;
-  // A frame that is still partial this long after its first datagram is emitted as it is.
+  // A frame that is still partial this long after its first datagram is emitted as partial.
   Duration assembly_timeout = std::chrono::milliseconds(20);
-  // Frames being assembled at one time; past that the oldest is emitted as it is.
+  // Maximum number of frames being assembled; beyond it the oldest is emitted as partial.
   std::size_t max_pending = 256;
-  // Refuse frames whose transmitter's address no device has: a group address (broadcast is one), or
-  // zero where the format always has an address. Those of `stated_transmitters` are taken all the
-  // same.
+  // Reject frames whose transmitter address no device has: a group address (broadcast is one), or
+  // zero if the format always has an address. Those of `stated_transmitters` are accepted
+  // nevertheless.
   bool only_devices = false;
   std::vector<MacAddress> stated_transmitters;
   // Leave the CSI in FFT order with rotation and unusable tones, as on the wire (frames --raw).
   bool raw = false;
-  // The site's channel: a datagram that states another one is rejected. Nothing: every channel.
+  // The site's channel: a datagram that states another one is rejected. Empty: every channel.
   std::optional<RadioChannel> channel;
   // Accept the other channels of its band and width as well, for a method that separates frames by
   // CsiFrame::channel.
   bool accepts_hops = false;
-  // Reject what several access points send to the one source (mixture_detector.h). A second one
-  // shows itself with its first frames, so frames are held back for `settle` after the first
+  // Reject datagrams of a source that receives several access points (mixture_detector.h). A second
+  // one is detected with its first frames, so frames are held back for `settle` after the first
   // datagram and after each jump of the frame counter.
   bool reject_mixture = false;
   Duration settle{};
-  // Where nothing is located and all CSI is wanted.
+  // Accepts all CSI, for callers that locate nothing.
   void accept_every_source() {
     channel.reset();
     reject_mixture = false;
@@ -75,27 +75,27 @@ struct ChannelChange {
 
 // received = sum(rejected) + duplicates + late + in_frames + in_flight, at every instant.
 struct CsiReceiverCounters {
-  std::uint64_t received = 0;                     // datagrams given to push()
-  std::map<std::string, std::uint64_t> rejected;  // by the reason's name: "too_short", ...
-  std::uint64_t duplicates = 0;                   // the same fragment again
-  std::uint64_t late = 0;                         // its frame had been emitted
-  std::uint64_t in_frames = 0;                    // part of an emitted frame
-  std::uint64_t in_flight = 0;                    // part of a frame that is being assembled
-  std::uint64_t frames = 0;                       // emitted, partial ones among them
+  std::uint64_t received = 0;                     // datagrams passed to push()
+  std::map<std::string, std::uint64_t> rejected;  // datagrams by reason: "too_short", ...
+  std::uint64_t duplicates = 0;                   // repeated fragments
+  std::uint64_t late = 0;                         // datagrams whose frame had been emitted
+  std::uint64_t in_frames = 0;                    // datagrams of emitted frames
+  std::uint64_t in_flight = 0;                    // datagrams of frames being assembled
+  std::uint64_t frames = 0;                       // emitted frames, including partial ones
   std::uint64_t partial = 0;
-  // Of these, those that lack an expected core, or hold nothing of it.
+  // Emitted frames that lack an expected core, or hold no data of it, by core.
   std::map<std::uint8_t, std::uint64_t> without_core;
 
-  // The channel that the latest datagram states, and how often it changed: a hop that is accepted
-  // is no change.
+  // The channel that the latest datagram states, and the number of changes: an accepted hop is not
+  // a change.
   std::optional<RadioChannel> channel;
   std::uint64_t channel_changes = 0;
   std::vector<ChannelChange> first_changes;  // at most kListedChanges
   static constexpr std::size_t kListedChanges = 4;
-  // With CsiReceiverOptions::accepts_hops: the datagrams of each channel that is taken.
+  // With CsiReceiverOptions::accepts_hops: the datagrams of each accepted channel.
   std::map<RadioChannel, std::uint64_t> hops;
-  // The reason why datagrams are rejected at present, for an operator: another channel, or several
-  // access points. Empty where none is. `troubles` has each reason that there has been, once.
+  // The reason for which datagrams are currently rejected, for an operator: another channel, or
+  // several access points. Empty if none are. `troubles` lists each reason so far, once.
   std::string trouble;
   std::vector<std::string> troubles;
 };
@@ -103,7 +103,7 @@ struct CsiReceiverCounters {
 class CsiReceiver {
  public:
   explicit CsiReceiver(CsiReceiverOptions options);
-  // With these wire formats instead of decoder_rows().
+  // Uses these wire formats instead of decoder_rows().
   CsiReceiver(CsiReceiverOptions options, std::span<const DecoderRow> formats);
   ~CsiReceiver();
   CsiReceiver(CsiReceiver&&) noexcept;
@@ -113,7 +113,7 @@ class CsiReceiver {
   void advance(Timestamp watermark, std::vector<CsiFrame>& out);
   void flush(std::vector<CsiFrame>& out);
 
-  // No frame emitted later will have an earlier `time` than this, given that no datagram before
+  // Lower bound for the `time` of every frame emitted later, provided that no datagram before
   // `watermark` is pushed any more.
   Timestamp safe_time(Timestamp watermark) const;
 

@@ -15,7 +15,7 @@ std::uint32_t blocks_of(const CsiFragment& fragment) {
   return static_cast<std::uint32_t>(((std::uint64_t{1} << count) - 1U) << first);
 }
 
-// Whether two fragments can be of one frame.
+// Returns true if two fragments can belong to one frame.
 bool agree(const CsiFragment& a, const CsiFragment& b) {
   return a.total_tones == b.total_tones && a.phy == b.phy && a.layout == b.layout &&
          a.transmitted_streams == b.transmitted_streams && a.expected_slots == b.expected_slots;
@@ -55,7 +55,7 @@ FrameAssembler::Key FrameAssembler::key_of(const CsiFragment& fragment) {
 }
 
 FrameAssembler::Pending* FrameAssembler::find_pending(const Key& key) {
-  // From the newest: nearly always it is that one.
+  // Searched from the newest, which is nearly always the match.
   const auto found = std::find_if(
       pending_.rbegin(), pending_.rend(), [&key](const Pending& p) { return p.key == key; });
   return found == pending_.rend() ? nullptr : &*found;
@@ -81,7 +81,7 @@ FrameAssembler::Outcome FrameAssembler::judge_emitted(const CsiFragment& fragmen
     const bool same = fragment.has_sequence || emitted.digests[slot] == fragment.digest;
     return same ? Outcome::kDuplicate : Outcome::kAccepted;
   }
-  // Without a frame counter the sequence control soon says nothing any more.
+  // Without a frame counter the sequence control is ambiguous after a short time.
   if (!fragment.has_sequence && distance(emitted.time, time) > 2 * options_.timeout) {
     return Outcome::kAccepted;
   }
@@ -184,7 +184,7 @@ unsigned FrameAssembler::required_slots(const AssembledFrame& frame, unsigned le
   if (frame.header.expected_slots != 0) {
     return frame.header.expected_slots;
   }
-  // Every expected core is to bring each stream that is known of.
+  // Every expected core must contain each stream observed so far.
   unsigned streams = 0;
   for (std::size_t core = 0; core < kMaxCores; ++core) {
     streams |= ((learned | frame.slots) >> slot_of(core, 0)) & ((1U << kMaxStreams) - 1U);
@@ -201,7 +201,7 @@ bool FrameAssembler::is_complete(const AssembledFrame& frame) {
   if (frame.header.expected_slots == 0) {
     const std::optional<std::uint16_t> slots = traffic_.expected_slots(frame.header);
     if (!slots) {
-      return false;  // the class warms up: the time-out decides
+      return false;  // warm-up of the class: the time-out decides
     }
     learned = *slots;
   }
@@ -260,7 +260,7 @@ void FrameAssembler::flush() {
   while (!pending_.empty()) {
     close(0);
   }
-  // Nothing of this input comes any more: where a recording is played anew, it is no repetition.
+  // The input has ended: when a recording is played again, its fragments are no repetitions.
   emitted_.clear();
   emitted_keys_.clear();
   next_emitted_ = 0;

@@ -9,16 +9,16 @@
 namespace rayloc {
 namespace {
 
-// Rows of the frame that go into the CsiFrame, in its order: [core][stream].
+// Rows of the frame that are copied to the CsiFrame, in its order: [core][stream].
 struct RowSelection {
   std::vector<std::uint8_t> cores;
   std::vector<std::uint8_t> slots;
   std::size_t streams = 0;
-  std::uint32_t coverage = 0;  // blocks that all of `slots` have
+  std::uint32_t coverage = 0;  // blocks received in all of `slots`
 };
 
-// The largest rectangle of cores x streams among `slots`: every core that has all the streams that
-// come at all; failing that, the streams of the first core and the cores that have them.
+// The largest rectangle of cores x streams among `slots`: every core that has all received streams;
+// without such a core, the streams of the first core and the cores that have them.
 RowSelection rectangle_of(unsigned slots) {
   constexpr unsigned kStreamMask = (1U << kMaxStreams) - 1U;
   std::array<unsigned, kMaxCores> streams_of{};
@@ -93,8 +93,8 @@ bool is_zero(std::span<const std::complex<float>> row) {
       row.begin(), row.end(), [](std::complex<float> h) { return h == std::complex<float>(); });
 }
 
-// HE frames may sound every second or fourth tone only (2x, 1x HE-LTF); what stands at the others
-// is then far below. Every second or fourth counts from the centre.
+// HE frames may sound every second or fourth tone only (2x, 1x HE-LTF); the others then have far
+// less power. The stride is counted from the centre.
 int training_stride(const AssembledFrame& assembled,
                     const std::vector<std::uint8_t>& rows,
                     const Occupancy& occupancy) {
@@ -151,7 +151,7 @@ FrameNormalizer::Layout FrameNormalizer::layout_of(const AssembledFrame& assembl
   layout.occupancy = {header.channel_bandwidth_mhz, 0};
   layout.phy = header.phy.value_or(PhyFormat::kVht);
   if (coverage != assembled.full_coverage()) {
-    return layout;  // too little is known to tell
+    return layout;  // too little data to decide
   }
   layout.occupancy = find_occupancy(assembled, rows);
   if (!header.phy && has_legacy_tones(assembled, rows, layout.occupancy)) {

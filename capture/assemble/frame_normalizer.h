@@ -1,20 +1,20 @@
-// FrameNormalizer: from an assembled frame, as it lies on the wire, to a CsiFrame in the
-// convention of the engine: tones ascending, 802.11 rotation undone, unusable tones left out.
+// FrameNormalizer: converts an assembled frame in wire order to a CsiFrame in the engine's
+// convention: tones ascending, 802.11 rotation undone, unusable tones left out.
 //
-// Left out are the tones that the frame's format does not fill (null, DC, guard), those that the
+// It leaves out the tones that the frame's format does not fill (null, DC, guard), those that the
 // extractor overwrote, the pilots of VHT and HE frames of several streams (their training symbols
 // do not separate the streams there [11ac 21.3.8.3.5]; on recordings such a pilot is 0.6 to 1.1 of
 // its own size away from the mean of its neighbours, any other tone 0.03), and the tones that a HE
-// frame with a short training field did not sound.
-// The rotation is a multiple of 90 degrees: undoing it exchanges and negates parts, exactly.
+// frame with a short training field did not sound. The rotation is a multiple of 90 degrees:
+// undoing it exchanges and negates parts, exactly.
 //
-// Flags: "retry" (same 802.11 sequence control as the frame before), "subband" (fills a part of
-// the channel), "missing_core" (an expected core or stream did not come), "missing_tones" (blocks
-// of tones did not come; their rows are left out, or their tones if no row is whole), "zero_core"
+// Flags: "retry" (same 802.11 sequence control as the previous frame), "subband" (fills a part of
+// the channel), "missing_core" (an expected core or stream did not arrive), "missing_tones" (blocks
+// of tones did not arrive; their rows are left out, or their tones if no row is whole), "zero_core"
 // (a chain wrote zeros only), "sparse_training" (HE, every second or fourth tone sounded),
-// "common_power" (`power_dbm` is one figure for the whole frame).
+// "common_power" (`power_dbm` is one value for the whole frame).
 //
-// Thread safety: one thread; it keeps what it worked out for the frame before.
+// Thread safety: one thread; it caches the layout of the previous frame.
 #pragma once
 
 #include <cstdint>
@@ -28,27 +28,27 @@ namespace rayloc {
 
 class FrameNormalizer {
  public:
-  // raw: leave FFT order, rotation and unusable tones; tone_index is then in the order of the wire.
+  // raw: keeps FFT order, rotation and unusable tones; tone_index is then in the order of the wire.
   FrameNormalizer(int access_point, bool raw) : access_point_(access_point), raw_(raw) {}
 
   CsiFrame normalize(const AssembledFrame& assembled);
 
  private:
-  // What decides which tones are taken from where.
+  // The properties of a frame that determine which tones are read from where.
   struct Layout {
     PhyFormat phy = PhyFormat::kLegacy;
     Occupancy occupancy;
     int total_tones = 0;
     bool without_pilots = false;
-    int stride = 1;  // of the tones that were sounded
+    int stride = 1;  // spacing of the sounded tones
     std::uint16_t overwritten_first = 0;
     std::uint16_t overwritten_count = 0;
     bool raw = false;
-    std::uint32_t coverage = 0;  // blocks of kToneBlock tones on the wire
+    std::uint32_t coverage = 0;  // received blocks of kToneBlock tones on the wire
 
     friend bool operator==(const Layout&, const Layout&) = default;
   };
-  // `count` tones side by side on the wire that are turned alike.
+  // `count` adjacent tones on the wire with the same rotation.
   struct Run {
     std::size_t wire_begin = 0;
     std::size_t count = 0;

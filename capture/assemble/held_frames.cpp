@@ -10,7 +10,7 @@ bool HeldFrames::holds(Timestamp now) const {
   if (settle_ <= Duration::zero() || from_ == Timestamp::min()) {
     return false;
   }
-  // A clock that was set back leaves `from_` in the future.
+  // When the clock is set back, `from_` is in the future.
   const Duration passed = now < from_ ? from_ - now : now - from_;
   return passed < settle_;
 }

@@ -1,4 +1,4 @@
-// HeldFrames: frames that are held back until a second access point would have shown itself.
+// HeldFrames: holds frames back until a second access point would have been detected.
 //
 // The release depends on the times of datagrams alone. Thread safety: one thread.
 #pragma once
@@ -14,7 +14,7 @@ namespace rayloc {
 
 class HeldFrames {
  public:
-  // Past that the oldest is released.
+  // Beyond it the oldest is released.
   static constexpr std::size_t kCapacity = 256;
 
   struct Held {
@@ -24,16 +24,16 @@ class HeldFrames {
 
   explicit HeldFrames(Duration settle) : settle_(settle) {}
 
-  // Frames are held from `time` on, for the time to settle.
+  // Frames are held from `time` on, for the settling time.
   void hold_from(Timestamp time) { from_ = time; }
   bool holds(Timestamp now) const;
 
   void add(Held held) { frames_.push_back(std::move(held)); }
   bool is_full() const { return frames_.size() >= kCapacity; }
-  // Moves out what needs to wait no longer; all of it at the end of the input.
+  // Moves out the frames whose wait is over; all of them at the end of the input.
   std::vector<Held> release(Timestamp now);
   std::vector<Held> release_all();
-  Held release_oldest();  // REQUIRES: there is one
+  Held release_oldest();  // REQUIRES: the queue is not empty
 
   std::uint64_t datagrams() const;
   Timestamp earliest(Timestamp otherwise) const;

@@ -8,12 +8,12 @@ namespace {
 // Counter steps of one access point: losses forward, reordered datagrams backward.
 constexpr std::uint32_t kCounterTolerance = 64;
 constexpr std::uint32_t kCounterModulus = 65536;
-// A track that nothing continued for so long is forgotten.
+// A track without a new value for this long is removed.
 constexpr Duration kTrackMemory = std::chrono::seconds(5);
-// One 802.11 frame reaches two access points within their time to send it: a retransmission of it
+// One 802.11 frame reaches two access points within its transmission time: a retransmission of it
 // advances the counter by one, and kCounterTolerance frames take longer than this.
 constexpr Duration kSameFrame = std::chrono::milliseconds(10);
-// Chance leads a counter back into the range of an earlier one once in 500 jumps.
+// A counter returns to the range of an earlier one by chance once in 500 jumps.
 constexpr int kMinReturns = 2;
 // A route may change between two interfaces of one machine, and back.
 constexpr int kMinSenderReturns = 4;

@@ -7,15 +7,15 @@
 //   - two sender addresses alternate;
 //   - one counter value belongs to two 802.11 frames, or to one frame with two CSIs;
 //   - without a counter: every 802.11 sequence number comes equally often, with different CSI.
-// Counters and sequence numbers are compared for each transmitter by itself: in a recording that
-// was put together of several devices, each device may have a counter of its own.
+// Counters and sequence numbers are compared for each transmitter separately: in a recording that
+// was merged from several devices, each device may have its own counter.
 //
 // Retransmissions repeat a sequence number but advance the counter by a few, and their number
 // varies. A restarted access point, a lossy link and a reordered datagram change the counter once
 // and do not return to the old one.
 //
-// A function of the fragments and their times. Memory is bounded: kMaxTracks counters, kRecent
-// frames. Thread safety: one thread.
+// The result is a function of the fragments and their times. Memory is bounded: kMaxTracks
+// counters, kRecent frames. Thread safety: one thread.
 #pragma once
 
 #include <array>
@@ -40,21 +40,21 @@ class MixtureDetector {
     kSharedCounter,
     kSequenceNumbers
   };
-  // A mixture is over when no evidence came for so long.
+  // A mixture is over after this time without evidence.
   static constexpr Duration kMemory = std::chrono::seconds(30);
 
   void add(const CsiFragment& fragment, const DatagramAddress& sender, Timestamp time);
-  // A datagram that holds a whole frame: only its sender is compared.
+  // Adds a datagram that holds a whole frame: only its sender is compared.
   void add(const DatagramAddress& sender, Timestamp time);
 
-  // The latest evidence, kNone where the source has one access point.
+  // The latest evidence; kNone if the source has one access point.
   Evidence evidence() const { return evidence_; }
   bool is_mixture() const { return evidence_ != Evidence::kNone; }
   // Time of the first fragment, of the latest jump of a transmitter's counter, or of the newest
-  // sender: for some time after it a second access point may not have shown itself.
+  // sender: for some time after it a second access point may still be undetected.
   Timestamp newest_beginning() const { return newest_beginning_; }
 
-  // The input goes on elsewhere: drops all that was observed.
+  // The input continues at another position: discards all observations.
   void reset() { *this = {}; }
 
  private:
@@ -64,17 +64,17 @@ class MixtureDetector {
 
   // A frame counter that advances for one transmitter, or a sender address.
   struct Track {
-    std::uint32_t value = 0;  // last counter value; or the address
+    std::uint32_t value = 0;  // last counter value, or the address
     Timestamp time;           // of its last fragment
     MacAddress transmitter;   // of its last fragment
     std::uint16_t sequence_control = 0;
   };
   struct Tracks {
-    std::vector<Track> tracks;  // the one of the latest fragment last
-    int returns = 0;            // to a track that another one had followed
+    std::vector<Track> tracks;  // tracks; that of the latest fragment is last
+    int returns = 0;            // returns to a track after another one was followed
     Timestamp last_return;
   };
-  // Where one part of a frame lies, and its CSI.
+  // The position of one part of a frame, and its CSI.
   struct Part {
     std::uint16_t slot = 0;
     std::uint16_t first_tone = 0;
@@ -91,7 +91,7 @@ class MixtureDetector {
   };
 
   void observe(Evidence evidence, Timestamp time);
-  // True where the fragment belongs to another track than the one before, and that track is not
+  // Returns true if the fragment belongs to another track than the one before and that track is not
   // new.
   bool follow(Tracks& all, const Track& now, std::uint32_t tolerance, Timestamp time);
   void add_counter(const CsiFragment& fragment, Timestamp time);
@@ -114,7 +114,7 @@ class MixtureDetector {
   std::vector<int> runs_;
 };
 
-// For a message: "two frame counters advance side by side". Empty for kNone.
+// Text for a message: "two frame counters advance side by side". Empty for kNone.
 std::string_view to_string(MixtureDetector::Evidence evidence);
 
 }  // namespace rayloc

@@ -10,7 +10,7 @@
 namespace rayloc {
 namespace {
 
-constexpr std::size_t kMaxParts = 8;  // of 20 MHz
+constexpr std::size_t kMaxParts = 8;  // parts of 20 MHz
 constexpr int kTonesOfHalf160 = 256;
 
 // Power of each 20 MHz part and of the guard tones, in units of the frame's power.
@@ -22,12 +22,12 @@ struct PowerProfile {
 
 bool is_high_efficiency(const AssembledFrame& frame) { return frame.header.phy == PhyFormat::kHe; }
 
-// Mean power of the tones first..last, which lie side by side on the wire.
+// Mean power of the tones first..last, which are adjacent on the wire.
 double mean_power(std::span<const std::complex<float>> row, int first, int last, bool he) {
   const std::size_t begin = wire_index(first, static_cast<int>(row.size()), he);
   const std::size_t count = static_cast<std::size_t>(last - first) + 1;
   // [complex.numbers.general]: an array of complex<float> may be read as pairs of float. Several
-  // sums, because one alone would wait for itself at every step.
+  // sums, because a single one would stall on its own result at every step.
   const auto* values = reinterpret_cast<const float*>(row.subspan(begin, count).data());
   std::array<float, 8> sums{};
   std::size_t i = 0;
@@ -46,8 +46,8 @@ double mean_power(std::span<const std::complex<float>> row, int first, int last,
   return sum / static_cast<double>(count);
 }
 
-// Parts by the tones that every format fills and no extractor overwrites: 4..24 of +-32 from the
-// part's centre (16..96 of +-128 for HE).
+// Computed from the tones that every format fills and no extractor overwrites: 4..24 of +-32 from
+// the part's centre (16..96 of +-128 for HE).
 PowerProfile profile_of_row(std::span<const std::complex<float>> row, bool he) {
   const int scale = he ? 4 : 1;
   const int total = static_cast<int>(row.size());
@@ -61,7 +61,7 @@ PowerProfile profile_of_row(std::span<const std::complex<float>> row, bool he) {
   }
   const int bandwidth_mhz = static_cast<int>(profile.parts) * 20;
   const TonePlan& plan = tone_plan(he ? PhyFormat::kHe : PhyFormat::kVht, bandwidth_mhz);
-  // The two next to the outermost active tones: further out int16 chips write garbage.
+  // The two next to the outermost active tones: int16 chips write junk further out.
   profile.guard = (mean_power(row, plan.active.back() + 1, plan.active.back() + 2, he) +
                    mean_power(row, plan.active.front() - 2, plan.active.front() - 1, he)) /
                   2.0;
@@ -78,7 +78,7 @@ PowerProfile profile_of(const AssembledFrame& frame, std::span<const std::uint8_
       total += power;
     }
     if (!(total > 0.0)) {
-      continue;  // a chain that is switched off
+      continue;  // the chain is switched off
     }
     for (std::size_t i = 0; i < row.parts; ++i) {
       sum.part[i] += row.part[i] / total;
@@ -88,8 +88,8 @@ PowerProfile profile_of(const AssembledFrame& frame, std::span<const std::uint8_
   return sum;
 }
 
-// By how much the weakest part of [first, first + count) exceeds everything outside, less (in dB)
-// half of how uneven the parts are among themselves.
+// Excess of the weakest part of [first, first + count) over everything outside, less (in dB) half
+// the unevenness of the parts among themselves.
 double prominence(const PowerProfile& profile, std::size_t first, std::size_t count) {
   double weakest = std::numeric_limits<double>::infinity();
   double strongest = 0.0;

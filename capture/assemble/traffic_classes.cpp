@@ -78,7 +78,7 @@ void TrafficClasses::frame_closed(const CsiFragment& fragment, std::uint16_t slo
 void TrafficClasses::slot_seen(const CsiFragment& fragment) {
   TrafficClass& traffic = class_of(fragment);
   if (traffic.frames == 0) {
-    return;  // its frame was of a class that has been forgotten since
+    return;  // the class of its frame has been removed since
   }
   const std::size_t slot = slot_of(fragment.core, fragment.stream);
   traffic.last_frame[slot] = traffic.frames;
@@ -89,8 +89,8 @@ bool TrafficClasses::repeats_sequence_control(const CsiFragment& fragment) {
   if (fragment.control_frame) {
     return false;
   }
-  // A retry is often sent with fewer streams, so it is looked for in all classes of the
-  // transmitter.
+  // A retry is often sent with fewer streams, so all classes of the transmitter are
+  // searched.
   const std::uint64_t transmitter = class_of(fragment).key >> kTransmitterShift;
   bool repeats = false;
   for (TrafficClass& traffic : classes_) {

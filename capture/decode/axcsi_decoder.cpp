@@ -66,7 +66,7 @@ bool length_fits(const AxcsiHeader& header, std::size_t size) {
                      kBytesPerWord * (header.last_tone - header.first_tone + std::size_t{1});
 }
 
-// Bandwidth of the channel, by the size of the transform: 0 where there is no such transform.
+// Bandwidth of the channel, by the size of the transform: 0 if no such transform exists.
 int channel_bandwidth_mhz(unsigned encoding, unsigned total_tones) {
   const unsigned tones_of_20_mhz = encoding == kAxcsiEncodingHe ? 256 : 64;
   for (const unsigned parts : {1U, 2U, 4U, 8U}) {
@@ -156,7 +156,7 @@ DecodeResult AxcsiDecoder::decode(std::span<const std::byte> payload) const {
   fragment.transmitted_streams =
       static_cast<int>(header->streams() * (header->space_time_coded() ? 2U : 1U));
   for (std::size_t core = 0; core < kMaxCores; ++core) {
-    if (header->power_dbm[core] < 0) {  // 0: that chain was off
+    if (header->power_dbm[core] < 0) {  // 0: the chain was off
       fragment.power_dbm[core] = header->power_dbm[core];
     }
   }

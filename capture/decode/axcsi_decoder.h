@@ -1,8 +1,8 @@
 // AX-CSI V0.0.4 ("axcsi-v4"): the extractor for Broadcom bcm43684 access points (RT-AX86U).
 //
 // The tones are on the wire in FFT order; our sign needs no conjugation. Proof on recordings: with
-// the values as they stand, the 40 MHz step across DC is +90 degrees as the standard rotates it,
-// and the apparent delay is positive (tests/capture/axcsi_decoder_test.cpp).
+// the values unchanged, the 40 MHz step across DC is +90 degrees as the standard rotates it, and
+// the apparent delay is positive (tests/capture/axcsi_decoder_test.cpp).
 #pragma once
 
 #include "capture/decode/csi_decoder.h"
@@ -10,12 +10,12 @@
 namespace rayloc {
 
 inline constexpr std::size_t kAxcsiHeaderBytes = 54;
-inline constexpr unsigned kAxcsiEncodingHe = 3;  // of AxcsiHeader::encoding()
+inline constexpr unsigned kAxcsiEncodingHe = 3;  // value of AxcsiHeader::encoding()
 
-// Every field of the header, as it stands there.
+// Every field of the header, with its unmodified value.
 struct AxcsiHeader {
   MacAddress transmitter;
-  std::uint16_t sequence = 0;  // of the extractor, +1 a frame
+  std::uint16_t sequence = 0;  // the extractor's counter, +1 a frame
   std::uint16_t core = 0;
   std::uint16_t stream = 0;
   std::uint16_t first_tone = 0;
@@ -23,7 +23,7 @@ struct AxcsiHeader {
   std::uint16_t total_tones = 0;
   std::uint16_t sequence_control = 0;
   std::uint32_t ratespec = 0;
-  std::uint64_t receive_ticks = 0;  // 48 bits, counts down, 242.25 MHz; 0 in every recording known
+  std::uint64_t receive_ticks = 0;  // 48 bits, counts down, 242.25 MHz; 0 in all known recordings
   std::uint16_t receive_sequence = 0;  // a copy of sequence_control
   std::uint32_t receive_time_us = 0;
   std::uint64_t transmit_ticks = 0;
@@ -32,10 +32,10 @@ struct AxcsiHeader {
   std::uint32_t phy_status = 0;
   std::uint16_t chanspec = 0;
 
-  // Fields of `ratespec`. Its bandwidth is not reliable (WIRE_FORMATS 1.2): nothing here uses it.
+  // Fields of `ratespec`. Its bandwidth is not reliable (WIRE_FORMATS 1.2) and is not used here.
   unsigned encoding() const { return (ratespec >> 24U) & 7U; }  // 0 legacy, 1 HT, 2 VHT, 3 HE
   unsigned rate_bandwidth() const { return (ratespec >> 16U) & 7U; }
-  unsigned streams() const;  // spatial streams, space-time coding apart
+  unsigned streams() const;  // spatial streams, not counting space-time coding
   unsigned mcs() const;      // legacy: rate in 500 kb/s
   bool space_time_coded() const { return ((ratespec >> 20U) & 1U) != 0; }
 };
@@ -48,8 +48,8 @@ class AxcsiDecoder final : public CsiDecoder {
   DecodeResult decode(std::span<const std::byte> payload) const override;
 };
 
-// Whether the length is what the header says, or else the fields that have few legal values all
-// have one: tells a damaged AX-CSI datagram from something else.
+// True if the length matches the header, or if all fields that have few legal values have one:
+// distinguishes a damaged AX-CSI datagram from other data.
 bool resembles_axcsi(std::span<const std::byte> payload);
 
 }  // namespace rayloc

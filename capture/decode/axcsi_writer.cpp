@@ -1,4 +1,4 @@
-// The layout is drawn in axcsi_decoder.cpp.
+// axcsi_decoder.cpp documents the layout.
 #include "capture/decode/axcsi_writer.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ void put(std::vector<std::byte>& bytes, std::uint64_t value, std::size_t count) 
   }
 }
 
-// Sign above magnitude.
+// Sign bit above the magnitude.
 std::uint32_t sign_magnitude(double value, int exponent) {
   const auto magnitude =
       static_cast<std::uint32_t>(std::llround(std::ldexp(std::abs(value), -exponent)));
@@ -51,7 +51,7 @@ void put_header(std::vector<std::byte>& bytes, const AxcsiHeader& header) {
   put(bytes, header.chanspec, 2);
 }
 
-// From the lowest tone on to the order of the wire (WIRE_FORMATS 1.4): FFT order; 160 MHz in 512
+// Converts ascending tones to the order of the wire (WIRE_FORMATS 1.4): FFT order; 160 MHz in 512
 // tones is two transforms, the upper half first.
 std::vector<std::complex<double>> wire_order(std::span<const std::complex<double>> tones,
                                              bool two_transforms) {
@@ -73,7 +73,7 @@ std::uint32_t pack_axcsi_word(std::complex<double> value) {
   int exponent = largest > 0.0 ? std::max(std::ilogb(largest) + 1 - kMantissaBits, kLowestExponent)
                                : kLowestExponent;
   if (std::llround(std::ldexp(largest, -exponent)) >= 1 << kMantissaBits) {
-    ++exponent;  // 2047.6 rounds to a magnitude that has no room
+    ++exponent;  // 2047.6 rounds to a magnitude that does not fit
   }
   RAYLOC_CHECK(exponent <= kHighestExponent);
   return sign_magnitude(value.real(), exponent) << (kExponentBits + kMantissaBits + 1) |

@@ -1,4 +1,4 @@
-// What the headers of nexmon and UbiLocate have in common: both begin as nexmon_csi's does.
+// The header fields shared by nexmon and UbiLocate: both begin like the header of nexmon_csi.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +27,7 @@ inline MacAddress nexmon_transmitter(const ByteReader& reader) {
   return mac;
 }
 
-// REQUIRES: kNexmonHeaderBytes or more.
+// REQUIRES: at least kNexmonHeaderBytes.
 inline std::optional<RadioChannel> nexmon_channel(std::span<const std::byte> payload) {
   return channel_of_chanspec(ByteReader(payload).u16(14));
 }
@@ -42,7 +42,7 @@ constexpr std::size_t nexmon_tones(std::size_t size, std::size_t extra) {
   return 0;
 }
 
-// 20 MHz for each 64 tones; these extractors know no HE.
+// 20 MHz for each 64 tones; these extractors do not support HE.
 constexpr int nexmon_bandwidth_mhz(std::size_t tones) { return static_cast<int>(tones / 64 * 20); }
 
 }  // namespace rayloc

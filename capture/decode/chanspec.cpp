@@ -5,9 +5,9 @@ namespace rayloc {
 std::optional<RadioChannel> channel_of_chanspec(std::uint16_t chanspec) {
   constexpr unsigned kBand2GHz = 0;
   constexpr unsigned kBand5GHz = 3;
-  constexpr unsigned kWidth20MHz = 2;  // each more is twice as wide
+  constexpr unsigned kWidth20MHz = 2;  // each further value is twice as wide
   constexpr unsigned kWidth160MHz = 5;
-  constexpr double kStep = 5e6;  // [Hz], IEEE 802.11-2020, of the numbers of channels
+  constexpr double kStep = 5e6;  // spacing of channel numbers [Hz], IEEE 802.11-2020
   const unsigned number = chanspec & 0xffU;
   const unsigned width = (chanspec >> 11U) & 7U;
   const unsigned band = chanspec >> 14U;
@@ -18,7 +18,7 @@ std::optional<RadioChannel> channel_of_chanspec(std::uint16_t chanspec) {
   if (band == kBand5GHz && number >= 34 && number <= 177) {
     return RadioChannel{5e9 + kStep * number, bandwidth_mhz};
   }
-  // Channel 14 lies outside of the grid of the others.
+  // Channel 14 is outside the grid of the others.
   if (band == kBand2GHz && number >= 1 && number <= 13) {
     return RadioChannel{2.407e9 + kStep * number, bandwidth_mhz};
   }

@@ -8,8 +8,8 @@
 
 namespace rayloc {
 
-// WIRE_FORMATS 1.2. Nothing where the value names no channel of 2.4 or 5 GHz: some builds of the
-// extractors write something else there.
+// WIRE_FORMATS 1.2. Empty if the value is no channel of 2.4 or 5 GHz: some builds of the extractors
+// write another value there.
 std::optional<RadioChannel> channel_of_chanspec(std::uint16_t chanspec);
 
 }  // namespace rayloc

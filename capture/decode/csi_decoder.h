@@ -1,8 +1,8 @@
-// CsiDecoder: from the payload of one datagram to the fragment of a CSI frame that it carries.
+// CsiDecoder: converts the payload of one datagram to the fragment of a CSI frame in it.
 //
-// A decoder is one wire format: its file begins with the table of the layout. It tests, in this
-// order, the length, the magic number, the version and the ranges of the fields; what it accepts
-// needs no further test. It keeps nothing between datagrams.
+// A decoder is one wire format: its file begins with the table of the layout. It checks, in this
+// order, the length, the magic number, the version and the ranges of the fields; an accepted
+// datagram needs no further check. It keeps no state between datagrams.
 #pragma once
 
 #include <array>
@@ -28,7 +28,7 @@ inline constexpr std::size_t kMaxTones = 2048;
 // Blocks of tones in which fragments are accounted for: a fragment begins and ends at a multiple.
 inline constexpr std::size_t kToneBlock = 64;
 
-// Why a datagram was refused; to_string gives the name under which it is counted.
+// The reason for which a datagram was rejected; to_string returns the name of its counter.
 enum class RejectReason : std::uint8_t {
   kTooShort,
   kUnknownFormat,
@@ -40,13 +40,13 @@ enum class RejectReason : std::uint8_t {
   kToneRange,
   kEncodingRange,
   kHeaderMismatch,       // two copies of a field in the same header differ
-  kAntennaPermutation,   // which antenna a chain was switched to is no permutation
-  kLegacyRate,           // a frame without HT, of which the card measures no channel
-  kFrameMismatch,        // the header contradicts the fragments of the same frame that came before
+  kAntennaPermutation,   // the assignment of antennas to chains is no permutation
+  kLegacyRate,           // a frame without HT, for which the card measures no channel
+  kFrameMismatch,        // the header contradicts earlier fragments of the same frame
   kOtherChannel,         // the header states another channel than the site
   kSeveralAccessPoints,  // several access points send to the source (mixture_detector.h)
-  kGroupAddress,         // the transmitter's: no device has one
-  kZeroAddress,          // the transmitter's
+  kGroupAddress,         // the transmitter address is a group address, which no device has
+  kZeroAddress,          // the transmitter address is zero
 };
 inline constexpr std::size_t kRejectReasons = 17;
 std::string_view to_string(RejectReason reason);
@@ -57,7 +57,7 @@ struct CsiFragment {
   // The extractor's frame counter. Without one (nexmon) `digest` distinguishes fragments.
   bool has_sequence = false;
   std::uint16_t sequence = 0;
-  std::uint64_t digest = 0;  // of the CSI as it lies on the wire (payload_digest.h)
+  std::uint64_t digest = 0;  // digest of the CSI in wire order (payload_digest.h)
   std::uint16_t sequence_control = 0;
   bool control_frame = false;  // its sequence control is left over from an earlier frame
 
@@ -68,21 +68,21 @@ struct CsiFragment {
   std::uint16_t tones = 0;
   std::uint16_t total_tones = 0;
 
-  std::optional<PhyFormat> phy;         // where the header tells
-  int channel_bandwidth_mhz = 0;        // from the size of the transform
-  std::optional<RadioChannel> channel;  // where the header states one
-  int transmitted_streams = 0;          // 0: the header does not tell
-  std::uint16_t expected_slots = 0;     // bit slot(core, stream); 0: the header does not tell
+  std::optional<PhyFormat> phy;         // if the header states it
+  int channel_bandwidth_mhz = 0;        // bandwidth by the size of the transform
+  std::optional<RadioChannel> channel;  // if the header states one
+  int transmitted_streams = 0;          // 0: not stated in the header
+  std::uint16_t expected_slots = 0;     // bit slot(core, stream); 0: not stated in the header
 
   std::array<std::optional<std::int8_t>, kMaxCores> power_dbm;
   bool common_power = false;  // one value for the frame, repeated for every core
 
-  // Indices on the wire that the extractor overwrote with something else.
+  // Indices on the wire that the extractor overwrote with other data.
   std::uint16_t overwritten_first = 0;
   std::uint16_t overwritten_count = 0;
 
   CsiWords layout = CsiWords::kFloat12;
-  std::span<const std::byte> words;  // 4 bytes a tone; as long-lived as the payload
+  std::span<const std::byte> words;  // 4 bytes a tone; valid as long as the payload
 };
 
 constexpr std::size_t slot_of(std::size_t core, std::size_t stream) {

@@ -9,8 +9,8 @@
 namespace rayloc {
 namespace {
 
-// Branch-free integer arithmetic on a block of words that lies in the cache: the compiler turns
-// each loop into SIMD instructions, which a table of powers of two would prevent.
+// Branch-free integer arithmetic on a block of words that fits in the cache: the compiler
+// vectorizes each loop, which a table of powers of two would prevent.
 constexpr std::size_t kBlock = 64;
 using Block = std::array<std::uint32_t, kBlock>;
 

@@ -5,7 +5,7 @@
 //   kInt16    bcm4339, bcm43455c0   15-0 re  31-16 im, both two's complement
 //
 // A value is (-1)^sign magnitude 2^exponent, the exponent in two's complement and common to both
-// parts; it is exact in a float. The scale is the radio's own.
+// parts; it is exact in a float. The scale is specific to the radio.
 #pragma once
 
 #include <complex>

@@ -11,7 +11,7 @@
 namespace rayloc {
 namespace {
 
-// Why a datagram that resembles no format is refused.
+// The reason for rejecting a datagram that resembles no format.
 RejectReason unknown(std::span<const std::byte> payload) {
   if (payload.size() < kAxcsiHeaderBytes) {
     return RejectReason::kTooShort;
@@ -21,7 +21,7 @@ RejectReason unknown(std::span<const std::byte> payload) {
 
 }  // namespace
 
-// AX-CSI has no magic number, and an address may begin with that of nexmon: it is asked last.
+// AX-CSI has no magic number, and an address may begin with that of nexmon: it is tested last.
 std::span<const DecoderRow> decoder_rows() {
   static const std::array kRows{
       kIntel5300Row, kNexmonV1Row, kNexmonV2Row, kUbilocateRow, kAxcsiRow};

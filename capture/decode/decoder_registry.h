@@ -1,6 +1,6 @@
-// DecoderRegistry: the wire formats there are, and which of them a datagram is in.
+// DecoderRegistry: lists the wire formats and selects the format of a datagram.
 //
-// Without a fixed format every datagram is recognised on its own, by magic number, length and the
+// Without a fixed format every datagram is recognised separately, by magic number, length and the
 // ranges of its fields (WIRE_FORMATS 1.8), so formats may be mixed in one recording.
 #pragma once
 
@@ -13,21 +13,21 @@
 
 namespace rayloc {
 
-// The formats there are.
+// All supported formats.
 std::span<const DecoderRow> decoder_rows();
 
 // Their names, in alphabetical order: "axcsi-v4", "intel-5300", "nexmon-v1", "nexmon-v2",
-// "ubilocate". What a site file may name.
+// "ubilocate". A site file may state any of them.
 std::span<const std::string_view> wire_formats();
 bool is_wire_format(std::string_view name);
 
 class DecoderRegistry {
  public:
-  // `format` is the name of one of the rows, or empty: recognised. REQUIRES one of these.
+  // `format` is the name of one of the rows, or empty: detected. REQUIRES one of these.
   explicit DecoderRegistry(std::string_view format,
                            std::span<const DecoderRow> rows = decoder_rows());
 
-  // Of a datagram that carries a whole frame; null for one that decode() takes.
+  // The decoder of a datagram that carries a whole frame; null for one that decode() accepts.
   const FrameDecoder* frame_decoder(std::span<const std::byte> payload) const;
 
   DecodeResult decode(std::span<const std::byte> payload) const;
@@ -39,7 +39,7 @@ class DecoderRegistry {
     std::unique_ptr<Decoder> decoder;
   };
 
-  bool fixed_;  // what is listed below is one decoder, whatever a datagram resembles
+  bool fixed_;  // the list below holds one decoder, which is used for every datagram
   std::vector<Known<FrameDecoder>> frames_;
   std::vector<Known<CsiDecoder>> fragments_;
 };

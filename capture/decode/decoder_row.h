@@ -1,4 +1,4 @@
-// DecoderRow: one wire format. A row stands beside its decoder; decoder_registry.cpp lists them
+// DecoderRow: one wire format. A row is defined beside its decoder; decoder_registry.cpp lists them
 // all.
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace rayloc {
 
-// Of fragments, which are assembled; or of whole frames, which pass the assembler by.
+// A decoder of fragments, which are assembled, or of whole frames, which bypass the assembler.
 using AnyDecoder = std::variant<std::unique_ptr<CsiDecoder>, std::unique_ptr<FrameDecoder>>;
 
 struct DecoderRow {
-  std::string_view name;  // what a site file may name; the `format` of its fragments or frames
-  // Whether magic number, length and the fields with few legal values are of this format. Rows are
-  // asked in the order of the table, those of whole frames first.
+  std::string_view name;  // name in a site file; the `format` of its fragments or frames
+  // True if magic number, length and the fields with few legal values match this format. Rows are
+  // tested in the order of the table, those of whole frames first.
   bool (*resembles)(std::span<const std::byte> payload) = nullptr;
   AnyDecoder (*make)() = nullptr;
 };

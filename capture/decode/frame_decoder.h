@@ -1,10 +1,10 @@
-// FrameDecoder: from the payload of one datagram to a whole CSI frame, for extractors that need no
-// more than one datagram a frame.
+// FrameDecoder: converts the payload of one datagram to a whole CSI frame, for extractors that send
+// one datagram per frame.
 //
-// It gives the frame in the convention of the engine (engine/channel/csi_frame.h) and says in
-// `complete` whether it has all that it should; CsiReceiver fills in `time`, `time_last` and
-// `access_point`. It tests what CsiDecoder tests, in the same order, and keeps nothing between
-// datagrams.
+// It returns the frame in the convention of the engine (engine/channel/csi_frame.h) and sets
+// `complete` if no part is missing; CsiReceiver fills in `time`, `time_last` and
+// `access_point`. It performs the checks of CsiDecoder in the same order, and keeps no state
+// between datagrams.
 #pragma once
 
 #include <cstddef>

@@ -38,13 +38,13 @@ namespace {
 constexpr std::uint8_t kCode = 0xbb;
 constexpr std::size_t kBeamformingHeaderBytes = 21;
 constexpr std::size_t kExtendedHeaderBytes = 39;
-constexpr std::size_t kTransmitterOffset = 29;  // of extended records
+constexpr std::size_t kTransmitterOffset = 29;  // offset in extended records
 constexpr std::size_t kRssiOffsetBytes = 11;
 constexpr std::size_t kAntennaOffset = 16;
 constexpr std::size_t kMostChains = 3;
 constexpr std::size_t kTones = 30;
-constexpr unsigned kGroupBits = 3;   // before each group of tones
-constexpr unsigned kValueBits = 16;  // of a complex value
+constexpr unsigned kGroupBits = 3;   // bits before each group of tones
+constexpr unsigned kValueBits = 16;  // bits of a complex value
 constexpr unsigned kHtBit = 8;
 constexpr unsigned kWideBit = 11;
 constexpr int kRssiOffset = 44;  // [dB]
@@ -74,10 +74,10 @@ struct Header {
   std::size_t chains = 0;
   std::size_t streams = 0;
   unsigned rate = 0;
-  std::array<std::size_t, kMostChains> antenna{};  // of each chain
+  std::array<std::size_t, kMostChains> antenna{};  // antenna of each chain
 };
 
-// The only antenna with power, if one alone has some.
+// Returns the antenna with power if there is exactly one.
 std::optional<std::size_t> only_antenna(const ByteReader& reader) {
   std::optional<std::size_t> only;
   for (std::size_t antenna = 0; antenna < kMostChains; ++antenna) {
@@ -91,8 +91,8 @@ std::optional<std::size_t> only_antenna(const ByteReader& reader) {
   return only;
 }
 
-// Of each chain; none where the field is no permutation. A single chain needs none, and some logs
-// leave the field unset then.
+// Antenna of each chain; empty if the field is no permutation. A single chain needs none, and some
+// logs leave the field unset then.
 std::optional<std::array<std::size_t, kMostChains>> antennas_of(const ByteReader& reader,
                                                                 std::size_t chains) {
   std::array<std::size_t, kMostChains> antennas{};
@@ -133,7 +133,7 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
       (header.bytes != kBeamformingHeaderBytes && header.bytes != kExtendedHeaderBytes)) {
     return tl::make_unexpected(RejectReason::kLengthMismatch);
   }
-  if (((header.rate >> kHtBit) & 1U) == 0) {  // the card measures HT frames alone
+  if (((header.rate >> kHtBit) & 1U) == 0) {  // the card measures HT frames only
     return tl::make_unexpected(RejectReason::kLegacyRate);
   }
   const auto antennas = antennas_of(reader, header.chains);
@@ -144,7 +144,7 @@ tl::expected<Header, RejectReason> header_of(std::span<const std::byte> payload)
   return header;
 }
 
-// Antennas that a chain was switched to, ascending, and the row of each in the frame.
+// Lists the antennas of the chains in ascending order, and the row of each in the frame.
 std::array<std::size_t, kMostChains> name_cores(const Header& header, CsiFrame& frame) {
   std::array<std::size_t, kMostChains> row{};
   for (std::size_t antenna = 0; antenna < kMostChains; ++antenna) {
@@ -181,7 +181,7 @@ void unpack(std::span<const std::byte> bytes, const Header& header, CsiFrame& fr
   }
 }
 
-// A record whose lengths agree is one, whatever rate and antennas it states.
+// A record with matching lengths resembles the format, whatever rate and antennas it states.
 bool resembles(std::span<const std::byte> payload) {
   if (payload.empty() || std::to_integer<std::uint8_t>(payload[0]) != kCode) {
     return false;

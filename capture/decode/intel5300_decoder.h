@@ -1,9 +1,9 @@
 // Intel5300Decoder: the records of the log that the Linux 802.11n CSI tool writes for an Intel WiFi
 // Link 5300 [HH]; one record is a whole frame. In files they come from PcapParser (.dat logs).
 //
-// The card reports 30 tones of a 20 or 40 MHz HT frame, and which antenna each of its receive
-// chains was switched to. Its values are in the engine's sign; at 40 MHz it leaves the rotation of
-// the upper half in, which is undone here (WIRE_FORMATS 1.9).
+// The card reports 30 tones of a 20 or 40 MHz HT frame, and the antenna to which each of its
+// receive chains was switched. Its values have the engine's sign; at 40 MHz they include the
+// rotation of the upper half, which is undone here (WIRE_FORMATS 1.9).
 //
 // References: [HH] D. Halperin et al., ACM SIGCOMM CCR 41 (2011) 53; the tool's documentation.
 #pragma once

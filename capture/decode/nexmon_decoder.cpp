@@ -28,9 +28,9 @@ std::size_t tones_of(std::span<const std::byte> payload) {
   return tones != 0 ? tones : nexmon_tones(payload.size(), kTrailingBytes);
 }
 
-// Old builds write anything into the chip field; what bits the words use tells the layout. Real
-// float words keep their top bits clear, int16 words do not (half of all small parts are
-// negative), and a normalised 12-bit mantissa reaches above bit 22 somewhere.
+// Old builds write arbitrary values into the chip field; the bits used by the words indicate the
+// layout. Real float words keep their top bits clear, int16 words do not (half of all small parts
+// are negative), and some normalised 12-bit mantissa extends above bit 22.
 CsiWords layout_by_used_bits(std::span<const std::byte> words) {
   const ByteReader reader(words);
   std::uint32_t used = 0;

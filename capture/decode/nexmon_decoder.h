@@ -2,7 +2,7 @@
 // bcm4366c0.
 //
 // Version 2 added the RSSI and the frame control byte, and overwrites three CSI words of each
-// datagram with the PhyRxStatus; both are 18 bytes of header. Neither has a frame counter.
+// datagram with the PhyRxStatus; both headers have 18 bytes. Neither has a frame counter.
 #pragma once
 
 #include "capture/decode/csi_decoder.h"
@@ -24,9 +24,9 @@ class NexmonDecoder final : public CsiDecoder {
   NexmonVersion version_;
 };
 
-// Whether magic number and length are those of nexmon, of either version.
+// True if magic number and length are those of nexmon, of either version.
 bool resembles_nexmon(std::span<const std::byte> payload);
-// The version that the bytes 2 and 3 tell. REQUIRES: resembles_nexmon(payload).
+// The version that bytes 2 and 3 indicate. REQUIRES: resembles_nexmon(payload).
 NexmonVersion nexmon_version(std::span<const std::byte> payload);
 
 }  // namespace rayloc

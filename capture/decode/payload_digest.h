@@ -1,4 +1,4 @@
-// A digest of bytes that tells two CSI payloads apart. Not for security.
+// A digest of bytes that distinguishes two CSI payloads. Not for security.
 #pragma once
 
 #include <cstddef>

@@ -26,7 +26,7 @@ constexpr std::size_t kTrailerBytes = 128;
 constexpr std::uint32_t kTrailerMagic = 0x0827deaf;
 constexpr std::size_t kTrailerPowerOffset = 7;
 
-// The slots of a frame of these cores and streams, and how many streams there are.
+// The slots of a frame of these cores and streams, and the number of streams.
 struct Expectation {
   std::uint16_t slots = 0;
   int streams = 0;

@@ -1,5 +1,5 @@
-// UbiLocate, "ubilocate": another extractor for bcm4366c0 access points (RT-AC86U). Its header says
-// which cores and streams to expect, and it has a frame counter.
+// UbiLocate, "ubilocate": another extractor for bcm4366c0 access points (RT-AC86U). Its header
+// states the expected cores and streams, and it has a frame counter.
 #pragma once
 
 #include "capture/decode/csi_decoder.h"
@@ -12,7 +12,7 @@ class UbilocateDecoder final : public CsiDecoder {
   DecodeResult decode(std::span<const std::byte> payload) const override;
 };
 
-// Whether magic number and length are those of UbiLocate.
+// True if magic number and length are those of UbiLocate.
 bool resembles_ubilocate(std::span<const std::byte> payload);
 
 }  // namespace rayloc

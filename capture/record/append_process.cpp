@@ -19,13 +19,13 @@ namespace {
 
 // The parent may have threads: between fork() and _exit() only async-signal-safe calls are allowed.
 
-// Where the process keeps its two descriptors. Not among the standard ones, which it has not: what
-// anything in it says there, say a sanitizer that empties the parent's buffers in _exit(), must not
-// become part of the recording.
+// Descriptors of the process. They are not standard ones, which are closed: output of any code in
+// it to those, e.g. of a sanitizer that flushes the parent's buffers in _exit(), must not become
+// part of the recording.
 constexpr int kSocket = 3;
 constexpr int kFile = 4;
 
-// 0 or errno; a partial write is undone.
+// Returns 0 or errno; a partial write is undone.
 int append_whole(const std::byte* bytes, std::size_t size) {
   const off_t before = lseek(kFile, 0, SEEK_END);
   const ssize_t written = write(kFile, bytes, size);
@@ -35,16 +35,16 @@ int append_whole(const std::byte* bytes, std::size_t size) {
   if (written < 0) {
     return errno;
   }
-  // Only a file that may not grow any more takes a part.
+  // A partial write occurs only if the file may not grow any more.
   return ftruncate(kFile, before) == 0 ? ENOSPC : errno;
 }
 
-// Room for one descriptor that comes with a message.
+// Buffer for one descriptor passed with a message.
 struct Passed {
   alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(int))> bytes{};
 };
 
-// 0 or errno, of a message that brings the next file.
+// Returns 0 or errno for a message that passes the next file.
 int take_file(const cmsghdr& control) {
   int file = -1;
   std::memcpy(&file, CMSG_DATA(&control), sizeof file);
@@ -68,7 +68,7 @@ int take_file(const cmsghdr& control) {
       continue;
     }
     if (got <= 0) {
-      _exit(0);  // the parent is gone
+      _exit(0);  // the parent has ended
     }
     const cmsghdr* const control = CMSG_FIRSTHDR(&message);
     const int result = control != nullptr
@@ -78,8 +78,8 @@ int take_file(const cmsghdr& control) {
   }
 }
 
-// Keeps nothing of the parent but the two descriptors, which come from above kFile: not its ports,
-// and not the pipes whose end others wait for. The parent decides when it is over, not a Ctrl-C.
+// Keeps none of the parent's descriptors but the two, which are above kFile: not its ports, and not
+// the pipes whose end others wait for. Only the parent ends the process, not a Ctrl-C.
 [[noreturn]] void become_writer(int socket, int file) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXFSZ}) {
     std::signal(signal, SIG_IGN);
@@ -178,7 +178,7 @@ int AppendProcess::use(int file) const {
   return done < 0 ? errno : answer();
 }
 
-// What the process says of the last message: 0 or errno.
+// The reply of the process to the last message: 0 or errno.
 int AppendProcess::answer() const {
   int result = 0;
   ssize_t got = 0;
@@ -186,7 +186,7 @@ int AppendProcess::answer() const {
     got = recv(socket_, &result, sizeof result, 0);
   } while (got < 0 && errno == EINTR);
   if (got == 0) {
-    return EPIPE;  // somebody killed the process
+    return EPIPE;  // the process was killed
   }
   return got < 0 ? errno : result;
 }

@@ -12,7 +12,7 @@ bool is_ip(Bytes bytes) {
   return version == 4 || version == 6;
 }
 
-// Of a kind that networks carry; `tags`: VLAN tags in front of it.
+// True if the EtherType is one that networks carry; `tags`: VLAN tags in front of it.
 bool is_ethernet_frame(Bytes frame) {
   constexpr std::uint16_t kTypeVlan = 0x8100;
   constexpr std::uint16_t kTypeServiceVlan = 0x88a8;
@@ -30,7 +30,7 @@ bool is_ethernet_frame(Bytes frame) {
   return false;
 }
 
-// Flags with a network identifier alone, and reserved bytes that are zero.
+// Flags with a network identifier only, and reserved bytes that are zero.
 bool is_vxlan(Bytes payload) {
   constexpr std::size_t kHeaderBytes = 8;
   return payload.size() > kHeaderBytes && load32(payload, 0) == 0x08000000 &&
@@ -53,7 +53,7 @@ bool is_geneve(Bytes payload) {
              : (type == kTypeIpv4 || type == kTypeIpv6) && is_ip(payload.subspan(begin));
 }
 
-// Version 1, a packet received or for transmission, Ethernet, and tagged fields up to an end tag.
+// Version 1, type received packet or packet for transmission, Ethernet, tagged fields, end tag.
 bool is_tzsp(Bytes payload) {
   constexpr std::size_t kHeaderBytes = 4;
   constexpr std::uint8_t kPadding = 0;

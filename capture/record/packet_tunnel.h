@@ -1,6 +1,6 @@
-// Packets inside packets: what a mirror port, an overlay network or a VPN puts around the access
-// point's datagrams. They are named, as the reason for which a packet is rejected ("tunnel_vxlan"),
-// and not read.
+// Packets inside packets: headers that a mirror port, an overlay network or a VPN adds around the
+// access point's datagrams. Tunnels are named, as the reason for which a packet is rejected
+// ("tunnel_vxlan"), and not decoded.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace rayloc::pcap {
 
-// Null when it is none that is known.
+// Returns the tunnel's name, or null if the type is not in the table.
 const char* tunnel_of_ether_type(std::uint16_t type);
 
-// Of an IPv4 packet with that protocol; `payload` follows its header.
+// For an IPv4 packet with that protocol; `payload` follows its header.
 const char* tunnel_of_protocol(std::uint8_t protocol, Bytes payload);
 
-// Of a UDP datagram, on whatever port: a tunnel's header and a packet behind it.
+// For a UDP datagram, on any port: a tunnel's header and a packet behind it.
 const char* tunnel_of_payload(Bytes payload);
 
 }  // namespace rayloc::pcap

@@ -1,5 +1,5 @@
 // Integers of capture files and packet headers: a given byte order at a given offset. The caller
-// has checked that the bytes are there; a read past the end is our own mistake and stops the
+// has checked that the bytes are present; a read past the end is a programming error and stops the
 // program.
 #pragma once
 

@@ -12,7 +12,7 @@
 namespace rayloc {
 namespace {
 
-// WIRE_FORMATS 1.1: "NEXMON" sends to everybody.
+// WIRE_FORMATS 1.1: "NEXMON" sends broadcasts.
 constexpr std::array<std::uint8_t, 14> kEthernetHeader = {
     0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x4e, 0x45, 0x58, 0x4d, 0x4f, 0x4e, 0x08, 0x00};
 
@@ -36,7 +36,7 @@ class Writer {
   std::vector<std::byte>& out_;
 };
 
-// RFC 1071, of an even number of bytes or the last ones.
+// RFC 1071, over an even number of bytes or the last ones.
 std::uint32_t ones_sum(std::span<const std::byte> bytes, std::uint32_t sum) {
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const auto value = std::to_integer<std::uint32_t>(bytes[i]);
@@ -81,7 +81,7 @@ void append_ipv4(const Datagram& datagram, std::vector<std::byte>& out) {
   const std::uint32_t udp_sum =
       ones_sum(all.subspan(udp_at), ones_sum(all.subspan(ip_at + 12, 8), pseudo_header));
   put16(out, ip_at + 10, ~ip_sum & 0xffff);
-  // 0 would say that there is none.
+  // 0 would indicate that the checksum is absent.
   put16(out, udp_at + 6, udp_sum == 0xffff ? 0xffff : ~udp_sum & 0xffff);
 }
 

@@ -10,12 +10,12 @@
 namespace rayloc::pcap {
 namespace {
 
-// Link types of raw IP that old files carry: DLT_RAW of BSD and of OpenBSD.
+// Link types of raw IP in old files: DLT_RAW of BSD and of OpenBSD.
 constexpr std::uint32_t kDltRaw = 12;
 constexpr std::uint32_t kDltRawOpenBsd = 14;
 constexpr std::uint32_t kLinkTypePppoe = 51;  // LINKTYPE_PPP_ETHER
 
-// What interfaces in monitor mode give: 802.11 frames, bare or behind a header of the radio.
+// Link types of monitor mode: 802.11 frames, bare or behind a header of the radio.
 constexpr std::array<std::uint32_t, 5> kMonitorModes = {
     105,  // IEEE802_11
     119,  // IEEE802_11_PRISM
@@ -31,7 +31,7 @@ constexpr std::uint16_t kEtherTypeServiceVlan = 0x88a8;  // 802.1ad
 constexpr std::uint16_t kEtherTypeOldQinq = 0x9100;
 constexpr std::uint16_t kEtherTypeMpls = 0x8847;
 constexpr std::uint16_t kEtherTypeMplsUpstream = 0x8848;
-constexpr std::uint16_t kEtherTypePppoe = 0x8864;  // sessions; discovery is another one
+constexpr std::uint16_t kEtherTypePppoe = 0x8864;  // sessions; discovery has another one
 constexpr std::size_t kVlanTagBytes = 4;
 
 constexpr std::uint32_t kFamilyIpv4 = 2;  // AF_INET is 2 on every system that writes such files
@@ -40,7 +40,7 @@ using Refusal = tl::unexpected<const char*>;
 
 Refusal refuse(const char* reason) { return Refusal(reason); }
 
-// Bytes that a header promises are not there: cut by the capture, or never sent.
+// Bytes stated in a header are missing: cut by the capture, or never sent.
 Refusal too_short(const Packet& packet) {
   return refuse(packet.data.size() < packet.original_length ? "truncated_capture"
                                                             : "length_mismatch");
@@ -55,14 +55,14 @@ bool is_vlan(std::uint16_t ether_type) {
          ether_type == kEtherTypeOldQinq;
 }
 
-// What the link layer carries.
+// The payload of the link layer.
 struct Carried {
   Bytes ip;
-  const char* through = nullptr;  // a tunnel
+  const char* through = nullptr;  // name of a tunnel
 };
 using Link = tl::expected<Carried, const char*>;
 
-// Passes the labels, the last of which is marked.
+// Skips the labels, the last of which is marked.
 Link after_mpls(const Packet& packet, Bytes labels) {
   constexpr std::size_t kLabelBytes = 4;
   bool last = false;
@@ -84,7 +84,7 @@ Link after_mpls(const Packet& packet, Bytes labels) {
 }
 
 Link after_pppoe(const Packet& packet, Bytes session) {
-  constexpr std::size_t kHeaderBytes = 8;  // with PPP's two
+  constexpr std::size_t kHeaderBytes = 8;  // including PPP's two
   constexpr std::uint16_t kPppIpv4 = 0x0021;
   constexpr std::uint16_t kPppIpv6 = 0x0057;
   if (session.size() < kHeaderBytes) {
@@ -130,7 +130,7 @@ Link after_header(const Packet& packet, std::size_t header, std::size_t type_off
   return after_ether_type(packet, load16(packet.data, type_offset), packet.data.subspan(header));
 }
 
-// The address family is in the byte order of the capturing machine: any of the two.
+// The address family is in the byte order of the capturing machine: either of the two.
 Link after_family(const Packet& packet) {
   constexpr std::size_t kFamilyBytes = 4;
   if (packet.data.size() < kFamilyBytes) {
@@ -169,7 +169,7 @@ Link after_link_layer(const Packet& packet) {
   }
 }
 
-// Checks the IPv4 header, notes the addresses and returns what follows it.
+// Checks the IPv4 header, stores the addresses and returns the bytes after it.
 tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
                                             Bytes ip,
                                             DatagramAddress& address) {
@@ -187,7 +187,7 @@ tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
   if (ip.size() < header) {
     return too_short(packet);
   }
-  // More fragments to come, or not the first one.
+  // More fragments follow, or this is not the first one.
   if ((load16(ip, 6) & 0x3fffU) != 0) {
     return refuse("ip_fragment");
   }
@@ -204,7 +204,7 @@ tl::expected<Bytes, const char*> after_ipv4(const Packet& packet,
   }
   address.source_ip = load32(ip, 12);
   address.destination_ip = load32(ip, 16);
-  // What follows is the link layer's padding or frame check sequence.
+  // The bytes after it are the link layer's padding or frame check sequence.
   return ip.subspan(header, total - header);
 }
 
@@ -216,7 +216,7 @@ tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
   if (!packet.time) {
     return refuse("no_timestamp");
   }
-  if (packet.link_type == kLinkTypeIntel5300) {  // its card wrote it, no network brought it
+  if (packet.link_type == kLinkTypeIntel5300) {  // written by the card, not received from a network
     return Datagram{*packet.time, {}, packet.data};
   }
   const Link link = after_link_layer(packet);
@@ -234,7 +234,7 @@ tl::expected<Datagram, const char*> udp_datagram(const Packet& packet,
   if (port && datagram.address.destination_port != *port) {
     return refuse("wrong_port");
   }
-  // As the kernel does: IP may carry more than the datagram, never less.
+  // As in the kernel: the IP payload may be longer than the datagram, never shorter.
   const std::size_t length = load16(*udp, 4);
   if (length < kUdpHeaderBytes || length > udp->size()) {
     return refuse("length_mismatch");

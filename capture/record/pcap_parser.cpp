@@ -17,9 +17,9 @@ constexpr std::uint32_t kMagicNanoseconds = 0xa1b23c4d;
 constexpr std::uint32_t kMagicKuznetzov = 0xa1b2cd34;  // a patched libpcap with longer records
 constexpr std::size_t kClassicHeaderBytes = 24;
 constexpr std::size_t kClassicRecordBytes = 16;
-// The bits above are the length of the frame check sequence.
+// The higher bits are the length of the frame check sequence.
 constexpr std::uint32_t kLinkTypeMask = 0x0000ffff;
-// libpcap's MAXIMUM_SNAPLEN: a longer record is a damaged one.
+// libpcap's MAXIMUM_SNAPLEN: a longer record is damaged.
 constexpr std::uint32_t kMaxPacketBytes = 262144;
 
 // [PCAPNG] 4
@@ -35,7 +35,7 @@ constexpr std::size_t kMaxBlockBytes = std::size_t{16} << 20;
 constexpr std::uint16_t kOptionEnd = 0;
 constexpr std::uint16_t kOptionTimeResolution = 9;
 constexpr std::uint16_t kOptionTimeOffset = 14;
-// An interface costs memory, and a real file has a handful.
+// Each interface takes memory, and a real file has only a few.
 constexpr std::size_t kMaxInterfaces = 4096;
 
 // The log of the Intel 5300's CSI tool (WIRE_FORMATS 1.9).
@@ -45,9 +45,9 @@ constexpr std::uint8_t kIntelFrame = 0xc1;
 constexpr std::array<std::uint8_t, 8> kIntelCodes = {
     kIntelCsi, kIntelFrame, 0x1c, 0xc0, 0xc3, 0xc5, 0xd0, 0xd1};
 constexpr std::size_t kIntelLengthBytes = 2;     // not counted in the length itself
-constexpr std::size_t kIntelHeaderBytes = 21;    // of a record with CSI, from its code on
-constexpr std::size_t kIntelExtendedBytes = 18;  // more in extended records
-constexpr std::size_t kIntelTellingBytes = kIntelLengthBytes + 11;  // up to the counts of chains
+constexpr std::size_t kIntelHeaderBytes = 21;    // length of a record with CSI, from its code on
+constexpr std::size_t kIntelExtendedBytes = 18;  // additional bytes of extended records
+constexpr std::size_t kIntelTellingBytes = kIntelLengthBytes + 11;  // up to the chain counts
 
 __extension__ using Int128 = __int128;
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
@@ -65,7 +65,7 @@ Step failure(std::string error) {
   return {.status = Status::kError, .size = 0, .packet = {}, .error = std::move(error)};
 }
 
-// Ticks of if_tsresol `resolution` to nanoseconds. [PCAPNG] 4.2: the high bit says power of 2.
+// Converts ticks of if_tsresol `resolution` to ns. [PCAPNG] 4.2: the high bit means power of 2.
 Int128 to_nanoseconds(std::uint64_t ticks, std::uint8_t resolution) {
   const unsigned exponent = resolution & 0x7fU;
   if ((resolution & 0x80U) != 0) {
@@ -81,8 +81,8 @@ Int128 to_nanoseconds(std::uint64_t ticks, std::uint8_t resolution) {
   return value;
 }
 
-// None when it lies outside of the years 1824 to 2116: any two of them have a distance that a
-// Duration can hold.
+// Empty if it is outside the years 1824 to 2116: any two times in that range have a distance that a
+// Duration can represent.
 std::optional<Timestamp> timestamp(std::uint64_t ticks,
                                    std::uint8_t resolution,
                                    std::int64_t offset_s) {
@@ -118,7 +118,7 @@ bool begins_intel_log(Bytes data) {
   const std::size_t length = load16(data, 0);
   const std::uint8_t code = load8(data, kIntelLengthBytes);
   const auto is_count = [](std::uint8_t chains) { return chains >= 1 && chains <= 3; };
-  // A copy of a frame begins with the fields that 802.11 has in every frame.
+  // A copy of a frame begins with the fields that every 802.11 frame has.
   return (code == kIntelFrame && length > kIntelTellingBytes) ||
          (code == kIntelCsi && length >= kIntelHeaderBytes && is_count(load8(data, 11)) &&
           is_count(load8(data, 12)));
@@ -169,8 +169,8 @@ Step PcapParser::file_header(Bytes data) {
   return failure(not_a_capture(data));
 }
 
-// The header of a capture that was appended to another one; none where `data` begins with no such
-// header. More is compared than the magic number: a record may begin with its value.
+// The header of a capture that was appended to another one; empty if `data` begins with no such
+// header. More than the magic number is compared: a record may begin with its value.
 std::optional<Step> PcapParser::joined_header(Bytes data) {
   constexpr std::size_t kByteOrderOffset = 8;
   const std::uint32_t begin = load32(data, 0);
@@ -230,7 +230,7 @@ Step PcapParser::intel_record(Bytes data) {
 }
 
 Timestamp PcapParser::intel_time(Bytes record) {
-  constexpr std::uint64_t kTurn = std::uint64_t{1} << 32;  // [us], where the clock overflows
+  constexpr std::uint64_t kTurn = std::uint64_t{1} << 32;  // [us], the overflow of the clock
   const std::size_t csi = load16(record, 17, ByteOrder::kLittle);
   if (record.size() == kIntelHeaderBytes + kIntelExtendedBytes + csi) {
     return Timestamp(std::chrono::seconds(load32(record, 21, ByteOrder::kLittle)) +
@@ -425,8 +425,8 @@ Step PcapParser::timed_packet(Bytes body, std::uint32_t interface, std::size_t h
   return step;
 }
 
-// By the resolution that the interface states, or by nano- or microseconds where the stamp is a
-// plausible one in that unit alone.
+// Converts by the resolution that the interface states, or by nano- or microseconds if the stamp is
+// plausible in that unit only.
 std::optional<Timestamp> PcapParser::block_time(std::uint64_t ticks, std::uint32_t interface) {
   const Interface& from = interfaces_[interface];
   const std::optional<Timestamp> stated = timestamp(ticks, from.resolution, from.offset_s);
@@ -453,7 +453,7 @@ Step PcapParser::enhanced_packet(Bytes body) {
   return timed_packet(body, load32(body, 0, order_), kHeader);
 }
 
-// As an enhanced one, but a 16-bit interface and a count of drops in place of the interface.
+// Like an enhanced one, with a 16-bit interface and a count of drops in place of the interface.
 Step PcapParser::old_packet(Bytes body) {
   constexpr std::size_t kHeader = 20;
   if (body.size() < kHeader) {

@@ -1,18 +1,18 @@
-// PcapParser: capture files, classic pcap and pcapng, record by record from whatever bytes are
-// there so far: it never waits, so a pipe delivers its packets as they arrive.
+// PcapParser: parses capture files, classic pcap and pcapng, record by record from the bytes
+// available so far: it never blocks, so packets from a pipe are delivered as they arrive.
 //
 // Classic pcap: microseconds and nanoseconds, both byte orders. pcapng: several sections and
 // interfaces (each with its link type, if_tsresol and if_tsoffset), enhanced, simple and old packet
-// blocks, both byte orders; other blocks are passed over.
+// blocks, both byte orders; other blocks are skipped.
 //
-// Behind the last record of a capture another one may begin, of any of these kinds, as `cat` joins
-// them: its header is read as that of a file.
+// After the last record of a capture another capture may begin, of any of these kinds, as `cat`
+// joins them: its header is read like that of a file.
 //
-// And the log of the Intel 5300's CSI tool: records of a length (two bytes, big-endian), a code and
-// what it says. Those with CSI (0xbb) are packets with the link type kLinkTypeIntel5300, from the
-// code on; its other notifications (0xc1: copies of frames) are passed over. The time is that of
-// the extended header, else the card's clock, whose 32 bits of microseconds begin at 1970 and are
-// counted on where they overflow.
+// Log of the Intel 5300's CSI tool: records of a length (two bytes, big-endian), a code and its
+// data. Those with CSI (0xbb) are packets with the link type kLinkTypeIntel5300, beginning at the
+// code; its other notifications (0xc1: copies of frames) are skipped. The time is that of the
+// extended header, otherwise the card's clock, whose 32 bits of microseconds begin at 1970 and are
+// extended at each overflow.
 //
 // References: [PCAP] draft-ietf-opsawg-pcap, [PCAPNG] draft-ietf-opsawg-pcapng.
 #pragma once
@@ -33,21 +33,21 @@ namespace rayloc::pcap {
 // A pcapng interface whose time stamps contradict the resolution that it states.
 struct MisstatedResolution {
   std::uint32_t interface = 0;
-  std::uint8_t stated = 0;    // if_tsresol
-  std::uint8_t read_as = 0;   // the same, of the stamps
-  std::uint64_t packets = 0;  // of all such interfaces
+  std::uint8_t stated = 0;    // stated if_tsresol
+  std::uint8_t read_as = 0;   // if_tsresol that the stamps indicate
+  std::uint64_t packets = 0;  // packets of all such interfaces
 };
 
 class PcapParser {
  public:
-  // `units`: of the classic headers in the file, as an earlier look at it has shown.
+  // `units`: of the classic headers in the file, as an earlier scan determined them.
   explicit PcapParser(std::vector<TimeUnit> units = {}) : known_units_(std::move(units)) {}
 
   enum class Status {
     kNeedMore,  // `data` ends inside a record
     kPacket,    // `packet` is filled; its data points into the bytes given
     kOther,     // a header, or a block without a packet
-    kError,     // not a capture, or a damaged one: `error` says what, at the record's first byte
+    kError,     // not a capture, or a damaged one: `error` describes it, at the record's first byte
   };
   struct Step {
     Status status = Status::kNeedMore;
@@ -57,17 +57,17 @@ class PcapParser {
     bool begins_capture = false;  // a file header, or that of another section
   };
 
-  // Takes the record at the beginning of `data`. After kError it must not be called again.
+  // Parses the record at the beginning of `data`. After kError it must not be called again.
   Step next(Bytes data);
 
-  // A file header was read: what follows is a capture.
+  // A file header was read: the following bytes are a capture.
   bool recognised() const { return format_ != Format::kUnknown; }
 
-  // The stamps are those of a card's counter, which has no date.
+  // The stamps come from a card's counter, which has no date.
   bool has_counter_stamps() const { return has_counter_stamps_; }
-  // Of the classic headers so far.
+  // Units of the classic headers so far.
   const std::vector<SubsecondUnit>& units() const { return units_; }
-  // The first one, if any.
+  // The first such interface, if any.
   const std::optional<MisstatedResolution>& misstated() const { return misstated_; }
 
  private:
@@ -98,11 +98,11 @@ class PcapParser {
   ByteOrder order_ = ByteOrder::kLittle;
   std::uint32_t classic_link_type_ = 0;
   std::vector<TimeUnit> known_units_;
-  std::vector<SubsecondUnit> units_;  // the last one is that of the records
+  std::vector<SubsecondUnit> units_;  // the last one applies to the current records
   std::vector<Interface> interfaces_;
   std::optional<MisstatedResolution> misstated_;
   bool has_counter_stamps_ = false;
-  std::uint64_t card_clock_ = 0;  // [us], of the last record of an Intel 5300 log
+  std::uint64_t card_clock_ = 0;  // clock [us] of the last record of an Intel 5300 log
 };
 
 }  // namespace rayloc::pcap

@@ -22,9 +22,9 @@ tl::unexpected<Error> cannot_write(const std::string& path, int error) {
                         (error == ENOSPC || error == EFBIG ? "; make room on the disk" : ""));
 }
 
-// A file with its header, open for appending.
+// Creates a file with its header, open for appending.
 Expected<int> new_file(const std::string& path) {
-  constexpr mode_t kMode = 0640;  // where somebody is, is nobody else's business
+  constexpr mode_t kMode = 0640;  // people's positions are private data
   const int fd = open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
   if (fd < 0) {
     const bool exists = errno == EEXIST;
@@ -135,8 +135,8 @@ Expected<void> PcapRecorder::write(std::span<const Datagram> batch) {
   return result;
 }
 
-// The end of the append that begins at `begin`: as many whole records as one may have. `record` is
-// the first of them, and then the first of the next append.
+// The end of the append that begins at `begin`: as many whole records as an append may have.
+// `record` is the first of them, and is set to the first of the next append.
 std::size_t PcapRecorder::next_append(std::size_t begin, std::size_t& record) const {
   std::size_t end = record_ends_[record++];
   while (record < record_ends_.size() && record_ends_[record] - begin <= AppendProcess::kMaxBytes) {
@@ -160,10 +160,9 @@ Expected<void> PcapRecorder::append_records() {
   return {};
 }
 
-// After a batch that failed: what of it is there goes again, for lost is the whole of it.
+// After a failed batch: removes its records from the file, since all of it is reported lost.
 tl::unexpected<Error> PcapRecorder::undo(int error) {
-  if (error == EPIPE ||
-      error == ECONNRESET) {  // somebody killed the process, maybe in the midst of a write
+  if (error == EPIPE || error == ECONNRESET) {  // the process was killed, possibly during a write
     if (auto writer = AppendProcess::start(fd_)) {
       writer_ = std::move(*writer);
     }
@@ -179,7 +178,7 @@ tl::unexpected<Error> PcapRecorder::undo(int error) {
 
 Expected<void> PcapRecorder::sync() {
   synced_ = std::chrono::steady_clock::now();
-  if (fdatasync(fd_) != 0 && errno != EINVAL) {  // EINVAL: a pipe or a device, say /dev/null
+  if (fdatasync(fd_) != 0 && errno != EINVAL) {  // EINVAL: a pipe or a device, e.g. /dev/null
     return cannot_write(path_, errno);
   }
   return {};

@@ -1,10 +1,10 @@
 // PcapRecorder: writes datagrams to a classic pcap file (microseconds, Ethernet) that Wireshark,
-// tcpreplay and PcapFileSource read; the Ethernet, IPv4 and UDP headers are made up around them as
-// the access point's firmware makes them.
+// tcpreplay and PcapFileSource read; the generated Ethernet, IPv4 and UDP headers equal those of
+// the access point's firmware.
 //
-// The file never ends inside a record, also when the program is killed: a process of its own writes
-// whole records (append_process.h), and what a full disk cut off is truncated away again.
-// Thread safety: one thread.
+// The file never ends inside a record, even if the program is killed: a separate process writes
+// whole records (append_process.h), and a record that a full disk cut off is truncated away. Thread
+// safety: one thread.
 #pragma once
 
 #include <chrono>
@@ -28,23 +28,23 @@ class PcapRecorder final : public DatagramSink {
   PcapRecorder(PcapRecorder&& other) noexcept;
   PcapRecorder& operator=(PcapRecorder&& other) = delete;
 
-  // Appends the whole batch, or nothing of it: an Error means that all of it is lost, but the file
-  // is still whole, and the next batch may be tried (there may be room again).
-  // Times are truncated to microseconds. Call it some ten times a second with what has come since.
+  // Appends the whole batch or none of it: an Error means that all of it is lost, but the file is
+  // still whole, and the next batch may be tried (space may be free again). Times are truncated to
+  // microseconds. Call it about ten times a second with the datagrams received since.
   Expected<void> write(std::span<const Datagram> batch);
   Expected<void> write(const DatagramBatch& batch) override { return write(batch.datagrams); }
 
-  // Brings the file to the disk, closes it, and goes on in a new one, by the same process. After an
-  // Error nothing has changed. Counters but `bytes` go on.
+  // Syncs the file to the disk, closes it, and continues in a new one, by the same process. After
+  // an Error nothing has changed. Counters other than `bytes` continue.
   Expected<void> continue_in(const std::string& path);
 
-  // Brings the file to the disk. write() does so every few seconds: what a power failure may cost.
+  // Syncs the file. write() does so every few seconds, which bounds the loss at a power failure.
   Expected<void> sync() override;
 
   const SinkCounters& counters() const override { return counters_; }
   std::string description() const override { return path_; }
   const std::string& path() const { return path_; }
-  // Of the file, for locks; it stays the recorder's.
+  // The file's descriptor, for locks; it remains owned by the recorder.
   int descriptor() const { return fd_; }
 
  private:
@@ -52,7 +52,7 @@ class PcapRecorder final : public DatagramSink {
 
   Expected<void> append_records();
   tl::unexpected<Error> undo(int error);
-  // Where records end: the appends that a batch is divided into.
+  // Ends of records: the appends into which a batch is divided.
   std::size_t next_append(std::size_t begin, std::size_t& record) const;
 
   int fd_;

@@ -40,7 +40,7 @@ std::optional<Number> whole_number(std::string_view text) {
 
 std::optional<Timestamp> time_of(std::string_view text) {
   constexpr std::size_t kDecimals = 6;
-  // Larger seconds would overflow a Timestamp.
+  // Greater values would overflow a Timestamp.
   constexpr std::uint64_t kMostSeconds = std::uint64_t{1} << 33U;
   const std::size_t point = text.find('.');
   if (point == std::string_view::npos || text.size() - point - 1 != kDecimals) {
@@ -54,7 +54,7 @@ std::optional<Timestamp> time_of(std::string_view text) {
   return Timestamp(std::chrono::seconds(*seconds) + std::chrono::microseconds(*decimals));
 }
 
-// The value of "key=value" in words divided by spaces; empty when there is none.
+// The value of "key=value" in words divided by spaces; empty if the key is absent.
 std::string_view value_of(std::string_view text, std::string_view key) {
   while (!text.empty()) {
     const std::string_view word = text.substr(0, text.find(' '));
@@ -90,7 +90,7 @@ std::optional<RecordingGap> recording_gap(const Datagram& datagram) {
       datagram.address.source_ip != kLoopback) {
     return std::nullopt;
   }
-  // Bytes of a text are looked at as such.
+  // The bytes are read as text.
   const std::string_view text(reinterpret_cast<const char*>(datagram.payload.data()),
                               datagram.payload.size());
   if (text.substr(0, kBegin.size()) != kBegin) {

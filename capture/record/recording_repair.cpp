@@ -20,8 +20,8 @@
 namespace rayloc {
 namespace {
 
-// What a record of a recorder has at least: its header, and those around a datagram without bytes.
-// Shorter ones are what a file is filled with when the power fails: zeros.
+// Minimum size of a recorder's record: its header, and those around an empty datagram. Shorter ones
+// are the zeros with which a power failure fills a file.
 constexpr std::size_t kLeastRecordBytes = 16 + 14 + 20 + 8;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20U;
 
@@ -33,11 +33,11 @@ tl::unexpected<Error> cannot_repair(const std::string& path) {
 // The whole records at the beginning of a file.
 struct WholePart {
   std::uint64_t records = 0;
-  std::uint64_t bytes = 0;  // header of the file included
+  std::uint64_t bytes = 0;  // including the header of the file
   Timestamp last{};         // time of the last one
 };
 
-// False at the first thing that is no whole record.
+// Returns false at the first data that is no whole record.
 bool take_records(pcap::PcapParser& parser, pcap::Bytes window, WholePart& whole) {
   while (true) {
     const pcap::PcapParser::Step step = parser.next(window);
@@ -47,7 +47,7 @@ bool take_records(pcap::PcapParser& parser, pcap::Bytes window, WholePart& whole
     const bool packet = step.status == pcap::PcapParser::Status::kPacket;
     if (step.status == pcap::PcapParser::Status::kError ||
         (packet && step.size < kLeastRecordBytes) ||
-        (packet && step.packet.link_type == pcap::kLinkTypeIntel5300)) {  // no recording of ours
+        (packet && step.packet.link_type == pcap::kLinkTypeIntel5300)) {  // not a recording of ours
       return false;
     }
     if (packet) {
@@ -80,7 +80,7 @@ Expected<WholePart> find_whole_part(int fd, const std::string& path) {
   }
 }
 
-// The mark of what nobody has recorded since.
+// The mark of the datagrams that were not recorded since.
 std::vector<std::byte> mark_of(const WholePart& whole, Timestamp now) {
   const std::string text = gap_text({{}, "killed", whole.last, std::max(now, whole.last)});
   std::vector<std::byte> record;

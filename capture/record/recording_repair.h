@@ -1,4 +1,4 @@
-// What a recorder left behind when it was killed or the power failed: made a whole recording again.
+// Repairs the recording that a recorder left when it was killed or the power failed.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,26 @@
 
 namespace rayloc {
 
-// A recording that is being written is called so, and loses the suffix when it is closed.
+// Suffix of a recording that is being written; it is removed when the file is closed.
 inline constexpr const char* kPartSuffix = ".part";
 
 struct RecordingRepair {
   enum class Result {
-    kRepaired,  // it is whole now, ends with the mark of a gap, and has lost the suffix
-    kEmpty,     // there was no record in it: it is gone
-    kInUse,     // somebody still writes it
+    kRepaired,  // now whole, ends with the mark of a gap, and has lost the suffix
+    kEmpty,     // contained no record: deleted
+    kInUse,     // a process still writes it
   };
   Result result = Result::kRepaired;
-  std::uint64_t records = 0;    // that it holds
-  std::uint64_t cut_bytes = 0;  // behind its last whole record
+  std::uint64_t records = 0;    // number of records
+  std::uint64_t cut_bytes = 0;  // bytes cut after its last whole record
 };
 
-// `path` ends in kPartSuffix. The file is cut behind its last whole record, brought to the disk and
-// renamed. `now`: until when the gap is marked. kUnavailable when the disk refuses; the file is
-// then as it was, or cut.
+// REQUIRES: `path` ends in kPartSuffix. The file is truncated after its last whole record, synced
+// to the disk and renamed. `now`: the end of the marked gap. kUnavailable if the disk reports an
+// error; the file is then unchanged, or truncated.
 Expected<RecordingRepair> repair_recording(const std::string& path, Timestamp now);
 
-// Brings the entries of the folder that `path` lies in to the disk: a rename is safe only then.
+// Syncs the folder that contains `path` to the disk: a rename is durable only then.
 void sync_folder_of(const std::string& path);
 
 }  // namespace rayloc

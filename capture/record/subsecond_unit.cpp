@@ -6,7 +6,7 @@ namespace {
 constexpr std::uint32_t kMicrosecondEnd = 1'000'000;
 constexpr std::uint32_t kNanosecondEnd = 1'000'000'000;
 
-// Fewer values show no unit: a short burst of nanoseconds may lie within one millisecond.
+// Fewer values do not show the unit: a short burst of nanoseconds may fit in one millisecond.
 constexpr std::uint64_t kMinValues = 8;
 constexpr std::uint64_t kPerOutlier = 50;  // damaged values do not hide the unit of the others
 // A sender that is synchronised to the second leaves most of the range empty.
@@ -48,7 +48,7 @@ TimeUnit SubsecondUnit::shown() const {
   return are_microseconds ? TimeUnit::kMicroseconds : TimeUnit::kNanoseconds;
 }
 
-// Around the circle of a second: recordings begin anywhere in it.
+// Checked on the circle of a second: recordings begin at any point of it.
 bool SubsecondUnit::fills_microseconds() const {
   unsigned empty = 0;
   for (unsigned i = 0; i < 32; ++i) {

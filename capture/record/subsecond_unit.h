@@ -1,9 +1,9 @@
-// SubsecondUnit: the unit of the sub-second field of a classic pcap. The header states it, but
-// some programs write nanoseconds under the magic number of microseconds, or the reverse, and the
-// values show it:
-//   - Microseconds end at 999,999. Where most values are higher, they are nanoseconds.
-//   - One nanosecond value in a thousand is below 1,000,000. Values that all are, in several
-//     seconds, and that spread over this whole range, are microseconds.
+// SubsecondUnit: detects the unit of the sub-second field of a classic pcap. The header states it,
+// but some programs write nanoseconds under the magic number of microseconds, or the reverse, and
+// the values show it:
+//   - Microseconds end at 999,999. If most values are higher, they are nanoseconds.
+//   - One nanosecond value in a thousand is below 1,000,000. If all values are, in several seconds,
+//     and they spread over this whole range, they are microseconds.
 #pragma once
 
 #include <cstdint>
@@ -17,19 +17,19 @@ enum class TimeUnit : std::uint8_t { kMicroseconds, kNanoseconds };
 
 class SubsecondUnit {
  public:
-  // `known`: the unit that an earlier look at the whole file has shown.
+  // `known`: the unit that an earlier scan of the whole file determined.
   explicit SubsecondUnit(TimeUnit stated, std::optional<TimeUnit> known = {})
       : stated_(stated), known_(known) {}
 
-  // In the order of the file; returns what the value stands for.
+  // REQUIRES: the order of the file. Returns the duration that the value denotes.
   Duration add(std::uint32_t seconds, std::uint32_t fraction);
 
   TimeUnit stated() const { return stated_; }
-  // By which the last value was read.
+  // The unit by which the last value was read.
   TimeUnit used() const;
-  // By the values so far; the stated one where they do not contradict it.
+  // The unit by the values so far; the stated one if they do not contradict it.
   TimeUnit shown() const;
-  // Some value was read by another unit than shown().
+  // At least one value was read by another unit than shown().
   bool misread() const;
 
  private:
@@ -39,8 +39,8 @@ class SubsecondUnit {
   std::optional<TimeUnit> known_;
   bool used_micro_ = false;
   bool used_nano_ = false;
-  std::uint64_t below_ = 0;  // values that both units can have; zeros show nothing
-  std::uint64_t above_ = 0;  // values that microseconds cannot have
+  std::uint64_t below_ = 0;  // values valid in both units; zeros are not informative
+  std::uint64_t above_ = 0;  // values that are invalid as microseconds
   std::optional<std::uint32_t> first_second_;
   bool spans_seconds_ = false;
   std::uint32_t sixteenths_ = 0;  // bit i: a value in [i, i + 1) 1/16 s, read as microseconds

@@ -9,13 +9,13 @@ namespace {
 
 using Size = Duration::rep;
 
-// Both ends belong to it.
+// Both ends are included.
 struct SizeRange {
   Size from = 0;
   Size to = 0;
 };
 
-// Sizes of the opposite sign that undo `size` but for `gap`; zero counts as forward.
+// Sizes of the opposite sign that undo `size` to within `gap`; zero counts as forward.
 SizeRange undoing(Size size, Size gap) {
   constexpr Size kLeast = std::numeric_limits<Size>::min();
   constexpr Size kMost = std::numeric_limits<Size>::max();
@@ -26,7 +26,7 @@ SizeRange undoing(Size size, Size gap) {
                   : SizeRange{from, std::min<Size>(to, -1)};
 }
 
-// The latest of the jumps so far whose size is in a range: a tree of maxima over all sizes in
+// Finds the latest jump so far whose size is in a range: a tree of maxima over all sizes in
 // order.
 class LatestBySize {
  public:
@@ -47,7 +47,7 @@ class LatestBySize {
     }
   }
 
-  // 0 when there is none.
+  // Returns 0 if there is none.
   std::size_t find(SizeRange range) {
     std::size_t begin = position(range.from) + sizes_.size();
     const auto after = std::upper_bound(sizes_.begin(), sizes_.end(), range.to);
@@ -74,7 +74,7 @@ class LatestBySize {
   }
 
   std::vector<Size> sizes_;          // in order, each once
-  std::vector<std::size_t> latest_;  // of each node; its leaves are the second half
+  std::vector<std::size_t> latest_;  // latest jump of each node; the leaves are the second half
   std::uint64_t steps_ = 0;
 };
 

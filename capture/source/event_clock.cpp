@@ -10,8 +10,8 @@ namespace {
 // them. A smaller step is absorbed by the watermark.
 constexpr Duration kReadingJitter = std::chrono::milliseconds(1);
 
-// A datagram may come in this long after the clock was read. What is stamped later than that was
-// stamped by a clock that was set after the reading.
+// Maximum arrival delay of a datagram after the clock was read. A later stamp was made by a clock
+// that was set after the reading.
 constexpr Duration kMostAhead = std::chrono::seconds(1);
 
 Duration read_clock(clockid_t clock) {
@@ -23,10 +23,10 @@ Duration read_clock(clockid_t clock) {
 struct Reading {
   Duration realtime{};
   Duration monotonic{};
-  bool narrow = false;  // both at one instant
+  bool narrow = false;  // both read at one instant
 };
 
-// An interruption between the two clocks looks like a step: some attempts for a reading without.
+// An interruption between the two clocks resembles a step: retries for a reading without one.
 Reading read_clocks(int attempts) {
   Reading reading;
   for (int i = 0; i < attempts && !reading.narrow; ++i) {
@@ -38,7 +38,7 @@ Reading read_clocks(int attempts) {
   return reading;
 }
 
-// CLOCK_REALTIME - CLOCK_MONOTONIC when this process first asked: the sources of a process must
+// CLOCK_REALTIME - CLOCK_MONOTONIC at the first call in this process: the sources of a process must
 // agree on event time, whenever each of them began.
 Duration offset_at_the_start() {
   constexpr int kAttempts = 1000;
@@ -74,7 +74,7 @@ void EventClock::observe_now() {
   }
   constexpr int kAttempts = 3;
   const Reading now = read_clocks(kAttempts);
-  // Nothing is known of a step then; the next reading tells.
+  // A step cannot be detected then; the next reading decides.
   observe(Timestamp(now.narrow ? now.realtime : now.monotonic + offset_), now.monotonic);
 }
 

@@ -1,10 +1,10 @@
-// EventClock: turns the kernel's time stamps into event times that go on evenly, whatever is done
-// to the machine's clock: nobody's track may end because the clock was set.
+// EventClock: converts the kernel's time stamps to event times that advance evenly when the
+// machine's clock is set: a clock step must not end any track.
 //
 // CLOCK_REALTIME - CLOCK_MONOTONIC changes only when the clock is set, never when it is slewed.
-// Event time is the machine's clock when the process first looked, and what has passed since: the
-// same for all sources of a process. ahead() says how much later the clock is by now, for whoever
-// tells people times.
+// Event time is the machine's clock at the first reading of the process plus the elapsed time: the
+// same for all sources of a process. ahead() returns how much later the clock is now, for output of
+// times to people.
 #pragma once
 
 #include <cstdint>
@@ -15,30 +15,30 @@ namespace rayloc {
 
 class EventClock {
  public:
-  // How much later than its stamp a datagram may become readable: the kernel stamps it first and
+  // Maximum delay between a datagram's stamp and its readability: the kernel stamps it first and
   // queues it then, and other work of the same processor may come in between.
   static constexpr Duration kQueueing = std::chrono::milliseconds(2);
 
   explicit EventClock(Duration queueing = kQueueing) : queueing_(queueing) {}
 
-  // The clocks, read just before the socket is.
+  // Sets the clock readings taken just before the socket is read.
   void observe(Timestamp realtime, Duration monotonic);
   void observe_now();
 
-  // Of a datagram stamped by the kernel: truncated to microseconds, never before the watermark, nor
-  // far ahead of the last observe() (the clock may have been set since).
+  // Event time of a datagram stamped by the kernel: truncated to microseconds, never before the
+  // watermark, nor far ahead of the last observe() (the clock may have been set since).
   Timestamp event_time(Timestamp stamp) const;
 
-  // The socket was found empty after observe(): everything stamped before has been delivered.
+  // The socket was found empty after observe(): all datagrams stamped before are delivered.
   void drained();
-  // More may be waiting; `last` is the event time of the last datagram delivered.
+  // More datagrams may wait; `last` is the event time of the last datagram delivered.
   void not_drained(Timestamp last);
 
-  // No event time given from now on will be before this. In whole microseconds.
+  // Lower bound of all later event times. In whole microseconds.
   Timestamp watermark() const { return watermark_; }
-  // How often the clock was set.
+  // Number of times the clock was set.
   std::uint64_t steps() const { return steps_; }
-  // The machine's clock less event time: what it was set by in all.
+  // The machine's clock minus event time: the sum of all clock steps.
   Duration ahead() const { return -correction_; }
 
  private:

@@ -23,7 +23,7 @@ constexpr std::size_t kPackedReadBytes = std::size_t{64} << 10;
 constexpr std::byte kGzip0{0x1f};
 constexpr std::byte kGzip1{0x8b};
 
-// How a gzip member begins (deflated, the only method), and how captures do.
+// First bytes of a gzip member (deflated, the only method), and of captures.
 constexpr std::string_view kMemberMagic = "\x1f\x8b\x08";
 constexpr std::array<std::string_view, 5> kMagic = {
     "\xd4\xc3\xb2\xa1", "\xa1\xb2\xc3\xd4", "\x4d\x3c\xb2\xa1", "\xa1\xb2\x3c\x4d", "\n\r\r\n"};
@@ -58,7 +58,7 @@ Begins what_begins(std::span<const std::byte> bytes) {
   return unknown ? Begins::kUnknown : Begins::kNothing;
 }
 
-// 1 readable, 0 not within the time, -1 errno.
+// Returns 1 if readable, 0 on time-out, or -1 with errno.
 int wait_readable(int fd, Duration timeout) {
   pollfd waiting{.fd = fd, .events = POLLIN, .revents = 0};
   const int ready = poll(&waiting, 1, poll_milliseconds(timeout));
@@ -129,7 +129,7 @@ void PcapInput::consume(std::size_t size) {
   offset_ += size;
 }
 
-// Room for `size` bytes behind the window.
+// Makes room for `size` bytes after the window.
 void PcapInput::make_room(std::size_t size) {
   if (begin_ > 0) {
     std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
@@ -165,7 +165,7 @@ Expected<PcapInput::Fill> PcapInput::read_more() {
   const bool direct = packing_ == Packing::kNone;
   const std::size_t size = direct ? kReadBytes : kPackedReadBytes;
   std::vector<std::byte> packed = direct ? std::vector<std::byte>() : packed_;
-  const std::size_t kept = packed.size();  // the beginning of what may be a member
+  const std::size_t kept = packed.size();  // possibly the beginning of a member
   packed.resize(direct ? 0 : kept + size);
   if (direct) {
     make_room(size);
@@ -212,8 +212,8 @@ void PcapInput::add_padding(std::size_t bytes) {
   packed_offset_ += bytes;
 }
 
-// Behind a member: takes what is not another one, nor the beginning of one. Returns how much that
-// is of `packed`.
+// After a member: skips bytes that are neither another member nor the beginning of one. Returns
+// their number in `packed`.
 std::size_t PcapInput::skip_padding(std::span<const std::byte> packed) {
   std::size_t zeros = 0;
   while (part_ == Part::kBetween && zeros < packed.size() && packed[zeros] == std::byte{0}) {
@@ -237,7 +237,7 @@ std::size_t PcapInput::skip_padding(std::span<const std::byte> packed) {
   return packed.size();
 }
 
-// True when the window grew. Damage found behind good data is kept for the next fill().
+// Returns true if the window grew. Damage after good data is kept for the next fill().
 bool PcapInput::unpack(std::span<const std::byte> packed) {
   make_room(kReadBytes);
   const std::size_t before = end_;
@@ -266,7 +266,7 @@ bool PcapInput::unpack(std::span<const std::byte> packed) {
     }
   }
   packed_.assign(packed.begin() + static_cast<std::ptrdiff_t>(at), packed.end());
-  // For want of room: zlib may hold back output of what it has consumed.
+  // The output is full: zlib may hold back output of the input it has consumed.
   unpacking_stopped_ = end_ == buffer_.size();
   return end_ > before;
 }

@@ -1,5 +1,5 @@
-// PcapInput: the bytes of a capture file, a pipe or standard input, unpacked if they are gzip'd,
-// in one window that grows at its end and is consumed at its beginning.
+// PcapInput: the bytes of a capture file, a pipe or standard input, decompressed if gzip'd, in one
+// window that grows at its end and is consumed at its beginning.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class PcapInput {
   PcapInput(const PcapInput&) = delete;
   PcapInput& operator=(const PcapInput&) = delete;
 
-  // What has been read and not consumed. Invalidated by fill().
+  // Bytes that have been read and not consumed. Invalidated by fill().
   std::span<const std::byte> window() const {
     return std::span<const std::byte>(buffer_).subspan(begin_, end_ - begin_);
   }
@@ -35,15 +35,15 @@ class PcapInput {
   // Waits up to `timeout` for more bytes at the end of the window.
   Expected<Fill> fill(Duration timeout);
 
-  // Where the window begins, in bytes of the unpacked file.
+  // Offset of the window's beginning, in bytes of the unpacked file.
   std::uint64_t offset() const { return offset_; }
   // The gzip'd file ended inside its compressed data.
   bool ends_within_gzip() const { return inside_gzip_; }
   const std::string& name() const { return name_; }
 
-  // Bytes of a gzip'd file behind its members that are none: zeros, or whatever else was appended.
+  // Bytes after the members of a gzip'd file that are no member: zeros, or other appended data.
   struct Padding {
-    std::uint64_t offset = 0;  // of the first one, in the packed file
+    std::uint64_t offset = 0;  // offset of the first one, in the packed file
     std::uint64_t bytes = 0;
   };
   const Padding& padding() const { return padding_; }
@@ -66,7 +66,7 @@ class PcapInput {
   std::uint64_t offset_ = 0;
 
   enum class Packing { kUnknown, kNone, kGzip };
-  // What comes next of a gzip'd file.
+  // The next part of a gzip'd file.
   enum class Part { kMember, kBetween, kGarbage };
   Packing packing_ = Packing::kUnknown;
   std::vector<std::byte> packed_;  // read from the file and not yet unpacked

@@ -16,7 +16,7 @@
 
 namespace rayloc {
 
-// In no unnamed namespace: a member of PcapLiveSource::Impl.
+// Not in an unnamed namespace: a member of PcapLiveSource::Impl.
 struct ClosePcapHandle {
   void operator()(pcap_t* handle) const { pcap_close(handle); }
 };
@@ -24,7 +24,7 @@ using PcapHandle = std::unique_ptr<pcap_t, ClosePcapHandle>;
 
 namespace {
 
-// Longer than any CSI datagram with its headers; what is cut is counted "truncated_capture".
+// Longer than any CSI datagram with its headers; cut packets are counted "truncated_capture".
 constexpr int kSnapLength = 8192;
 constexpr int kBatchPackets = 256;
 
@@ -84,13 +84,13 @@ class PcapLiveSource::Impl {
   const std::uint32_t link_type_;
   const std::int64_t fraction_;  // nanoseconds per unit of tv_usec
   EventClock clock_;
-  // libpcap's buffer is valid in the callback only: copies, one behind the other. Datagrams point
-  // into it once all are there.
+  // libpcap's buffer is valid in the callback only, so payloads are copied one after the other.
+  // Datagrams refer to the copies once all are complete.
   std::vector<std::byte> payloads_;
   std::vector<Datagram> taken_;
   std::vector<std::size_t> sizes_;
   std::uint32_t last_drops_ = 0;
-  SourceCounters counting_;  // the reader's own
+  SourceCounters counting_;  // used by the reading thread only
 
   mutable std::mutex mutex_;
   SourceCounters published_;
@@ -127,7 +127,7 @@ void PcapLiveSource::Impl::take(const pcap_pkthdr& header, const u_char* bytes) 
   taken_.push_back(*datagram);
 }
 
-// How many packets were waiting, at most a batch.
+// Returns the number of packets that were waiting, at most a batch.
 Expected<int> PcapLiveSource::Impl::dispatch() {
   clock_.observe_now();
   const int got = pcap_dispatch(
@@ -178,7 +178,7 @@ void PcapLiveSource::Impl::count_drops() {
   if (pcap_stats(handle_.get(), &stats) != 0) {
     return;
   }
-  // Both count since the beginning, modulo 2^32.
+  // Both counters run from the beginning, modulo 2^32.
   const std::uint32_t drops = stats.ps_drop + stats.ps_ifdrop;
   counting_.kernel_drops += static_cast<std::uint32_t>(drops - last_drops_);
   last_drops_ = drops;

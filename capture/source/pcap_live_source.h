@@ -1,9 +1,9 @@
 // PcapLiveSource: the UDP datagrams that pass a network interface, through libpcap. For access
-// points whose broadcasts no socket receives (WIRE_FORMATS 3.2), and to watch beside a program that
-// owns the port.
+// points whose broadcasts no socket receives (WIRE_FORMATS 3.2), and for capturing beside a program
+// that owns the port.
 //
-// Needs CAP_NET_RAW. Times are those of the kernel, truncated to microseconds.
-// Thread safety: one thread reads; counters() from any.
+// Needs CAP_NET_RAW. Times are those of the kernel, truncated to microseconds. Thread safety: one
+// thread reads; counters() from any.
 #pragma once
 
 #include <memory>

@@ -12,16 +12,16 @@
 namespace rayloc {
 namespace {
 
-// Enough to make the cost of a call vanish, few enough to keep a reader's queue short.
+// Large enough to amortise the cost of a call, small enough to keep a reader's queue short.
 constexpr std::size_t kFileBatchDatagrams = 256;
 
-// Odd places of a pipe that are told at its end.
+// Maximum number of anomalies in a pipe that are reported at its end.
 constexpr std::size_t kMostNoted = 1000;
 
-// What files are padded with to whole blocks: no record of any format begins with so many.
+// Padding of files to whole blocks: no record of any format begins with so many zeros.
 constexpr std::size_t kPaddingZeros = 16;
 
-// As far as there are bytes.
+// Compares the available bytes only.
 bool begins_with_zeros(std::span<const std::byte> bytes) {
   const std::span<const std::byte> first = bytes.first(std::min(bytes.size(), kPaddingZeros));
   return std::all_of(first.begin(), first.end(), [](std::byte b) { return b == std::byte{0}; });
@@ -84,8 +84,8 @@ Expected<void> PcapFileSource::read(DatagramBatch& batch, Duration timeout) {
     copies_.pop_front();
   }
   const std::uint64_t received_before = counting_.received;
-  // Filling moves the window, and the datagrams of a batch point into it: once there is one, what
-  // else is to come waits for the next call.
+  // Filling moves the window, and the datagrams of a batch refer to it: once the batch is not
+  // empty, further input waits for the next call.
   take_records(batch);
   while (counting_.received == received_before && !error_ && !ended_) {
     const auto more = input_->fill(timeout);
@@ -118,7 +118,7 @@ void PcapFileSource::take_records(DatagramBatch& batch) {
     }
     if (parser_->recognised() && input_->window().size() < kPaddingZeros &&
         begins_with_zeros(input_->window())) {
-      return;  // more bytes show whether it is padding
+      return;  // more bytes determine if it is padding
     }
     const pcap::PcapParser::Step step = parser_->next(input_->window());
     switch (step.status) {
@@ -269,7 +269,7 @@ void PcapFileSource::reject_damaged(bool late) {
 
 void PcapFileSource::give(Datagram datagram, Timestamp time, DatagramBatch& batch) {
   datagram.time = time;
-  if (time < watermark() && !options_.as_stamped) {  // behind what was looked through
+  if (time < watermark() && !options_.as_stamped) {  // after the part that was scanned
     reject_damaged(true);
     return;
   }

@@ -8,13 +8,13 @@
 namespace rayloc {
 namespace {
 
-// So many damaged stamps in a row may be one fault: a frame of four cores and four streams.
+// Maximum run of damaged stamps from one fault: a frame of four cores and four streams.
 constexpr std::uint64_t kMostDamaged = 16;
-// At the beginning and the end of a file, where only one side tells.
+// Maximum at the beginning and the end of a file, where only one side can be compared.
 constexpr std::uint64_t kMostDamagedAtAnEnd = 3;
 constexpr Duration kLongSilence = std::chrono::hours(24);
 
-// Corrections that are larger are not made: no sum of a stamp and two of them overflows.
+// Larger corrections are not applied: no sum of a stamp and two of them overflows.
 constexpr Duration kMostCorrection = Duration(std::int64_t{1} << 61U);
 
 bool is_small(Duration correction) {
@@ -25,8 +25,8 @@ bool follows(Timestamp latest, Timestamp stamp, const StampLimits& limits) {
   return stamp >= latest - limits.disorder && stamp <= latest + limits.gap;
 }
 
-// Without what lies at `outside`, `stamp` goes on from `latest`, and that by a jump of its own: not
-// by the time that passes.
+// True if `stamp` continues from `latest` when the records at `outside` are left out, and if a
+// jump, not elapsed time, leads from `outside` to it.
 bool comes_back(Timestamp latest, Timestamp outside, Timestamp stamp, const StampLimits& limits) {
   if (stamp < latest - limits.disorder) {
     return false;
@@ -59,8 +59,8 @@ void StampJudge::add(const RecordPlace& place, Timestamp stamp) {
   run.latest = std::max(run.latest, stamp);
 }
 
-// Within a run time goes ahead by as much as a silence may last: as well by a stamp that is
-// damaged.
+// Within a run time may advance by as much as a silence may last, also to a damaged
+// stamp.
 void StampJudge::look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const {
   if (run.records > 0 && stamp > run.latest + limits_.disorder) {
     run.tail_place = place;
@@ -72,9 +72,9 @@ void StampJudge::look_ahead(Run& run, Timestamp stamp, const RecordPlace& place)
   run.tail_records += run.packet_before_tail > 0 ? 1U : 0U;
 }
 
-// Whether the last few records of a run went ahead, and `stamp` goes on where they did not: far
-// nearer to what came before than the jump is long. A clock that is set back after a pause seldom
-// hits that place.
+// True if the last few records of a run jumped ahead and `stamp` continues from the records before
+// them: far nearer to those than the length of the jump. A clock that is set back after a pause
+// seldom returns to that place.
 bool StampJudge::tail_outlies(const Run& run, Timestamp stamp) const {
   constexpr int kFarNearer = 4;
   const Timestamp before = run.latest_before_tail;
@@ -83,7 +83,7 @@ bool StampJudge::tail_outlies(const Run& run, Timestamp stamp) const {
          kFarNearer * (stamp - before) <= run.tail_first - before;
 }
 
-// The tail of the last run becomes a run of its own, which is damaged.
+// The tail of the last run becomes a separate run, which is damaged.
 void StampJudge::cut_tail() {
   Run& run = runs_.back();
   Run tail{run.tail_place,
@@ -110,15 +110,15 @@ bool StampJudge::continues(std::size_t before, std::size_t run) const {
   return follows(runs_[before].latest, runs_[run].first, limits_);
 }
 
-// Whether a run that does not follow another one lies outside: within a few records somebody comes
-// back.
+// True if a run that does not continue another one is outside: within a few records the time
+// returns.
 bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
   const Timestamp latest = runs_[before].latest;
   const Timestamp outside = runs_[run].first;
   std::uint64_t between = runs_[run].records;
   for (std::size_t next = run + 1; next < runs_.size() && between <= kMostDamaged; ++next) {
     if (comes_back(latest, outside, runs_[next].first, limits_)) {
-      // Behind a clock that was set back by little there may be a longer silence.
+      // After a clock that was set back by little there may be a longer silence.
       const Duration back = latest - outside;
       return outside > latest || between <= kMostDamagedAtAnEnd ||
              runs_[next].first - runs_[next - 1].latest <=
@@ -129,7 +129,7 @@ bool StampJudge::is_damaged(std::size_t before, std::size_t run) const {
   return false;
 }
 
-// A last record that nothing follows: from the past, or from far in the future.
+// A last record without a successor: from the past, or from far in the future.
 bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
   return run + 1 == runs_.size() && runs_[run].records <= kMostDamagedAtAnEnd &&
          runs_[before].records > runs_[run].records &&
@@ -137,7 +137,7 @@ bool StampJudge::is_odd_end(std::size_t before, std::size_t run) const {
           runs_[before].latest + kLongSilence < runs_[run].first);
 }
 
-// A first record from the future, or from before there were clocks.
+// A first record from the future, or from before the first plausible time.
 std::size_t StampJudge::first_run() const {
   if (runs_.size() < 2 || runs_[0].records > kMostDamagedAtAnEnd ||
       runs_[0].records >= runs_[1].records || is_damaged(0, 1)) {
@@ -156,7 +156,7 @@ DamagedStamps StampJudge::damaged(std::size_t begin, std::size_t end, Timestamp 
   return stamps;
 }
 
-// The pause is cut to microseconds, the resolution of what our recorder writes.
+// The pause is truncated to microseconds, the resolution of our recorder.
 ClockJump StampJudge::jump_between(std::size_t before, std::size_t run) const {
   const Run& last = runs_[before];
   const Duration pause =
@@ -213,7 +213,7 @@ void StampJudge::tell_times(const std::vector<std::size_t>& kept, RecordTimes& t
     const auto first = clock.event_time(run.place.packet, run.first);
     const Duration correction = first ? *first - run.first : Duration::zero();
     const TimeSpan span{run.earliest + correction, run.latest + correction};
-    // Stamps that are taken as they are may go back.
+    // Stamps that are used unchanged may go back.
     const bool follows_last = !times.busy.empty() &&
                               span.begin <= times.busy.back().end + limits_.gap &&
                               span.begin >= times.busy.back().begin;

@@ -1,16 +1,16 @@
-// RecordTimes: which time stamps of a recording are believed, and what event times become of them.
+// RecordTimes: which time stamps of a recording are accepted, and the event times they give.
 //
-// The records of a file are nearly in order of time. Where they are not, one of three things has
-// happened:
-//   - A few stamps are damaged: without them time goes on as it had gone before. What is damaged is
-//     left out, and governs nothing else.
-//   - The clock was set. Event time goes on evenly, as that of live sources does (event_clock.h),
-//     and is told by the clock as it was at the end: whoever sets a clock sets it right. Time that
-//     goes back proves it; time that goes forward only where it is undone elsewhere.
-//   - Nothing was received for a while, or the clock was set forward: nobody can tell. The stamps
-//     hold, and whoever keeps the recording's pace does not wait for it.
-// A file is looked through before it is read (StampJudge, then RecordClock); of a pipe one record
-// is held until the next one tells (StreamClock).
+// The records of a file are nearly in order of time. Exceptions have one of three
+// causes:
+//   - A few stamps are damaged: without them time continues as before. Damaged records are left
+//     out, and do not affect any other record.
+//   - The clock was set. Event time advances evenly, as that of live sources does (event_clock.h),
+//     by the clock as it was at the end: a person who sets a clock sets it correctly. A backward
+//     jump proves it; a forward jump only if it is undone at another place.
+//   - Nothing was received for a while, or the clock was set forward: indistinguishable. The stamps
+//     are kept, and a reader that keeps the recording's pace does not wait for it.
+// A file is scanned before it is read (StampJudge, then RecordClock); of a pipe one record is held
+// until the next one decides (StreamClock).
 #pragma once
 
 #include <cstddef>
@@ -24,33 +24,33 @@
 
 namespace rayloc {
 
-// Silence that is longer than this may as well be a clock that was set; nobody waits for it.
+// Silence longer than this may equally be a clock step; no reader waits for it.
 constexpr Duration kMaxGap = std::chrono::seconds(10);
 
 struct StampLimits {
-  Duration disorder = std::chrono::milliseconds(100);  // of records of different receive queues
+  Duration disorder = std::chrono::milliseconds(100);  // of records from different receive queues
   Duration gap = kMaxGap;
 };
 
-// Where a record lies.
+// The place of a record.
 struct RecordPlace {
-  std::uint64_t packet = 0;  // in the file, from 1 on
-  std::uint64_t byte = 0;    // of the file, unpacked
+  std::uint64_t packet = 0;  // number in the file, from 1 on
+  std::uint64_t byte = 0;    // offset in the file, unpacked
 };
 
 struct DamagedStamps {
   RecordPlace first;
   std::uint64_t last_packet = 0;
   std::uint64_t records = 0;
-  Duration ahead{};  // of the records around them; negative: behind
+  Duration ahead{};  // lead over the surrounding records; negative: behind
 };
 
 struct ClockJump {
-  RecordPlace place;     // of the first record behind it
+  RecordPlace place;     // place of the first record after it
   Timestamp from;        // the latest stamp before it
-  Timestamp to;          // the first one behind it
-  Duration pause{};      // what had passed between the two by an even clock, as far as known
-  bool was_set = false;  // the clock; else event time jumps as well
+  Timestamp to;          // the first stamp after it
+  Duration pause{};      // estimated time between the two by an even clock
+  bool was_set = false;  // a clock step; otherwise event time jumps as well
 
   Duration size() const { return to - from; }
 };
@@ -63,7 +63,7 @@ struct TimeSpan {
 
 // One of the classic captures that a file holds, and the unit of its time stamps.
 struct CaptureUnit {
-  RecordPlace place;  // of its header; the packet is the first one behind it
+  RecordPlace place;  // place of its header; the packet is the first one after it
   pcap::TimeUnit stated = pcap::TimeUnit::kMicroseconds;
   pcap::TimeUnit shown = pcap::TimeUnit::kMicroseconds;
   bool misread = false;  // some stamps were read by another unit than the one shown
@@ -72,27 +72,27 @@ struct CaptureUnit {
 struct RecordTimes {
   std::vector<DamagedStamps> damaged;  // by place
   std::vector<ClockJump> jumps;        // by place
-  Duration correction{};               // of the records before the first jump: event time - stamp
-  // In event time, in order: when something was recorded, without the gaps that are longer than
-  // StampLimits::gap. Empty where nothing was.
+  Duration correction{};               // event time - stamp of the records before the first jump
+  // In event time, in order: the periods with records, without gaps longer than StampLimits::gap.
+  // Empty if there are none.
   std::vector<TimeSpan> busy;
-  // Of a stream: nobody could look ahead, and times are told by the clock as it was at the
-  // beginning; neither `correction` nor `busy` is known.
+  // For a stream, which cannot be scanned ahead: times use the clock as it was at the beginning;
+  // neither `correction` nor `busy` is set.
   bool streamed = false;
   bool of_counter = false;          // stamps of a card's counter, which has no date
-  std::vector<RecordPlace> joined;  // headers of captures behind the first one
+  std::vector<RecordPlace> joined;  // places of capture headers after the first one
   std::vector<CaptureUnit> units;
-  std::optional<pcap::MisstatedResolution> misstated;  // of pcapng
+  std::optional<pcap::MisstatedResolution> misstated;  // for pcapng
 };
 
-// Finds them. Memory: some bytes for every gap.
+// Determines them. Memory: some bytes for every gap.
 class StampJudge {
  public:
-  // `as_stamped`: event time is what the stamps say, whoever set the clock.
+  // `as_stamped`: event time is the stamp, regardless of clock steps.
   StampJudge(const StampLimits& limits, bool as_stamped)
       : limits_(limits), as_stamped_(as_stamped) {}
 
-  // In the order of the file.
+  // REQUIRES: records in the order of the file.
   void add(const RecordPlace& place, Timestamp stamp);
   RecordTimes finish() const;
 
@@ -105,13 +105,13 @@ class StampJudge {
     Timestamp first;
     Timestamp earliest;
     Timestamp latest;
-    // Its records since time last went ahead within it; none while it never did.
+    // Its records since time last advanced within it; none while it never did.
     RecordPlace tail_place;
     std::uint64_t tail_records = 0;
     Timestamp tail_first;
     std::uint64_t packet_before_tail = 0;
     Timestamp latest_before_tail;
-    bool outlies = false;  // what comes behind it goes on from what came before it
+    bool outlies = false;  // the records after it continue from those before it
   };
 
   void look_ahead(Run& run, Timestamp stamp, const RecordPlace& place) const;
@@ -137,7 +137,7 @@ class RecordClock {
   explicit RecordClock(RecordTimes times)
       : times_(std::move(times)), correction_(times_.correction) {}
 
-  // Nothing for a damaged stamp; is_late() says on which side it lies then.
+  // Empty for a damaged stamp; is_late() then returns on which side it is.
   std::optional<Timestamp> event_time(std::uint64_t packet, Timestamp stamp);
   bool is_late() const { return late_; }
 
@@ -149,25 +149,25 @@ class RecordClock {
   bool late_ = false;
 };
 
-// The same of a stream. The caller keeps the record that is held.
+// The same for a stream. The caller keeps the held record.
 class StreamClock {
  public:
   StreamClock(const StampLimits& limits, bool as_stamped)
       : limits_(limits), as_stamped_(as_stamped) {}
 
   enum class Ruling {
-    kGive,      // by event_time()
-    kHold,      // until the next one is looked at
-    kDropHeld,  // what was held is damaged; give this one
-    kGiveHeld,  // what was held is right; give it, and look at this one again
+    kGive,      // return it by event_time()
+    kHold,      // hold it until the next one is evaluated
+    kDropHeld,  // the held record is damaged; return this one
+    kGiveHeld,  // the held record is valid; return it, and evaluate this one again
   };
   Ruling look(Timestamp stamp);
-  // Nothing comes any more: whether the record that is held is to be given.
+  // At the end of the input: true if the held record is to be returned.
   bool give_at_end();
   Timestamp event_time(Timestamp stamp) const { return stamp + correction_; }
-  // Whether what was held lay behind the others.
+  // True if the held record was behind the others.
   bool is_late() const { return late_; }
-  // The latest stamp that was given; there is one once anything was held.
+  // The latest stamp returned; defined once a record was held.
   Timestamp latest() const { return latest_.value_or(Timestamp{}); }
 
  private:
@@ -179,8 +179,8 @@ class StreamClock {
   bool late_ = false;
 };
 
-// What people should know of them, a line each; `name` is the file's. Gaps that are no longer than
-// `least_gap` are not spoken of (record_words.cpp).
+// Descriptions for the operator, a line each; `name` is the file's. Gaps not longer than
+// `least_gap` are omitted (record_words.cpp).
 std::vector<std::string> words_of(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap);

@@ -1,4 +1,4 @@
-// What is said of the time stamps of a recording.
+// Messages about the time stamps of a recording.
 #include <algorithm>
 #include <utility>
 
@@ -12,7 +12,7 @@ std::string at(const RecordPlace& place) {
   return "packet " + std::to_string(place.packet) + " (byte " + std::to_string(place.byte) + "): ";
 }
 
-// Of a machine without a battery that has not heard of the time yet. No recording of CSI is older.
+// For a machine without a battery that has not received the time yet. No CSI recording is older.
 std::string unset_clock_words(const RecordTimes& times) {
   constexpr Timestamp kFirstPossible = std::chrono::sys_days(std::chrono::year(2000) / 1 / 1);
   if (times.of_counter || times.busy.empty() || times.busy.front().begin >= kFirstPossible) {
@@ -37,9 +37,9 @@ std::string damage_words(const DamagedStamps& stamps) {
   return words + (late ? "time_went_back)" : "damaged_time)");
 }
 
-// Of captures that were joined in another order than that of time, no clock was set.
+// For captures that were joined in another order than that of time; no clock was set.
 std::string joined_words(const ClockJump& jump, const RecordTimes& times) {
-  constexpr std::uint64_t kNear = 16;  // the first packets of a capture may be no datagrams
+  constexpr std::uint64_t kNear = 16;  // the first packets of a capture may not be datagrams
   const auto after =
       std::find_if(times.joined.rbegin(), times.joined.rend(), [&](const RecordPlace& header) {
         return header.packet <= jump.place.packet && jump.place.packet < header.packet + kNear;
@@ -98,7 +98,7 @@ std::string resolution_text(std::uint8_t resolution) {
   return ((resolution & 0x80U) != 0 ? "2^-" : "10^-") + std::to_string(resolution & 0x7fU) + " s";
 }
 
-// What the headers state wrongly of the unit of the stamps.
+// Messages about units of the stamps that the headers state wrongly.
 std::vector<std::string> units_words(const RecordTimes& times) {
   std::vector<std::string> words;
   std::size_t more = 0;
@@ -127,7 +127,7 @@ std::vector<std::string> units_words(const RecordTimes& times) {
 std::vector<std::string> words_of(const RecordTimes& times,
                                   const std::string& name,
                                   Duration least_gap) {
-  // Of a file of which much is odd the first tell enough.
+  // For a file with many anomalies the first ones are sufficient.
   constexpr std::size_t kMostLines = 3;
   const std::string file = name + ": ";
   std::vector<std::string> damaged;

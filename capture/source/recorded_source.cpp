@@ -16,7 +16,7 @@ constexpr std::size_t kRecordedBatchDatagrams = 256;
 
 Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(RecordingPlan plan) {
   std::unique_ptr<RecordedSource> source(new RecordedSource(std::move(plan)));
-  // Here already, so that what cannot be opened is known at once.
+  // Opened here, so that a file that cannot be opened is reported at once.
   if (auto opened = source->open_due(); !opened) {
     return tl::make_unexpected(std::move(opened.error()));
   }
@@ -32,7 +32,7 @@ Expected<std::unique_ptr<RecordedSource>> RecordedSource::open(
   return open(*std::move(plan));
 }
 
-// Opens the files that begin before anything that waits to be given.
+// Opens the files that begin before any datagram that waits to be returned.
 Expected<void> RecordedSource::open_due() {
   while (next_file_ < plan_.files.size()) {
     Timestamp earliest = Timestamp::max();
@@ -46,7 +46,7 @@ Expected<void> RecordedSource::open_due() {
     const bool waits = std::any_of(readers_.begin(), readers_.end(), [](const Reader& reader) {
       return !reader.has_next() && !reader.batch.ended;
     });
-    if (waits) {  // what it has is not known yet
+    if (waits) {  // its next datagram is not available yet
       return {};
     }
     PcapFileOptions options = plan_.options;
@@ -63,7 +63,7 @@ Expected<void> RecordedSource::open_due() {
   return {};
 }
 
-// False when a reader has nothing to compare yet, and may not be read or brought nothing in time.
+// Returns false if a reader has no datagram to compare and may not be read or timed out.
 Expected<bool> RecordedSource::fill(Duration timeout, bool may_read) {
   for (Reader& reader : readers_) {
     if (reader.has_next() || reader.batch.ended) {
@@ -98,7 +98,7 @@ void RecordedSource::close_ended() {
 void RecordedSource::add_warnings(const Reader& reader, std::vector<std::string>& to) const {
   const std::vector<std::string> torn = reader.source->warnings();
   to.insert(to.end(), torn.begin(), torn.end());
-  if (reader.looked_through) {  // words_of() has told
+  if (reader.looked_through) {  // reported by words_of()
     return;
   }
   const std::vector<std::string> stamps = words_of(
@@ -120,7 +120,7 @@ std::vector<std::string> RecordedSource::warnings() const {
 Expected<void> RecordedSource::read(DatagramBatch& batch, Duration timeout) {
   batch.datagrams.clear();
   while (batch.datagrams.size() < kRecordedBatchDatagrams) {
-    // What a batch shows lies in its readers until the next call.
+    // The datagrams of a batch refer to the readers' memory until the next call.
     const bool may_read = batch.datagrams.empty();
     if (may_read) {
       close_ended();
@@ -174,7 +174,7 @@ Timestamp RecordedSource::watermark() const {
       earliest = std::min(earliest, reader.batch.datagrams[i].time);
     }
   }
-  if (next_file_ < plan_.files.size()) {  // the earliest of those that are not open
+  if (next_file_ < plan_.files.size()) {  // the earliest of the files that are not open
     earliest = std::min(earliest, begin_of(plan_.files[next_file_]));
   }
   return earliest;

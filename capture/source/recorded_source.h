@@ -1,6 +1,6 @@
-// RecordedSource: what one access point sent, from the files of a RecordingPlan, merged by time as
-// if they were one. A file is opened when its time comes and closed at its end, so a ring of a
-// thousand files takes no more descriptors than overlap.
+// RecordedSource: the datagrams of one access point, from the files of a RecordingPlan, merged by
+// time as if they were one. A file is opened when its time comes and closed at its end, so a ring
+// of a thousand files needs only as many descriptors as files overlap.
 #pragma once
 
 #include <memory>
@@ -15,18 +15,18 @@ namespace rayloc {
 class RecordedSource final : public DatagramSource {
  public:
   static Expected<std::unique_ptr<RecordedSource>> open(RecordingPlan plan);
-  // Looks through the files first.
+  // Scans the files first.
   static Expected<std::unique_ptr<RecordedSource>> open(const std::vector<std::string>& files,
                                                         const PcapFileOptions& options = {});
 
-  // As that of a PcapFileSource.
+  // Same contract as PcapFileSource::read().
   Expected<void> read(DatagramBatch& batch, Duration timeout) override;
   SourceCounters counters() const override;
   std::string description() const override { return name_of(plan_); }
 
   const RecordingPlan& plan() const { return plan_; }
   std::vector<std::string> notices() const override { return words_of(plan_); }
-  // What was torn, where, and what only shows when a pipe is read.
+  // Torn records with their places, and findings that appear only when a pipe is read.
   std::vector<std::string> warnings() const override;
 
  private:
@@ -53,8 +53,8 @@ class RecordedSource final : public DatagramSource {
   std::size_t next_file_ = 0;
   std::vector<Reader> readers_;  // in the order of the files
   Timestamp watermark_ = Timestamp::min();
-  SourceCounters closed_;              // of files that are over
-  std::vector<std::string> warnings_;  // of them
+  SourceCounters closed_;              // counters of closed files
+  std::vector<std::string> warnings_;  // warnings of closed files
 
   mutable std::mutex mutex_;
   SourceCounters published_;

@@ -23,13 +23,13 @@ std::optional<TimeSpan> span_of(const PlannedFile& file) {
   return span;
 }
 
-// "./a.pcap" is "a.pcap".
+// "./a.pcap" and "a.pcap" are the same.
 bool is_same(const std::string& a, const std::string& b) {
   std::error_code unknown;
   return a == b || std::filesystem::equivalent(a, b, unknown);
 }
 
-// Spans in order, and joined where no longer gap than that is between them.
+// Orders the spans, and joins those that are separated by no longer gap than `gap`.
 std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, Duration gap) {
   std::sort(spans.begin(), spans.end(), [](const TimeSpan& a, const TimeSpan& b) {
     return a.begin < b.begin;
@@ -45,7 +45,7 @@ std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, Duration gap) {
   return all;
 }
 
-// Of two files that follow each other; empty where there is nothing to say.
+// Message about two consecutive files; empty if there is no finding.
 std::string words_between(const PlannedFile& before, const PlannedFile& next, Duration gap) {
   const auto first = span_of(before);
   const auto second = span_of(next);
@@ -161,7 +161,7 @@ std::vector<std::string> words_of(const RecordingPlan& plan) {
 }
 
 Duration least_gap(const PcapFileOptions& options) {
-  // Who is surveyed walks from place to place in silence.
+  // During a survey the person walks between points without sending.
   constexpr Duration kPauseOfSurvey = std::chrono::minutes(10);
   return options.as_stamped ? std::max(kPauseOfSurvey, options.max_gap) : options.max_gap;
 }

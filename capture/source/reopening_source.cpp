@@ -44,7 +44,7 @@ Expected<void> ReopeningSource::read(DatagramBatch& batch, Duration timeout) {
   return {};
 }
 
-// What is there while the source is away: the time.
+// Returns the advancing time while the source is closed.
 void ReopeningSource::read_closed(DatagramBatch& batch, Duration timeout) {
   batch = {};
   if (timeout > Duration::zero()) {
@@ -56,7 +56,7 @@ void ReopeningSource::read_closed(DatagramBatch& batch, Duration timeout) {
   batch.watermark = watermark_;
 }
 
-// A source that was just opened may know less of the time than was said while it was closed.
+// A newly opened source may have an earlier watermark than was returned while it was closed.
 void ReopeningSource::keep_promises(DatagramBatch& batch) {
   for (Datagram& datagram : batch.datagrams) {
     datagram.time = std::max(datagram.time, watermark_);

@@ -1,12 +1,12 @@
-// ReopeningSource: a live source that comes back. When the one that it reads fails (an interface
-// that is taken away, a socket that gives an error) it is closed, counted, and opened again after a
-// second, then two, four, ... thirty; meanwhile its event time goes on, so that nobody waits for
-// it.
+// ReopeningSource: a live source that is reopened after a failure. When its source fails (an
+// interface that is removed, a socket that returns an error) it is closed, counted, and opened
+// again after a second, then two, four, ... thirty; meanwhile its event time advances, so that no
+// reader waits for it.
 //
-// The wait is short again once the source has been read for as long as the longest wait: what fails
-// at every read is not tried every second. Datagrams that come after it was opened are never before
-// a watermark that was given while it was closed.
-// Thread safety: one thread reads; counters() from any.
+// The wait is reset once the source has been read for as long as the longest wait: a source that
+// fails at every read is not opened every second. Datagrams received after it was opened are never
+// before a watermark that was returned while it was closed. Thread safety: one thread reads;
+// counters() from any.
 #pragma once
 
 #include <chrono>
@@ -27,7 +27,7 @@ class ReopeningSource final : public DatagramSource {
   static constexpr std::chrono::seconds kShortestWait{1};
   static constexpr std::chrono::seconds kLongestWait{30};
 
-  // Opens it for the first time: what fails then is the caller's Error. `now`: for the waits.
+  // Opens it for the first time: a failure then is the caller's Error. `now`: clock for the waits.
   static Expected<std::unique_ptr<ReopeningSource>> open(
       Open open, std::function<Time()> now = std::chrono::steady_clock::now);
 
@@ -52,12 +52,12 @@ class ReopeningSource final : public DatagramSource {
   std::chrono::seconds wait_ = kShortestWait;
   Time opened_;
   Time next_try_;
-  EventClock clock_;  // tells the time while the source is closed, and counts steps throughout
+  EventClock clock_;  // gives the time while the source is closed, and counts steps throughout
   Timestamp watermark_ = Timestamp::min();
 
   mutable std::mutex mutex_;
   std::unique_ptr<DatagramSource> source_;  // set under mutex_; null while it is closed
-  SourceCounters before_;  // of those that were closed, and clock_steps; guarded by mutex_
+  SourceCounters before_;  // counters of closed sources, and clock_steps; guarded by mutex_
 };
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// Durations in what is said of a recording.
+// Durations in messages about a recording.
 #pragma once
 
 #include <array>

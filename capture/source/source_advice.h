@@ -5,7 +5,7 @@
 
 namespace rayloc {
 
-// `reason`: a name of SourceCounters.rejected. Empty where there is no advice.
+// `reason`: a name of SourceCounters.rejected. Empty if there is no advice.
 std::string_view source_advice(std::string_view reason);
 
 }  // namespace rayloc

@@ -1,4 +1,4 @@
-// The transports there are: one row each, which stands beside its implementation.
+// All transports: one row each, which is defined beside its implementation.
 #pragma once
 
 #include "capture/transport/transport_scheme.h"
@@ -10,7 +10,7 @@ extern const TransportScheme kPcapScheme;  // recorded_source.cpp
 extern const TransportScheme kUnixScheme;  // unix_source.cpp
 extern const TransportScheme kLiveScheme;  // pcap_live_source.cpp
 
-// What configuration, survey, record, send and rayloc-capture read.
+// The table that configuration, survey, record, send and rayloc-capture use.
 TransportTable transport_schemes();
 
 }  // namespace rayloc

@@ -41,7 +41,7 @@ bool switch_on(int fd, int level, int option) {
   return setsockopt(fd, level, option, &on, sizeof on) == 0;
 }
 
-// Of what was asked for: the kernel doubles it, socket(7).
+// The requested size: the kernel doubles it, socket(7).
 int receive_buffer(int fd) {
   int bytes = 0;
   socklen_t size = sizeof bytes;
@@ -49,8 +49,8 @@ int receive_buffer(int fd) {
   return bytes / 2;
 }
 
-// What SO_RCVBUF gives when it is asked for so much: it is cut to net.core.rmem_max, which a
-// sandbox hides, so it is tried.
+// The size that SO_RCVBUF grants for a request: it is limited to net.core.rmem_max, which a sandbox
+// hides, so it is measured.
 int granted_receive_buffer(int bytes) {
   const FileDescriptor trial(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   setsockopt(trial.get(), SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
@@ -69,8 +69,8 @@ void set_receive_buffer(int fd, int bytes, bool adopted) {
   }
 }
 
-// How many datagrams the socket has lost since it was opened, modulo 2^32; nothing where the kernel
-// does not say.
+// Number of datagrams the socket has lost since it was opened, modulo 2^32; empty if the kernel
+// does not report it.
 std::optional<std::uint32_t> dropped_datagrams(int fd) {
   std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
   socklen_t size = sizeof memory;
@@ -80,7 +80,7 @@ std::optional<std::uint32_t> dropped_datagrams(int fd) {
              : std::nullopt;
 }
 
-// What the kernel says about one datagram besides its bytes.
+// The kernel's control data for one datagram.
 struct Ancillary {
   std::optional<timespec> stamp;
   std::optional<in_pktinfo> arrival;
@@ -112,8 +112,8 @@ Timestamp to_timestamp(const timespec& time) {
   return Timestamp(std::chrono::seconds(time.tv_sec) + Duration(time.tv_nsec));
 }
 
-// False for a sender without an IPv4 address. A socket that systemd bound to [::] gives IPv4
-// senders as ::ffff:a.b.c.d.
+// Returns false for a sender without an IPv4 address. A socket that systemd bound to [::] reports
+// IPv4 senders as ::ffff:a.b.c.d.
 bool read_sender(const sockaddr_storage& name, DatagramAddress& address) {
   if (name.ss_family == AF_INET) {
     sockaddr_in from{};
@@ -174,7 +174,7 @@ class UdpSource::Impl {
   std::array<iovec, kUdpBatchDatagrams> vectors_{};
   std::array<mmsghdr, kUdpBatchDatagrams> messages_{};
   std::uint32_t last_drops_ = 0;
-  SourceCounters counting_;  // the reader's own
+  SourceCounters counting_;  // used by the reading thread only
 
   mutable std::mutex mutex_;
   SourceCounters published_;
@@ -217,18 +217,18 @@ Expected<void> UdpSource::Impl::set_up(const UdpSourceOptions& options) {
   }
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;
-  // sockaddr is the type of the interface; what lies behind it is told by the family.
+  // sockaddr is the type of the interface; the family determines the actual type.
   if (getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&bound), &size) != 0) {
     return udp_unavailable(description_ + ": the socket has no address");
   }
   sockaddr_in6 v6{};
   std::memcpy(&v6, &bound, sizeof v6);
-  // The port lies at the same place in both families.
+  // The port is at the same offset in both families.
   port_ = ntohs(v6.sin6_port);
   return {};
 }
 
-// How many datagrams were waiting; at most a batch.
+// Returns the number of datagrams that were waiting; at most a batch.
 Expected<std::size_t> UdpSource::Impl::receive() {
   for (mmsghdr& message : messages_) {
     message.msg_hdr.msg_namelen = sizeof(sockaddr_storage);
@@ -245,7 +245,7 @@ Expected<std::size_t> UdpSource::Impl::receive() {
   return udp_unavailable(description_ + ": cannot receive");
 }
 
-// False when it was woken or nothing came.
+// Returns false if it was woken or timed out.
 bool UdpSource::Impl::wait(Duration timeout) const {
   std::array<pollfd, 2> waiting{{{.fd = fd_.get(), .events = POLLIN, .revents = 0},
                                  {.fd = wake_fd_.get(), .events = POLLIN, .revents = 0}}};
@@ -265,7 +265,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
   auto got = receive();
   if (got && *got == 0) {
     wait(timeout);
-    // Again in any case: the empty socket gives a watermark of now.
+    // Repeated in any case: the empty socket gives a watermark of now.
     got = receive();
   }
   if (!got) {
@@ -289,7 +289,7 @@ Expected<void> UdpSource::Impl::read(DatagramBatch& batch, Duration timeout) {
   return {};
 }
 
-// The reason why the datagram is refused, or nullptr.
+// Returns the reason for which the datagram is rejected, or nullptr.
 const char* UdpSource::Impl::admit(mmsghdr& message,
                                    const Ancillary& ancillary,
                                    DatagramAddress& address) {
@@ -336,7 +336,7 @@ void UdpSource::Impl::take(mmsghdr& message,
 }
 
 // `total` counts since the socket was opened, modulo 2^32. A datagram that was queued before the
-// last look at the idle socket brings an older total.
+// last query of the idle socket has an older total.
 void UdpSource::Impl::count_drops(std::uint32_t total) {
   const std::uint32_t more = total - last_drops_;
   if (more < (1U << 31)) {
@@ -345,7 +345,7 @@ void UdpSource::Impl::count_drops(std::uint32_t total) {
   }
 }
 
-// SO_RXQ_OVFL tells of drops with the next datagram that fits; after the last one nothing would.
+// SO_RXQ_OVFL reports drops with the next datagram that fits; after the last one no report follows.
 void UdpSource::Impl::count_drops_of_idle_socket() {
   if (const std::optional<std::uint32_t> dropped = dropped_datagrams(fd_.get())) {
     count_drops(*dropped);

@@ -1,9 +1,9 @@
 // UdpSource: the datagrams that arrive at a UDP port, with the kernel's time stamps.
 //
-// Receives unicast and broadcast IPv4. Datagrams of an interface or a sender that is not asked for,
-// or longer than any CSI datagram, are rejected and counted; what the kernel dropped because the
-// receive buffer was full is counted exactly (SO_RXQ_OVFL and, once the socket is idle,
-// SO_MEMINFO). Thread safety: one thread reads; wake() and counters() from any.
+// Receives unicast and broadcast IPv4. Datagrams from an interface or a sender that is not allowed,
+// or longer than any CSI datagram, are rejected and counted; datagrams that the kernel dropped
+// because the receive buffer was full are counted exactly (SO_RXQ_OVFL and, once the socket is
+// idle, SO_MEMINFO). Thread safety: one thread reads; wake() and counters() from any.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@
 namespace rayloc {
 
 struct UdpSourceOptions {
-  std::string address = "0.0.0.0:5500";    // HOST:PORT; port 0 takes a free one
-  std::string interface = {};              // InterfaceFilter: only what arrives there; empty: all
-  std::vector<AddressRange> senders = {};  // only what comes from these, when there are any
-  // An open and bound UDP socket to take over (socket activation) instead of `address`.
+  std::string address = "0.0.0.0:5500";    // HOST:PORT; port 0 selects a free one
+  std::string interface = {};              // InterfaceFilter: only accepted interface; empty: all
+  std::vector<AddressRange> senders = {};  // the only accepted senders; empty: all
+  // An open and bound UDP socket to adopt (socket activation) instead of `address`.
   int adopted_fd = -1;
   // The default of 208 KiB loses datagrams at 10,000 a second.
   int receive_buffer_bytes = 8 << 20;
@@ -29,11 +29,11 @@ struct UdpSourceOptions {
 
 class UdpSource final : public DatagramSource {
  public:
-  // The longest CSI datagram known has 1170 bytes.
+  // The longest known CSI datagram has 1170 bytes.
   static constexpr std::size_t kMaxDatagramBytes = 4096;
 
-  // kUnavailable when the port is taken or the interface does not exist, kUsage for an address that
-  // is none.
+  // kUnavailable if the port is in use or the interface does not exist, kUsage for an invalid
+  // address.
   static Expected<std::unique_ptr<UdpSource>> open(const UdpSourceOptions& options);
   ~UdpSource() override;
 
@@ -44,7 +44,7 @@ class UdpSource final : public DatagramSource {
   // Ends the read() that is waiting, or the next one, with an empty batch.
   void wake();
 
-  std::uint16_t port() const;  // the one that was bound
+  std::uint16_t port() const;  // the bound port
   ReceiveBuffer receive_buffer() const override;
 
  private:

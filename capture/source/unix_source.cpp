@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::size_t kUnixBatchDatagrams = 64;
 constexpr std::size_t kMessageBytes = kRelayHeaderBytes + UdpSource::kMaxDatagramBytes;
-// How late the sender may be before we go on without it.
+// Maximum delay of the sender before the time advances without it.
 constexpr Duration kSenderPatience = std::chrono::seconds(1);
 
 tl::unexpected<Error> unix_unavailable(const std::string& what) {
@@ -45,7 +45,7 @@ std::optional<uid_t> sender_of(msghdr& message) {
   return std::nullopt;
 }
 
-// Whether a process reads from the socket at `path`.
+// Returns true if a process reads from the socket at `path`.
 bool in_use(const sockaddr_un& address) {
   const FileDescriptor fd(socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   return fd.get() >= 0 &&
@@ -106,16 +106,16 @@ class UnixSource::Impl {
   void reject(const char* reason);
 
   const int fd_;
-  const std::string path_;  // ours to remove; empty for a socket that was passed
+  const std::string path_;  // path to remove; empty for a socket that was passed
   const uid_t user_;
   EventClock clock_{kSenderPatience};
   Timestamp watermark_ = Timestamp::min();
-  std::optional<RelayHeader> last_;  // of the sender that is heard now
+  std::optional<RelayHeader> last_;  // last header of the current sender
   std::vector<std::byte> buffer_ = std::vector<std::byte>(kUnixBatchDatagrams * kMessageBytes);
   std::array<std::array<std::byte, CMSG_SPACE(sizeof(ucred))>, kUnixBatchDatagrams> control_{};
   std::array<iovec, kUnixBatchDatagrams> vectors_{};
   std::array<mmsghdr, kUnixBatchDatagrams> messages_{};
-  SourceCounters counting_;  // the reader's own
+  SourceCounters counting_;  // used by the reading thread only
 
   mutable std::mutex mutex_;
   SourceCounters published_;
@@ -216,7 +216,7 @@ void UnixSource::Impl::take(mmsghdr& message,
   watermark_ = std::max(watermark_, header->watermark);
 }
 
-// Counts of the sender grow within one of its runs. What it lost before we came is not ours.
+// The sender's counts grow within one of its runs. Its losses before we started are not counted.
 void UnixSource::Impl::count_losses(const RelayHeader& header) {
   const bool same_run = last_ && last_->epoch == header.epoch;
   RelayHeader before = same_run ? *last_ : RelayHeader{};
@@ -233,7 +233,7 @@ void UnixSource::Impl::count_losses(const RelayHeader& header) {
     counting_.rejected["rayloc_capture"] += rejected;
   }
   last_ = header;
-  // The next one that is expected.
+  // The next expected sequence number.
   last_->sequence += header.kind == RelayHeader::Kind::kDatagram ? 1 : 0;
 }
 

@@ -1,11 +1,11 @@
-// UnixSource: the datagrams that rayloc-capture has captured for us (relayed_datagram.h), received
-// at an AF_UNIX datagram socket. So a daemon without any privilege gets what passes an interface.
+// UnixSource: the datagrams relayed by rayloc-capture (relayed_datagram.h), received at an AF_UNIX
+// datagram socket. A daemon without any privilege thus receives an interface's traffic.
 //
-// Only senders of our own user and root are heard; what others send is rejected as "stranger".
-// Datagrams that are missing in the sender's sequence, and what its kernel dropped, count as
-// kernel_drops; packets in which it found no datagram as rejected by "rayloc_capture".
-// Time: the sender's. When none is there the watermark follows our clock a second behind.
-// Thread safety: one thread reads; counters() from any.
+// Only senders of our own user and root are accepted; datagrams of others are rejected as
+// "stranger". Datagrams that are missing in the sender's sequence, and those its kernel dropped,
+// count as kernel_drops; packets in which it found no datagram as rejected by "rayloc_capture".
+// Time: the sender's. Without a sender the watermark follows our clock a second behind. Thread
+// safety: one thread reads; counters() from any.
 #pragma once
 
 #include <memory>
@@ -17,12 +17,12 @@ namespace rayloc {
 
 struct UnixSourceOptions {
   std::string path = {};  // "/run/raylocd/eth7"; a socket that a killed process left is replaced
-  int adopted_fd = -1;    // an AF_UNIX datagram socket to take over instead (socket activation)
+  int adopted_fd = -1;    // an AF_UNIX datagram socket to adopt instead (socket activation)
 };
 
 class UnixSource final : public DatagramSource {
  public:
-  // kUnavailable when the path is in use or cannot be made, kUsage when it is too long.
+  // kUnavailable if the path is in use or cannot be created, kUsage if it is too long.
   static Expected<std::unique_ptr<UnixSource>> open(const UnixSourceOptions& options);
   ~UnixSource() override;
 

@@ -10,8 +10,8 @@ namespace rayloc {
 
 class AddressRange {
  public:
-  // kUsage for what is none; also where bits behind the prefix are set, which is a mistake in one
-  // or the other.
+  // kUsage for an invalid text; also if bits after the prefix are set, since either the address or
+  // the prefix is then wrong.
   static Expected<AddressRange> parse(const std::string& text);
 
   bool contains(std::uint32_t address) const { return (address & mask_) == network_; }
@@ -19,7 +19,7 @@ class AddressRange {
  private:
   AddressRange(std::uint32_t network, std::uint32_t mask) : network_(network), mask_(mask) {}
 
-  std::uint32_t network_;  // in host order, as DatagramAddress has it
+  std::uint32_t network_;  // in host order, as in DatagramAddress
   std::uint32_t mask_;
 };
 

@@ -1,7 +1,7 @@
-// ByteReader: little-endian reads at byte offsets of a datagram. Nobody else touches its bytes.
+// ByteReader: little-endian reads at byte offsets of a datagram; the only access to its bytes.
 //
-// A decoder tests the length before it reads, so a read outside is a mistake of ours and stops the
-// program instead of returning a neighbour's bytes. Alignment and the byte order of the host do
+// A decoder checks the length before it reads, so a read outside is a programming error and stops
+// the program instead of returning a neighbour's bytes. Alignment and the byte order of the host do
 // not matter.
 #pragma once
 

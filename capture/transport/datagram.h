@@ -1,4 +1,4 @@
-// Datagram: one UDP datagram as it arrived, and where it came from.
+// Datagram: one UDP datagram as received, with its addresses.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace rayloc {
 
-// IPv4 addresses in host order. The default is what an AX-CSI access point sends.
+// IPv4 addresses in host order. The default is that of an AX-CSI access point.
 struct DatagramAddress {
   std::uint32_t source_ip = 0x0a0a0a0a;       // 10.10.10.10
   std::uint32_t destination_ip = 0xffffffff;  // broadcast
@@ -21,10 +21,10 @@ struct DatagramAddress {
 
 struct Datagram {
   // Arrival. Live sources truncate the kernel's stamp to microseconds, the resolution of the
-  // recording, so that replaying what was recorded gives the same event times.
+  // recording, so that a replay of the recording gives the same event times.
   Timestamp time;
   DatagramAddress address;
-  // The UDP payload; valid until the next read of the source that gave it.
+  // The UDP payload; valid until the next read of the source that returned it.
   std::span<const std::byte> payload;
 };
 

@@ -1,4 +1,4 @@
-// DatagramSink: where datagrams go; the mirror of DatagramSource.
+// DatagramSink: the destination of datagrams; the counterpart of DatagramSource.
 //
 // Implementations: UdpSender (udp_sender.h), RelaySender (relay_sender.h) and PcapRecorder
 // (capture/record/pcap_recorder.h). A transport's row (transport_scheme.h) opens both.
@@ -17,9 +17,9 @@ namespace rayloc {
 // given = delivered + lost().
 struct SinkCounters {
   std::uint64_t given = 0;      // datagrams
-  std::uint64_t delivered = 0;  // as far as this end can know
-  std::uint64_t bytes = 0;      // of the payloads delivered; of a file, its length now
-  std::uint64_t errors = 0;     // calls of write() that were an Error
+  std::uint64_t delivered = 0;  // as far as this end can determine
+  std::uint64_t bytes = 0;      // bytes of the payloads delivered; for a file, its current length
+  std::uint64_t errors = 0;     // calls of write() that returned an Error
   // By reason: "not_written", "not_taken", "not_there", ...
   std::map<std::string, std::uint64_t> lost_by;
 
@@ -36,15 +36,15 @@ class DatagramSink {
  public:
   virtual ~DatagramSink() = default;
 
-  // The datagrams of a batch, in order. An empty batch tells a sink that carries watermarks how
-  // far time has come. After an Error the next batch may be tried: there may be room again.
+  // Writes the datagrams of a batch, in order. An empty batch gives the current time to a sink that
+  // carries watermarks. After an Error the next batch may be tried: there may be room again.
   virtual Expected<void> write(const DatagramBatch& batch) = 0;
 
-  // What the source that feeds it has counted so far; a sink that can tells the other end what
-  // was lost before it.
+  // Receives the counters of the source that feeds it; a sink that supports it reports earlier
+  // losses to the other end.
   virtual void note_source(const SourceCounters& /*source*/) {}
 
-  // Brings what was written to where a crash does not lose it.
+  // Syncs the written data so that a crash does not lose it.
   virtual Expected<void> sync() { return {}; }
 
   virtual const SinkCounters& counters() const = 0;

@@ -1,5 +1,5 @@
-// DatagramSource: where datagrams come from. One access point = one source, because every access
-// point sends from 10.10.10.10: only the port, interface or file they arrive on tells them apart.
+// DatagramSource: the origin of datagrams. One access point = one source, because every access
+// point sends from 10.10.10.10: only the port, interface or file identifies it.
 //
 // Implementations: UdpSource (udp_source.h), PcapFileSource (pcap_source.h), PcapLiveSource
 // (pcap_live_source.h), UnixSource (unix_source.h), and ReopeningSource around a live one.
@@ -17,31 +17,31 @@
 
 namespace rayloc {
 
-// received = delivered + sum(rejected); what the kernel dropped was never received and is counted
-// apart.
+// received = delivered + sum(rejected); datagrams that the kernel dropped were never received and
+// are counted separately.
 struct SourceCounters {
   std::uint64_t received = 0;      // packets or datagrams read from the socket, interface or file
-  std::uint64_t delivered = 0;     // handed to the caller as Datagram
+  std::uint64_t delivered = 0;     // returned to the caller as Datagram
   std::uint64_t bytes = 0;         // payload bytes delivered
   std::uint64_t kernel_drops = 0;  // SO_RXQ_OVFL, pcap_stats
-  std::uint64_t clock_steps = 0;   // times that the machine's clock was set meanwhile; live sources
-  // Of a recording: datagrams that its marks of gaps ("gap_mark" below, recording_gap.h) say were
-  // received and not recorded, as far as known. Not part of `received`.
+  std::uint64_t clock_steps = 0;   // clock steps of the machine meanwhile; live sources
+  // For a recording: datagrams that its marks of gaps ("gap_mark" below, recording_gap.h) report as
+  // received and not recorded, if the number is stated. Not part of `received`.
   std::uint64_t unrecorded = 0;
-  // Times that a live source could not be read any more (ReopeningSource).
+  // Number of read failures of a live source (ReopeningSource).
   std::uint64_t failures = 0;
   // By reason: "not_udp", "wrong_port", "ip_fragment", "truncated_capture", "length_mismatch",
   // "oversized", "interface_not_allowed", "sender_not_allowed", ...
   std::map<std::string, std::uint64_t> rejected;
-  // Delivered from inside a tunnel, by its name: "MPLS".
+  // Datagrams delivered from inside a tunnel, by its name: "MPLS".
   std::map<std::string, std::uint64_t> unwrapped;
-  // Of the longest packet that is "truncated_capture": bytes in the capture and on the wire.
+  // Sizes of the longest packet that is "truncated_capture": bytes in the capture and on the wire.
   std::uint32_t cut_captured = 0;
   std::uint32_t cut_original = 0;
 };
 
-// Adds what a source counted that goes on where another one ended. But for clock_steps: of who was
-// there throughout.
+// Adds the counters of a source that continues another one that ended. Excludes clock_steps, which
+// the owner of both sources counts throughout.
 inline void add_counts(SourceCounters& to, const SourceCounters& more) {
   to.received += more.received;
   to.delivered += more.delivered;
@@ -63,23 +63,23 @@ inline void add_counts(SourceCounters& to, const SourceCounters& more) {
 
 struct DatagramBatch {
   std::vector<Datagram> datagrams;  // in order of arrival
-  // No datagram with an earlier time will come from this source any more. Event time of idle
-  // sources advances by it; it is what lets several sources merge by time without a delay.
+  // No datagram with an earlier time follows from this source. It advances the event time of idle
+  // sources and lets several sources merge by time without a delay.
   Timestamp watermark{};
-  bool ended = false;  // the file is read to its end; never of a live source
-  // A recording that is played is read to its end, but may be asked to go on elsewhere.
+  bool ended = false;  // the file is read to its end; never set by a live source
+  // A recording that is played is read to its end, but may be asked to seek.
   bool rests = false;
-  // It goes on elsewhere, for so many times now: nothing more comes of where it was, and times may
-  // be earlier from now on. The batch is empty otherwise.
+  // Number of seeks so far: no datagram from before the seek follows, and times may be earlier
+  // afterwards. The batch is empty otherwise.
   std::optional<std::uint64_t> moved = {};
 };
 
-// The kernel's room for what waits to be read, where a source has such a thing.
+// The kernel's receive buffer, if a source has one.
 struct ReceiveBuffer {
   int wanted_bytes = 0;
-  int granted_bytes = 0;  // it counts its own bookkeeping in it
-  // What an adopted socket had lost before it was taken over, since it was opened. Not part of
-  // kernel_drops: most of it was counted by the process that read it then.
+  int granted_bytes = 0;  // includes the kernel's own bookkeeping
+  // Losses of an adopted socket between its opening and its adoption. Not part of kernel_drops: the
+  // process that read it then counted most of them.
   std::uint32_t dropped_before = 0;
 };
 
@@ -87,9 +87,9 @@ class DatagramSource {
  public:
   virtual ~DatagramSource() = default;
 
-  // Replaces the contents of `batch` by what has arrived. A live source waits up to `timeout` for
-  // the first datagram, and returns an empty batch with a new watermark if none came; a file
-  // returns its next packets at once. An Error ends the source: what was read before it has been
+  // Replaces the contents of `batch` by the datagrams received. A live source waits up to `timeout`
+  // for the first datagram, and returns an empty batch with a new watermark if none arrives; a file
+  // returns its next packets at once. An Error ends the source: datagrams read before it have been
   // delivered.
   virtual Expected<void> read(DatagramBatch& batch, Duration timeout) = 0;
 
@@ -100,13 +100,13 @@ class DatagramSource {
 
   virtual ReceiveBuffer receive_buffer() const { return {}; }
 
-  // What people should know of it, a line each: before it is read, and of what was read so far; for
-  // the thread that reads.
+  // Notices for the operator, a line each: those available before reading, and those from reading
+  // so far; for the thread that reads.
   virtual std::vector<std::string> notices() const { return {}; }
   virtual std::vector<std::string> warnings() const { return {}; }
 
-  // Why it cannot be read now, although it has not ended; empty while it can. For the thread that
-  // reads.
+  // Reason for which it cannot be read now, although it has not ended; empty while it can. For the
+  // thread that reads.
   virtual std::string trouble() const { return {}; }
 };
 

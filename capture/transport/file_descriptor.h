@@ -9,7 +9,7 @@ namespace rayloc {
 
 class FileDescriptor {
  public:
-  // A negative one, as of a call that failed, is nothing to close.
+  // A negative descriptor, as of a failed call, is not closed.
   explicit FileDescriptor(int fd) : fd_(fd) {}
   ~FileDescriptor() {
     if (fd_ >= 0) {

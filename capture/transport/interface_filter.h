@@ -1,7 +1,7 @@
-// InterfaceFilter: what arrived on one interface, that is named. The number by which the kernel
-// calls it changes when it is taken away and made again (a USB adapter, a VLAN, a bridge): on
-// another number the name is looked up again, at most once a second, so that a flood on a forbidden
-// interface costs nothing.
+// InterfaceFilter: accepts the traffic of one interface, given by name. Its kernel index changes
+// when the interface is removed and created again (a USB adapter, a VLAN, a bridge): on another
+// index the name is resolved again, at most once a second, so that a flood on a forbidden interface
+// costs little.
 //
 //   InterfaceFilter filter("br0");
 //   if (!filter.admits(pktinfo.ipi_ifindex)) { ... rejected ... }
@@ -18,7 +18,7 @@ namespace rayloc {
 class InterfaceFilter {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  // The number of an interface now, 0 when there is none of that name.
+  // The current index of an interface, 0 if none has that name.
   using LookUp = std::function<unsigned(const std::string& name)>;
   static constexpr std::chrono::seconds kLookUpInterval{1};
 
@@ -27,7 +27,7 @@ class InterfaceFilter {
   // For tests.
   InterfaceFilter(std::string name, LookUp look_up, std::function<Time()> now);
 
-  // Whether there was such an interface when it was last looked up.
+  // Returns true if the interface existed when its name was last resolved.
   bool exists() const { return name_.empty() || index_ != 0; }
   bool admits(unsigned index);
 
@@ -35,7 +35,7 @@ class InterfaceFilter {
   const std::string name_;
   const LookUp look_up_;
   const std::function<Time()> now_;
-  unsigned index_;  // 0: there is none
+  unsigned index_;  // 0: no such interface
   Time looked_up_;
 };
 

@@ -1,4 +1,4 @@
-// How long poll(2) is to wait.
+// The timeout for poll(2).
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace rayloc {
 
-// Rounded up: a wait that ends early would spin. What is past is no wait, what is too long for
-// poll() the longest that it knows.
+// Rounded up: a wait that ends early would spin. Past times give no wait, times too long for poll()
+// its maximum.
 inline int poll_milliseconds(Duration timeout) {
   const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
   return static_cast<int>(std::clamp<std::int64_t>(ms, 0, std::numeric_limits<int>::max()));

@@ -78,14 +78,14 @@ Expected<void> RelaySender::write(const DatagramBatch& batch) {
   header.rejected = rejected_;
   for (std::size_t i = 0; i < batch.datagrams.size(); ++i) {
     const Datagram& datagram = batch.datagrams[i];
-    // What the batch promises holds behind its last datagram.
+    // The watermark of the batch is valid after its last datagram.
     header.watermark =
         i + 1 < batch.datagrams.size() ? watermark_ : std::max(watermark_, batch.watermark);
     header.time = datagram.time;
     header.address = datagram.address;
     send_one(header, datagram.payload);
   }
-  // Before the first look at the clock there is nothing to promise.
+  // Before the first clock reading there is no watermark.
   watermark_ = std::max(watermark_, batch.watermark);
   if (batch.datagrams.empty()) {
     header.kind = RelayHeader::Kind::kTick;

@@ -1,8 +1,8 @@
-// RelaySender: hands what a source has read to the UnixSource of another process.
+// RelaySender: sends the datagrams read from a source to the UnixSource of another process.
 //
-// While the other end does not take anything, at most 100 ms are waited for it; what it has not
-// taken by then, and what comes while it is not there, is lost and counted. The other end sees the
-// same number as gaps in the sequence. Thread safety: none, one thread owns it.
+// While the other end accepts no datagrams, it waits at most 100 ms; datagrams not accepted by
+// then, and those sent while the other end is absent, are lost and counted. The other end counts
+// the same number as gaps in the sequence. Thread safety: none, one thread owns it.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +22,16 @@ class RelaySender final : public DatagramSink {
   RelaySender(const RelaySender&) = delete;
   RelaySender& operator=(const RelaySender&) = delete;
 
-  // The datagrams of a batch, in order; an empty one as a tick, which carries the watermark and
-  // what was lost so far. Never an Error.
+  // Sends the datagrams of a batch, in order; an empty one as a tick, which carries the watermark
+  // and the losses so far. Never an Error.
   Expected<void> write(const DatagramBatch& batch) override;
   void note_source(const SourceCounters& source) override;
 
-  // Lost are "not_taken", which the other end did not take in time, and "not_there", when nobody
-  // was there.
+  // Losses are "not_taken", not accepted in time by the other end, and "not_there", sent without a
+  // receiver.
   const SinkCounters& counters() const override { return counters_; }
   std::string description() const override { return "unix socket " + path_; }
-  // Whether the last write() found the other end.
+  // Returns true if the last write() found the other end.
   bool connected() const { return fd_ >= 0; }
 
  private:
@@ -43,11 +43,11 @@ class RelaySender final : public DatagramSink {
 
   std::string path_;
   int fd_ = -1;
-  bool stalled_ = false;  // the last one was not taken: no further wait until one is
+  bool stalled_ = false;  // the last one was not accepted: no further wait until one is
   std::uint64_t epoch_;
   std::uint64_t sequence_ = 0;
   Timestamp watermark_{};
-  std::uint64_t kernel_drops_ = 0;  // of the source
+  std::uint64_t kernel_drops_ = 0;  // drops that the source reported
   std::uint64_t rejected_ = 0;
   SinkCounters counters_;
 };

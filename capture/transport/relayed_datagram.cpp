@@ -25,7 +25,7 @@ class ByteWriter {
   std::size_t at_ = 0;
 };
 
-// Nothing outside of what there is.
+// Empty outside the supported range.
 std::optional<Timestamp> time_at(const ByteReader& reader, std::size_t offset) {
   const std::uint64_t nanoseconds = reader.u64(offset);
   if (nanoseconds > static_cast<std::uint64_t>(kLatest.time_since_epoch().count())) {

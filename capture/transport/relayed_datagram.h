@@ -1,10 +1,10 @@
-// What rayloc-capture sends to raylocd for every datagram that it captures: one datagram of an
-// AF_UNIX socket, this header and then the payload. Little-endian.
+// The message of rayloc-capture to raylocd for every captured datagram: one datagram of an AF_UNIX
+// socket, this header and then the payload. Little-endian.
 //
 //   0  4  "RLC1"
 //   4  4  kind: 0 a captured datagram, 1 a tick, which has no payload
-//   8  8  epoch: tells one run of the sender from the next
-//  16  8  sequence: how many datagrams were captured before in this run, sent or not
+//   8  8  epoch: distinguishes one run of the sender from the next
+//  16  8  sequence: number of datagrams captured earlier in this run, sent or not
 //  24  8  time: arrival of the datagram [ns since 1970]; of a tick the watermark
 //  32  8  watermark: nothing older follows [ns since 1970]
 //  40  8  packets that the kernel dropped in this run
@@ -39,7 +39,7 @@ struct RelayHeader {
 
 std::array<std::byte, kRelayHeaderBytes> encode_relay_header(const RelayHeader& header);
 
-// Nothing for bytes that are no such header: too short, another kind, times before 1970 or after
+// Empty if the bytes are no such header: too short, another kind, times before 1970 or after
 // 2200.
 std::optional<RelayHeader> decode_relay_header(std::span<const std::byte> bytes);
 

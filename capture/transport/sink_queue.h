@@ -1,5 +1,5 @@
-// SinkQueue: datagrams for several sinks, collected so that many leave by one call, and none much
-// before or behind its neighbours of another sink.
+// SinkQueue: datagrams for several sinks, collected so that one call sends many of them, and none
+// much before or after its neighbours of another sink.
 #pragma once
 
 #include <cstddef>
@@ -19,14 +19,14 @@ class SinkQueue {
 
   explicit SinkQueue(std::vector<std::unique_ptr<DatagramSink>> sinks) : sinks_(std::move(sinks)) {}
 
-  // Copies the payload; what is queued leaves with flush() or when a batch is full.
-  // REQUIRES: sink is a position in the list.
+  // Copies the payload; queued datagrams are sent by flush() or when a batch is full. REQUIRES:
+  // sink is a position in the list.
   Expected<void> queue(std::size_t sink, const Datagram& datagram);
   Expected<void> flush();
-  // Flushes, and brings everything to where it is safe.
+  // Flushes, and syncs all sinks.
   Expected<void> sync();
 
-  // Of all sinks together.
+  // Sum over all sinks.
   SinkCounters counters() const;
 
  private:

@@ -15,8 +15,8 @@ const TransportScheme* find_scheme(TransportTable table, std::string_view name) 
   return found == table.end() ? nullptr : &*found;
 }
 
-// What stands before the first colon when it can be a scheme: a letter, then letters, digits, '+'
-// and '-', but no dot, which files and hosts have; else nothing.
+// The text before the first colon if it can be a scheme: a letter, then letters, digits, '+' and
+// '-', but no dot, which files and hosts have; otherwise empty.
 std::string_view scheme_of(std::string_view text) {
   const std::string_view word = text.substr(0, std::min(text.find(':'), text.size()));
   const bool named = word.size() < text.size() && !word.empty() &&
@@ -35,7 +35,7 @@ std::string names_text(TransportTable table, std::string_view word) {
   return suggestion(word, names);
 }
 
-// A port that cannot be bound is no question of how it is written.
+// A port that cannot be bound is not an error of notation.
 template <typename T>
 Expected<T> explained(Expected<T> opened, TransportTable table, const std::string& text) {
   const std::string_view word = scheme_of(text);

@@ -1,7 +1,7 @@
-// TransportScheme: one way in which datagrams come or go, and how people write it: "udp:HOST:PORT".
+// TransportScheme: one transport of datagrams and its notation for people: "udp:HOST:PORT".
 //
-// A row stands beside its implementation; capture/source/transport_schemes.h lists all of them.
-// What opens a source or a sink is given the table, so a test can add a row of its own.
+// A row is defined beside its implementation; capture/source/transport_schemes.h lists them all.
+// Functions that open a source or a sink take the table, so a test can add its own row.
 #pragma once
 
 #include <memory>
@@ -17,24 +17,24 @@
 
 namespace rayloc {
 
-// What one may ask of a source besides its address. A transport that has no such thing ignores it:
-// whoever offers the choice to people knows which transports have it.
+// Options of a source besides its address. A transport that does not support one ignores it: the
+// caller that offers an option checks which transports support it.
 struct SourceOptions {
-  std::string only_interface = {};         // udp: only what arrives there; empty: all
-  std::vector<AddressRange> senders = {};  // udp: only what comes from these, when there are any
+  std::string only_interface = {};         // udp: the only accepted interface; empty: all
+  std::vector<AddressRange> senders = {};  // udp: the only accepted senders; empty: all
   std::string filter = {};                 // live: a pcap-filter(7); empty: the transport's own
   std::optional<Duration> max_gap = {};    // pcap: PcapFileOptions::max_gap
-  int adopted_fd = -1;  // udp, unix: an open socket to take over (socket activation)
+  int adopted_fd = -1;                     // udp, unix: an open socket to adopt (socket activation)
 };
 
 struct TransportScheme {
   std::string_view name;     // "udp"
-  std::string_view address;  // what follows the colon: "HOST:PORT"
+  std::string_view address;  // the part after the colon: "HOST:PORT"
   std::string_view example;  // "udp:0.0.0.0:5500"
   std::string_view summary;  // one line, a noun phrase
-  // Its datagrams arrive now, by this machine's clock, and never end. Others are read to their end.
+  // Datagrams arrive now, by this machine's clock, without end. Otherwise the input has an end.
   bool live = true;
-  // `address` is what follows the colon. Null: nothing can come or go this way.
+  // `address` is the part after the colon. Null: the transport does not support this direction.
   Expected<std::unique_ptr<DatagramSource>> (*open_source)(const std::string& address,
                                                            const SourceOptions& options) = nullptr;
   Expected<std::unique_ptr<DatagramSink>> (*open_sink)(const std::string& address) = nullptr;
@@ -44,19 +44,19 @@ using TransportTable = std::span<const TransportScheme>;
 
 struct TransportAddress {
   const TransportScheme* scheme = nullptr;  // a row of the table
-  std::string address;                      // what follows the colon
+  std::string address;                      // the part after the colon
 };
 
-// "SCHEME:ADDRESS". A text that begins with no scheme of the table is the address of `plain` where
-// that is not empty ("0.0.0.0:5500" of "udp", "a.pcap" of "pcap"); else it is an Error, kUsage,
-// that lists the schemes there are.
-// REQUIRES: plain is empty or in the table.
+// "SCHEME:ADDRESS". A text that begins with no scheme of the table is the address of
+// `plain` if that is not empty ("0.0.0.0:5500" of "udp", "a.pcap" of "pcap"); otherwise
+// it is an Error, kUsage, that lists the schemes. REQUIRES: plain is empty or in the
+// table.
 Expected<TransportAddress> parse_transport(TransportTable table,
                                            const std::string& text,
                                            std::string_view plain = {});
 
-// kUsage where the transport cannot do it; else what opening it says. Where a text was taken as
-// plain and begins like a scheme, the Error says which schemes there are.
+// kUsage if the transport does not support it; otherwise the result of opening it. If a text was
+// taken as plain and begins like a scheme, the Error lists the schemes.
 Expected<std::unique_ptr<DatagramSource>> open_datagram_source(TransportTable table,
                                                                const std::string& text,
                                                                std::string_view plain = {},
@@ -65,12 +65,12 @@ Expected<std::unique_ptr<DatagramSink>> open_datagram_sink(TransportTable table,
                                                            const std::string& text,
                                                            std::string_view plain = {});
 
-// For --help and messages: "udp:HOST:PORT, pcap:FILE, unix:PATH or live:INTERFACE", of those that
-// pass.
+// For --help and messages: "udp:HOST:PORT, pcap:FILE, unix:PATH or live:INTERFACE", the transports
+// that support the use.
 enum class TransportUse { kSource, kLiveSource, kSink };
 std::string transport_syntax(TransportTable table, TransportUse use);
 
-// An implementation's Expected as the rows have it.
+// Converts an implementation's Expected to that of the rows.
 template <typename Base, typename Made>
 Expected<std::unique_ptr<Base>> as_transport(Expected<std::unique_ptr<Made>> opened) {
   if (!opened) {

@@ -15,7 +15,7 @@ tl::unexpected<Error> wrong_address(const std::string& text, const std::string& 
                     "'" + text + "': " + why + "; write HOST:PORT, for example 127.0.0.1:5500");
 }
 
-// In brackets or without, with or without a zone.
+// With or without brackets, with or without a zone.
 bool is_ipv6(std::string host) {
   if (host.size() > 2 && host.front() == '[') {
     host = host.substr(1, host.find(']') - 1);

@@ -9,7 +9,7 @@
 
 namespace rayloc {
 
-// HOST is an IPv4 address or a name that has one; "*" or nothing is any address. kUsage otherwise.
+// HOST is an IPv4 address or a name that has one; "*" or empty is any address. kUsage otherwise.
 Expected<sockaddr_in> parse_udp_address(const std::string& text);
 
 // "10.10.10.10:5500"

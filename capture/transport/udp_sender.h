@@ -1,4 +1,4 @@
-// UdpSender: datagrams to one UDP endpoint, many by one system call.
+// UdpSender: sends datagrams to one UDP endpoint, many by one system call.
 #pragma once
 
 #include <netinet/in.h>
@@ -13,10 +13,10 @@ namespace rayloc {
 
 class UdpSender final : public DatagramSink {
  public:
-  // `address` is HOST:PORT; kUsage when it is none.
+  // `address` is HOST:PORT; kUsage if it is invalid.
   static Expected<std::unique_ptr<UdpSender>> open(const std::string& address);
 
-  // Whether anybody listens at the destination is not known, as it is not to the access point.
+  // The presence of a receiver at the destination is unknown, as it is to the access point.
   Expected<void> write(const DatagramBatch& batch) override;
   const SinkCounters& counters() const override { return counters_; }
   std::string description() const override;
